@@ -1,0 +1,1 @@
+"""From results to the report: one figure style, one build, HTML and PDF."""

@@ -1,0 +1,326 @@
+"""The one style of all figures: fonts of the text, printed width, a fixed look for every method.
+
+``figure`` opens a figure whose style travels with it: drawing and saving need nothing else.
+
+>>> with figure(columns=2) as (page, axes):
+...     _ = axes[0].plot([0, 1], [0, 1], **line("MLS"))
+>>> round(float(page.get_figwidth()), 2)
+5.91
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from itertools import cycle
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib import font_manager
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LightSource, to_hex, to_rgb
+from matplotlib.figure import Figure
+from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
+
+from fieldrecon.reporting.fonts import SERIF, SERIF_FACES, font_file
+
+MILLIMETRE = 1 / 25.4
+FULL_WIDTH = 150 * MILLIMETRE
+HALF_WIDTH = 73 * MILLIMETRE
+"""Widths in inches: the text block of the PDF, and two figures beside each other with a gap."""
+
+METHOD_COLORS = {
+    "LS": "#c48600",
+    "MLS": "#2a78bb",
+    "PU": "#2a6428",
+    "RBF": "#5f1049",
+    "truth": "#000000",
+    "data": "#000000",
+}
+"""A colour per method. Lightness falls by ten and more from each to the next, for grey print."""
+
+METHOD_LINESTYLES: Mapping[str, Any] = {
+    "LS": (0, (5, 1.5)),
+    "MLS": "-",
+    "PU": (0, (1, 1.2)),
+    "RBF": (0, (6, 1.5, 1, 1.5)),
+    "truth": "-",
+    "data": "none",
+}
+METHOD_MARKERS = {"LS": "s", "MLS": "o", "PU": "D", "RBF": "^", "truth": "", "data": "."}
+
+SEQUENTIAL = "viridis"
+"""Colour map for amounts: perceptually even, rises in grey."""
+DIVERGING = "PuOr_r"
+"""Colour map for signed errors, centred at zero; dashed negative contours tell the sign in grey."""
+SHADE = "Greys_r"
+"""Colour map of a shaded relief."""
+
+SUN_AZIMUTH = 315.0
+SUN_ALTITUDE = 45.0
+"""Degrees, clockwise from north and above the horizon: light from the upper left, as on maps."""
+
+RC: Any = {
+    "font.family": SERIF,
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "figure.titlesize": 9,
+    "legend.fontsize": 8,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "mathtext.fontset": "custom",
+    "mathtext.rm": SERIF,
+    "mathtext.sf": SERIF,
+    "mathtext.tt": "DejaVu Sans Mono",
+    "mathtext.cal": f"{SERIF}:italic",
+    "mathtext.it": f"{SERIF}:italic",
+    "mathtext.bf": f"{SERIF}:bold",
+    "mathtext.bfit": f"{SERIF}:bold",
+    "mathtext.fallback": "stix",
+    "axes.formatter.use_mathtext": True,
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#dcdcdc",
+    "grid.linewidth": 0.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 3.8,
+    "patch.linewidth": 0.6,
+    "contour.negative_linestyle": "dashed",
+    "contour.linewidth": 0.8,
+    "legend.edgecolor": "none",
+    "legend.framealpha": 0.85,
+    "legend.borderpad": 0.2,
+    "legend.handlelength": 2.6,
+    "image.cmap": SEQUENTIAL,
+    "image.interpolation": "nearest",
+    "image.origin": "lower",
+    "figure.facecolor": "white",
+    "figure.dpi": 150,
+    "savefig.dpi": 200,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "fieldrecon",
+    "svg.id": None,
+    "pdf.fonttype": 3,
+    "text.usetex": False,
+}
+
+NO_CLOCK: Mapping[str, Mapping[str, None]] = {
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    "png": {"Software": None},
+}
+"""Metadata that would make two builds differ, left out per format."""
+
+
+class StyledFigure(Figure):
+    """A figure that is drawn and saved in the style of the report, whatever the caller's settings.
+
+    Saved as SVG, PDF or PNG it gives the same bytes every time.
+    """
+
+    def draw(self, renderer: Any) -> None:
+        """Draw in the style of the report."""
+        with style():
+            super().draw(renderer)
+
+    def savefig(self, fname: Any, **options: Any) -> None:
+        """Save in the style of the report, without a date; `options` as in Matplotlib."""
+        kind = options.get("format") or str(fname).rpartition(".")[2]
+        options.setdefault("metadata", NO_CLOCK.get(kind))
+        with style():
+            super().savefig(fname, **options)
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Give Matplotlib the style of the report inside the ``with``, whatever the user's settings."""
+    _register_fonts()
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(RC)
+        yield
+
+
+@contextmanager
+def figure(
+    width: float = FULL_WIDTH,
+    height: float | None = None,
+    *,
+    rows: int = 1,
+    columns: int = 1,
+    **subplots: Any,
+) -> Iterator[tuple[Figure, Any]]:
+    """Figure and axes in the style of the report.
+
+    Parameters
+    ----------
+    width, height : float
+        Inches, as printed. The height defaults to rows of golden rectangles.
+    rows, columns : int
+        Number of axes; one gives the `Axes` itself, more give an array as ``Figure.subplots``.
+    **subplots
+        Passed to ``Figure.subplots``: `sharex`, `sharey`, `width_ratios`, `subplot_kw` and so on.
+
+    Yields
+    ------
+    tuple
+        The figure and its axes. Draw inside the ``with``; save whenever you like.
+    """
+    height = height or 0.62 * width * rows / columns + 0.25
+    with style():
+        page = StyledFigure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(page)
+        yield page, page.subplots(rows, columns, **subplots)
+        # solved once: every later solution would start from this one and differ in the last bits
+        page.draw_without_rendering()
+        page.set_layout_engine("none")
+
+
+def line(method: str, **changes: Any) -> dict[str, Any]:
+    """Colour, line style and marker of a method, as keywords for ``Axes.plot``.
+
+    Parameters
+    ----------
+    method : str
+        A key of `METHOD_COLORS`.
+    **changes
+        Keywords added or replaced, such as ``marker=""`` for a curve of many points.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> line("MLS")["color"]
+    '#2a78bb'
+    """
+    look = {
+        "color": METHOD_COLORS[method],
+        "linestyle": METHOD_LINESTYLES[method],
+        "marker": METHOD_MARKERS[method],
+        "label": method,
+    }
+    return look | ({"linewidth": 0.9} if method == "truth" else {}) | changes
+
+
+def shades(method: str, count: int, **changes: Any) -> list[dict[str, Any]]:
+    """Tell `count` variants of one method apart: its colour from dark to light, own markers.
+
+    Parameters
+    ----------
+    method : str
+        A key of `METHOD_COLORS`; ``"truth"`` gives greys for families that are no method.
+    count : int
+        Number of variants.
+    **changes
+        Keywords added to each.
+
+    Returns
+    -------
+    list of dict
+        Keywords for ``Axes.plot``.
+
+    Examples
+    --------
+    >>> [look["marker"] for look in shades("RBF", 3)]
+    ['o', 's', '^']
+    """
+    dashes = ["-", (0, (5, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5))]
+    tints = np.linspace(-0.45, 0.45, count) if count > 1 else [0.0]
+    return [
+        {"color": _tint(METHOD_COLORS[method], tint), "linestyle": dash, "marker": marker} | changes
+        for tint, dash, marker in zip(tints, cycle(dashes), cycle("os^Dv*"), strict=False)
+    ]
+
+
+def hillshade(
+    heights: np.ndarray, cell_x: float, cell_y: float, exaggeration: float = 1.0
+) -> np.ndarray:
+    """Brightness in [0, 1] of a surface lit from the upper left (Lambert's cosine law).
+
+    Parameters
+    ----------
+    heights : ndarray, shape (rows, columns)
+        ``heights[i, j]`` lies at ``(j * cell_x, i * cell_y)``: x to the east, y to the north.
+    cell_x, cell_y : float
+        Size of a cell in the unit of the heights.
+    exaggeration : float
+        Factor on the heights.
+
+    Returns
+    -------
+    ndarray, shape (rows, columns)
+
+    Examples
+    --------
+    >>> flat = hillshade(np.zeros((3, 3)), 1.0, 1.0)
+    >>> bool(np.ptp(flat) == 0)
+    True
+    """
+    sun = LightSource(azdeg=SUN_AZIMUTH, altdeg=SUN_ALTITUDE)
+    # Matplotlib counts rows downward; here they run north
+    return sun.hillshade(heights, vert_exag=exaggeration, dx=cell_x, dy=-cell_y, fraction=1.0)
+
+
+def map_axes(axes: Axes, title: str = "") -> None:
+    """Make axes in metres a map: equal scales, no ticks, a frame and a scale bar."""
+    axes.set_aspect("equal")
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(True)
+    if title:
+        axes.set_title(title)
+    scale_bar(axes)
+
+
+def scale_bar(axes: Axes, location: str = "lower right") -> None:
+    """Add a bar of a round length, about a quarter of the width, to axes in metres."""
+    left, right = sorted(axes.get_xlim())
+    metres = round_length((right - left) / 4)
+    label = f"{metres / 1000:g} km" if metres >= 1000 else f"{metres:g} m"
+    bar = AnchoredSizeBar(
+        axes.transData, metres, label, location, pad=0.3, borderpad=0.4, sep=2,
+        size_vertical=(right - left) / 150, fill_bar=True, color="black",
+    )  # fmt: skip
+    bar.patch.set(facecolor="white", edgecolor="none", alpha=0.8)
+    axes.add_artist(bar)
+
+
+def round_length(length: float) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is not above `length`.
+
+    Examples
+    --------
+    >>> [round_length(x) for x in (0.3, 7.0, 10.0, 2400.0)]
+    [0.2, 5.0, 10.0, 2000.0]
+    """
+    power = np.floor(np.log10(length))
+    steps = [float(f"{step}e{power:.0f}") for step in (1, 2, 5)]
+    return max(step for step in steps if step <= length * (1 + 1e-9))
+
+
+def _tint(color: str, amount: float) -> str:
+    """Mix a colour with white (amount > 0) or black (amount < 0)."""
+    target = np.ones(3) if amount > 0 else np.zeros(3)
+    red, green, blue = np.array(to_rgb(color)) * (1 - abs(amount)) + target * abs(amount)
+    return to_hex((red, green, blue))
+
+
+@cache
+def _register_fonts() -> None:
+    for face in SERIF_FACES.values():
+        font_manager.fontManager.addfont(font_file(face))
