@@ -13,7 +13,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 
 from fieldrecon.experiments import get
@@ -22,12 +21,6 @@ from fieldrecon.experiments.settings import with_settings
 
 FIGURE_FORMATS = ("svg", "pdf", "png")
 
-# Dates and program versions in a figure would make the bytes differ from run to run.
-_ANONYMOUS = {
-    "svg": {"Date": None, "Creator": None},
-    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
-    "png": {"Software": None},
-}
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -98,10 +91,9 @@ def write_figure(figure: Any, stem: Path, formats: Iterable[str] = FIGURE_FORMAT
 
 
 def figure_bytes(figure: Any, kind: str) -> bytes:
-    """Return the figure as SVG, PDF or PNG, without dates, versions or random identifiers."""
+    """Return the figure as SVG, PDF or PNG; figures of the report's style carry no date."""
     buffer = io.BytesIO()
-    with mpl.rc_context({"svg.hashsalt": "fieldrecon"}):
-        figure.savefig(buffer, format=kind, metadata=_ANONYMOUS[kind])
+    figure.savefig(buffer, format=kind)
     return buffer.getvalue()
 
 
