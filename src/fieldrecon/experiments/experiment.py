@@ -32,6 +32,21 @@ def parameter(default: Any, meaning: str) -> Any:
     return field(default=default, metadata={"meaning": meaning})
 
 
+def require_at_least(params: Any, **least: float) -> None:
+    """Refuse parameters below what the experiment makes sense for; of a tuple, each entry.
+
+    Raises
+    ------
+    ValueError
+        Naming the parameter, what came and what was wanted.
+    """
+    for name, bound in least.items():
+        value = getattr(params, name)
+        for x in value if isinstance(value, tuple) else (value,):
+            if x < bound:
+                raise ValueError(f"parameter {name} must be {bound:g} or more; got {x:g}")
+
+
 def order_of_magnitude(x: float) -> float:
     """Return the power of ten nearest to ``|x|`` on a logarithmic scale; zero stays zero.
 
