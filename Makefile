@@ -1,0 +1,106 @@
+# Every target makes what it needs, the virtual environment included, and makes it once.
+# Plain enough for GNU Make 3.81, which macOS ships, and for any POSIX shell.
+
+VENV   := .venv
+PYTHON :=
+ready  := $(VENV)/ready
+python := $(VENV)/bin/python
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help test test-slow test-all lint report check-reproducible bench lab lock clean distclean FORCE
+
+# The packages are those of the lock files, whatever else this shell can import.
+unexport PYTHONHOME PYTHONPATH
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-19s %s\n", $$1, $$2 }' Makefile
+
+
+# Set-up. The stamp holds the place it was made for: a moved or copied checkout is set up anew.
+
+made_for := $(shell cat $(ready) 2>/dev/null)
+ifneq ($(made_for),$(CURDIR))
+$(ready): FORCE
+endif
+
+$(ready): $(python) requirements.lock requirements-setup.lock pyproject.toml tools/setup.sh
+	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(VENV)"
+
+# When the interpreter is gone, so is the environment: setup.sh makes both.
+$(python): ;
+
+# What only one target needs comes on top: requirements-lab.lock, requirements-bench.lock.
+$(VENV)/ready-%: requirements-%.lock $(ready)
+	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(VENV)" -r $<
+	@touch $@
+
+
+# Checks. One BLAS thread per test process: the processes are what runs in parallel.
+
+one_thread := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 VECLIB_MAXIMUM_THREADS=1
+pytest     := $(one_thread) $(python) -m pytest --numprocesses=auto --maxprocesses=4
+
+test: $(ready) ## run the tests, those marked slow left out
+	@$(pytest) -m "not slow"
+
+test-slow: $(ready) ## run the tests marked slow
+	@$(pytest) -m slow
+
+test-all: $(ready) ## run every test
+	@$(pytest)
+
+lint: $(ready) ## check the style (ruff) and the types of the public interface (mypy)
+	@$(python) -m ruff check
+	@$(python) -m mypy
+
+
+# Report. The command looks at contents and redoes what changed; make only asks whether to start it.
+# Folders are among the sources, so that a removed file counts. The manifest, written last, is
+# dated to the start of the run: what was edited meanwhile is newer, and is seen by the next call.
+
+build    := report/build
+manifest := $(build)/manifest.json
+outputs  := $(build)/report.html $(build)/report.pdf
+missing  := $(filter-out $(wildcard $(outputs)),$(outputs))
+sources   = $(shell find src report \( -name build -o -name __pycache__ -o -name '*.egg-info' \) -prune -o -print)
+
+report: $(manifest) ## build the report: report/build/report.html and report.pdf
+
+$(manifest): $(ready) $(sources) $(if $(missing),FORCE)
+	@mkdir -p $(build) && touch $(build)/.started
+	@$(VENV)/bin/fieldrecon report
+	@touch -r $(build)/.started $@
+
+check-reproducible: $(ready) ## build the report twice, under different settings, and compare the bytes
+	@$(VENV)/bin/fieldrecon report --check-reproducible
+
+bench: $(VENV)/ready-bench ## measure the speed; the results go to benchmarks/results/
+	@for script in benchmarks/*.py; do $(python) "$$script" || exit 1; done
+
+
+# Rest
+
+lab: $(VENV)/ready-lab ## open JupyterLab in exercises/, the place of the notebooks to come
+	@mkdir -p exercises
+	@$(python) -m jupyterlab exercises
+
+lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=--upgrade takes new versions
+	@set -e; lock() { \
+	  $(python) -m uv pip compile --quiet --universal --generate-hashes --no-header --python-version 3.11 \
+	    $(UPGRADE) pyproject.toml --output-file "$$@"; \
+	}; \
+	lock requirements-setup.lock --group setup; \
+	lock requirements.lock --extra report --extra test --extra lint; \
+	lock requirements-lab.lock --extra lab --constraints requirements.lock; \
+	lock requirements-bench.lock --extra bench --constraints requirements.lock
+
+clean: ## remove what was built, and the caches
+	rm -rf $(build) build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
+
+distclean: clean ## remove the virtual environment too
+	rm -rf src/*.egg-info
+	test ! -e $(VENV)/pyvenv.cfg || rm -rf $(VENV)
+
+FORCE:
