@@ -1,0 +1,80 @@
+"""Many queries in chunks: bounded memory, threads by default, the same result on any machine."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+Progress = Callable[[int, int], object]
+
+CHUNK_BYTES = 2**22
+"""Working memory of one chunk, in bytes; it never depends on the number of cores."""
+
+_AHEAD = 8  # chunks that wait or run at once: bounds the memory for any executor
+
+
+def rows_of(bytes_per_row: float) -> int:
+    """Rows of a chunk whose working memory is CHUNK_BYTES, at least one."""
+    return max(1, int(CHUNK_BYTES // max(bytes_per_row, 1)))
+
+
+def chunked(
+    work: Callable[[np.ndarray], np.ndarray],
+    x: np.ndarray,
+    rows: int,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Iterator[tuple[slice, np.ndarray]]:
+    """Yield each slice of rows of `x` with work(x[slice]), in order.
+
+    The chunks run on `executor` (a pool of threads if None); `progress(done, total)` is called
+    after each. An exception or an interrupt cancels what has not begun.
+    """
+    slices = [slice(i, min(i + rows, len(x))) for i in range(0, len(x), rows)]
+    pool: AbstractContextManager[Executor] = (
+        nullcontext(executor) if executor else _threads(len(slices))
+    )
+    pending: deque[tuple[slice, Future[np.ndarray]]] = deque()
+    done, ahead = 0, iter(slices)
+    # threads share the cores among chunks; BLAS threads below them would only compete
+    with pool as workers, threadpool_limits(1) if len(slices) > 1 else nullcontext():
+        try:
+            while True:
+                while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
+                    pending.append((s, workers.submit(work, x[s])))
+                if not pending:
+                    return
+                s, future = pending.popleft()
+                result = future.result()
+                done += s.stop - s.start
+                if progress is not None:
+                    progress(done, len(x))
+                yield s, result
+        finally:
+            for _, future in pending:
+                future.cancel()
+
+
+class _Inline(Executor):
+    """Runs at once, in the calling thread: one chunk needs no pool."""
+
+    def submit(self, fn, /, *args, **kwargs):  # type: ignore[no-untyped-def]
+        future: Future = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except BaseException as error:
+            future.set_exception(error)
+        return future
+
+
+def _threads(chunks: int) -> Executor:
+    cores = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    )
+    return _Inline() if min(chunks, cores) <= 1 else ThreadPoolExecutor(min(chunks, cores))

@@ -1,0 +1,130 @@
+"""Which sites count at a query: all of them, those within a radius, or the k nearest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+
+@dataclass(frozen=True)
+class Neighborhood:
+    """Sites about a batch of m queries, at most k of them each.
+
+    Attributes
+    ----------
+    index : (m, k) ndarray
+        Sites; where `distance` is infinite there is none.
+    distance : (m, k) ndarray
+        Distances r of the sites from the query.
+    reach : (m,) ndarray or None
+        Distance of the nearest site that no longer counts, where the weight is scaled by it.
+    reach_index : (m,) ndarray or None
+        That site.
+    """
+
+    index: np.ndarray
+    distance: np.ndarray
+    reach: np.ndarray | None = None
+    reach_index: np.ndarray | None = None
+
+    @property
+    def missing(self) -> np.ndarray:
+        """Places (m, k) at which there is no site."""
+        return np.isinf(self.distance)
+
+
+class Search(Protocol):
+    """How sites are found; `without` leaves one site out for each query."""
+
+    local: bool
+
+    def typical_size(self) -> int:
+        """Number of sites of one query, for the size of the chunks."""
+
+    def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
+        """Sites about the queries (m, d)."""
+
+
+class AllSites:
+    """Every site counts at every query."""
+
+    local = False
+
+    def __init__(self, sites: np.ndarray) -> None:
+        self._sites = sites
+
+    def typical_size(self) -> int:
+        """All of them."""
+        return len(self._sites)
+
+    def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
+        """All sites, at their distances."""
+        n = len(self._sites)
+        distance = np.linalg.norm(self._sites - x[:, None, :], axis=-1)
+        if without is not None:
+            distance[np.arange(len(x)), without] = math.inf
+        return Neighborhood(np.broadcast_to(np.arange(n), (len(x), n)), distance)
+
+
+class WithinRadius:
+    """The sites nearer than a radius: the support of the weight."""
+
+    local = True
+
+    def __init__(self, sites: np.ndarray, radius: float) -> None:
+        self._tree = cKDTree(sites)
+        self._radius = radius
+        sample = sites[:: max(1, len(sites) // 1000)]
+        counts = self._tree.query_ball_point(sample, radius, return_length=True)
+        self._typical = int(np.max(counts))
+
+    def typical_size(self) -> int:
+        """The most about a sample of the sites."""
+        return self._typical
+
+    def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
+        """The sites within the radius, padded to the largest number of them."""
+        counts = self._tree.query_ball_point(x, self._radius, return_length=True)
+        k = max(1, int(np.max(counts, initial=0)))
+        # one step beyond the radius, since the search leaves out the bound itself
+        bound = math.nextafter(self._radius, math.inf)
+        distance, index = self._tree.query(x, k=[*range(1, k + 1)], distance_upper_bound=bound)
+        index[np.isinf(distance)] = 0
+        if without is not None:
+            distance[index == without[:, None]] = math.inf
+        return Neighborhood(index, distance)
+
+
+class Nearest:
+    """The k nearest sites; the (k + 1)-th sets the scale, so that the k-th still counts."""
+
+    local = True
+
+    def __init__(self, sites: np.ndarray, k: int) -> None:
+        self._tree = cKDTree(sites)
+        self._k = k
+
+    def typical_size(self) -> int:
+        """As many as are asked for."""
+        return self._k
+
+    def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
+        """The k nearest, and the distance of the next."""
+        distance, index = self._tree.query(x, k=self._k + 1 + (without is not None))
+        if without is not None:
+            distance, index = _dropped(distance, index, without)
+        return Neighborhood(index[:, :-1], distance[:, :-1], distance[:, -1], index[:, -1])
+
+
+def _dropped(
+    distance: np.ndarray, index: np.ndarray, without: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """One column fewer: without the named site, or the last where it is not there (duplicates)."""
+    hit = index == without[:, None]
+    hit[~hit.any(axis=1), -1] = True
+    shape = (len(index), index.shape[1] - 1)
+    return distance[~hit].reshape(shape), index[~hit].reshape(shape)

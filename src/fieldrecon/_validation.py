@@ -1,0 +1,75 @@
+"""Arrays come in with a known shape and finite entries, or an error says what is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def as_points(points: ArrayLike) -> np.ndarray:
+    """Sites as a read-only float array (n, d) with n, d at least 1."""
+    p = _as_numbers(points, "points", complex_allowed=False)
+    if p.ndim != 2 or p.shape[1] == 0:
+        hint = "; for one variable write points[:, None]" if p.ndim == 1 else ""
+        raise ValueError(f"points must have the shape (n, d); got {p.shape}{hint}")
+    if len(p) == 0:
+        raise ValueError(f"points must hold at least one point; got the shape {p.shape}")
+    p = p.copy()
+    p.flags.writeable = False
+    return p
+
+
+def as_queries(x: ArrayLike, d: int) -> np.ndarray:
+    """Queries as a float array (..., d)."""
+    q = _as_numbers(x, "x", complex_allowed=False)
+    if q.ndim == 0 or q.shape[-1] != d:
+        hint = "; for one variable write x[..., None]" if d == 1 else ""
+        raise ValueError(
+            f"x must have {d} coordinates per point, shape (..., {d}); got {q.shape}{hint}"
+        )
+    return q
+
+
+def as_values(values: ArrayLike, n: int, name: str = "values", of: str = "point") -> np.ndarray:
+    """Data as a float or complex array (n, ...), one row for each point."""
+    v = _as_numbers(values, name, complex_allowed=True)
+    if v.ndim == 0 or len(v) != n:
+        raise ValueError(
+            f"{name} must have one entry for each {of}, shape ({n}, ...); got {v.shape}"
+        )
+    return v
+
+
+def as_degree(degree: int, lowest: int = 0) -> int:
+    """A polynomial degree: an integer, `lowest` or more."""
+    if isinstance(degree, bool) or not isinstance(degree, int | np.integer) or degree < lowest:
+        raise ValueError(f"degree must be an integer, {lowest} or more; got {degree!r}")
+    return int(degree)
+
+
+def as_length(length: float, name: str, zero_allowed: bool = False) -> float:
+    """A length parameter: finite and positive, or zero where that has a meaning."""
+    bound = "zero or a positive" if zero_allowed else "a positive"
+    try:
+        number = float(length)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be {bound} number; got {length!r}") from None
+    if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
+        raise ValueError(f"{name} must be {bound} number; got {length!r}")
+    return number
+
+
+def _as_numbers(a: ArrayLike, name: str, complex_allowed: bool) -> np.ndarray:
+    try:
+        array = np.asarray(a)
+    except ValueError:
+        raise ValueError(f"{name} must be an array of numbers; its rows differ in length") from None
+    kinds = "biufc" if complex_allowed else "biuf"
+    if array.dtype.kind not in kinds:
+        wanted = "numbers" if complex_allowed else "real numbers"
+        raise ValueError(f"{name} must be an array of {wanted}; got the type {array.dtype}")
+    array = array.astype(np.complex128 if array.dtype.kind == "c" else np.float64, copy=False)
+    if not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"{name} must be finite; {name}{list(where)} is {array[where]}")
+    return array

@@ -1,0 +1,145 @@
+"""Many small weighted least-squares problems at once.
+
+For each of m queries, C with c = C f minimises sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
+well conditioned the normal equations are solved by elimination, batched over the queries; the rest
+takes Householder QR, with rows sorted and columns pivoted, which is stable however much the weights
+of the rows differ (Cox and Higham 1998).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# Pivots of the equilibrated normal matrix below this send a query to QR: about three digits of
+# sixteen may be lost by elimination.
+SAFE_PIVOT = 1e-3
+# Squares of entries below this lose digits, or vanish.
+_SMALLEST_SQUARE = 1e-280
+
+
+class Undetermined(Exception):
+    """The sites of query `query` of the batch leave the coefficients undetermined: rank `rank`."""
+
+    def __init__(self, query: int, rank: int) -> None:
+        super().__init__(query, rank)
+        self.query, self.rank = query, rank
+
+
+def coefficient_weights(
+    b: np.ndarray, w: np.ndarray, rows: int, tolerance: np.ndarray
+) -> np.ndarray:
+    """First rows of C: the weights of the data in the first coefficients.
+
+    Parameters
+    ----------
+    b : (m, k, q) ndarray
+        Basis at the sites of each query, in its local frame.
+    w : (m, k) ndarray
+        Weights, the largest of each query one; a site of weight zero does not count.
+    rows : int
+        How many coefficients are wanted.
+    tolerance : (m,) ndarray
+        Smallest singular value, relative to the largest, of a basis that determines them.
+
+    Returns
+    -------
+    (m, rows, k) ndarray
+        C, so that C f are the coefficients.
+
+    Raises
+    ------
+    Undetermined
+        If the sites with positive weight leave a polynomial undetermined.
+    """
+    a = w[..., None] * b
+    solution, safe = _by_elimination(a.mT @ a, rows)
+    c = (a @ solution).mT * w[:, None, :]
+    if not safe.all():
+        risky = ~safe
+        _require_full_rank(b, w, tolerance, np.flatnonzero(risky))
+        c[risky] = _by_qr(a[risky], w[risky])[:, :rows]
+    return c
+
+
+def _by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """Columns (m, q, rows) of the inverse of the normal matrices, and where they can be trusted."""
+    m, q, _ = g.shape
+    diagonal = np.einsum("mii->mi", g)
+    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    t = np.zeros((q, q + rows, m))  # queries last: each step runs over contiguous memory
+    t[:, :q] = (g / (size[:, :, None] * size[:, None, :])).transpose(1, 2, 0)
+    t[range(rows), range(q, q + rows)] = 1.0
+    least = np.ones(m)
+    for j in range(q):
+        pivot = t[j, j].copy()
+        least = np.fmin(least, pivot)
+        t[j, j:] /= np.where(pivot > SAFE_PIVOT, pivot, 1.0)
+        for i in range(q):
+            if i != j:
+                t[i, j + 1 :] -= t[i, j] * t[j, j + 1 :]
+    safe = (least > SAFE_PIVOT) & (diagonal > _SMALLEST_SQUARE).all(axis=1)
+    scaled = t[:, q:].transpose(2, 0, 1) / size[:, :, None]
+    return scaled / size[:, None, :rows], safe
+
+
+def _require_full_rank(
+    b: np.ndarray, w: np.ndarray, tolerance: np.ndarray, queries: np.ndarray
+) -> None:
+    # Whether a polynomial can vanish on the sites is a matter of the sites, not of the weights:
+    # with those, a query between two close sites would look deficient.
+    counted = np.where(w[queries, :, None] > 0, b[queries], 0.0)
+    norms = np.linalg.norm(counted, axis=1, keepdims=True)
+    sigma = np.linalg.svd(counted / np.where(norms > 0, norms, 1.0), compute_uv=False)
+    rank = (sigma > tolerance[queries, None] * sigma[:, :1]).sum(axis=1)
+    deficient = np.flatnonzero(rank < b.shape[2])
+    if len(deficient):
+        raise Undetermined(int(queries[deficient[0]]), int(rank[deficient[0]]))
+
+
+def _by_qr(a: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """C (m, q, k) = P R^-1 Q^T W by Householder QR of the weighted rows, sorted and pivoted."""
+    m, k, q = a.shape
+    size = np.abs(a).max(axis=1)
+    a = a / size[:, None, :]
+    order = np.argsort(-np.abs(a).max(axis=2), axis=1, kind="stable")
+    r = np.take_along_axis(a, order[..., None], axis=1)
+    pivots = np.tile(np.arange(q), (m, 1))
+    reflectors = []
+    for j in range(q):
+        _bring_largest_column(r, pivots, j)
+        v = _reflector(r[:, j:, j])
+        r[:, j:, j:] -= v[..., None] * (v[:, None, :] @ r[:, j:, j:])
+        reflectors.append(v)
+    thin_q = np.zeros((m, k, q))
+    thin_q[:, range(q), range(q)] = 1.0
+    for j in reversed(range(q)):
+        v = reflectors[j]
+        thin_q[:, j:] -= v[..., None] * (v[:, None, :] @ thin_q[:, j:])
+    c = np.empty((m, q, k))
+    solved = np.linalg.solve(np.triu(r[:, :q]), thin_q.mT)
+    np.put_along_axis(c, pivots[..., None], solved, axis=1)
+    unsorted = np.empty_like(c)
+    np.put_along_axis(unsorted, order[:, None, :].repeat(q, axis=1), c, axis=2)
+    return unsorted * w[:, None, :] / size[:, :, None]
+
+
+def _bring_largest_column(r: np.ndarray, pivots: np.ndarray, j: int) -> None:
+    """Swap the column with the largest remainder into place j, for each query."""
+    best = j + np.argmax(_norms(r[:, j:, j:]), axis=1)
+    all_queries = np.arange(len(r))
+    for array in (r.swapaxes(1, 2), pivots):
+        array[all_queries, best], array[:, j] = array[:, j].copy(), array[all_queries, best]
+
+
+def _reflector(x: np.ndarray) -> np.ndarray:
+    """Vectors v with (I - v v^T) x = -sign(x_0) |x| e_0, for each row of x."""
+    v = x.copy()
+    v[:, 0] += np.copysign(_norms(x), x[:, 0])
+    length = _norms(v)
+    return np.sqrt(2.0) * v / np.where(length > 0, length, 1.0)[:, None]
+
+
+def _norms(a: np.ndarray) -> np.ndarray:
+    """Euclidean norms along axis 1, without underflow of the squares of tiny remainders."""
+    top = np.abs(a).max(axis=1)
+    return top * np.linalg.norm(a / np.expand_dims(np.where(top > 0, top, 1.0), 1), axis=1)

@@ -1,0 +1,275 @@
+"""Moving least squares: a polynomial for each query, its weights falling with the distance."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from fieldrecon import _validation as valid
+from fieldrecon._chunks import rows_of
+from fieldrecon._local_fits import LocalFit
+from fieldrecon._neighborhoods import AllSites, Nearest, Neighborhood, Search, WithinRadius
+from fieldrecon.least_squares import half_sum_of_squares, monomial_matrix
+from fieldrecon.polynomials import Frame, dimension, monomials, require_unisolvent
+from fieldrecon.radial import Radial, inverse_square
+from fieldrecon.reconstruction import Reconstruction, Weights
+
+
+class MovingLeastSquares(Reconstruction):
+    """Moving least squares, c(x) = argmin 1/2 |W(x) (B c - V)|^2 and f(x) = b(x)^T c(x).
+
+    The weights enter squared, as on the slides: with w = 1/(r^2 + epsilon^2) a site counts by w^2.
+    Each query is solved in its own frame, shifted to x and scaled to the neighbourhood. The
+    gradient is that of the field as it is, derivative of the weights included.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Sites.
+    weight : Radial
+        Weight function w(r) >= 0: `inverse_square`, `gaussian`, `wendland`, ...
+    degree : int
+        Total degree of the local polynomials, 0 or more.
+    neighbors : int, optional
+        With k given, only the k nearest sites count, and the weight sees r/rho, rho the distance
+        of the (k + 1)-th site, so that the k-th still counts. With a `wendland` weight of radius 1
+        the field is continuous and piecewise smooth: its gradient jumps where another site becomes
+        the (k + 1)-th. A weight that does not vanish at 1 makes the field jump there. Without it,
+        all sites within the weight's support count, and the field is as smooth as the weight.
+
+    Raises
+    ------
+    ValueError
+        If an argument has the wrong form; if `neighbors` is not less than the number of sites.
+    numpy.linalg.LinAlgError
+        If the points, or later those about a query, do not determine a polynomial of this degree.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 8-10; Lancaster and Salkauskas (1981); Levin (1998).
+
+    Examples
+    --------
+    >>> import numpy as np, fieldrecon as fr
+    >>> points = fr.datasets.halton(50, 2)
+    >>> method = MovingLeastSquares(points, fr.inverse_square(0.1))
+    >>> s = method.field(points[:, 0] + 2 * points[:, 1])
+    >>> s([0.5, 0.25]).round(12), s.gradient([0.5, 0.25]).round(12)
+    (np.float64(1.0), array([1., 2.]))
+    """
+
+    def __init__(
+        self, points: ArrayLike, weight: Radial, degree: int = 1, neighbors: int | None = None
+    ) -> None:
+        self.points = valid.as_points(points)
+        self.degree = valid.as_degree(degree)
+        if not isinstance(weight, Radial):
+            raise ValueError(
+                f"weight must be a radial function such as inverse_square(0.1); got {weight!r}"
+            )
+        if weight.order > 0 or weight.homogeneity > 0:
+            raise ValueError(
+                f"weight must be positive and fall with the distance; {weight!r} does not"
+            )
+        self.weight = weight
+        self.neighbors = _as_neighbors(neighbors, len(self.points))
+        frame = Frame.around(self.points)
+        require_unisolvent(
+            self.points, monomials(frame.local(self.points), self.degree), self.degree
+        )
+        # Lengths in a unit of the cloud's size: no square of a distance overflows. Coordinates are
+        # not shifted here, which would round close points together; differences are local anyway.
+        self.unit = frame.scale
+        self.sites = self.points / self.unit
+        self.search = self._searched()
+        self.interpolates = isinstance(weight, inverse_square) and weight.epsilon == 0
+
+    def _searched(self) -> Search:
+        if self.neighbors is not None:
+            return Nearest(self.sites, self.neighbors)
+        if math.isfinite(self.weight.support):
+            return WithinRadius(self.sites, self.weight.support / self.unit)
+        return AllSites(self.sites)
+
+    def matrix(self, x: ArrayLike) -> np.ndarray:
+        """Matrix H_MLS(x) = B^T W(x)^2 B of the notes, in the points' coordinates; for inspection.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries.
+
+        Returns
+        -------
+        (..., q, q) ndarray
+            One symmetric matrix for each query.
+
+        Raises
+        ------
+        OverflowError
+            If its entries do not fit into floating-point numbers in this unit of length.
+        """
+        x = valid.as_queries(x, self.points.shape[1])
+        b = monomial_matrix(self.points, self.degree)
+        near = self.search(x.reshape(-1, x.shape[-1]) / self.unit)
+        a = self._true_weights(near)[..., None] * b[near.index]
+        with np.errstate(over="ignore", invalid="ignore"):
+            h = a.mT @ a
+        if not np.isfinite(h).all():
+            raise OverflowError(
+                "H_MLS exceeds the range of floating-point numbers: the weights of sites this "
+                "close to a query do"
+            )
+        return h.reshape((*x.shape[:-1], b.shape[1], b.shape[1]))
+
+    def objective(self, values: ArrayLike, x: ArrayLike, normalized: bool = False) -> np.ndarray:
+        """Objective psi_MLS(x) = 1/2 sum_i w_i(x)^2 (b(p_i)^T c(x) - f_i)^2 at its minimum.
+
+        It is the weighted residual of the local fit, not the error at x: as epsilon grows it falls,
+        whatever the data. Normalized, it is divided by sum_i w_i^2.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            Data.
+        x : (..., d) array_like
+            Queries.
+        normalized : bool
+            Whether to divide by the sum of the squared weights.
+
+        Returns
+        -------
+        (..., *v) ndarray
+            One number for each query and component of the data.
+
+        Raises
+        ------
+        OverflowError
+            If the squares do not fit into floating-point numbers in this unit.
+        """
+        values = valid.as_values(values, len(self.points))
+        queries = valid.as_queries(x, self.points.shape[1])
+        flat = queries.reshape(-1, queries.shape[-1])
+        columns = values.reshape(len(values), -1)
+        psi = np.empty((len(flat), columns.shape[1]))
+        rows = self._chunk_rows(columns.shape[1])
+        for start in range(0, len(flat), rows):
+            part = slice(start, start + rows)
+            psi[part] = self._objective_rows(flat[part], columns, normalized)
+        return psi.reshape((*queries.shape[:-1], *values.shape[1:]))
+
+    def _objective_rows(self, x: np.ndarray, values: np.ndarray, normalized: bool) -> np.ndarray:
+        fit = LocalFit(self, x)
+        residual = fit.residuals(values[fit.near.index])
+        w = fit.weight if normalized else self._true_weights(fit.near)
+        # an infinite weight has a residual of zero, and w^2 r^2 has the limit zero
+        w = np.where(np.isfinite(w), w, 0.0)
+        psi = half_sum_of_squares(w[..., None] * residual, axis=1)
+        return psi / (fit.weight**2).sum(axis=1)[:, None] if normalized else psi
+
+    def _true_weights(self, near: Neighborhood) -> np.ndarray:
+        """Weights w(r) in the points' own unit of length."""
+        if near.reach is not None:
+            return self.weight(near.distance / near.reach[:, None])
+        r = np.where(near.missing, 0.0, near.distance) * self.unit
+        return np.where(near.missing, 0.0, self.weight(r))
+
+    def left_out(self, values: ArrayLike, sites: np.ndarray | None = None) -> np.ndarray:
+        """Values at sites (all by default), each reconstructed from the data of the other sites."""
+        values = valid.as_values(values, len(self.points))
+        columns = values.reshape(len(values), -1)
+        sites = np.arange(len(columns)) if sites is None else sites
+        result = np.empty_like(columns[sites])
+        rows = self._chunk_rows(columns.shape[1])
+        for start in range(0, len(sites), rows):
+            part = sites[start : start + rows]
+            fit = LocalFit(self, self.points[part], without=part)
+            a = fit.coefficient_weights(1)[:, 0]
+            result[start : start + rows] = np.einsum("mk,mkv->mv", a, columns[fit.near.index])
+        return result.reshape((len(sites), *values.shape[1:]))
+
+    def own_weights(self) -> np.ndarray:
+        """Diagonal (n,) of H(X): how much each datum decides the value at its own site."""
+        result = np.empty(len(self.points))
+        rows = self._chunk_rows(1)
+        for start in range(0, len(result), rows):
+            part = np.arange(start, min(start + rows, len(result)))
+            fit = LocalFit(self, self.points[part])
+            own = (fit.near.index == part[:, None]) & ~fit.near.missing
+            result[part] = np.where(own, fit.coefficient_weights(1)[:, 0], 0.0).sum(axis=1)
+        return result
+
+    def _prepare(self, values: np.ndarray) -> np.ndarray:
+        return values
+
+    def _value_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        fit = LocalFit(self, x)
+        return np.einsum("mk,mkv->mv", fit.coefficient_weights(1)[:, 0], prepared[fit.near.index])
+
+    def _gradient_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        fit = LocalFit(self, x)
+        return (
+            np.einsum("mkd,mkv->mvd", fit.gradient_weights(), prepared[fit.near.index]) / self.unit
+        )
+
+    def _weight_rows(self, x: np.ndarray) -> Weights:
+        if not self.search.local:
+            self._refuse_if_too_large(len(x))
+        parts = []
+        for fit in self._fits(x):
+            parts.append(self._matrix_of(fit.near, fit.coefficient_weights(1)[:, 0]))
+        return self._stacked(parts)
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
+        d = x.shape[1]
+        if not self.search.local:
+            self._refuse_if_too_large(len(x), d)
+        parts: list[list[Weights]] = [[] for _ in range(d)]
+        for fit in self._fits(x):
+            g = fit.gradient_weights() / self.unit
+            for k in range(d):
+                parts[k].append(self._matrix_of(fit.near, g[..., k]))
+        return tuple(self._stacked(p) for p in parts)
+
+    def _fits(self, x: np.ndarray):  # type: ignore[no-untyped-def]
+        rows = self._chunk_rows(1)
+        for start in range(0, max(len(x), 1), rows):
+            yield LocalFit(self, x[start : start + rows])
+
+    def _matrix_of(self, near: Neighborhood, a: np.ndarray) -> Weights:
+        if not self.search.local:
+            return a
+        keep = ~near.missing
+        pointer = np.concatenate([[0], np.cumsum(keep.sum(axis=1))])
+        shape = (len(a), len(self.points))
+        matrix = sparse.csr_array((a[keep], near.index[keep], pointer), shape=shape)
+        matrix.sort_indices()
+        return matrix
+
+    def _stacked(self, parts: list[Weights]) -> Weights:
+        if self.search.local:
+            return sparse.csr_array(sparse.vstack(parts, format="csr"))
+        return np.concatenate(parts)
+
+    def _chunk_rows(self, columns: int) -> int:
+        q = dimension(self.points.shape[1], self.degree)
+        k = self.search.typical_size()
+        return rows_of(8 * (k * (2 * q + self.points.shape[1] + columns + 4) + 2 * q * q))
+
+
+def _as_neighbors(neighbors: int | None, n: int) -> int | None:
+    if neighbors is None:
+        return None
+    if (
+        isinstance(neighbors, bool)
+        or not isinstance(neighbors, int | np.integer)
+        or not 1 <= neighbors < n
+    ):
+        raise ValueError(
+            f"neighbors must be an integer from 1 to {n - 1}, fewer than the {n} points, or None "
+            f"for all of them; got {neighbors!r}"
+        )
+    return int(neighbors)

@@ -1,0 +1,298 @@
+"""Radial basis functions augmented by polynomials."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.distance import cdist
+
+from fieldrecon import _validation as valid
+from fieldrecon._chunks import chunked, rows_of
+from fieldrecon._saddle import SaddlePoint
+from fieldrecon.least_squares import LeastSquares, monomial_matrix
+from fieldrecon.polynomials import (
+    Frame,
+    dimension,
+    monomial_gradients,
+    monomials,
+    powers_of_scale,
+    require_unisolvent,
+)
+from fieldrecon.radial import Radial
+from fieldrecon.reconstruction import Reconstruction
+
+_TILE = 1024  # centres at once: their distances from a chunk of queries stay in the cache
+
+
+class RBF(Reconstruction):
+    """Augmented radial basis functions, f(x) = b(x)^T c + sum_j lambda_j phi(|x - p_j|).
+
+    Interpolation f(p_i) = f_i with the side conditions sum_j lambda_j b(p_j) = 0 gives a symmetric
+    indefinite system. It has a unique solution if the points are distinct and no polynomial of the
+    degree vanishes on them; it is factored by Cholesky on the null space of the side conditions.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Sites, distinct unless there is smoothing.
+    kernel : Radial
+        Kernel phi, for instance `thin_plate_spline()`.
+    degree : int, optional
+        Degree of the polynomial; `kernel.order - 1` by default, and no less. -1 for none.
+    smoothing : float
+        Added to the diagonal: minimises |f(p) - f|^2 + smoothing * energy. In units of the kernel.
+
+    Raises
+    ------
+    ValueError
+        If points coincide, or an argument has the wrong form.
+    numpy.linalg.LinAlgError
+        If the points do not determine the polynomial, or the kernel is too flat for them.
+    MemoryError
+        If the system would not fit into this machine's memory.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 11-13 (whose matrix is indefinite, not positive definite);
+    Wendland (2005), theorem 8.21.
+
+    Examples
+    --------
+    >>> import numpy as np, fieldrecon as fr
+    >>> points = fr.datasets.halton(200, 2)
+    >>> s = RBF(points, fr.thin_plate_spline()).field(fr.datasets.franke(points))
+    >>> bool(abs(s([0.5, 0.5]) - fr.datasets.franke([0.5, 0.5])) < 1e-3)
+    True
+    """
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        kernel: Radial,
+        degree: int | None = None,
+        smoothing: float = 0.0,
+    ) -> None:
+        self.points = valid.as_points(points)
+        self.kernel = _as_kernel(kernel)
+        self.degree = _as_augmentation(degree, kernel)
+        self.smoothing = valid.as_length(smoothing, "smoothing", zero_allowed=True)
+        self.interpolates = self.smoothing == 0
+        self._frame = Frame.around(self.points)
+        p = self._basis(self.points)
+        require_unisolvent(self.points, p, self.degree)
+        if self.interpolates:
+            _refuse_duplicates(self.points)
+        _refuse_beyond_memory(len(self.points))
+        self._sites = self.points / self._frame.scale
+        self._unit_kernel = kernel.in_units(self._frame.scale)
+        a = self._kernel_matrix()
+        a[np.diag_indices_from(a)] += self._unit_smoothing()
+        self._system = SaddlePoint(a, p)
+
+    def matrix(self) -> np.ndarray:
+        """Matrix H_RBF of the notes, kernel bordered by polynomials, in the points' coordinates.
+
+        Returns
+        -------
+        (n + q, n + q) ndarray
+            Symmetric and indefinite: n positive and q negative eigenvalues.
+
+        Raises
+        ------
+        OverflowError
+            If its entries do not fit into floating-point numbers in this unit of length.
+        """
+        p = monomial_matrix(self.points, self.degree)
+        n, q = p.shape
+        self._refuse_if_too_large(n + q)
+        powers_of_scale(self._frame.scale, np.array([self.kernel.homogeneity]), "the matrix")
+        h = np.zeros((n + q, n + q))
+        h[:n, :n] = self.kernel.of_squared(cdist(self.points, self.points, "sqeuclidean"))
+        h[range(n), range(n)] += self.smoothing
+        h[:n, n:], h[n:, :n] = p, p.T
+        return h
+
+    def coefficients(self, values: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Coefficients (lambda, c) in the points' own coordinates.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            Data.
+
+        Returns
+        -------
+        lambda : (n, ...) ndarray
+            Coefficients of the kernels; orthogonal to the polynomials.
+        c : (q, ...) ndarray
+            Coefficients of the polynomial in the basis 1, x_1 ... x_d, then by total degree.
+
+        Raises
+        ------
+        OverflowError
+            If they do not fit into floating-point numbers in this unit of length.
+        """
+        values = valid.as_values(values, len(self.points))
+        columns = values.reshape(len(values), -1)
+        power = np.array([-self.kernel.homogeneity])
+        lam = self._system.solve(columns)[0]
+        lam = lam * powers_of_scale(self._frame.scale, power, "the coefficients")
+        shape = values.shape[1:]
+        if self.degree < 0:
+            return lam.reshape((-1, *shape)), np.zeros((0, *shape))
+        # What the kernels leave of the data is the polynomial; a change of unit of r^2 log r adds
+        # to it, so it is found here anew.
+        rest = columns - self._kernel_sum(lam) - self.smoothing * lam
+        c = LeastSquares(self.points, self.degree).coefficients(rest)
+        return lam.reshape((-1, *shape)), c.reshape((-1, *shape))
+
+    def inverse_diagonal(self) -> np.ndarray:
+        """Diagonal (n,) of the inverse of H_RBF, up to the kernel's unit, for leave-one-out."""
+        return self._system.inverse_diagonal()
+
+    def _kernel_sum(self, lam: np.ndarray) -> np.ndarray:
+        total = np.zeros_like(lam)
+        for start in range(0, len(self.points), _TILE):
+            part = slice(start, start + _TILE)
+            squared = cdist(self.points, self.points[part], "sqeuclidean")
+            total += self.kernel.of_squared(squared) @ lam[part]
+        return total
+
+    def _kernel_matrix(self) -> np.ndarray:
+        """Lower triangle of the kernel between all sites, of size one."""
+        n = len(self._sites)
+        a = np.zeros((n, n), order="F")
+        for part, block in chunked(self._kernel_rows, np.arange(n), rows_of(16 * n)):
+            a[part.start :, part] = block.T
+        return a
+
+    def _kernel_rows(self, rows: np.ndarray) -> np.ndarray:
+        squared = cdist(self._sites[rows], self._sites[rows[0] :], "sqeuclidean")
+        return self._unit_kernel.of_squared(squared)
+
+    def _unit_smoothing(self) -> float:
+        power = np.array([-self.kernel.homogeneity])
+        if self.smoothing == 0:
+            return 0.0
+        return float(self.smoothing * powers_of_scale(self._frame.scale, power, "the smoothing")[0])
+
+    def _basis(self, x: np.ndarray) -> np.ndarray:
+        return monomials(self._frame.local(x), self.degree)
+
+    def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self._system.solve(values)
+
+    def _value_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        lam, c = prepared
+        total = self._basis(x) @ c
+        queries = x / self._frame.scale
+        for start in range(0, len(lam), _TILE):
+            part = slice(start, start + _TILE)
+            squared = cdist(queries, self._sites[part], "sqeuclidean")
+            total += self._unit_kernel.of_squared(squared) @ lam[part]
+        return total
+
+    def _gradient_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        lam, c = prepared
+        total = np.einsum("mqd,qv->mvd", monomial_gradients(self._frame.local(x), self.degree), c)
+        queries = x / self._frame.scale
+        for start in range(0, len(lam), _TILE):
+            part = slice(start, start + _TILE)
+            slope, offset = self._slopes(queries, self._sites[part])
+            for k in range(x.shape[1]):
+                total[..., k] += (slope * offset[..., k]) @ lam[part]
+        return total / self._frame.scale
+
+    def _slopes(self, queries: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """phi'(r)/r (m, n) and x - p (m, n, d) in the local frame."""
+        offset = queries[:, None, :] - sites
+        squared = np.einsum("mnd,mnd->mn", offset, offset)
+        if not self.kernel.differentiable and (squared == 0).any():
+            where = queries[np.argwhere(squared == 0)[0][0]] * self._frame.scale
+            raise ValueError(
+                f"{self.kernel!r} has no gradient at a site, and the query "
+                f"({', '.join(f'{v:.6g}' for v in where)}) is one"
+            )
+        return self._unit_kernel.slope_of_squared(squared), offset
+
+    def _weight_rows(self, x: np.ndarray) -> np.ndarray:
+        self._refuse_if_too_large(len(x))
+        squared = cdist(self._sites, x / self._frame.scale, "sqeuclidean")
+        return self._system.solve(self._unit_kernel.of_squared(squared), self._basis(x).T)[0].T
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        d = x.shape[1]
+        self._refuse_if_too_large(len(x), 3 * d)
+        slope, offset = self._slopes(x / self._frame.scale, self._sites)
+        slopes_of_basis = monomial_gradients(self._frame.local(x), self.degree)
+        return tuple(
+            self._system.solve((slope * offset[..., k]).T, slopes_of_basis[..., k].T)[0].T
+            / self._frame.scale
+            for k in range(d)
+        )
+
+    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
+        moments = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
+        queries = x / self._frame.scale
+        for start in range(0, len(x), _TILE):
+            part = slice(start, start + _TILE)
+            squared = cdist(self._sites, queries[part], "sqeuclidean")
+            moments += self._unit_kernel.of_squared(squared) @ f[part]
+        return self._system.solve(moments, self._basis(x).T @ f)[0]
+
+    def _chunk_rows(self, columns: int) -> int:
+        q = dimension(self.points.shape[1], self.degree)
+        return rows_of(
+            8 * (3 * min(_TILE, len(self.points)) + (q + columns) * (self.points.shape[1] + 2))
+        )
+
+
+def _as_kernel(kernel: Radial) -> Radial:
+    if not isinstance(kernel, Radial):
+        raise ValueError(
+            f"kernel must be a radial function such as thin_plate_spline(); got {kernel!r}"
+        )
+    if not np.abs(kernel(0.0)) < 1e100:
+        raise ValueError(f"kernel must be finite at r = 0; {kernel!r} is not")
+    return kernel
+
+
+def _as_augmentation(degree: int | None, kernel: Radial) -> int:
+    least = kernel.order - 1
+    if degree is None:
+        return least
+    if (
+        isinstance(degree, int | np.integer)
+        and not isinstance(degree, bool)
+        and -1 <= degree < least
+    ):
+        raise ValueError(
+            f"{kernel!r} needs polynomials of degree {least} or more "
+            f"(order {kernel.order}); got {degree}"
+        )
+    return valid.as_degree(degree, lowest=-1)
+
+
+def _refuse_duplicates(points: np.ndarray) -> None:
+    # adding zero makes -0.0 equal to 0.0
+    _, first, inverse = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
+    twice = np.flatnonzero(first[inverse.ravel()] != np.arange(len(points)))
+    if len(twice):
+        pairs = [f"{first[inverse.ravel()[j]]} and {j}" for j in twice[:5]]
+        more = f" and {len(twice) - 5} more" if len(twice) > 5 else ""
+        raise ValueError(
+            f"points must be distinct to be interpolated; these coincide: {', '.join(pairs)}"
+            f"{more}; merge them, or give smoothing > 0"
+        )
+
+
+def _refuse_beyond_memory(n: int) -> None:
+    needed = 8 * n * n
+    available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if needed > 0.8 * available:
+        raise MemoryError(
+            f"a global fit of {n} points needs a matrix of {needed / 2**30:.0f} GiB, and this "
+            f"machine has {available / 2**30:.0f}; MovingLeastSquares with neighbors is local"
+        )

@@ -1,0 +1,314 @@
+"""The one idea: a method is its weights, s(x) = sum_i w_i(x) f_i, and they need the sites only."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from concurrent.futures import Executor
+from functools import partial
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from fieldrecon import _validation as valid
+from fieldrecon._chunks import Progress, chunked
+
+DENSE_LIMIT_BYTES = 2**31
+"""Largest dense weight matrix that is formed, in bytes."""
+
+Weights: TypeAlias = np.ndarray | sparse.csr_array
+
+
+class Reconstruction(ABC):
+    """A method on fixed sites, linear in the data: sites first, data second, then call.
+
+    Attributes
+    ----------
+    points : (n, d) ndarray
+        The sites.
+    degree : int
+        Highest total degree of polynomials that come back exactly; -1 for none.
+    interpolates : bool
+        Whether the data come back at the sites.
+    """
+
+    points: np.ndarray
+    degree: int
+    interpolates: bool
+
+    def field(self, values: ArrayLike) -> Field:
+        """Field of these data.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            One real or complex scalar, vector or array for each site.
+
+        Returns
+        -------
+        Field
+            Callable at any points, with a gradient.
+
+        Raises
+        ------
+        ValueError
+            If there is not one finite value for each site.
+        """
+        return Field(self, valid.as_values(values, len(self.points)))
+
+    def weights(self, x: ArrayLike) -> Weights:
+        """Weights w_i(x) of the data in the value at x.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries; m of them in all.
+
+        Returns
+        -------
+        (m, n) ndarray or scipy.sparse.csr_array
+            H with s(x) = H f; sparse for local methods.
+
+        Raises
+        ------
+        MemoryError
+            If a dense H would exceed DENSE_LIMIT_BYTES.
+        OverflowError
+            If a weight exceeds the range of floating-point numbers.
+        """
+        queries = self._queries(x)
+        return _finite(_without_warnings(self._weight_rows, queries), queries)
+
+    def gradient_weights(self, x: ArrayLike) -> tuple[Weights, ...]:
+        """Weights of the data in each component of the gradient at x.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries; m of them in all.
+
+        Returns
+        -------
+        tuple of d matrices (m, n)
+            The gradient is (G_1 f, ..., G_d f); sparse for local methods.
+
+        Raises
+        ------
+        MemoryError
+            If the dense matrices would exceed DENSE_LIMIT_BYTES.
+        """
+        queries = self._queries(x)
+        matrices = _without_warnings(self._gradient_weight_rows, queries)
+        return tuple(_finite(matrix, queries) for matrix in matrices)
+
+    def adjoint(self, x: ArrayLike, f: ArrayLike) -> np.ndarray:
+        """Adjoint H^T f of `weights`, without forming H where that can be avoided.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries; m of them in all.
+        f : (m, ...) array_like
+            One value for each query, for instance a load.
+
+        Returns
+        -------
+        (n, ...) ndarray
+            One value for each site.
+
+        Raises
+        ------
+        ValueError
+            If there is not one finite value for each query.
+        """
+        queries = self._queries(x)
+        f = valid.as_values(f, len(queries), name="f", of="query")
+        columns = f.reshape(len(f), -1)
+        result = _without_warnings(self._adjoint, queries, columns)
+        return _finite(result, self.points).reshape((len(self.points), *f.shape[1:]))
+
+    def _queries(self, x: ArrayLike) -> np.ndarray:
+        d = self.points.shape[1]
+        return valid.as_queries(x, d).reshape(-1, d)
+
+    def _refuse_if_too_large(self, m: int, matrices: int = 1) -> None:
+        size = 8 * m * len(self.points) * matrices
+        if size > DENSE_LIMIT_BYTES:
+            raise MemoryError(
+                f"dense weights of {m} queries for {len(self.points)} sites would take "
+                f"{size / 2**30:.1f} GiB; use field(values) or adjoint(x, f), which do not form "
+                "them, or a local method, whose weights are sparse"
+            )
+
+    # What a method is: what it prepares from data (n, v), the rows of its results, and their size.
+
+    @abstractmethod
+    def _prepare(self, values: np.ndarray) -> Any:
+        """What evaluation needs of the data (n, v)."""
+
+    @abstractmethod
+    def _value_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
+        """Values (m, v)."""
+
+    @abstractmethod
+    def _gradient_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
+        """Gradients (m, v, d)."""
+
+    @abstractmethod
+    def _weight_rows(self, x: np.ndarray) -> Weights:
+        """Weights (m, n)."""
+
+    @abstractmethod
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
+        """Gradient weights, d matrices (m, n)."""
+
+    @abstractmethod
+    def _chunk_rows(self, columns: int) -> int:
+        """Queries of one chunk, for data of so many columns."""
+
+    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
+        rows = max(1, DENSE_LIMIT_BYTES // (64 * 8 * len(self.points)))
+        total = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
+        for start in range(0, len(x), rows):
+            part = slice(start, start + rows)
+            total += self._weight_rows(x[part]).T @ f[part]
+        return total
+
+
+class Field:
+    """A reconstructed field: call it at points, or ask for its gradient.
+
+    Made by `Reconstruction.field`. Many queries are evaluated in chunks, so that the memory beside
+    inputs and outputs stays bounded.
+
+    Parameters
+    ----------
+    method : Reconstruction
+        The method with its sites.
+    values : (n, ...) ndarray
+        The data.
+
+    Attributes
+    ----------
+    method : Reconstruction
+        The method with its sites.
+
+    Examples
+    --------
+    >>> import numpy as np, fieldrecon as fr
+    >>> points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    >>> s = fr.RBF(points, fr.thin_plate_spline()).field([1.0, 3.0, 4.0])  # 1 + 2x + 3y
+    >>> s([[0.5, 0.5], [2.0, 0.0]]).round(12)
+    array([3.5, 5. ])
+    >>> s.gradient([0.25, 0.25]).round(12)
+    array([2., 3.])
+    """
+
+    def __init__(self, method: Reconstruction, values: np.ndarray) -> None:
+        self.method = method
+        self._shape = values.shape[1:]
+        self._dtype = values.dtype
+        self._prepared = _without_warnings(method._prepare, values.reshape(len(values), -1))
+
+    def __call__(
+        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
+    ) -> np.ndarray:
+        """Values of the field.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries.
+        executor : concurrent.futures.Executor, optional
+            Where the chunks run; this machine's threads by default.
+        progress : callable, optional
+            Called as progress(done, total) with numbers of queries.
+
+        Returns
+        -------
+        (..., *v) ndarray
+            A value of the data's shape for each query.
+
+        Raises
+        ------
+        ValueError
+            If x is not finite or has the wrong number of coordinates.
+        numpy.linalg.LinAlgError
+            If the sites about a query do not determine the value (local methods).
+        OverflowError
+            If a value exceeds the range of floating-point numbers.
+        """
+        return self._evaluate(self.method._value_rows, x, (), executor, progress)
+
+    def gradient(
+        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
+    ) -> np.ndarray:
+        """Exact gradient of the field as it is.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries.
+        executor : concurrent.futures.Executor, optional
+            Where the chunks run; this machine's threads by default.
+        progress : callable, optional
+            Called as progress(done, total) with numbers of queries.
+
+        Returns
+        -------
+        (..., *v, d) ndarray
+            The derivative by each variable, last.
+
+        Raises
+        ------
+        ValueError
+            As for the values, and where the field has no gradient (-r or exp(-r) at a site).
+        numpy.linalg.LinAlgError
+            If the sites about a query do not determine the value (local methods).
+        OverflowError
+            If a derivative exceeds the range of floating-point numbers.
+        """
+        d = (self.method.points.shape[1],)
+        return self._evaluate(self.method._gradient_rows, x, d, executor, progress)
+
+    def _evaluate(
+        self,
+        rows_of_result: Callable[[np.ndarray, Any], np.ndarray],
+        x: ArrayLike,
+        tail: tuple[int, ...],
+        executor: Executor | None,
+        progress: Progress | None,
+    ) -> np.ndarray:
+        x = valid.as_queries(x, self.method.points.shape[1])
+        queries = x.reshape(-1, x.shape[-1])
+        columns = int(np.prod(self._shape, dtype=int))
+        result = np.empty((len(queries), columns, *tail), dtype=self._dtype)
+        work = partial(_evaluated, rows_of_result, self._prepared)
+        rows = self.method._chunk_rows(columns)
+        for part, values in chunked(work, queries, rows, executor, progress):
+            result[part] = _finite(values, queries[part])
+        return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
+
+
+def _evaluated(
+    rows_of_result: Callable[[np.ndarray, Any], np.ndarray], prepared: Any, x: np.ndarray
+) -> np.ndarray:
+    return _without_warnings(rows_of_result, x, prepared)
+
+
+def _without_warnings(function: Callable[..., Any], *arguments: Any) -> Any:
+    # what overflows is found in the result and told in words, not by a warning
+    with np.errstate(all="ignore"):
+        return function(*arguments)
+
+
+def _finite(result: Any, x: np.ndarray) -> Any:
+    """The result, one row for each x, refused where it is not finite."""
+    rows = result.data if sparse.issparse(result) else result
+    if not np.isfinite(rows).all():
+        wrong = ~np.isfinite(result.toarray() if sparse.issparse(result) else result)
+        where = ", ".join(f"{c:.6g}" for c in x[np.argwhere(wrong)[0][0]])
+        raise OverflowError(f"the result at ({where}) exceeds the range of floating-point numbers")
+    return result
