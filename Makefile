@@ -2,7 +2,7 @@
 # Plain enough for GNU Make 3.81, which macOS ships, and for any POSIX shell.
 
 VENV   := .venv
-PYTHON :=
+PYTHON ?=
 ready  := $(VENV)/ready
 python := $(VENV)/bin/python
 
@@ -97,7 +97,7 @@ lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=-
 
 clean: ## remove what was built, and the caches
 	rm -rf $(build) build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
-	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
+	find . -name '.?*' -prune -o -name __pycache__ -prune -exec rm -rf {} +
 
 distclean: clean ## remove the virtual environment too
 	rm -rf src/*.egg-info

@@ -25,7 +25,7 @@ stop() {
 version() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null; }
 new_enough() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
 has_ensurepip() { "$1" -c 'import ensurepip, venv' 2>/dev/null; }
-has_pip() { "$1" -m pip --python "$1" --version >/dev/null 2>&1; }
+has_pip() { "$1" -m pip --python "$(command -v "$1")" --version >/dev/null 2>&1; }
 
 # python: can make a complete environment.
 # bare:   new enough, but without ensurepip, which Debian and Ubuntu package apart.
@@ -82,7 +82,7 @@ make_environment() {
         "$python" -m venv "$venv"
         bring_uv "$venv/bin/python" -m pip
     elif [ -n "$bare" ] && uv --version >/dev/null 2>&1; then
-        uv venv --quiet --python "$bare" "$venv"
+        uv venv --quiet --no-python-downloads --python "$bare" "$venv"
         VIRTUAL_ENV=$venv bring_uv uv pip
     elif [ -n "$bare" ] && has_pip "$bare"; then
         "$bare" -m venv --without-pip "$venv"
