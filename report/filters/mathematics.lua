@@ -1,0 +1,88 @@
+--[[ mathematics.lua: formulas that come out alike in MathML and in Typst.
+
+Pandoc 3.9 writes some TeX wrongly, and silently. What can be put right is put right, in the TeX or
+in the Typst that it becomes; what cannot is refused, with what to write instead.                ]]
+
+local problems = require 'problems'
+
+-- Lua patterns of TeX that one of the outputs would spoil, and the cure.
+local REFUSED = {
+  { '\\|', '\\lVert ... \\rVert' },
+  { '\\hline', 'a matrix without lines' },
+  { '\\&', 'the word and' },
+  { '\\left%s*%.', '\\Big|' },
+  { '\\tag', 'a label {#eq:name}' },
+  { '\\label', 'a label {#eq:name} behind the formula' },
+  { '\\begin{Vmatrix}', '\\lVert around a matrix' },
+  { '\\left%s*\\lVert', '\\lVert, which grows by itself' },
+  { '\\[bB]igg?[lrm]?%s*\\[lr]?Vert', '\\lVert, which grows by itself' },
+  { '\\begin{array}', 'matrix, cases or aligned' },
+}
+
+-- Names that pandoc writes and Typst 0.15 no longer has (jgm/pandoc#11591), and other slips.
+local REPAIRED = {
+  { '%f[%w.]sect%f[^%w]', 'inter' },
+  { '%.circle%f[^%w]', '.o' },
+  { '(brac[ek]e?t?%.[lr])%.double', '%1.stroked' },
+  { 'delim: "||"', 'delim: "|"' },
+  { '"(arg ?m[ai][nx])"_', 'op("%1", limits: #true)_' },
+}
+
+local function check(tex)
+  for _, rule in ipairs(REFUSED) do
+    local at = rule[2] and tex:find(rule[1])
+    if at then
+      problems.add(('the formula %s would be spoilt; instead of %s write %s'):format(
+        tex:sub(1, 60), tex:match(rule[1]), rule[2]), tex:match '[^\n]+')
+    end
+  end
+end
+
+-- MathML sets \mathbf{B} in bold italics; the upright bold letters themselves it leaves alone.
+local function upright_bold(tex)
+  return (tex:gsub('\\mathbf%s*{(%a+)}', function(word)
+    return '{' .. word:gsub('.', function(letter)
+      local byte = letter:byte()
+      return utf8.char(byte >= 97 and 0x1D41A + byte - 97 or 0x1D400 + byte - 65)
+    end) .. '}'
+  end))
+end
+
+local function quoted(text)
+  return '"' .. text:gsub('[\\"]', '\\%0'):gsub('%s+', ' ') .. '"'
+end
+
+local function typst(math, id, number)
+  local written = pandoc.write(pandoc.Pandoc { pandoc.Plain { math } }, 'typst', { wrap_text = 'none' })
+  written = written:gsub('%s+$', '')
+  for _, rule in ipairs(REPAIRED) do written = written:gsub(rule[1], rule[2]) end
+  written = written:gsub('cases(%b())', function(c) return 'cases' .. c:gsub(' & ', ' &quad ') end)
+  local options = 'alt: ' .. quoted(math.text) .. ', '
+  if math.mathtype == 'DisplayMath' then options = 'block: true, ' .. options end
+  if number then options = options .. 'numbering: (..n) => [(' .. number .. ')], ' end
+  return pandoc.RawInline('typst',
+    '#math.equation(' .. options .. written .. ')' .. (id and '<' .. id .. '>' or ''))
+end
+
+-- the number stands beside the formula; without a number the formula stands alone
+local function equation(span)
+  if not span.classes:includes 'equation' then return nil end
+  local number, id = span.attributes.number, span.identifier
+  local math = span.content[1]
+  if FORMAT:match 'typst' then return typst(math, id, number), false end
+  math.text = upright_bold(math.text)
+  span.attributes.number = nil
+  span.content:insert(pandoc.Span({ pandoc.Str('(' .. number .. ')') }, { '', { 'eqno' } }))
+  return span, false
+end
+
+local function formula(math)
+  if FORMAT:match 'typst' then return typst(math) end
+  math.text = upright_bold(math.text)
+  return math
+end
+
+return function(doc)
+  doc = doc:walk { Math = function(m) m.text = m.text:gsub('^%s+', ''):gsub('%s+$', ''); check(m.text); return m end }
+  return doc:walk { traverse = 'topdown', Span = equation, Math = formula }
+end

@@ -1,0 +1,54 @@
+--[[ write_pdf.lua: what pandoc's Typst writer leaves out or does its own way.
+
+It drops alternative texts (jgm/pandoc#11394), so images are written here; boxes, captions' small
+print and the size of wide tables are calls into template.typ.                                   ]]
+
+local pictures = require 'pictures'
+
+local WIDE = 7            -- from so many columns on a table is set smaller
+
+local function raw(text) return pandoc.RawInline('typst', text) end
+local function raw_block(text) return pandoc.RawBlock('typst', text) end
+
+local function quoted(text)
+  return '"' .. text:gsub('[\\"]', '\\%0'):gsub('%s+', ' ') .. '"'
+end
+
+local function wrapped(before, inlines, after)
+  local out = pandoc.Inlines { raw(before) }
+  out:extend(inlines)
+  out:insert(raw(after))
+  return out
+end
+
+local function span(s)
+  if s.classes:includes 'label' then return pandoc.Strong(s.content) end
+  if s.classes:includes 'provenance' then return wrapped('#provenance[', s.content, ']') end
+end
+
+local function box(div)
+  local kind
+  for _, class in ipairs(div.classes) do
+    if class ~= 'statement' then kind = kind or class end
+  end
+  if not div.classes:includes 'statement' then return nil end
+  div.content:insert(1, raw_block('#statement("' .. kind .. '")['))
+  div.content:insert(raw_block ']')
+  return div
+end
+
+local function small_if_wide(t)
+  if #t.colspecs < WIDE then return nil end
+  return { raw_block '#wide-table[', t, raw_block ']' }
+end
+
+return function(doc)
+  local root = pandoc.utils.stringify(doc.meta.figures)
+  local function image(i)
+    local _, width = pictures.read(root, i.src)
+    return raw(('#image("/experiments/%s", width: %.2fmm, alt: %s)'):format(i.src, width,
+      quoted(pandoc.utils.stringify(i.caption))))
+  end
+  doc.blocks = doc.blocks:walk { Image = image, Span = span, Div = box, Table = small_if_wide }
+  return doc
+end

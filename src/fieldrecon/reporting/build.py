@@ -1,0 +1,183 @@
+"""``fieldrecon report``: bring the whole report up to date, and do nothing that is done already."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from fieldrecon import experiments
+from fieldrecon.experiments.files import read_result, write_atomically
+from fieldrecon.reporting.compute import Job, compute, jobs_of
+from fieldrecon.reporting.document import Document, unquoted_facts
+from fieldrecon.reporting.failure import BuildError, disk_failure
+from fieldrecon.reporting.lock import only_build_in
+from fieldrecon.reporting.manifest import manifest, versions
+from fieldrecon.reporting.progress import Bar
+from fieldrecon.reporting.sources import code_behind
+from fieldrecon.reporting.steps import Steps, digest, digests
+
+INTERRUPTED = 130
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``fieldrecon report``."""
+    parser.add_argument(
+        "--source", type=Path, default=Path("report"), metavar="DIR",
+        help="folder of the text (default: %(default)s)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results (default: SOURCE/build)"
+    )
+    parser.add_argument(
+        "--experiments", type=Path, metavar="FILE",
+        help="parameters that differ from the defaults (default: SOURCE/experiments.toml)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--jobs", type=int, default=os.cpu_count() or 1, metavar="N",
+        help="processes that compute (default: one per processor, %(default)s)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--only", nargs="+", default=[], metavar="EXPERIMENT",
+        help="bring only these experiments up to date, and set no text",
+    )  # fmt: skip
+    parser.add_argument(
+        "--check-reproducible", action="store_true",
+        help="build twice under different settings and compare every byte",
+    )  # fmt: skip
+    parser.add_argument(
+        "--against", type=Path, metavar="MANIFEST",
+        help="compare the facts with those of another machine's manifest.json",
+    )  # fmt: skip
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Build as the options say; tell in a sentence what went wrong, and return the exit status."""
+    from fieldrecon.reporting import reproducible
+
+    try:
+        if arguments.check_reproducible:
+            return reproducible.check(arguments)
+        build(arguments)
+        if arguments.against:
+            return reproducible.compare_facts(arguments)
+    except BuildError as error:
+        return _fail(error)
+    except OSError as error:
+        known = disk_failure(error)
+        if known is None:
+            raise
+        return _fail(known)
+    except KeyboardInterrupt:
+        print("interrupted; the next build goes on from here", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def build(arguments: argparse.Namespace) -> None:
+    """Run, draw, compile, and write the manifest, as far as each is out of date."""
+    source, out = arguments.source, arguments.out or arguments.source / "build"
+    document = Document(source, out)
+    if not document.chapters:
+        raise BuildError(f"there are no chapters in {source / 'chapters'}; is this the checkout?")
+    settings = _settings(arguments.experiments or source / "experiments.toml")
+    with Bar() as progress, only_build_in(out, progress.say):
+        steps = Steps(out)
+        jobs = jobs_of(settings, out / "experiments")
+        chosen = _chosen(jobs, arguments.only)
+        compute(chosen, steps, max(1, min(arguments.jobs, len(chosen))), progress)
+        if not arguments.only:
+            _remove_others(jobs, out / "experiments")
+            _finish(document, jobs, steps, progress)
+
+
+def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) -> None:
+    """Compile the text and write the manifest."""
+    values = {job.name: _values(job) for job in jobs}
+    made = [*_results(jobs), document.out / "report.html", document.out / "report.pdf"]
+    key = digest(
+        {
+            "text": digests(document.inputs, document.source),
+            "results": digests(_results(jobs), document.out),
+            "values": values,
+            "versions": versions(),
+            "code": code_behind("fieldrecon.reporting.document"),
+        }
+    )
+    if not steps.done("document", key):
+        progress.add(1)
+        document.compile(values, {"version": versions()["fieldrecon"]})
+        steps.record("document", key, made[-2:])
+        progress.done("set the text")
+        _tell_unquoted(document, values, progress)
+    content = manifest(values, made, document.out)
+    path = document.out / "manifest.json"
+    if not path.exists() or path.read_bytes() != content:
+        write_atomically(path, content)
+    progress.say(f"{made[-2]} and {made[-1]} are up to date")
+
+
+def _values(job: Job) -> dict[str, Any]:
+    """Return what the text may take from an experiment."""
+    result = read_result(job.folder)
+    meanings = job.experiment.meanings
+    return {
+        "title": job.experiment.title,
+        "facts": dict(result.facts),
+        "params": asdict(result.params),
+        "fields": [{"name": name, "meaning": text} for name, text in meanings.items()],
+        "tables": {
+            name: {"columns": table.columns, "rows": table.rows}
+            for name, table in result.tables.items()
+        },
+        "figures": list(job.experiment.plots),
+    }
+
+
+def _results(jobs: list[Job]) -> list[Path]:
+    return [
+        path
+        for job in jobs
+        for path in [*job.result_files(), *map(job.figure_file, job.experiment.plots)]
+    ]
+
+
+def _tell_unquoted(document: Document, values: Mapping[str, Any], progress: Bar) -> None:
+    facts = unquoted_facts(document.chapters, values)
+    if facts:
+        progress.say(f"facts that no chapter quotes: {', '.join(facts)}")
+
+
+def _settings(path: Path) -> dict[str, dict[str, Any]]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise BuildError(f"there is no {path}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise BuildError(f"{path}: {error}") from error
+
+
+def _chosen(jobs: list[Job], only: list[str]) -> list[Job]:
+    unknown = set(only) - {job.name for job in jobs}
+    if unknown:
+        known = ", ".join(experiments.names())
+        raise BuildError(f"no experiment {', '.join(sorted(unknown))}; there are {known}")
+    return [job for job in jobs if not only or job.name in only]
+
+
+def _remove_others(jobs: list[Job], folder: Path) -> None:
+    """Remove the results of experiments that are no more."""
+    for stale in set(folder.iterdir()) - {job.folder for job in jobs}:
+        for file in stale.iterdir():
+            file.unlink()
+        stale.rmdir()
+
+
+def _fail(error: BuildError) -> int:
+    print(f"fieldrecon report: {error}", file=sys.stderr)
+    return 1

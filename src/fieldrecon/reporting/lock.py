@@ -1,0 +1,24 @@
+"""One build at a time in one folder."""
+
+from __future__ import annotations
+
+import fcntl
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def only_build_in(folder: Path, say: Callable[[str], None]) -> Iterator[None]:
+    """Hold the folder's lock inside the ``with``; wait for another build, and say so.
+
+    The system lets go of the lock when the process ends, killed or not.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say(f"another build is at work in {folder}; waiting for it to end")
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield

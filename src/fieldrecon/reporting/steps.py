@@ -1,0 +1,68 @@
+"""What is done already: each step of a build leaves a note of what went in and what came out.
+
+The note is written last. A build that was killed finds steps without a note, and does them again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fieldrecon.experiments.files import write_atomically
+
+
+def digest(x: Any) -> str:
+    """Return the SHA-256 of a value as JSON, keys sorted.
+
+    Examples
+    --------
+    >>> digest({"a": 1, "b": 2}) == digest({"b": 2, "a": 1})
+    True
+    """
+    text = json.dumps(x, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def file_digest(path: Path) -> str:
+    """Return the SHA-256 of a file's content."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def digests(paths: Iterable[Path], root: Path) -> dict[str, str]:
+    """Return the SHA-256 of files by their path below a folder, sorted."""
+    return {path.relative_to(root).as_posix(): file_digest(path) for path in sorted(paths)}
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The notes of one build folder.
+
+    Parameters
+    ----------
+    out : Path
+        The build folder; notes lie in ``out/.state``.
+    """
+
+    out: Path
+
+    def done(self, step: str, key: str) -> bool:
+        """Tell whether a step was done with this key and all it made is still there, unchanged."""
+        try:
+            note = json.loads(self._note(step).read_text(encoding="utf-8"))
+            made = {self.out / name: old for name, old in note["made"].items()}
+            return note["key"] == key and all(file_digest(p) == old for p, old in made.items())
+        except (OSError, ValueError, KeyError):
+            return False
+
+    def record(self, step: str, key: str, made: Iterable[Path]) -> None:
+        """Note that a step is done; `made` are its files."""
+        note = {"key": key, "made": digests(made, self.out)}
+        write_atomically(self._note(step), json.dumps(note, indent=1).encode())
+
+    def _note(self, step: str) -> Path:
+        return self.out / ".state" / f"{step}.json"
