@@ -56,14 +56,15 @@ lint: $(ready) ## check the style (ruff) and the types of the public interface (
 
 
 # Report. The command looks at contents and redoes what changed; make only asks whether to start it.
-# Folders are among the sources, so that a removed file counts. The manifest, written last, is
-# dated to the start of the run: what was edited meanwhile is newer, and is seen by the next call.
+# Folders are among the sources, so that a removed file counts (report/. and not report, which is
+# the target). The manifest, written last, is dated to the start of the run: what was edited
+# meanwhile is newer, and is seen by the next call.
 
 build    := report/build
 manifest := $(build)/manifest.json
 outputs  := $(build)/report.html $(build)/report.pdf
 missing  := $(filter-out $(wildcard $(outputs)),$(outputs))
-sources   = $(shell find src report \( -name build -o -name __pycache__ -o -name '*.egg-info' \) -prune -o -print)
+sources   = $(shell find src report/. \( -name build -o -name __pycache__ -o -name '*.egg-info' \) -prune -o -print)
 
 report: $(manifest) ## build the report: report/build/report.html and report.pdf
 
