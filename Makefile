@@ -31,7 +31,7 @@ $(ready): $(python) requirements.lock requirements-setup.lock pyproject.toml too
 $(python): ;
 
 # What only one target needs comes on top: requirements-lab.lock, requirements-bench.lock.
-$(VENV)/ready-%: requirements-%.lock $(ready)
+$(VENV)/ready-%: requirements-%.lock | $(ready)
 	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(VENV)" -r $<
 	@touch $@
 
@@ -87,14 +87,13 @@ lab: $(VENV)/ready-lab ## open JupyterLab in exercises/, the place of the notebo
 	@$(python) -m jupyterlab exercises
 
 lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=--upgrade takes new versions
-	@set -e; lock() { \
-	  $(python) -m uv pip compile --quiet --universal --generate-hashes --no-header --python-version 3.11 \
-	    $(UPGRADE) pyproject.toml --output-file "$$@"; \
-	}; \
-	lock requirements-setup.lock --group setup; \
-	lock requirements.lock --extra report --extra test --extra lint; \
-	lock requirements-lab.lock --extra lab --constraints requirements.lock; \
-	lock requirements-bench.lock --extra bench --constraints requirements.lock
+	@$(compile) requirements-setup.lock --group setup
+	@$(compile) requirements.lock pyproject.toml --extra report --extra test --extra lint
+	@$(compile) requirements-lab.lock pyproject.toml --extra lab --constraints requirements.lock
+	@$(compile) requirements-bench.lock pyproject.toml --extra bench --constraints requirements.lock
+
+compile = $(python) -m uv pip compile --quiet --universal --generate-hashes --no-header \
+  --python-version 3.11 $(UPGRADE) --output-file
 
 clean: ## remove what was built, and the caches
 	rm -rf $(build) build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
