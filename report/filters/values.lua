@@ -38,6 +38,11 @@ local function group(digits)
   return grouped:gsub('^([-+]?),', '%1') .. rest
 end
 
+-- An order of magnitude: a bare power of ten at the level of rounding errors. It has no digits.
+local function is_order(x)
+  return math.abs(x) < 1e-9 and ('%.8e'):format(x):match '^%-?1%.0+e' ~= nil
+end
+
 local function digits(x, format)
   x = math.tointeger(x) or x             -- JSON numbers arrive as floats
   local sign, comma, precision, kind = parse(format)
@@ -45,6 +50,7 @@ local function digits(x, format)
   if kind == '' and precision == '' then
     kind = math.type(x) == 'integer' and 'd' or '.9g'
   end
+  if is_order(x) and kind:match '[eg]' then precision, kind = '.0', 'e' end
   if kind == 'd' and math.type(x) ~= 'integer' then return nil end
   local text
   if kind == '%' then

@@ -148,9 +148,8 @@ def _results(jobs: list[Job]) -> list[Path]:
 
 
 def _tell_unquoted(document: Document, values: Mapping[str, Any], progress: Bar) -> None:
-    facts = unquoted_facts(document.chapters, values)
-    if facts:
-        progress.say(f"facts that no chapter quotes: {', '.join(facts)}")
+    for name, facts in unquoted_facts(document.chapters, values).items():
+        progress.say(f"no chapter quotes these facts of {name}: {', '.join(facts)}")
 
 
 def _settings(path: Path) -> dict[str, dict[str, Any]]:

@@ -115,6 +115,7 @@ class Document:
     def _dressed(self, page: str) -> str:
         """Put style sheet and fonts into the page."""
         css = (self.source / "style.css").read_text(encoding="utf-8")
+        page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
         return page.replace("/* style */", font_faces(page) + css, 1)
 
     def _typeset(self, text: str) -> bytes:
@@ -134,6 +135,8 @@ class Document:
         return cast(bytes, pdf)
 
 
+UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
+"""Pandoc leaves the operator to the browser, which would slant it like a variable."""
 QUOTATION = re.compile(r"\{\{(\w+)\.(params\.)?(\w+)(?::[^{}]*)?\}\}")
 
 
@@ -145,16 +148,15 @@ def pandoc() -> Path:
     return Path(pypandoc.__file__).parent / "files" / name
 
 
-def unquoted_facts(chapters: list[Path], values: Mapping[str, Any]) -> list[str]:
-    """List the facts that no chapter quotes, as ``experiment.fact``."""
+def unquoted_facts(chapters: list[Path], values: Mapping[str, Any]) -> dict[str, list[str]]:
+    """List the facts that no chapter quotes, by experiment; those with none left out."""
     text = "\n".join(path.read_text(encoding="utf-8") for path in chapters)
     quoted = {(name, fact) for name, params, fact in QUOTATION.findall(text) if not params}
-    return [
-        f"{name}.{fact}"
+    left = {
+        name: [fact for fact in experiment["facts"] if (name, fact) not in quoted]
         for name, experiment in values.items()
-        for fact in experiment["facts"]
-        if (name, fact) not in quoted
-    ]
+    }
+    return {name: facts for name, facts in left.items() if facts}
 
 
 def _all_lines(*errors: BaseException | None) -> list[str]:
