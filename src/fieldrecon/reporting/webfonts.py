@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 import html
 import io
-import logging
 import re
 from collections.abc import Iterable
 
@@ -24,12 +23,14 @@ CSS = {
     "bold": "font-weight: 700; font-style: normal",
 }
 FEATURES = ["kern", "liga", "lnum", "tnum", "mark", "mkmk", "ccmp", "locl"]
-INVISIBLE = {*range(0x20), 0xAD, 0x200B, *range(0x2060, 0x2065)}
+INVISIBLE = {*range(0x20), 0xAD, 0x200B, 0xFE0E, *range(0x2060, 0x2065)}
 ASCII = set(range(0x20, 0x7F))
 
 
 def font_faces(page: str) -> str:
     """Return the style rules that carry the fonts of a page.
+
+    Characters of the text that the serif face lacks are taken from the font for mathematics.
 
     Raises
     ------
@@ -37,8 +38,12 @@ def font_faces(page: str) -> str:
         If a character of text or mathematics is in none of the fonts.
     """
     mathematics, text = code_points(page)
-    rules = [_rule("Report Serif", CSS[face], name, text) for face, name in SERIF_FACES.items()]
-    return "".join([*rules, _rule("Report Math", "", MATH, mathematics, ["ssty"])])
+    fonts = {face: _open(name) for face, name in SERIF_FACES.items()}
+    lacking = text - set(fonts["regular"].getBestCmap())
+    math = _open(MATH)
+    _require(math, mathematics | lacking)
+    rules = [_rule("Report Serif", CSS[face], font, text) for face, font in fonts.items()]
+    return "".join([*rules, _rule("Report Math", "", math, mathematics | lacking, ["ssty"])])
 
 
 def code_points(page: str) -> tuple[set[int], set[int]]:
@@ -73,25 +78,30 @@ def _characters(markup: str) -> set[int]:
     return set(map(ord, html.unescape(re.sub(r"<[^>]*>", "", markup)))) - INVISIBLE
 
 
+def _open(name: str) -> TTFont:
+    return TTFont(io.BytesIO(font_bytes(name)), recalcTimestamp=False)
+
+
+def _require(font: TTFont, points: set[int]) -> None:
+    missing = sorted(points - set(font.getBestCmap()))
+    if missing:
+        listed = ", ".join(f"{chr(point)} (U+{point:04X})" for point in missing)
+        raise BuildError(f"the fonts of the report have no {listed}: write it another way")
+
+
 def _rule(
-    family: str, look: str, name: str, points: set[int], features: Iterable[str] = FEATURES
+    family: str, look: str, font: TTFont, points: set[int], features: Iterable[str] = FEATURES
 ) -> str:
-    data = base64.b64encode(_subset(name, points, features)).decode()
+    data = base64.b64encode(_subset(font, points, features)).decode()
     return (
         f'@font-face {{ font-family: "{family}"; {look}; font-display: block; '
         f'src: url(data:font/woff;base64,{data}) format("woff"); }}\n'
     )
 
 
-def _subset(name: str, points: set[int], features: Iterable[str]) -> bytes:
-    font = TTFont(io.BytesIO(font_bytes(name)), recalcTimestamp=False)
-    missing = sorted(points - set(font.getBestCmap()))
-    if missing:
-        listed = ", ".join(f"{chr(p)} (U+{p:04X})" for p in missing)
-        raise BuildError(f"the font {name} has no {listed}: write it another way")
+def _subset(font: TTFont, points: set[int], features: Iterable[str]) -> bytes:
     options = subset.Options(layout_features=list(features), hinting=False, desubroutinize=True)
     options.drop_tables += ["FFTM", "PfEd"]
-    logging.getLogger("fontTools").setLevel(logging.ERROR)
     cutter = subset.Subsetter(options)
     cutter.populate(unicodes=points)
     cutter.subset(font)
