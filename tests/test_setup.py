@@ -74,7 +74,7 @@ class Machine:
         self.checkout = folder / "the checkout"
         self.bin = folder / "bin"
         self.stand_ins = folder / "stand-ins"
-        for place in (self.checkout / "tools", self.bin, self.stand_ins):
+        for place in (self.checkout / "tools", self.checkout / "src", self.bin, self.stand_ins):
             place.mkdir(parents=True)
         for file in (*LOCKS, ROOT / "Makefile", ROOT / "pyproject.toml"):
             shutil.copy(file, self.checkout)
@@ -311,7 +311,9 @@ def test_the_pinned_packages_install(tmp_path):
     question = "import fieldrecon, uv; from importlib.metadata import version; "
     question += "print(fieldrecon.__file__, version('uv'), sep='\\n')"
     command = [copy / ".venv" / "bin" / "python", "-I", "-c", question]
+    folder = (copy / "src" / "fieldrecon").stat()
     answer = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert (copy / "src" / "fieldrecon").stat().st_mtime_ns == folder.st_mtime_ns
     module, version = answer.splitlines()
     assert Path(module) == (copy / "src" / "fieldrecon" / "__init__.py").resolve()
     assert pins(ROOT / "requirements-setup.lock")["uv"][0].startswith(f"uv=={version} ")

@@ -112,6 +112,8 @@ install() {
         -r requirements-setup.lock -r requirements.lock "$@"
     "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --quiet \
         --no-deps --no-build-isolation --reinstall-package fieldrecon --editable .
+    # So that the first import makes no folder: make takes a newer folder for a changed source.
+    "$venv/bin/python" -m compileall -q src
 }
 
 intact() { [ "$(cat "$ready" 2>/dev/null)" = "$home" ] && new_enough "$venv/bin/python"; }
