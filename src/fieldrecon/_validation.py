@@ -1,9 +1,13 @@
-"""Arrays come in with a known shape and finite entries, or an error says what is wrong."""
+"""Arrays come in with a known shape and finite, and go out finite, or an error says why not."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import sparse
 
 
 def as_points(points: ArrayLike) -> np.ndarray:
@@ -23,10 +27,9 @@ def as_queries(x: ArrayLike, d: int) -> np.ndarray:
     """Queries as a float array (..., d)."""
     q = _as_numbers(x, "x", complex_allowed=False)
     if q.ndim == 0 or q.shape[-1] != d:
+        wanted = "1 coordinate" if d == 1 else f"{d} coordinates"
         hint = "; for one variable write x[..., None]" if d == 1 else ""
-        raise ValueError(
-            f"x must have {d} coordinates per point, shape (..., {d}); got {q.shape}{hint}"
-        )
+        raise ValueError(f"x must have {wanted} per point, shape (..., {d}); got {q.shape}{hint}")
     return q
 
 
@@ -73,3 +76,19 @@ def _as_numbers(a: ArrayLike, name: str, complex_allowed: bool) -> np.ndarray:
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise ValueError(f"{name} must be finite; {name}{list(where)} is {array[where]}")
     return array
+
+
+def without_warnings(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Result of a computation whose overflows are found in the result, by `finite_rows`."""
+    with np.errstate(all="ignore"):
+        return function(*arguments)
+
+
+def finite_rows(result: Any, x: np.ndarray) -> Any:
+    """The result, one row for each point x, refused in words where it is not finite."""
+    entries = result.data if sparse.issparse(result) else result
+    if not np.isfinite(entries).all():
+        wrong = ~np.isfinite(result.toarray() if sparse.issparse(result) else result)
+        where = ", ".join(f"{c:.6g}" for c in x[np.argwhere(wrong)[0][0]])
+        raise OverflowError(f"the result at ({where}) exceeds the range of floating-point numbers")
+    return result

@@ -202,9 +202,6 @@ class MovingLeastSquares(Reconstruction):
             result[part] = np.where(own, fit.coefficient_weights(1)[:, 0], 0.0).sum(axis=1)
         return result
 
-    def _prepare(self, values: np.ndarray) -> np.ndarray:
-        return values
-
     def _value_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
         fit = LocalFit(self, x)
         return np.einsum("mk,mkv->mv", fit.coefficient_weights(1)[:, 0], prepared[fit.near.index])

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon import _validation as valid
-from fieldrecon._chunks import Progress, chunked
+from fieldrecon._chunks import Progress, chunked, rows_of
 
 DENSE_LIMIT_BYTES = 2**31
 """Largest dense weight matrix that is formed, in bytes."""
@@ -79,7 +79,7 @@ class Reconstruction(ABC):
             If a weight exceeds the range of floating-point numbers.
         """
         queries = self._queries(x)
-        return _finite(_without_warnings(self._weight_rows, queries), queries)
+        return valid.finite_rows(valid.without_warnings(self._weight_rows, queries), queries)
 
     def gradient_weights(self, x: ArrayLike) -> tuple[Weights, ...]:
         """Weights of the data in each component of the gradient at x.
@@ -100,8 +100,8 @@ class Reconstruction(ABC):
             If the dense matrices would exceed DENSE_LIMIT_BYTES.
         """
         queries = self._queries(x)
-        matrices = _without_warnings(self._gradient_weight_rows, queries)
-        return tuple(_finite(matrix, queries) for matrix in matrices)
+        matrices = valid.without_warnings(self._gradient_weight_rows, queries)
+        return tuple(valid.finite_rows(matrix, queries) for matrix in matrices)
 
     def adjoint(self, x: ArrayLike, f: ArrayLike) -> np.ndarray:
         """Adjoint H^T f of `weights`, without forming H where that can be avoided.
@@ -126,8 +126,8 @@ class Reconstruction(ABC):
         queries = self._queries(x)
         f = valid.as_values(f, len(queries), name="f", of="query")
         columns = f.reshape(len(f), -1)
-        result = _without_warnings(self._adjoint, queries, columns)
-        return _finite(result, self.points).reshape((len(self.points), *f.shape[1:]))
+        result = valid.without_warnings(self._adjoint, queries, columns)
+        return valid.finite_rows(result, self.points).reshape((len(self.points), *f.shape[1:]))
 
     def _queries(self, x: ArrayLike) -> np.ndarray:
         d = self.points.shape[1]
@@ -142,31 +142,31 @@ class Reconstruction(ABC):
                 "them, or a local method, whose weights are sparse"
             )
 
-    # What a method is: what it prepares from data (n, v), the rows of its results, and their size.
-
-    @abstractmethod
-    def _prepare(self, values: np.ndarray) -> Any:
-        """What evaluation needs of the data (n, v)."""
-
-    @abstractmethod
-    def _value_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
-        """Values (m, v)."""
-
-    @abstractmethod
-    def _gradient_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
-        """Gradients (m, v, d)."""
+    # A method is its weights: these two make one. The others are its faster routes.
 
     @abstractmethod
     def _weight_rows(self, x: np.ndarray) -> Weights:
-        """Weights (m, n)."""
+        """Weights (m, n) at the queries (m, d)."""
 
     @abstractmethod
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
-        """Gradient weights, d matrices (m, n)."""
+        """Gradient weights at the queries, d matrices (m, n)."""
 
-    @abstractmethod
+    def _prepare(self, values: np.ndarray) -> Any:
+        """What evaluation needs of the data (n, v): coefficients, or the data themselves."""
+        return values
+
+    def _value_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
+        """Values (m, v)."""
+        return self._weight_rows(x) @ prepared
+
+    def _gradient_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
+        """Gradients (m, v, d)."""
+        return np.stack([g @ prepared for g in self._gradient_weight_rows(x)], axis=-1)
+
     def _chunk_rows(self, columns: int) -> int:
         """Queries of one chunk, for data of so many columns."""
+        return rows_of(8 * (columns + len(self.points)) * (self.points.shape[1] + 1))
 
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
         rows = max(1, DENSE_LIMIT_BYTES // (64 * 8 * len(self.points)))
@@ -210,7 +210,7 @@ class Field:
         self.method = method
         self._shape = values.shape[1:]
         self._dtype = values.dtype
-        self._prepared = _without_warnings(method._prepare, values.reshape(len(values), -1))
+        self._prepared = valid.without_warnings(method._prepare, values.reshape(len(values), -1))
 
     def __call__(
         self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
@@ -288,27 +288,11 @@ class Field:
         work = partial(_evaluated, rows_of_result, self._prepared)
         rows = self.method._chunk_rows(columns)
         for part, values in chunked(work, queries, rows, executor, progress):
-            result[part] = _finite(values, queries[part])
+            result[part] = valid.finite_rows(values, queries[part])
         return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
 
 
 def _evaluated(
     rows_of_result: Callable[[np.ndarray, Any], np.ndarray], prepared: Any, x: np.ndarray
 ) -> np.ndarray:
-    return _without_warnings(rows_of_result, x, prepared)
-
-
-def _without_warnings(function: Callable[..., Any], *arguments: Any) -> Any:
-    # what overflows is found in the result and told in words, not by a warning
-    with np.errstate(all="ignore"):
-        return function(*arguments)
-
-
-def _finite(result: Any, x: np.ndarray) -> Any:
-    """The result, one row for each x, refused where it is not finite."""
-    rows = result.data if sparse.issparse(result) else result
-    if not np.isfinite(rows).all():
-        wrong = ~np.isfinite(result.toarray() if sparse.issparse(result) else result)
-        where = ", ".join(f"{c:.6g}" for c in x[np.argwhere(wrong)[0][0]])
-        raise OverflowError(f"the result at ({where}) exceeds the range of floating-point numbers")
-    return result
+    return valid.without_warnings(rows_of_result, x, prepared)
