@@ -16,7 +16,7 @@ end
 local function in_scroll_box(t)
   local name = pandoc.utils.stringify(t.caption.long):sub(1, 40):match '^[^.]+%.%d+'
   return pandoc.Div({ t }, pandoc.Attr('', { 'scroll' },
-    { role = 'region', tabindex = '0', ['aria-label'] = name or 'table' }))
+    { { 'role', 'region' }, { 'tabindex', '0' }, { 'aria-label', name or 'table' } }))   -- in this order
 end
 
 return function(doc)

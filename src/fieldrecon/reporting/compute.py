@@ -6,15 +6,10 @@ this process does, so that a killed build leaves nobody behind.
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
-import threading
 import traceback
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -33,6 +28,7 @@ from fieldrecon.experiments.settings import with_settings
 from fieldrecon.reporting.failure import BuildError
 from fieldrecon.reporting.sources import code_behind
 from fieldrecon.reporting.steps import Steps, digest, digests
+from fieldrecon.reporting.workers import workers
 
 RUN_NAMES = ("Params", "run")
 FORMAT = "svg"
@@ -97,7 +93,7 @@ def _job(name: str, changes: Mapping[str, Any], folder: Path) -> Job:
     return Job(experiment, params, folder / name)
 
 
-def compute(jobs: list[Job], steps: Steps, workers: int, progress: Any) -> None:
+def compute(jobs: list[Job], steps: Steps, processes: int, progress: Any) -> None:
     """Bring results and figures of all jobs up to date.
 
     Parameters
@@ -106,12 +102,12 @@ def compute(jobs: list[Job], steps: Steps, workers: int, progress: Any) -> None:
         Started in this order.
     steps : Steps
         What is done already.
-    workers : int
-        Number of processes; 1 computes in this process.
+    processes : int
+        How many compute; 1 computes in this process.
     progress : object
         Has ``add(count)``, ``done(text)``.
     """
-    with _workers(workers) as pool:
+    with workers(processes) as pool:
         work: dict[Future, Callable[[Any], dict]] = {}
         for job in jobs:
             work |= _start(job, steps, pool, progress)
@@ -187,46 +183,3 @@ def _outcome(future: Future, what: str) -> Any:
     except Exception as error:
         trace = "".join(traceback.format_exception(error))
         raise BuildError(f"{what} failed\n{trace}") from error
-
-
-@contextmanager
-def _workers(count: int) -> Iterator[Executor]:
-    """Give processes to compute in, which end at once when the ``with`` is left by an error."""
-    if count == 1:
-        yield _Here()
-        return
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_follow_parent)
-    try:
-        yield pool
-    except BaseException:
-        for child in multiprocessing.active_children():
-            child.terminate()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-class _Here(Executor):
-    """Compute at once, in this process."""
-
-    def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
-        future: Future = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
-def _follow_parent() -> None:
-    """Leave Ctrl-C to the parent, and end when it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-
-    def watch() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()

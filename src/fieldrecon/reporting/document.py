@@ -67,6 +67,14 @@ class Document:
         BuildError
             All that is wrong with the text, with file and line where they can be found.
         """
+        page, print_ = self.convert(values, metadata)
+        return [
+            write_atomically(self.out / "report.html", self._dressed(page).encode()),
+            write_atomically(self.out / "report.pdf", self._typeset(print_)),
+        ]
+
+    def convert(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> tuple[str, str]:
+        """Return the text as HTML, still without style and fonts, and as Typst."""
         state = self.out / ".state"
         write_atomically(state / "values.json", json.dumps(values).encode())
         places = {"values": state / "values.json", "figures": self.out / "experiments"}
@@ -76,10 +84,7 @@ class Document:
             problems = _all_lines(page.exception(), print_.exception())
         if problems:
             raise BuildError("\n".join(problems))
-        return [
-            write_atomically(self.out / "report.html", self._dressed(page.result()).encode()),
-            write_atomically(self.out / "report.pdf", self._typeset(print_.result())),
-        ]
+        return page.result(), print_.result()
 
     def _pandoc(self, to: str, metadata: Mapping[str, str]) -> str:
         suffix = "typ" if to == "typst" else "html"

@@ -10,7 +10,7 @@ import ast
 import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
-from importlib.metadata import packages_distributions, version
+from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
@@ -127,4 +127,7 @@ def _submodule(base: str, name: str) -> str:
 
 @cache
 def _version(package: str) -> str:
-    return version(packages_distributions().get(package, [package])[0])
+    try:
+        return version(package)
+    except PackageNotFoundError:  # imported under another name than it is installed under
+        return version(packages_distributions()[package][0])
