@@ -6,7 +6,7 @@ import argparse
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import version
@@ -17,20 +17,24 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from fieldrecon.experiments import Map
 
-USER_ERRORS = (ValueError, np.linalg.LinAlgError, OSError, MemoryError, OverflowError, ImportError)
-_WIDEST = 7
-_MOST_ROWS = 40
+USER_ERRORS = (
+    ValueError,
+    np.linalg.LinAlgError,
+    OSError,
+    MemoryError,
+    OverflowError,
+    ModuleNotFoundError,
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status: 2 for what the user can put right."""
-    options = _parser().parse_args(arguments)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = _parser(arguments).parse_args(arguments)
     try:
-        options.command(options)
+        return options.command(options) or 0
     except KeyboardInterrupt:
         print("fieldrecon: interrupted", file=sys.stderr)
         return 130
@@ -39,10 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         print(f"fieldrecon: {_sentence(error)}", file=sys.stderr)
         return 2
-    return 0
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="fieldrecon", description="Reconstruct a field from scattered samples."
     )
@@ -60,7 +63,20 @@ def _parser() -> argparse.ArgumentParser:
             "in turn; nodes outside the convex hull of the samples are marked as extrapolated.",
         )
     )
+    report = commands.add_parser("report", help="run the experiments and set the report")
+    if "report" in arguments:
+        _add_report(report)
     return parser
+
+
+def _add_report(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that the report itself knows; to ask it imports all that it needs."""
+    try:
+        from fieldrecon.reporting.build import add_arguments, main
+    except ModuleNotFoundError as missing:
+        parser.error(_sentence(missing))
+    add_arguments(parser)
+    parser.set_defaults(command=main)
 
 
 def _add_experiments(parser: argparse.ArgumentParser) -> None:
@@ -111,43 +127,33 @@ def _shape(text: str) -> tuple[int, int]:
 
 def _list(_: argparse.Namespace) -> None:
     from fieldrecon.experiments import get, names
+    from fieldrecon.reporting.terminal import print_table
 
-    _print_table(("experiment", "what it is about"), [(name, get(name).title) for name in names()])
+    print_table(("experiment", "what it is about"), [(name, get(name).title) for name in names()])
 
 
 def _show(options: argparse.Namespace) -> None:
-    from dataclasses import asdict
-
     from fieldrecon.experiments import get
+    from fieldrecon.reporting.terminal import print_experiment
 
-    experiment = get(options.name)
-    console = _console()
-    console.print(f"{experiment.title}\n", style="bold", highlight=False)
-    for paragraph in experiment.description.split("\n\n"):
-        text = paragraph if "\n---" in paragraph else " ".join(paragraph.split())
-        console.print(f"{text}\n", highlight=False, markup=False)
-    rows = [
-        (name, _typed(value), experiment.meanings[name])
-        for name, value in asdict(experiment.defaults).items()
-    ]
-    _print_table(("parameter", "default", "what it is"), rows)
-    console.print(f"Figures: {', '.join(experiment.plots)}")
+    print_experiment(get(options.name))
 
 
 def _run(options: argparse.Namespace) -> None:
     from fieldrecon.experiments import files, get
     from fieldrecon.experiments.settings import with_settings
+    from fieldrecon.reporting.terminal import print_files, print_table, progress
 
     experiment = get(options.name)
     settings = dict(map(_setting, options.set)) | ({"seed": options.seed} if options.seed else {})
     params = with_settings(experiment.defaults, settings)
-    with _pool_map(options.jobs) as pool_map, _progress(pool_map, experiment.name) as each:
+    with _pool_map(options.jobs) as pool_map, progress(pool_map, experiment.name) as each:
         result = experiment.run(params, each)
     for name, table in result.tables.items():
-        _print_table(table.columns, table.rows, title=f"{experiment.name}: {name}")
-    _print_table(("fact", ""), tuple(result.facts.items()))
+        print_table(table.columns, table.rows, title=f"{experiment.name}: {name}")
+    print_table(("fact", ""), tuple(result.facts.items()))
     folder = options.out / experiment.name
-    _print_files(
+    print_files(
         [*files.write_result(result, folder), *files.write_figures(experiment, result, folder)]
     )
 
@@ -160,8 +166,9 @@ def _setting(text: str) -> tuple[str, str]:
 
 
 def _reconstruct(options: argparse.Namespace) -> None:
-    from fieldrecon.gridding import CANDIDATES, Grid, best, cross_validate, grid_over, nodes_of
-    from fieldrecon.reporting.gridding import METHOD_COLUMNS, method_rows, write_reconstruction
+    from fieldrecon.gridding import CANDIDATES, Grid, best_field, cross_validate, grid_over
+    from fieldrecon.reporting.gridding import write_reconstruction
+    from fieldrecon.reporting.terminal import print_files, print_trials, progress
     from fieldrecon.samples import read_samples
 
     if options.method not in {"best", *CANDIDATES}:
@@ -172,26 +179,16 @@ def _reconstruct(options: argparse.Namespace) -> None:
     points, values = samples.points, samples.values
 
     def trial(candidate: Any) -> Any:
-        asked_for = {"limit": len(points)} if candidate.name == options.method else {}
-        return cross_validate(candidate, points, values, **asked_for)
+        return cross_validate(candidate, points, values, candidate.name == options.method)
 
-    with _progress(map, "leaving out each sample") as each:
+    with progress(map, "leaving out each sample") as each:
         trials = list(each(trial, CANDIDATES.values()))
-    chosen = best([t for t in trials if options.method in ("best", t.candidate.name)])
-    x, y, outside = grid_over(points, *options.grid)
-    field = chosen.candidate.at_sites(points, values).field(values)
-    grid = Grid(x, y, field(nodes_of(x, y)).reshape(outside.shape), outside)
-    title = f"{samples.names[2]} at {len(points)} points: error when each is left out"
-    _print_table(METHOD_COLUMNS, tuple(method_rows(trials)), title=title)
-    say = _console().print
-    if samples.merged:
-        say(f"{samples.merged} rows repeat a point; it bears the mean of its values.")
-    say(f"Drawn by {chosen.candidate.name}, {chosen.candidate.meaning}.")
-    say(
-        f"{outside.mean():.0%} of the grid lies outside the convex hull of the samples: "
-        "extrapolated, marked in every file."
-    )
-    _print_files(write_reconstruction(options.out, samples, grid, trials, chosen))
+    allowed = [t for t in trials if options.method in ("best", t.candidate.name)]
+    x, y, nodes = grid_over(points, *options.grid)
+    chosen, field = best_field(allowed, points, values, nodes)
+    grid = Grid(x, y, field.reshape(len(y), len(x)), points)
+    print_trials(samples, grid, trials, chosen)
+    print_files(write_reconstruction(options.out, samples, grid, trials, chosen))
 
 
 @contextmanager
@@ -202,57 +199,6 @@ def _pool_map(jobs: int) -> Iterator[Map]:
         return
     with ProcessPoolExecutor(jobs, initializer=threadpool_limits, initargs=(1,)) as pool:
         yield pool.map
-
-
-@contextmanager
-def _progress(mapping: Map, label: str) -> Iterator[Map]:
-    """Give the map with a bar that tells, on a terminal, how many of its items are done."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
-
-    columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=_console(stderr=True), transient=True) as bar:
-
-        def each(function: Any, items: Iterable[Any]) -> Iterator[Any]:
-            items = list(items)
-            task = bar.add_task(label, total=len(items))
-            for done in mapping(function, items):
-                bar.advance(task)
-                yield done
-
-        yield each
-
-
-def _print_table(columns: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "") -> None:
-    """Print a table; one with many columns lies on its side, so that it fits a terminal."""
-    from rich.table import Table
-
-    texts = [list(columns), *([_typed(cell) for cell in row] for row in rows)]
-    if len(columns) > _WIDEST >= len(rows) or len(columns) > 2 * _WIDEST:
-        texts = [list(column) for column in zip(*texts, strict=True)]
-    table = Table(*texts[0], title=title or None, title_justify="left")
-    for row in texts[1 : 1 + _MOST_ROWS]:
-        table.add_row(*row)
-    _console().print(table)
-    if len(texts) - 1 > _MOST_ROWS:
-        _console().print(f"… and {len(texts) - 1 - _MOST_ROWS} rows more, in the file")
-
-
-def _typed(cell: Any) -> str:
-    """Spell a value for the terminal; a list as it would be typed."""
-    if isinstance(cell, float):
-        return f"{cell:.4g}"
-    return ",".join(map(_typed, cell)) if isinstance(cell, list | tuple) else str(cell)
-
-
-def _print_files(paths: Iterable[Path]) -> None:
-    for path in paths:
-        print(path)
-
-
-def _console(stderr: bool = False) -> Console:
-    from rich.console import Console
-
-    return Console(stderr=stderr)
 
 
 def _sentence(error: Exception) -> str:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from types import MappingProxyType
 
 import numpy as np
@@ -18,9 +18,7 @@ from fieldrecon.radial import polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Reconstruction
 
-GLOBAL_LIMIT = 5000
-"""Most samples for which radial basis functions are tried unasked: their cost grows as n³."""
-
+_NO_FIELD = (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError)
 _NEIGHBORS_PER_COEFFICIENT = 4
 _SMOOTHINGS = tuple(10.0**k for k in range(-6, 1))
 
@@ -39,12 +37,15 @@ class Candidate:
         What it is, in a few words.
     at_sites : callable
         Takes points (n, 2) and values (n,) to the method on these points.
+    most : float
+        Most samples on which it is tried unasked: global kernels cost as n³.
     """
 
     name: str
     family: str
     meaning: str
     at_sites: Callable[[np.ndarray, np.ndarray], Reconstruction]
+    most: float = np.inf
 
 
 def _least_squares(degree: int, points: np.ndarray, _: np.ndarray) -> LeastSquares:
@@ -77,15 +78,15 @@ CANDIDATES: Mapping[str, Candidate] = MappingProxyType(
             Candidate("ls4", "LS", "least squares, degree 4", partial(_least_squares, 4)),
             Candidate("mls1", "MLS", "moving least squares, degree 1", partial(_moving, 1)),
             Candidate("mls2", "MLS", "moving least squares, degree 2", partial(_moving, 2)),
-            Candidate("tps", "RBF", "thin-plate spline", partial(_interpolant, 2)),
-            Candidate("cubic", "RBF", "cubic spline r³", partial(_interpolant, 3)),
-            Candidate("smooth", "RBF", "thin plate, smoothed", _smoothed),
+            Candidate("tps", "RBF", "thin-plate spline", partial(_interpolant, 2), 5000),
+            Candidate("cubic", "RBF", "cubic spline r³", partial(_interpolant, 3), 5000),
+            Candidate("smooth", "RBF", "thin plate, smoothed", _smoothed, 2000),
         )
     }
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trial:
     """What came of a method on the samples: residuals when each is left out, or why there are none.
 
@@ -114,32 +115,37 @@ class Trial:
 
 
 def cross_validate(
-    candidate: Candidate, points: np.ndarray, values: np.ndarray, limit: int = GLOBAL_LIMIT
+    candidate: Candidate, points: np.ndarray, values: np.ndarray, asked_for: bool = False
 ) -> Trial:
     """Leave each sample out in turn and see how far the others miss it.
 
     A method that cannot be had on these points, or would take too long, says why.
     """
-    if candidate.family == "RBF" and len(points) > limit:
-        return Trial(candidate, None, f"not tried on more than {limit} samples unless asked for")
+    if len(points) > candidate.most and not asked_for:
+        return Trial(candidate, None, f"not tried on more than {candidate.most:g} samples unasked")
     try:
         return Trial(candidate, leave_one_out(candidate.at_sites(points, values), values))
-    except (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError) as error:
+    except _NO_FIELD as error:
         return Trial(candidate, None, str(error))
 
 
-def best(trials: list[Trial]) -> Trial:
-    """Return the trial of least rms.
+def best_field(
+    trials: Sequence[Trial], points: np.ndarray, values: np.ndarray, x: np.ndarray
+) -> tuple[Trial, np.ndarray]:
+    """Return the trial of least rms whose field exists at all the queries, and its values there.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        If none succeeded; the reason is that of the first, the simplest method.
+        If there is none; the reason is that of the first, the simplest method.
     """
-    winner = min(trials, key=lambda trial: trial.rms)
-    if winner.residuals is None:
-        raise np.linalg.LinAlgError(f"no method fits these samples: {trials[0].reason}")
-    return winner
+    reasons = [f"{trial.candidate.name}: {trial.reason}" for trial in trials if trial.reason]
+    for trial in sorted(trials, key=lambda trial: trial.rms)[: len(trials) - len(reasons)]:
+        try:
+            return trial, trial.candidate.at_sites(points, values).field(values)(x)
+        except _NO_FIELD as error:
+            reasons.append(f"{trial.candidate.name}: {error}")
+    raise np.linalg.LinAlgError(f"no field from these samples by {reasons[0]}")
 
 
 @dataclass(frozen=True)
@@ -151,14 +157,24 @@ class Grid:
     x, y : ndarray of shape (columns,) and (rows,)
     values : ndarray of shape (rows, columns)
         ``values[i, j]`` belongs to ``(x[j], y[i])``.
-    extrapolated : ndarray of bool, of the same shape
-        Whether the node lies outside of the convex hull of the samples.
+    points : ndarray of shape (n, 2)
+        Where the samples lie.
     """
 
     x: np.ndarray
     y: np.ndarray
     values: np.ndarray
-    extrapolated: np.ndarray
+    points: np.ndarray
+
+    @cached_property
+    def nodes(self) -> np.ndarray:
+        """The nodes (rows * columns, 2), in the order of ``values.ravel()``."""
+        return nodes_of(self.x, self.y)
+
+    @cached_property
+    def extrapolated(self) -> np.ndarray:
+        """Whether each node lies outside the convex hull of the samples: (rows, columns)."""
+        return outside_hull(self.points, self.nodes).reshape(self.values.shape)
 
 
 def nodes_of(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -169,17 +185,17 @@ def nodes_of(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 def grid_over(
     points: np.ndarray, columns: int, rows: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Lay a grid over the points; return x, y and which nodes (rows, columns) lie outside.
+    """Lay a grid over the points, as wide and as high as they are; return x, y and the nodes.
 
     Examples
     --------
-    >>> x, y, outside = grid_over(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]]), 3, 2)
-    >>> x.tolist(), y.tolist(), outside.tolist()
-    ([0.0, 1.0, 2.0], [0.0, 1.0], [[False, False, False], [False, True, True]])
+    >>> x, y, nodes = grid_over(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]]), 3, 2)
+    >>> x.tolist(), y.tolist(), nodes.shape
+    ([0.0, 1.0, 2.0], [0.0, 1.0], (6, 2))
     """
     low, high = points.min(axis=0), points.max(axis=0)
     x, y = np.linspace(low[0], high[0], columns), np.linspace(low[1], high[1], rows)
-    return x, y, outside_hull(points, nodes_of(x, y)).reshape(rows, columns)
+    return x, y, nodes_of(x, y)
 
 
 def outside_hull(points: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -35,6 +35,11 @@ class Samples:
     values: np.ndarray
     merged: int = 0
 
+    @property
+    def in_degrees(self) -> bool:
+        """Whether the names of the columns say longitude and latitude."""
+        return any(name.lower().startswith(("lon", "lat")) for name in self.names[:2])
+
 
 def read_samples(
     path: Path, x: str | None = None, y: str | None = None, value: str | None = None
@@ -67,9 +72,9 @@ def read_samples(
     numbers = np.array([_numbers(path, line, row, columns, chosen) for line, row in rows])
     if len(numbers) == 0:
         raise ValueError(f"{path} has no rows below its header")
-    names = tuple(columns[k] for k in chosen)
+    at_x, at_y, at_value = (columns[k] for k in chosen)
     points, values = _merged(numbers[:, :2], numbers[:, 2])
-    return Samples(names, points, values, merged=len(numbers) - len(points))
+    return Samples((at_x, at_y, at_value), points, values, merged=len(numbers) - len(points))
 
 
 def _rows(path: Path, lines: Sequence[str]) -> Iterator[tuple[int, list[str]]]:

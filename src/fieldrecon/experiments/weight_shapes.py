@@ -27,7 +27,8 @@ from fieldrecon.experiments.experiment import Cell, Map, Result, Table, paramete
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.radial import inverse_square
 from fieldrecon.reconstruction import Field
-from fieldrecon.reporting.style import SHADE, figure, hillshade, line, shades
+from fieldrecon.reporting.maps import SHADE, hillshade
+from fieldrecon.reporting.style import figure, line, shades
 
 DEGREES = {0: "constant", 1: "linear"}
 

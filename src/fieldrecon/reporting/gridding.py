@@ -10,11 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.experiments.files import csv_bytes, npz_bytes, write_atomically, write_figure
-from fieldrecon.gridding import Grid, Trial, nodes_of
+from fieldrecon.gridding import Grid, Trial
 from fieldrecon.reporting.style import METHOD_COLORS, figure
 from fieldrecon.samples import Samples
 
 PICTURE_FORMATS = ("png", "svg")
+METHODS = ("method", "what it is", "rms error", "largest error", "remark")
 
 
 def write_reconstruction(
@@ -26,17 +27,14 @@ def write_reconstruction(
     return [
         write_atomically(folder / "grid.csv", csv_bytes(columns, _grid_rows(grid))),
         write_atomically(folder / "grid.npz", npz_bytes(arrays)),
-        write_atomically(folder / "methods.csv", csv_bytes(METHOD_COLUMNS, method_rows(trials))),
+        write_atomically(folder / "methods.csv", csv_bytes(METHODS, _method_rows(trials))),
         *write_figure(
             plot(samples, grid, trials, chosen), folder / "reconstruction", PICTURE_FORMATS
         ),
     ]
 
 
-METHOD_COLUMNS = ("method", "what it is", "rms error", "largest error", "remark")
-
-
-def method_rows(trials: Iterable[Trial]) -> Iterator[tuple[str, str, object, object, str]]:
+def _method_rows(trials: Iterable[Trial]) -> Iterator[tuple[str, str, object, object, str]]:
     """Yield a row for each method: its errors at samples left out, or why there are none."""
     for trial in sorted(trials, key=lambda trial: trial.rms):
         errors = ("", "") if trial.residuals is None else (trial.rms, trial.largest)
@@ -44,7 +42,7 @@ def method_rows(trials: Iterable[Trial]) -> Iterator[tuple[str, str, object, obj
 
 
 def _grid_rows(grid: Grid) -> Iterator[tuple[float, float, float, int]]:
-    nodes = nodes_of(grid.x, grid.y).tolist()
+    nodes = grid.nodes.tolist()
     for (x, y), value, outside in zip(
         nodes, grid.values.ravel().tolist(), grid.extrapolated.ravel().tolist(), strict=True
     ):
@@ -62,7 +60,7 @@ def plot(samples: Samples, grid: Grid, trials: list[Trial], chosen: Trial) -> Fi
 
 
 def _draw_field(page: Figure, axes: Axes, samples: Samples, grid: Grid) -> None:
-    edges = [*_outer(grid.x), *_outer(grid.y)]
+    edges = (*_outer(grid.x), *_outer(grid.y))
     # Wild values where nothing was measured must not take the colours from where something was.
     inside = grid.values[~grid.extrapolated]
     low, high = np.percentile(inside if inside.size else grid.values, [0, 100])
