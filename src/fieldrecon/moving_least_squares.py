@@ -254,7 +254,7 @@ class MovingLeastSquares(Reconstruction):
     def _chunk_rows(self, columns: int) -> int:
         q = dimension(self.points.shape[1], self.degree)
         k = self.search.typical_size()
-        return rows_of(8 * (k * (2 * q + self.points.shape[1] + columns + 4) + 2 * q * q))
+        return rows_of(8 * (k * (2 * q + 4 * self.points.shape[1] + columns + 6) + 2 * q * q))
 
 
 def _as_neighbors(neighbors: int | None, n: int) -> int | None:

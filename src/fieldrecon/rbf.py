@@ -164,7 +164,7 @@ class RBF(Reconstruction):
         """Lower triangle of the kernel between all sites, of size one."""
         n = len(self._sites)
         a = np.zeros((n, n), order="F")
-        for part, block in chunked(self._kernel_rows, np.arange(n), rows_of(16 * n)):
+        for part, block in chunked(self._kernel_rows, np.arange(n), rows_of(64 * n)):
             a[part.start :, part] = block.T
         return a
 
@@ -200,22 +200,22 @@ class RBF(Reconstruction):
         queries = x / self._frame.scale
         for start in range(0, len(lam), _TILE):
             part = slice(start, start + _TILE)
-            slope, offset = self._slopes(queries, self._sites[part])
+            slope = self._slopes(queries, self._sites[part])
             for k in range(x.shape[1]):
-                total[..., k] += (slope * offset[..., k]) @ lam[part]
+                offset = queries[:, k, None] - self._sites[part, k]
+                total[..., k] += (slope * offset) @ lam[part]
         return total / self._frame.scale
 
-    def _slopes(self, queries: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """phi'(r)/r (m, n) and x - p (m, n, d) in the local frame."""
-        offset = queries[:, None, :] - sites
-        squared = np.einsum("mnd,mnd->mn", offset, offset)
+    def _slopes(self, queries: np.ndarray, sites: np.ndarray) -> np.ndarray:
+        """phi'(r)/r (m, n) in the local frame."""
+        squared = cdist(queries, sites, "sqeuclidean")
         if not self.kernel.differentiable and (squared == 0).any():
             where = queries[np.argwhere(squared == 0)[0][0]] * self._frame.scale
             raise ValueError(
                 f"{self.kernel!r} has no gradient at a site, and the query "
                 f"({', '.join(f'{v:.6g}' for v in where)}) is one"
             )
-        return self._unit_kernel.slope_of_squared(squared), offset
+        return self._unit_kernel.slope_of_squared(squared)
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
         self._refuse_if_too_large(len(x))
@@ -225,10 +225,13 @@ class RBF(Reconstruction):
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
         d = x.shape[1]
         self._refuse_if_too_large(len(x), 3 * d)
-        slope, offset = self._slopes(x / self._frame.scale, self._sites)
+        queries = x / self._frame.scale
+        slope = self._slopes(queries, self._sites)
         slopes_of_basis = monomial_gradients(self._frame.local(x), self.degree)
         return tuple(
-            self._system.solve((slope * offset[..., k]).T, slopes_of_basis[..., k].T)[0].T
+            self._system.solve(
+                (slope * (queries[:, k, None] - self._sites[:, k])).T, slopes_of_basis[..., k].T
+            )[0].T
             / self._frame.scale
             for k in range(d)
         )
@@ -245,7 +248,7 @@ class RBF(Reconstruction):
     def _chunk_rows(self, columns: int) -> int:
         q = dimension(self.points.shape[1], self.degree)
         return rows_of(
-            8 * (3 * min(_TILE, len(self.points)) + (q + columns) * (self.points.shape[1] + 2))
+            8 * (8 * min(_TILE, len(self.points)) + (q + columns) * (self.points.shape[1] + 2))
         )
 
 
