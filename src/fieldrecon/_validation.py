@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -53,13 +55,10 @@ def as_degree(degree: int, lowest: int = 0) -> int:
 def as_length(length: float, name: str, zero_allowed: bool = False) -> float:
     """A length parameter: finite and positive, or zero where that has a meaning."""
     bound = "zero or a positive" if zero_allowed else "a positive"
-    try:
-        number = float(length)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be {bound} number; got {length!r}") from None
-    if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
+    known = isinstance(length, Real) and not isinstance(length, bool)
+    if not known or not 0 <= length <= sys.float_info.max or (length == 0 and not zero_allowed):
         raise ValueError(f"{name} must be {bound} number; got {length!r}")
-    return number
+    return float(length)
 
 
 def _as_numbers(a: ArrayLike, name: str, complex_allowed: bool) -> np.ndarray:

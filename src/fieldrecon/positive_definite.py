@@ -35,7 +35,7 @@ class gaussian(Scaled):
 
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values -2 phi / scale^2."""
-        return -2.0 / self.scale**2 * self.of_squared(s)
+        return -2.0 * self.of_squared(s) / self.scale / self.scale
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class inverse_multiquadric(Scaled):
 
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values -phi^3 / scale^2."""
-        return -(self.of_squared(s) ** 3) / self.scale**2
+        return -(self.of_squared(s) ** 3) / self.scale / self.scale
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,8 @@ class matern(Radial):
     order = 0
 
     def __post_init__(self) -> None:
-        as_length(self.nu, "nu")
-        as_length(self.scale, "scale")
+        object.__setattr__(self, "nu", as_length(self.nu, "nu"))
+        object.__setattr__(self, "scale", as_length(self.scale, "scale"))
 
     @property
     def differentiable(self) -> bool:
@@ -103,7 +103,7 @@ class matern(Radial):
         """Values from (z^nu K_nu)' = -z^nu K_(nu-1)."""
         limit = 1.0 / (2.0 * (self.nu - 1.0)) if self.nu > 1 else 0.0
         z = np.sqrt(s) / self.scale
-        return -self._bessel(self.nu - 1.0, z, at_zero=limit) / self.scale**2
+        return -self._bessel(self.nu - 1.0, z, at_zero=limit) / self.scale / self.scale
 
     def _bessel(self, power: float, z: np.ndarray, at_zero: float) -> np.ndarray:
         # far out K_nu underflows before z^nu overflows, since z stays below this bound
@@ -150,9 +150,13 @@ class wendland(Radial):
     def __post_init__(self) -> None:
         if isinstance(self.d, bool) or not isinstance(self.d, int | np.integer) or self.d < 1:
             raise ValueError(f"d must be an integer, 1 or more; got {self.d!r}")
-        if isinstance(self.k, bool) or self.k not in (0, 1, 2, 3):
+        if (
+            isinstance(self.k, bool)
+            or not isinstance(self.k, int | np.integer)
+            or self.k not in (0, 1, 2, 3)
+        ):
             raise ValueError(f"k must be 0, 1, 2 or 3; got {self.k!r}")
-        as_length(self.radius, "radius")
+        object.__setattr__(self, "radius", as_length(self.radius, "radius"))
 
     @property
     def support(self) -> float:
@@ -167,21 +171,20 @@ class wendland(Radial):
     def of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values (1 - z)^(l+k) p(z)."""
         power, p = self._parts()
-        z = np.sqrt(s) / self.radius
-        return np.maximum(1.0 - z, 0.0) ** power * p(z)
+        z = np.minimum(np.sqrt(s) / self.radius, 1.0)
+        return (1.0 - z) ** power * p(z)
 
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values of phi'(r)/r, in which the factor z has been divided out."""
         power, p = self._parts()
-        z = np.sqrt(s) / self.radius
-        inside = np.maximum(1.0 - z, 0.0) ** (power - 1)
+        z = np.minimum(np.sqrt(s) / self.radius, 1.0)
+        inside = np.where(z < 1.0, (1.0 - z) ** (power - 1), 0.0)
         derivative = Polynomial([1, -1]) * p.deriv() - power * p
         if self.k > 0:
-            return inside * Polynomial(derivative.coef[1:])(z) / self.radius**2
-        return (
-            np.where(z > 0, inside * (z < 1) * derivative(z) / np.where(z > 0, z, 1.0), 0.0)
-            / self.radius**2
-        )
+            slope = inside * Polynomial(derivative.coef[1:])(z)
+        else:
+            slope = np.where(z > 0, inside * derivative(z) / np.where(z > 0, z, 1.0), 0.0)
+        return slope / self.radius / self.radius
 
     def _parts(self) -> tuple[int, Polynomial]:
         a = self.d // 2 + self.k + 1

@@ -31,8 +31,8 @@ class Radial:
     support : float
         Distance beyond which the function vanishes; infinity for none.
     homogeneity : int
-        k if phi(h r) = h^k phi(r) up to polynomials that the side conditions annihilate; such a
-        kernel has no length parameter.
+        k if phi(h r) = h^k phi(r), all lengths changed alike, up to polynomials that the side
+        conditions annihilate.
     differentiable : bool
         Whether x -> phi(|x|) has a gradient at the origin.
     """
@@ -83,7 +83,7 @@ class Scaled(Radial):
     order = 0
 
     def __post_init__(self) -> None:
-        as_length(self.scale, "scale")
+        object.__setattr__(self, "scale", as_length(self.scale, "scale"))
 
     def in_units(self, h: float) -> Radial:
         """The same function with scale / h."""
@@ -213,7 +213,7 @@ class multiquadric(Scaled):
 
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values -1 / (scale^2 sqrt(1 + s/scale^2))."""
-        return 1.0 / (self.scale**2 * self.of_squared(s))
+        return 1.0 / self.of_squared(s) / self.scale / self.scale
 
 
 @dataclass(frozen=True)
@@ -239,14 +239,15 @@ class inverse_square(Radial):
     """
 
     epsilon: float
+    homogeneity: ClassVar[int] = -2
 
     def __post_init__(self) -> None:
-        as_length(self.epsilon, "epsilon", zero_allowed=True)
+        object.__setattr__(self, "epsilon", as_length(self.epsilon, "epsilon", zero_allowed=True))
 
     def of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values 1/(s + epsilon^2)."""
         with np.errstate(divide="ignore", over="ignore"):  # infinite at a site if epsilon is zero
-            return 1.0 / (s + self.epsilon**2)
+            return 1.0 / (s + self.epsilon * self.epsilon)
 
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values -2/(s + epsilon^2)^2."""
@@ -254,4 +255,5 @@ class inverse_square(Radial):
 
     def in_units(self, h: float) -> Radial:
         """The same weight, up to the factor h^2, with epsilon / h."""
-        return inverse_square(self.epsilon / h)
+        # beyond this it is constant on sites of size h; its square must stay a number
+        return inverse_square(min(self.epsilon / h, 1e70))

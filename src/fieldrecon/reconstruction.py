@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -125,7 +126,7 @@ class Reconstruction(ABC):
         """
         queries = self._queries(x)
         f = valid.as_values(f, len(queries), name="f", of="query")
-        columns = f.reshape(len(f), -1)
+        columns = f.reshape(len(f), math.prod(f.shape[1:]))  # of no queries too
         result = valid.without_warnings(self._adjoint, queries, columns)
         return valid.finite_rows(result, self.points).reshape((len(self.points), *f.shape[1:]))
 
@@ -154,7 +155,7 @@ class Reconstruction(ABC):
 
     def _prepare(self, values: np.ndarray) -> Any:
         """What evaluation needs of the data (n, v): coefficients, or the data themselves."""
-        return values
+        return values.copy()  # a field does not change when the caller's array does
 
     def _value_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
         """Values (m, v)."""

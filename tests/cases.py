@@ -1,0 +1,202 @@
+"""Every method, with the sites, the queries and the accuracy at which the laws judge it."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fieldrecon.least_squares import LeastSquares
+from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.polynomials import dimension
+from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.radial import (
+    Radial,
+    inverse_square,
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
+from fieldrecon.rbf import RBF
+from fieldrecon.reconstruction import Reconstruction
+
+EXACT = 1e-10
+"""Deviation allowed in answers of size one, where nothing is badly conditioned."""
+
+FLAT = 1e-7
+"""The same for kernels so smooth that their matrix loses nine digits."""
+
+SITES = {1: 24, 2: 45, 3: 70, 5: 120}
+EXTREME_UNITS = (1e-150, 3.0, 1e150)
+# A smoothing goes with a power of the unit, which must itself be a number.
+SMOOTHED_UNITS = (1e-40, 3.0, 1e40)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A method on sites, and where to ask it.
+
+    `make(points, unit)` builds it: lengths are multiples of the unit, and `coefficients_power` is
+    that of the unit in its smoothing. `distinguishable` says whether the field of a method that
+    does not interpolate misses the data by more than rounding.
+    """
+
+    name: str
+    make: Callable[[np.ndarray, float], Reconstruction]
+    d: int
+    n: int
+    exact: float = EXACT
+    distinguishable: bool = True
+    units: tuple[float, ...] = EXTREME_UNITS
+
+    @cached_property
+    def sites(self) -> np.ndarray:
+        """Sites (n, d) in the unit cube; on a line none are much closer than the others."""
+        x = np.random.default_rng(self.d).random((self.n, self.d))
+        if self.d == 1:
+            x = (np.arange(self.n)[:, None] + 0.2 + 0.6 * x) / self.n
+        return on_a_lattice(x)
+
+    @cached_property
+    def queries(self) -> np.ndarray:
+        """Seven queries in the cube of the sites, and one outside."""
+        inside = np.random.default_rng(40 + self.d).random((7, self.d))
+        outside = np.where(np.arange(self.d) == 0, -0.1, 0.5)
+        return on_a_lattice(np.vstack([inside, outside]))
+
+    @cached_property
+    def method(self) -> Reconstruction:
+        """The method on the sites, in units of one."""
+        return self.make(self.sites, 1.0)
+
+    @cached_property
+    def data(self) -> np.ndarray:
+        """Smooth data (n,) of size one, of no finite degree."""
+        return np.cos(self.sites @ np.linspace(1.0, 3.0, self.d)) + self.sites[:, 0] ** 4
+
+
+def on_a_lattice(x: np.ndarray) -> np.ndarray:
+    """Points with twenty binary places: an offset of 2^20 rounds none of them."""
+    return np.round(x * 2.0**20) / 2.0**20
+
+
+def least_squares_cases() -> Iterator[Case]:
+    for d in (1, 2, 3, 5):
+        for degree in range(4):
+            yield Case(
+                f"LS degree {degree} in {d}-D",
+                lambda p, _, degree=degree: LeastSquares(p, degree),
+                d,
+                SITES[d],
+            )
+    for d, degree in ((1, 3), (2, 2), (3, 1)):
+        yield Case(
+            f"LS as many sites as coefficients, degree {degree} in {d}-D",
+            lambda p, _, degree=degree: LeastSquares(p, degree),
+            d,
+            dimension(d, degree),
+            exact=FLAT,
+        )
+
+
+WEIGHTS: dict[str, Callable[[float], Radial]] = {
+    "ε = 0": lambda _: inverse_square(0.0),
+    "ε = 1e-8": lambda u: inverse_square(1e-8 * u),
+    "ε = 0.1": lambda u: inverse_square(0.1 * u),
+    "ε = 1": lambda u: inverse_square(u),
+    "gaussian": lambda u: gaussian(0.4 * u),
+    "inverse multiquadric": lambda u: inverse_multiquadric(0.2 * u),
+    "wendland within a radius": lambda u: wendland(3, 1, 0.95 * u),
+}
+NEAREST_WEIGHTS = {
+    "wendland": wendland(3, 2),
+    "ε = 0": inverse_square(0.0),
+    "gaussian": gaussian(0.6),
+}
+
+
+def moving_cases() -> Iterator[Case]:
+    for name, weight in WEIGHTS.items():
+        for d, degree in [(2, 0), (2, 1), (2, 2), (2, 3), (1, 1), (1, 3), (3, 1), (3, 2)]:
+            yield Case(
+                f"MLS {name}, degree {degree} in {d}-D",
+                lambda p, u, w=weight, degree=degree: MovingLeastSquares(p, w(u), degree),
+                d,
+                SITES[d],
+                exact=1e-9,
+                distinguishable=name != "ε = 1e-8",
+            )
+    for name, near in NEAREST_WEIGHTS.items():
+        for d, degree in [(2, 0), (2, 1), (2, 2), (1, 1), (3, 1), (3, 2)]:
+            k = 2 * dimension(d, degree) + d
+            yield Case(
+                f"MLS {name} on {k} nearest, degree {degree} in {d}-D",
+                lambda p, _, w=near, degree=degree, k=k: MovingLeastSquares(p, w, degree, k),
+                d,
+                SITES[d],
+                exact=1e-9,
+            )
+    yield Case(
+        "MLS gaussian on 100 nearest, degree 1 in 5-D",
+        lambda p, _: MovingLeastSquares(p, gaussian(0.6), 1, 100),
+        5,
+        SITES[5],
+    )
+    yield Case(
+        "MLS as many nearest as coefficients",
+        lambda p, _: MovingLeastSquares(p, gaussian(1.0), 1, 2),
+        1,
+        SITES[1],
+    )
+
+
+KERNELS: dict[str, Callable[[float], Radial]] = {
+    "thin plate": lambda _: thin_plate_spline(),
+    "r": lambda _: polyharmonic(1),
+    "r² log r": lambda _: polyharmonic(2),
+    "r³": lambda _: polyharmonic(3),
+    "r⁴ log r": lambda _: polyharmonic(4),
+    "r⁵": lambda _: polyharmonic(5),
+    "multiquadric": lambda u: multiquadric(0.2 * u),
+    "inverse multiquadric": lambda u: inverse_multiquadric(0.2 * u),
+    "gaussian": lambda u: gaussian(0.2 * u),
+    "exponential": lambda u: matern(0.5, 0.4 * u),
+    "Matérn 3/2": lambda u: matern(1.5, 0.3 * u),
+    "Matérn 5/2": lambda u: matern(2.5, 0.2 * u),
+    "Wendland 0": lambda u: wendland(3, 0, 0.8 * u),
+    "Wendland 1": lambda u: wendland(3, 1, 0.8 * u),
+    "Wendland 2": lambda u: wendland(3, 2, 0.8 * u),
+    "Wendland 3": lambda u: wendland(3, 3, 0.8 * u),
+    "ε = 0.3": lambda u: inverse_square(0.3 * u),
+}
+
+
+def rbf_cases() -> Iterator[Case]:
+    for name, kernel in KERNELS.items():
+        for d, spread in ((1, 0.4), (2, 1.0), (3, 1.0)):
+            yield Case(
+                f"RBF {name} in {d}-D",
+                lambda p, u, kernel=kernel, spread=spread: RBF(p, kernel(spread * u)),
+                d,
+                SITES[d],
+                exact=FLAT,
+            )
+        power = kernel(1.0).homogeneity
+        yield Case(
+            f"RBF {name}, one degree more, smoothed, in 2-D",
+            lambda p, u, kernel=kernel, power=power: RBF(
+                p, kernel(u), kernel(u).order, 1e-3 * u**power
+            ),
+            2,
+            SITES[2],
+            units=SMOOTHED_UNITS,
+        )
+    yield Case("RBF r³ with cubics in 2-D", lambda p, _: RBF(p, polyharmonic(3), 3), 2, SITES[2])
+
+
+CASES = [*least_squares_cases(), *moving_cases(), *rbf_cases()]
+
+
+def case(name: str) -> Case:
+    """The case of that name."""
+    return next(c for c in CASES if c.name == name)

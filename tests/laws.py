@@ -1,0 +1,459 @@
+"""What every reconstruction must satisfy, each law a plain function of a case.
+
+A law fails by AssertionError. Real methods and the mutants are judged by the same words.
+"""
+
+import pickle
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import replace
+from itertools import product
+from unittest import mock
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.stats import ortho_group
+
+from cases import Case
+from fieldrecon import _chunks
+from fieldrecon.model_selection import leave_one_out
+
+VISIBLE = 1e-5
+"""What differs by more than this differs for a reason."""
+
+# Of the sixth-order difference quotient below, rounding of the field included.
+DIFFERENCE = 1e-5
+
+
+def assert_close(a: object, b: object, tolerance: float) -> None:
+    """The same shape, and no entry further apart than the tolerance."""
+    a, b = np.asarray(a), np.asarray(b)
+    assert a.shape == b.shape, f"shape {a.shape}, not {b.shape}"
+    deviation = float(np.abs(a - b).max(initial=0.0))
+    assert deviation <= tolerance, f"deviates by {deviation:.1e}, more than {tolerance:.1e}"
+
+
+def dense(matrix: object) -> np.ndarray:
+    return matrix.toarray() if sparse.issparse(matrix) else np.asarray(matrix)
+
+
+def all_monomials(x: np.ndarray, degree: int) -> np.ndarray:
+    """Monomials of 2x - 1, (m, q): those of the degree itself last."""
+    y = 2 * x - 1
+    powers = [a for a in product(range(degree + 1), repeat=x.shape[1]) if sum(a) <= degree]
+    powers.sort(key=sum)
+    return np.stack([np.prod(y**a, axis=1) for a in powers] or [y[:, 0]] * 0, axis=1)
+
+
+def difference_quotient(f, x: np.ndarray, step: float) -> np.ndarray:
+    """Gradient by central differences of order six, the derivative last."""
+    columns = []
+    for axis in np.eye(x.shape[-1]):
+        by = {k: f(x + k * step * axis) - f(x - k * step * axis) for k in (1, 2, 3)}
+        columns.append((45 * by[1] - 9 * by[2] + by[3]) / (60 * step))
+    return np.stack(columns, axis=-1)
+
+
+# --- polynomials --------------------------------------------------------------------------------
+
+
+def polynomials_of_its_degree_come_back(case: Case) -> None:
+    """Data of a polynomial of the declared degree give that polynomial, in and out of the cloud."""
+    m = case.method
+    if m.degree >= 0:
+        s = m.field(all_monomials(case.sites, m.degree))
+        assert_close(s(case.queries), all_monomials(case.queries, m.degree), case.exact)
+
+
+def polynomials_of_the_next_degree_do_not(case: Case) -> None:
+    """The declared degree is the highest: some polynomial of the next one does not come back."""
+    m = case.method
+    s = m.field(all_monomials(case.sites, m.degree + 1))
+    error = np.abs(s(case.queries) - all_monomials(case.queries, m.degree + 1))
+    assert error.max() > VISIBLE, f"degree {m.degree + 1} comes back to {error.max():.1e}"
+
+
+def gradients_of_polynomials_come_back(case: Case) -> None:
+    """So do their gradients, those of 2x - 1 in each variable by the chain rule."""
+    m = case.method
+    if m.degree >= 1:
+        a = np.linspace(0.5, 1.0, case.d)
+        power = m.degree
+        s = m.field((case.sites @ a - 0.5) ** power)
+        exact = power * (case.queries @ a - 0.5)[:, None] ** (power - 1) * a
+        assert_close(s.gradient(case.queries), exact, 100 * case.exact)
+    elif m.degree == 0:
+        s = m.field(np.ones(case.n))
+        assert_close(s.gradient(case.queries), np.zeros(case.queries.shape), 100 * case.exact)
+
+
+# --- data ---------------------------------------------------------------------------------------
+
+
+def data_come_back_if_and_only_if_it_interpolates(case: Case) -> None:
+    """H(X) = I where the method interpolates, and only there."""
+    deviation = np.abs(dense(case.method.weights(case.sites)) - np.eye(case.n)).max()
+    if case.method.interpolates:
+        assert deviation <= case.exact, f"H(X) deviates from I by {deviation:.1e}"
+    elif case.distinguishable:
+        assert deviation > VISIBLE, f"H(X) is I to {deviation:.1e}"
+
+
+def the_field_is_linear_in_the_data(case: Case) -> None:
+    """The field of 2f - 3ig is 2 s_f - 3i s_g, and so is its gradient."""
+    f, g = case.data, np.sin(5 * case.data)
+    s = case.method.field
+    assert_close(
+        s(2 * f - 3j * g)(case.queries),
+        2 * s(f)(case.queries) - 3j * s(g)(case.queries),
+        10 * case.exact,
+    )
+    assert_close(
+        s(2 * f - 3j * g).gradient(case.queries),
+        2 * s(f).gradient(case.queries) - 3j * s(g).gradient(case.queries),
+        1000 * case.exact,
+    )
+
+
+def components_do_not_mix(case: Case) -> None:
+    """Each component of vector or matrix data is reconstructed as if alone."""
+    f = np.stack([case.data, case.data**2, -case.data, case.data**3], axis=1).reshape(-1, 2, 2)
+    s = case.method.field(f)
+    for i, j in product(range(2), range(2)):
+        alone = case.method.field(f[:, i, j])
+        assert_close(s(case.queries)[:, i, j], alone(case.queries), case.exact)
+        gradient = s.gradient(case.queries)[:, i, j]
+        assert_close(gradient, alone.gradient(case.queries), 100 * case.exact)
+
+
+def no_components_are_no_trouble(case: Case) -> None:
+    """Data of the shape (n, 0) give values (m, 0) and gradients (m, 0, d)."""
+    s = case.method.field(np.zeros((case.n, 0)))
+    assert s(case.queries).shape == (len(case.queries), 0)
+    assert s.gradient(case.queries).shape == (len(case.queries), 0, case.d)
+
+
+# --- routes -------------------------------------------------------------------------------------
+
+
+def the_field_is_weights_times_data(case: Case) -> None:
+    """s(x) = H f, by the fast route as by the general one."""
+    assert_close(
+        case.method.field(case.data)(case.queries),
+        case.method.weights(case.queries) @ case.data,
+        case.exact,
+    )
+
+
+def the_gradient_is_gradient_weights_times_data(case: Case) -> None:
+    """grad s(x) = (G_1 f, ..., G_d f)."""
+    g = case.method.gradient_weights(case.queries)
+    assert len(g) == case.d
+    assert_close(
+        case.method.field(case.data).gradient(case.queries),
+        np.stack([matrix @ case.data for matrix in g], axis=-1),
+        100 * case.exact,
+    )
+
+
+def the_gradient_is_the_derivative(case: Case) -> None:
+    """Of the field as it is, by differences of its values."""
+    s = case.method.field(case.data)
+    quotient = difference_quotient(s, case.queries, step=2e-5)
+    assert_close(s.gradient(case.queries), quotient, DIFFERENCE)
+
+
+def the_adjoint_is_the_transpose(case: Case) -> None:
+    """H^T f, for vectors and complex values as well."""
+    h = dense(case.method.weights(case.queries))
+    f = np.cos(np.arange(len(h)))
+    assert_close(case.method.adjoint(case.queries, f), h.T @ f, case.exact)
+    f = np.stack([f, 1j * f**2], axis=1)
+    assert_close(case.method.adjoint(case.queries, f), h.T @ f, case.exact)
+
+
+def work_is_the_same_on_both_sides(case: Case) -> None:
+    """(s(x), g) = (f, H^T g): the field and the adjoint belong together."""
+    g = np.sin(np.arange(len(case.queries)) + 1.0)
+    here = case.method.field(case.data)(case.queries) @ g
+    there = case.data @ case.method.adjoint(case.queries, g)
+    assert_close(here, there, 100 * case.exact)
+
+
+# --- queries ------------------------------------------------------------------------------------
+
+
+def leading_axes_stay(case: Case) -> None:
+    """Queries (..., d) give values (..., *v), gradients (..., *v, d), and m rows of weights."""
+    f = np.stack([case.data, -case.data], axis=1)
+    s = case.method.field(f)
+    x = case.queries.reshape(2, 1, 4, case.d)
+    assert_close(s(x), s(case.queries).reshape(2, 1, 4, 2), case.exact)
+    gradients = s.gradient(case.queries).reshape(2, 1, 4, 2, case.d)
+    assert_close(s.gradient(x), gradients, 100 * case.exact)
+    assert_close(s(x[0, 0, 3]), s(case.queries)[3], case.exact)
+    assert_close(
+        dense(case.method.weights(x)), dense(case.method.weights(case.queries)), case.exact
+    )
+
+
+def no_queries_give_no_answers(case: Case) -> None:
+    """Of the right shapes, and the adjoint of nothing is zero."""
+    m, f = case.method, np.stack([case.data, -case.data], axis=1)
+    none = np.zeros((0, 3, case.d))
+    assert m.field(f)(none).shape == (0, 3, 2)
+    assert m.field(f).gradient(none).shape == (0, 3, 2, case.d)
+    assert m.weights(none).shape == (0, case.n)
+    assert [g.shape for g in m.gradient_weights(none)] == [(0, case.n)] * case.d
+    assert_close(m.adjoint(none, np.zeros((0, 2))), np.zeros((case.n, 2)), 0.0)
+
+
+def chunks_do_not_matter(case: Case) -> None:
+    """One query at a time or all at once."""
+    m = case.method
+    s, x = m.field(case.data), case.queries
+    f = np.cos(np.arange(len(x)))
+
+    def everything() -> list[np.ndarray]:
+        matrices = [m.weights(x), *m.gradient_weights(x)]
+        return [s(x), m.adjoint(x, f), s.gradient(x), *map(dense, matrices)]
+
+    together = everything()
+    with mock.patch.object(_chunks, "CHUNK_BYTES", 1):
+        apart = everything()
+    for a, b in zip(together, apart, strict=True):
+        assert_close(a, b, 100 * case.exact)
+
+
+def executors_do_not_matter(case: Case, executor: Executor | None = None) -> None:
+    """The same bits from the default threads, one thread, or any other executor."""
+    s = case.method.field(case.data)
+    with mock.patch.object(_chunks, "CHUNK_BYTES", 2**14), ThreadPoolExecutor(1) as single:
+        for evaluate in (s, s.gradient):
+            default = evaluate(case.queries)
+            assert_close(evaluate(case.queries, executor=executor or single), default, 0.0)
+
+
+def progress_reaches_the_end(case: Case) -> None:
+    """progress(done, total) rises, and ends with done = total."""
+    s = case.method.field(case.data)
+    with mock.patch.object(_chunks, "CHUNK_BYTES", 2**14):
+        for evaluate in (s, s.gradient):
+            calls: list[tuple[int, int]] = []
+            evaluate(case.queries, progress=lambda *call, calls=calls: calls.append(call))
+            done = [d for d, _ in calls]
+            assert done == sorted(set(done))
+            assert calls[-1:] == [(len(case.queries), len(case.queries))]
+
+
+# --- where, how and in what unit the points lie -------------------------------------------------
+
+
+def the_origin_does_not_matter(case: Case) -> None:
+    """Values, gradients and weights move with the points, a million away and without rounding."""
+    offset = 2.0**20
+    moved = case.make(case.sites + offset, 1.0)
+    here, there = case.method.field(case.data), moved.field(case.data)
+    x = case.queries
+    assert_close(there(x + offset), here(x), 10 * case.exact)
+    assert_close(there.gradient(x + offset), here.gradient(x), 1000 * case.exact)
+    assert_close(
+        dense(moved.weights(x + offset)), dense(case.method.weights(x)), 10 * case.exact
+    )
+
+
+def the_axes_do_not_matter(case: Case) -> None:
+    """Values stay and gradients turn when the points are turned or mirrored."""
+    q = ortho_group.rvs(case.d, random_state=5) if case.d > 1 else -np.eye(1)
+    here, x = case.method.field(case.data), case.queries
+    there = case.make(case.sites @ q, 1.0).field(case.data)
+    assert_close(there(x @ q), here(x), 10 * case.exact)
+    assert_close(there.gradient(x @ q), here.gradient(x) @ q, 1000 * case.exact)
+
+
+def the_unit_does_not_matter(case: Case) -> None:
+    """Values stay and gradients go with 1/unit, even with units of 1e-150 and 1e150."""
+    here, x = case.method.field(case.data), case.queries
+    for unit in case.units:
+        there = case.make(case.sites * unit, unit).field(case.data)
+        assert_close(there(x * unit), here(x), 10 * case.exact)
+        assert_close(there.gradient(x * unit) * unit, here.gradient(x), 1000 * case.exact)
+
+
+def the_unit_of_the_data_does_not_matter(case: Case) -> None:
+    """Data of size 1e-200 or 1e200 give values and gradients of that size."""
+    here, x = case.method.field(case.data), case.queries
+    for unit in (2.0**-660, 2.0**660):
+        there = case.method.field(case.data * unit)
+        assert_close(there(x) / unit, here(x), case.exact)
+        assert_close(there.gradient(x) / unit, here.gradient(x), 100 * case.exact)
+
+
+def the_order_of_the_sites_does_not_matter(case: Case) -> None:
+    """Weights go with their sites."""
+    order = np.random.default_rng(6).permutation(case.n)
+    shuffled = case.make(case.sites[order], 1.0)
+    assert_close(
+        dense(shuffled.weights(case.queries)),
+        dense(case.method.weights(case.queries))[:, order],
+        10 * case.exact,
+    )
+
+
+# --- what comes in ------------------------------------------------------------------------------
+
+
+def inputs_stay_as_they_are(case: Case) -> None:
+    """Points, data and queries may be read-only, and are not written to when they are not."""
+    for writeable in (False, True):
+        p, f, x = case.sites.copy(), case.data.copy(), case.queries.copy()
+        load = np.cos(np.arange(len(x)))
+        arrays = (p, f, x, load)
+        before = [a.copy() for a in arrays]
+        for a in arrays:
+            a.flags.writeable = writeable
+        m = case.make(p, 1.0)
+        m.field(f)(x), m.field(f).gradient(x)
+        m.weights(x), m.gradient_weights(x), m.adjoint(x, load)
+        for a, b in zip(arrays, before, strict=True):
+            assert_close(a, b, 0.0)
+
+
+def a_method_keeps_what_it_was_given(case: Case) -> None:
+    """What happens to the caller's arrays afterwards changes neither the method nor its field."""
+    p, f = case.sites.copy(), case.data.copy()
+    m = case.make(p, 1.0)
+    s = m.field(f)
+    p[:], f[:] = 7.0, 7.0
+    assert_close(m.weights(case.queries) @ case.data, s(case.queries), case.exact)
+    assert_close(s(case.queries), case.method.field(case.data)(case.queries), case.exact)
+    assert not m.points.flags.writeable
+
+
+def the_form_of_the_arrays_does_not_matter(case: Case) -> None:
+    """Lists, Fortran order, strides and float32 of the same numbers give the same answers."""
+    p, f, x = (a.astype(np.float32).astype(float) for a in (case.sites, case.data, case.queries))
+    expected = case.make(p, 1.0).field(f)(x)
+    forms = [
+        lambda a: a.tolist(),
+        lambda a: np.asfortranarray(a),
+        lambda a: np.repeat(a, 2, axis=0)[::2],
+        lambda a: a.astype(np.float32),
+    ]
+    for form in forms:
+        again = case.make(form(p), 1.0).field(form(f))(form(x))
+        assert again.dtype == np.float64
+        assert_close(again, expected, 10 * case.exact)
+
+
+def integers_are_numbers(case: Case) -> None:
+    """Integer points, data and queries give what the same numbers as floats give."""
+    p, x = (np.round(a * 2**12).astype(int) for a in (case.sites, case.queries))
+    f = np.round(case.data * 100).astype(int)
+    m = case.make(p, 2.0**12)
+    expected = case.make(p.astype(float), 2.0**12).field(f.astype(float))
+    assert_close(m.field(f)(x), expected(x.astype(float)), 100 * case.exact)
+    assert m.field(f)(x).dtype == np.float64
+
+
+def a_pickled_copy_gives_the_same_bits(case: Case) -> None:
+    """So that processes can work on it."""
+    copy = pickle.loads(pickle.dumps(case.method))
+    x = case.queries
+    assert (copy.degree, copy.interpolates) == (case.method.degree, case.method.interpolates)
+    assert_close(dense(copy.weights(x)), dense(case.method.weights(x)), 0.0)
+    s = pickle.loads(pickle.dumps(case.method.field(case.data)))
+    assert_close(s.gradient(x), case.method.field(case.data).gradient(x), 0.0)
+
+
+def what_is_no_number_is_refused(case: Case) -> None:
+    """NaN and infinity, wherever they come in, by name and place."""
+    m, x = case.method, case.queries
+    for bad in (np.nan, np.inf, -np.inf):
+        f, p, q = case.data.copy(), case.sites.copy(), x.copy()
+        f[2], p[1, 0], q[3, 0] = bad, bad, bad
+        with refused(r"values must be finite; values\[2\] is "):
+            m.field(f)
+        with refused(r"points must be finite; points\[1, 0\] is "):
+            case.make(p, 1.0)
+        for ask in (m.field(case.data), m.field(case.data).gradient, m.weights):
+            with refused(r"x must be finite; x\[3, 0\] is "):
+                ask(q)
+        with refused(r"f must be finite; f\[1\] is "):
+            m.adjoint(x[:2], [1.0, bad])
+
+
+def wrong_shapes_are_refused(case: Case) -> None:
+    """In words: what was wanted, and what came."""
+    m, d, n = case.method, case.d, case.n
+    with refused(rf"values must have one entry for each point, shape \({n}, ...\); got \(3,\)"):
+        m.field([1.0, 2.0, 3.0])
+    for ask in (m.field(case.data), m.field(case.data).gradient, m.weights, m.gradient_weights):
+        with refused(rf"x must have {d} coordinates? per point, shape \(..., {d}\); got "):
+            ask(np.zeros((4, d + 1)))
+    with refused(r"f must have one entry for each query, shape \(8, ...\); got \(2,\)"):
+        m.adjoint(case.queries, [1.0, 2.0])
+    with refused(r"points must have the shape \(n, d\); got \(2, 2, 2\)"):
+        case.make(np.zeros((2, 2, 2)), 1.0)
+
+
+def refused(words: str):
+    """A context whose body must raise a ValueError in these words."""
+    return pytest.raises(ValueError, match=words)
+
+
+# --- leave one out ------------------------------------------------------------------------------
+
+
+def leaving_one_out_is_fitting_without_it(case: Case) -> None:
+    """f_i - s_(-i)(p_i), with s_(-i) made anew from the other sites."""
+    if case.n == len(all_monomials(case.sites[:1], max(case.method.degree, 0))[0]):
+        with pytest.raises(np.linalg.LinAlgError, match="without point"):
+            leave_one_out(case.method, case.data)
+        return
+    residuals = leave_one_out(case.method, case.data)
+    for i in (0, 7, case.n - 1):
+        others = np.arange(case.n) != i
+        refit = case.make(case.sites[others], 1.0).field(case.data[others])
+        assert_close(residuals[i], case.data[i] - refit(case.sites[i]), 1000 * case.exact)
+
+
+LAWS = [
+    polynomials_of_its_degree_come_back,
+    polynomials_of_the_next_degree_do_not,
+    gradients_of_polynomials_come_back,
+    data_come_back_if_and_only_if_it_interpolates,
+    the_field_is_linear_in_the_data,
+    components_do_not_mix,
+    no_components_are_no_trouble,
+    the_field_is_weights_times_data,
+    the_gradient_is_gradient_weights_times_data,
+    the_gradient_is_the_derivative,
+    the_adjoint_is_the_transpose,
+    work_is_the_same_on_both_sides,
+    leading_axes_stay,
+    no_queries_give_no_answers,
+    chunks_do_not_matter,
+    executors_do_not_matter,
+    progress_reaches_the_end,
+    the_origin_does_not_matter,
+    the_axes_do_not_matter,
+    the_unit_does_not_matter,
+    the_unit_of_the_data_does_not_matter,
+    the_order_of_the_sites_does_not_matter,
+    inputs_stay_as_they_are,
+    a_method_keeps_what_it_was_given,
+    the_form_of_the_arrays_does_not_matter,
+    integers_are_numbers,
+    a_pickled_copy_gives_the_same_bits,
+    what_is_no_number_is_refused,
+    wrong_shapes_are_refused,
+    leaving_one_out_is_fitting_without_it,
+]
+
+
+def on_other_sites(case: Case, sites: np.ndarray) -> Case:
+    """The same method on other sites, with as many queries about them."""
+    other = replace(case, n=len(sites))
+    other.__dict__["sites"] = sites
+    return other
