@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import math
 from collections.abc import Callable
 from numbers import Real
 from typing import Any
@@ -55,10 +55,14 @@ def as_degree(degree: int, lowest: int = 0) -> int:
 def as_length(length: float, name: str, zero_allowed: bool = False) -> float:
     """A length parameter: finite and positive, or zero where that has a meaning."""
     bound = "zero or a positive" if zero_allowed else "a positive"
-    known = isinstance(length, Real) and not isinstance(length, bool)
-    if not known or not 0 <= length <= sys.float_info.max or (length == 0 and not zero_allowed):
+    try:
+        known = isinstance(length, Real) and not isinstance(length, bool)
+        number = float(length) if known else math.nan
+    except OverflowError:
+        number = math.inf
+    if not 0 <= number < math.inf or (number == 0 and not zero_allowed):
         raise ValueError(f"{name} must be {bound} number; got {length!r}")
-    return float(length)
+    return number
 
 
 def _as_numbers(a: ArrayLike, name: str, complex_allowed: bool) -> np.ndarray:
