@@ -6,6 +6,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import FrozenInstanceError, fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -114,3 +115,16 @@ def test_there_is_no_other_experiment():
     with pytest.raises(ValueError, match=r"no experiment 'power'; there are .*power_sampling"):
         experiments.get("power")
     assert importlib.util.find_spec("fieldrecon.experiments.power") is None
+
+
+CHAPTERS = Path(__file__).parents[1] / "report" / "chapters"
+QUOTED = re.compile(r"\{\{(?P<experiment>\w+)\.(?P<params>params\.)?(?P<name>\w+)(:[^}]*)?\}\}")
+
+
+def test_what_the_text_quotes_exists(experiment, result):
+    """Each fact and parameter that a chapter quotes from an experiment is one that it has."""
+    text = "".join(path.read_text(encoding="utf-8") for path in sorted(CHAPTERS.glob("*.md")))
+    for quote in QUOTED.finditer(text):
+        if quote["experiment"] == experiment.name:
+            known = experiment.meanings if quote["params"] else result.facts
+            assert quote["name"] in known, quote[0]
