@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldrecon import RBF
+from fieldrecon import RBF, experiments
 from fieldrecon.datasets import halton, power_of_sum
 from fieldrecon.experiments import (
     epsilon_sweep,
@@ -18,22 +18,24 @@ ROUNDING = 1e-13
 
 @pytest.fixture(scope="module")
 def powers():
-    return power_sampling.run(power_sampling.Params(draws=200))
+    return experiments.get("power_sampling").run(power_sampling.Params(draws=200))
 
 
 @pytest.fixture(scope="module")
 def sweep():
-    return epsilon_sweep.run(epsilon_sweep.Params(draws=5, queries=60, steps=13))
+    return experiments.get("epsilon_sweep").run(epsilon_sweep.Params(draws=5, queries=60, steps=13))
 
 
 @pytest.fixture(scope="module")
 def shapes():
-    return weight_shapes.run(weight_shapes.Params(steps=9, relief_side=8))
+    return experiments.get("weight_shapes").run(weight_shapes.Params(steps=9, relief_side=8))
 
 
 @pytest.fixture(scope="module")
 def kernels():
-    return kernel_comparison.run(kernel_comparison.Params(sizes=(50, 100, 200, 400)))
+    return experiments.get("kernel_comparison").run(
+        kernel_comparison.Params(sizes=(50, 100, 200, 400))
+    )
 
 
 @pytest.mark.parametrize("n", range(1, 9))
