@@ -85,7 +85,15 @@ class MovingLeastSquares(Reconstruction):
         self.unit = frame.scale
         self.sites = self.points / self.unit
         self.search = self._searched()
-        self.interpolates = isinstance(weight, inverse_square) and weight.epsilon == 0
+        self.interpolates = self._interpolates()
+
+    def _interpolates(self) -> bool:
+        counted = self.neighbors or len(self.points)
+        if counted == dimension(self.points.shape[1], self.degree):
+            return True
+        infinite = isinstance(self.weight, inverse_square) and self.weight.epsilon == 0
+        # where sites coincide, the mean of their data comes back
+        return infinite and len(np.unique(self.points, axis=0)) == len(self.points)
 
     def _searched(self) -> Search:
         if self.neighbors is not None:

@@ -86,7 +86,7 @@ class RBF(Reconstruction):
             _refuse_duplicates(self.points)
         _refuse_beyond_memory(len(self.points))
         self._sites = self.points / self._frame.scale
-        self._unit_kernel = kernel.in_units(self._frame.scale)
+        self._unit_kernel = _as_finite(kernel.in_units(self._frame.scale))
         a = self._kernel_matrix()
         a[np.diag_indices_from(a)] += self._unit_smoothing()
         self._system = SaddlePoint(a, p)
@@ -257,6 +257,10 @@ def _as_kernel(kernel: Radial) -> Radial:
         raise ValueError(
             f"kernel must be a radial function such as thin_plate_spline(); got {kernel!r}"
         )
+    return kernel
+
+
+def _as_finite(kernel: Radial) -> Radial:
     if not np.abs(kernel(0.0)) < 1e100:
         raise ValueError(f"kernel must be finite at r = 0; {kernel!r} is not")
     return kernel
