@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 import tomllib
 from collections.abc import Mapping
@@ -23,6 +24,8 @@ from fieldrecon.reporting.sources import code_behind
 from fieldrecon.reporting.steps import Steps, digest, digests
 
 INTERRUPTED = 130
+TEMPORARY = re.compile(r"\..+\.\d+-[0-9a-f]{8}")
+"""Names under which ``write_atomically`` writes before it renames."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -87,6 +90,7 @@ def build(arguments: argparse.Namespace) -> None:
         raise BuildError(f"there are no chapters in {source / 'chapters'}; is this the checkout?")
     settings = _settings(arguments.experiments or source / "experiments.toml")
     with Bar() as progress, only_build_in(out, progress.say):
+        _sweep(out)
         steps = Steps(out)
         jobs = jobs_of(settings, out / "experiments")
         chosen = _chosen(jobs, arguments.only)
@@ -167,6 +171,14 @@ def _chosen(jobs: list[Job], only: list[str]) -> list[Job]:
         known = ", ".join(experiments.names())
         raise BuildError(f"no experiment {', '.join(sorted(unknown))}; there are {known}")
     return [job for job in jobs if not only or job.name in only]
+
+
+def _sweep(out: Path) -> None:
+    """Remove what a killed build was writing: files under a temporary name."""
+    for folder in (out, out / ".state", *(out / "experiments").glob("*/")):
+        for path in folder.glob(".*"):
+            if TEMPORARY.fullmatch(path.name):
+                path.unlink()
 
 
 def _remove_others(jobs: list[Job], folder: Path) -> None:

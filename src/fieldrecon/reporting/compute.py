@@ -113,7 +113,7 @@ def compute(jobs: list[Job], steps: Steps, processes: int, progress: Any) -> Non
             work |= _start(job, steps, pool, progress)
         while work:
             finished, _ = wait(work, return_when=FIRST_COMPLETED)
-            for future in finished:
+            for future in [one for one in work if one in finished]:
                 work |= work.pop(future)(future)
 
 

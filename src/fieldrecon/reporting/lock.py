@@ -15,7 +15,7 @@ def only_build_in(folder: Path, say: Callable[[str], None]) -> Iterator[None]:
     The system lets go of the lock when the process ends, killed or not.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    with (folder / ".lock").open("w") as file:
+    with (folder / ".lock").open("a") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -104,12 +104,23 @@ def _imports(statement: ast.stmt, module: str) -> Iterator[str]:
         elif isinstance(node, ast.ImportFrom):
             base = resolve_name("." * node.level + (node.module or ""), _package(module))
             targets = [_submodule(base, alias.name) for alias in node.names]
+        elif _asks_by_name(node):
+            targets = [node.args[0].value]  # type: ignore[attr-defined]
         else:
             continue
         for target in targets:
             root = target.partition(".")[0]
             if root not in sys.stdlib_module_names:
                 yield target if root == PACKAGE else root
+
+
+def _asks_by_name(node: ast.AST) -> bool:
+    """Tell a call such as ``find_spec("matplotlib")``, with which a package's files are found."""
+    match node:
+        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name), args=[first, *_]):
+            known = name in {"find_spec", "files", "import_module"}
+            return known and isinstance(first, ast.Constant) and isinstance(first.value, str)
+    return False
 
 
 def _package(module: str) -> str:
