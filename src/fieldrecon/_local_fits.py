@@ -38,8 +38,10 @@ class LocalFit:
         size = distance.max(axis=1, initial=0.0) if near.reach is None else near.reach
         # a power of two, so that scaling rounds nothing
         self.size = np.exp2(np.ceil(np.log2(np.where(size > 0, size, 1.0))))[:, None]
-        offset = method.sites[near.index] - local[:, None, :]
-        self.offset = offset * (there / self.size)[..., None]
+        offset = method.sites.take(near.index, axis=0)  # in half the time of sites[index]
+        offset -= local[:, None, :]
+        offset *= (there / self.size)[..., None]
+        self.offset = offset
         self.basis = monomials(self.offset, method.degree)
         self.scaled_weight, self.r = self._scaled(near, distance)
         w = np.where(there, np.minimum(self.scaled_weight(self.r), _INFINITE), 0.0)

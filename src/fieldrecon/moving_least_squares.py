@@ -212,13 +212,13 @@ class MovingLeastSquares(Reconstruction):
 
     def _value_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
         fit = LocalFit(self, x)
-        return np.einsum("mk,mkv->mv", fit.coefficient_weights(1)[:, 0], prepared[fit.near.index])
+        data = prepared.take(fit.near.index, axis=0)
+        return np.einsum("mk,mkv->mv", fit.coefficient_weights(1)[:, 0], data)
 
     def _gradient_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
         fit = LocalFit(self, x)
-        return (
-            np.einsum("mkd,mkv->mvd", fit.gradient_weights(), prepared[fit.near.index]) / self.unit
-        )
+        data = prepared.take(fit.near.index, axis=0)
+        return np.einsum("mkd,mkv->mvd", fit.gradient_weights(), data) / self.unit
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
         if not self.search.local:
