@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import subprocess
 import sys
 from importlib.metadata import version
@@ -54,6 +55,21 @@ def test_a_program_that_fails_shows_no_traceback():
     assert done.returncode == 2
     assert done.stderr == "fieldrecon: nowhere.csv: no such file or directory\n"
     assert done.stdout == ""
+
+
+def test_a_reader_that_has_seen_enough_is_no_error():
+    """When the pipe is closed early, as by head, nothing is told and the status is 0."""
+    reads, writes = os.pipe()
+    os.close(reads)
+    done = subprocess.run(
+        [sys.executable, "-m", "fieldrecon.cli", "experiments", "show", "power_sampling"],
+        stdout=writes,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    os.close(writes)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_list_names_every_experiment(capsys):

@@ -38,6 +38,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("fieldrecon: interrupted", file=sys.stderr)
         return 130
+    except BrokenPipeError:
+        # The reader has seen enough, as head does: that is no error, and nothing more is written.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except USER_ERRORS as error:
         if options.traceback:
             raise
@@ -149,13 +153,12 @@ def _run(options: argparse.Namespace) -> None:
     params = with_settings(experiment.defaults, settings)
     with _pool_map(options.jobs) as pool_map, progress(pool_map, experiment.name) as each:
         result = experiment.run(params, each)
+    folder = options.out / experiment.name
+    written = files.write_result(result, folder) + files.write_figures(experiment, result, folder)
     for name, table in result.tables.items():
         print_table(table.columns, table.rows, title=f"{experiment.name}: {name}")
     print_table(("fact", ""), tuple(result.facts.items()))
-    folder = options.out / experiment.name
-    print_files(
-        [*files.write_result(result, folder), *files.write_figures(experiment, result, folder)]
-    )
+    print_files(written)
 
 
 def _setting(text: str) -> tuple[str, str]:
@@ -187,8 +190,9 @@ def _reconstruct(options: argparse.Namespace) -> None:
     x, y, nodes = grid_over(points, *options.grid)
     chosen, field = best_field(allowed, points, values, nodes)
     grid = Grid(x, y, field.reshape(len(y), len(x)), points)
+    written = write_reconstruction(options.out, samples, grid, trials, chosen)
     print_trials(samples, grid, trials, chosen)
-    print_files(write_reconstruction(options.out, samples, grid, trials, chosen))
+    print_files(written)
 
 
 @contextmanager
@@ -210,8 +214,4 @@ def _sentence(error: Exception) -> str:
 
 
 if __name__ == "__main__":
-    # A pipe that is closed early, as by head, is no error.
-    try:
-        sys.exit(main())
-    except BrokenPipeError:
-        os._exit(0)
+    sys.exit(main())

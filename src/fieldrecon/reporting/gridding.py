@@ -67,13 +67,15 @@ def _draw_field(page: Figure, axes: Axes, samples: Samples, grid: Grid) -> None:
     picture = axes.imshow(
         grid.values, extent=edges, vmin=low, vmax=high, interpolation="bilinear", aspect="auto"
     )
-    axes.contour(grid.x, grid.y, grid.values, 10, colors="white", linewidths=0.4, alpha=0.7)
+    if np.ptp(grid.values) > 1e-9 * np.abs(grid.values).max():
+        axes.contour(grid.x, grid.y, grid.values, 10, colors="white", linewidths=0.4, alpha=0.7)
     if grid.extrapolated.any():
         outside = grid.extrapolated.astype(float)
         axes.contourf(grid.x, grid.y, outside, [0.5, 1.5], colors=["#ffffff66"], hatches=["////"])
         axes.contour(grid.x, grid.y, outside, [0.5], colors="black", linewidths=0.7)
-    size = float(np.clip(40 / np.sqrt(len(samples.points)), 0.3, 3.0))
-    axes.plot(*samples.points.T, linestyle="none", marker=".", markersize=size, color="black")
+    # Thousands of samples are dust that must not hide the field.
+    size = float(np.clip(40 / np.sqrt(len(samples.points)), 0.2, 3.0))
+    axes.plot(*samples.points.T, ".", markersize=size, markeredgewidth=0, color="black")
     axes.set(xlabel=samples.names[0], ylabel=samples.names[1], xlim=edges[:2], ylim=edges[2:])
     if 0.4 < np.ptp(grid.y) / np.ptp(grid.x) < 2.5:
         axes.set_aspect("equal")
@@ -89,6 +91,8 @@ def _draw_errors(axes: Axes, trials: list[Trial], chosen: Trial) -> None:
     axes.get_yticklabels()[tried.index(chosen)].set_fontweight("bold")
     axes.set_title("methods (bold: drawn)")
     axes.set_xlim(left=0)
+    axes.locator_params(axis="x", nbins=3)
+    axes.xaxis.set_major_formatter("{x:.3g}")
     axes.grid(visible=False, axis="y")
 
 

@@ -22,12 +22,20 @@ _WIDEST = 7
 _MOST_ROWS = 40
 
 
+class Terminal(Console):
+    """A console that leaves it to the program what a closed pipe means."""
+
+    def on_broken_pipe(self) -> None:
+        """Pass it on."""
+        raise BrokenPipeError
+
+
 @contextmanager
 def progress(mapping: Map, label: str) -> Iterator[Map]:
     """Give the map with a bar that tells, on a terminal, how many of its items are done."""
     columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     on_terminal = sys.stderr.isatty()
-    errors = Console(stderr=True)
+    errors = Terminal(stderr=True)
     with Progress(*columns, console=errors, transient=True, disable=not on_terminal) as bar:
 
         def each(function: Any, items: Iterable[Any]) -> Iterator[Any]:
@@ -48,9 +56,9 @@ def print_table(columns: Sequence[str], rows: Sequence[Sequence[Any]], title: st
     table = Table(*texts[0], title=escape(title) or None, title_justify="left")
     for row in texts[1 : 1 + _MOST_ROWS]:
         table.add_row(*row)
-    Console().print(table)
+    Terminal().print(table)
     if len(texts) - 1 > _MOST_ROWS:
-        Console().print(f"… and {len(texts) - 1 - _MOST_ROWS} rows more, in the file")
+        Terminal().print(f"… and {len(texts) - 1 - _MOST_ROWS} rows more, in the file")
 
 
 def _typed(cell: Any) -> str:
@@ -66,7 +74,7 @@ def print_trials(samples: Samples, grid: Grid, trials: list[Trial], chosen: Tria
     rows = [(t.candidate.name, t.candidate.meaning, t.rms, t.largest) for t in tried]
     title = f"{samples.names[2]} at {len(samples.points)} points: error when each is left out"
     print_table(("method", "what it is", "rms error", "largest error"), rows, title=title)
-    say = Console(highlight=False, markup=False).print
+    say = Terminal(highlight=False, markup=False).print
     for t in trials:
         if t.residuals is None:
             say(f"{t.candidate.name}: {t.reason}.")
@@ -83,7 +91,7 @@ def print_trials(samples: Samples, grid: Grid, trials: list[Trial], chosen: Tria
 
 def print_experiment(experiment: Experiment) -> None:
     """Print what an experiment is about, and its parameters."""
-    say = Console(highlight=False, markup=False).print
+    say = Terminal(highlight=False, markup=False).print
     say(f"{experiment.title}\n", style="bold")
     for paragraph in experiment.description.split("\n\n"):
         listed = "\n---" in paragraph
