@@ -27,7 +27,12 @@ local function text_of(inside)
 end
 
 local function in_text(str)
-  if not str.text:find(QUOTATION) then return nil end
+  if not str.text:find(QUOTATION) then
+    if str.text:find '{{' or str.text:find '}}' then
+      problems.add('not of the form {{experiment.fact:format}}: ' .. str.text, str.text)
+    end
+    return nil
+  end
   local out, at = pandoc.Inlines {}, 1
   for before, inside, after in str.text:gmatch('()' .. QUOTATION .. '()') do
     if before > at then out:insert(pandoc.Str(str.text:sub(at, before - 1))) end

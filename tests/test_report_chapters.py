@@ -1,0 +1,53 @@
+"""The chapters keep to the rules: no computed result is typed, every work cited is known."""
+
+import re
+
+from report_fixtures import REPORT
+
+CHAPTERS = sorted((REPORT / "chapters").glob("*.md"))
+ALLOWED: set[str] = set()
+"""Decimals in prose that are no results, such as the version of a standard."""
+
+
+def decimals_in_prose(text):
+    """Return decimals outside quotations of facts, mathematics, code and attributes."""
+    for hidden in (r"```.*?```", r"`[^`]*`", r"\{\{.*?\}\}", r"\$\$.*?\$\$", r"\$[^$]*\$",
+                   r"\{[#.][^}]*\}", r"\]\([^)]*\)"):  # fmt: skip
+        text = re.sub(hidden, " ", text, flags=re.S)
+    return re.findall(r"(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?", text)
+
+
+def test_no_result_is_typed():
+    """A decimal in prose is quoted from an experiment, or on the short list of those allowed."""
+    typed = {p.name: set(decimals_in_prose(p.read_text("utf-8"))) - ALLOWED for p in CHAPTERS}
+    assert {name: found for name, found in typed.items() if found} == {}
+
+
+def test_a_typed_result_is_found():
+    """The search sees a decimal in prose, in a caption and in a cell, and nothing else."""
+    text = 'It is 0.25, $x = 1.5$, {{a.b:.2f}}, `1.5`.\n\n![Of 3.5 m.](a.svg){#fig:a alt="0.1"}\n\n'
+    assert decimals_in_prose(text + "| 1e3 | 7.5e-3 |\n\n$$ 2.5 $$\n") == ["0.25", "3.5", "7.5e-3"]
+
+
+def test_every_chapter_begins_with_its_heading():
+    """One first-level heading per file, with a label."""
+    for path in CHAPTERS:
+        text = re.sub(r"```.*?```", "", path.read_text("utf-8"), flags=re.S)
+        headings = re.findall(r"^# .*", text, re.M)
+        assert len(headings) == 1, path.name
+        assert re.search(r"\{#(sec|app):\w+", headings[0]), path.name
+        assert text.startswith("# "), path.name
+
+
+def test_every_entry_of_the_bibliography_is_complete_and_known_once():
+    """Author, title and a key that says whose and when; no key twice."""
+    entries = re.findall(
+        r"^@\w+\{(\w+),(.*?)^\}", (REPORT / "references.bib").read_text(), re.S | re.M
+    )
+    keys = [key for key, _ in entries]
+    assert keys == sorted(set(keys))
+    for key, fields in entries:
+        assert re.search(r"\bauthor = ", fields), key
+        assert re.search(r"\btitle = ", fields), key
+        year = re.search(r"\byear = \{(\d+)\}", fields)
+        assert year is None or key.endswith(year.group(1)), key
