@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
-# Pivots of the equilibrated normal matrix below this send a query to QR: about three digits of
-# sixteen may be lost by elimination.
+# Pivots of the equilibrated normal matrix below this send a query to QR: three digits of sixteen, at
+# the very worst five, may be lost by elimination.
 SAFE_PIVOT = 1e-3
 # Squares of entries below this lose digits, or vanish.
-_SMALLEST_SQUARE = 1e-280
+_SMALLEST_SQUARE = 1e-6
 
 
 class Undetermined(Exception):
@@ -97,10 +97,12 @@ def _require_full_rank(
 
 
 def _by_qr(a: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """C (m, q, k) = P R^-1 Q^T W by Householder QR of the weighted rows, sorted and pivoted."""
+    """C (m, q, k) = P R^-1 Q^T W by Householder QR of the weighted rows, sorted and pivoted.
+
+    The columns are not scaled to one size: it is the size of the whole row that tells which rows
+    come first, and rounding in a row that weighs 1e-16 of another has to stay as small.
+    """
     m, k, q = a.shape
-    size = np.abs(a).max(axis=1)
-    a = a / size[:, None, :]
     order = np.argsort(-np.abs(a).max(axis=2), axis=1, kind="stable")
     r = np.take_along_axis(a, order[..., None], axis=1)
     pivots = np.tile(np.arange(q), (m, 1))
@@ -120,7 +122,7 @@ def _by_qr(a: np.ndarray, w: np.ndarray) -> np.ndarray:
     np.put_along_axis(c, pivots[..., None], solved, axis=1)
     unsorted = np.empty_like(c)
     np.put_along_axis(unsorted, order[:, None, :].repeat(q, axis=1), c, axis=2)
-    return unsorted * w[:, None, :] / size[:, :, None]
+    return unsorted * w[:, None, :]
 
 
 def _bring_largest_column(r: np.ndarray, pivots: np.ndarray, j: int) -> None:
