@@ -55,17 +55,21 @@ def plot(samples: Samples, grid: Grid, trials: list[Trial], chosen: Trial) -> Fi
         _draw_field(page, field, samples, grid)
         field.set_title(chosen.candidate.meaning)
         _draw_errors(bars, trials, chosen)
-        bars.set_xlabel(f"left-out rms error of {samples.names[2]}")
+        bars.set_xlabel("rms error where left out")
     return page
 
 
 def _draw_field(page: Figure, axes: Axes, samples: Samples, grid: Grid) -> None:
     edges = (*_outer(grid.x), *_outer(grid.y))
     # Wild values where nothing was measured must not take the colours from where something was.
-    inside = grid.values[~grid.extrapolated]
-    low, high = np.percentile(inside if inside.size else grid.values, [0, 100])
+    inside = grid.values if grid.extrapolated.all() else grid.values[~grid.extrapolated]
     picture = axes.imshow(
-        grid.values, extent=edges, vmin=low, vmax=high, interpolation="bilinear", aspect="auto"
+        grid.values,
+        extent=edges,
+        vmin=inside.min(),
+        vmax=inside.max(),
+        interpolation="bilinear",
+        aspect="auto",
     )
     if np.ptp(grid.values) > 1e-9 * np.abs(grid.values).max():
         axes.contour(grid.x, grid.y, grid.values, 10, colors="white", linewidths=0.4, alpha=0.7)
@@ -79,6 +83,7 @@ def _draw_field(page: Figure, axes: Axes, samples: Samples, grid: Grid) -> None:
     axes.set(xlabel=samples.names[0], ylabel=samples.names[1], xlim=edges[:2], ylim=edges[2:])
     if 0.4 < np.ptp(grid.y) / np.ptp(grid.x) < 2.5:
         axes.set_aspect("equal")
+    axes.ticklabel_format(useOffset=False, style="plain")  # as on a map, every metre told
     axes.grid(visible=False)
     page.colorbar(picture, ax=axes, label=samples.names[2], extend="both", shrink=0.85)
 
