@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-# Pivots of the equilibrated normal matrix below this send a query to QR: three digits of sixteen, at
-# the very worst five, may be lost by elimination.
+# Pivots of the equilibrated normal matrix below this send a query to QR: three digits of sixteen,
+# at the very worst five, may be lost by elimination.
 SAFE_PIVOT = 1e-3
 # Squares of entries below this lose digits, or vanish.
 _SMALLEST_SQUARE = 1e-6

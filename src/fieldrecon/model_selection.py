@@ -62,15 +62,24 @@ def leave_one_out(method: Reconstruction, values: ArrayLike) -> np.ndarray:
 
 def _residuals(method: Reconstruction, values: np.ndarray) -> np.ndarray:
     if isinstance(method, LeastSquares):
-        rest = _without_own(method.leverages(), method.points, floor=1e-12)
-        return method.residuals(values) / rest[:, None]
+        return _polynomial_residuals(method, values)
     if isinstance(method, MovingLeastSquares):
         return _moving_residuals(method, values)
     if isinstance(method, RBF):
-        inverse = method.inverse_diagonal()
-        _refuse_indispensable(inverse <= 1e-14 * inverse.max(), method.points)
-        return method._prepare(values)[0] / inverse[:, None]
+        for i in _indispensable(method.points, method.degree):
+            _without(i, method.points, method.degree)
+        return method._prepare(values)[0] / method.inverse_diagonal()[:, None]
     raise TypeError(f"leave_one_out does not know {type(method).__name__}")
+
+
+def _polynomial_residuals(method: LeastSquares, values: np.ndarray) -> np.ndarray:
+    rest = 1.0 - method.leverages()
+    result = method.residuals(values) / np.where(rest > _ACCURATE, rest, 1.0)[:, None]
+    # no more of them than coefficients, since the leverages sum to that number
+    for i in np.flatnonzero(rest <= _ACCURATE):
+        others = _without(i, method.points, method.degree).field(np.delete(values, i, axis=0))
+        result[i] = values[i] - others(method.points[i])
+    return result
 
 
 def _moving_residuals(method: MovingLeastSquares, values: np.ndarray) -> np.ndarray:
@@ -86,17 +95,22 @@ def _moving_residuals(method: MovingLeastSquares, values: np.ndarray) -> np.ndar
     return result
 
 
-def _without_own(own: np.ndarray, points: np.ndarray, floor: float) -> np.ndarray:
-    rest = 1.0 - own
-    _refuse_indispensable(rest <= floor, points)
-    return rest
+def _indispensable(points: np.ndarray, degree: int) -> np.ndarray:
+    """Points without which the others may not determine the polynomial."""
+    if degree < 0:
+        return np.array([], dtype=int)
+    return np.flatnonzero(1.0 - LeastSquares(points, degree).leverages() <= _ACCURATE)
 
 
-def _refuse_indispensable(needed: np.ndarray, points: np.ndarray) -> None:
-    if needed.any():
-        i = int(np.argmax(needed))
-        where = ", ".join(f"{c:.6g}" for c in points[i])
-        raise np.linalg.LinAlgError(
-            f"without point {i}, ({where}), the others do not determine the polynomial: "
-            "it cannot be left out"
-        )
+def _without(i: int, points: np.ndarray, degree: int) -> LeastSquares:
+    """The polynomial on the other points, refused in words where they do not determine it."""
+    try:
+        if len(points) > 1:
+            return LeastSquares(np.delete(points, i, axis=0), degree)
+    except np.linalg.LinAlgError:
+        pass
+    where = ", ".join(f"{c:.6g}" for c in points[i])
+    raise np.linalg.LinAlgError(
+        f"without point {i}, ({where}), the others do not determine the polynomial: "
+        "it cannot be left out"
+    )

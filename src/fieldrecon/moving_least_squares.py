@@ -187,8 +187,14 @@ class MovingLeastSquares(Reconstruction):
 
     def left_out(self, values: ArrayLike, sites: np.ndarray | None = None) -> np.ndarray:
         """Values at sites (all by default), each reconstructed from the data of the other sites."""
-        values = valid.as_values(values, len(self.points))
-        columns = values.reshape(len(values), -1)
+        n, k = len(self.points), self.neighbors
+        if k is not None and k + 2 > n:
+            raise ValueError(
+                f"to leave one point out, neighbors={k} needs {k + 2} points: {k}, the next one, "
+                f"which sets the scale, and the one left out; got {n}"
+            )
+        values = valid.as_values(values, n)
+        columns = values.reshape(n, -1)
         sites = np.arange(len(columns)) if sites is None else sites
         result = np.empty_like(columns[sites])
         rows = self._chunk_rows(columns.shape[1])
