@@ -76,7 +76,7 @@ def _polynomial_residuals(method: LeastSquares, values: np.ndarray) -> np.ndarra
     rest = 1.0 - method.leverages()
     result = method.residuals(values) / np.where(rest > _ACCURATE, rest, 1.0)[:, None]
     # no more of them than coefficients, since the leverages sum to that number
-    for i in np.flatnonzero(rest <= _ACCURATE):
+    for i in np.flatnonzero(rest <= _ACCURATE).tolist():
         others = _without(i, method.points, method.degree).field(np.delete(values, i, axis=0))
         result[i] = values[i] - others(method.points[i])
     return result
@@ -95,11 +95,12 @@ def _moving_residuals(method: MovingLeastSquares, values: np.ndarray) -> np.ndar
     return result
 
 
-def _indispensable(points: np.ndarray, degree: int) -> np.ndarray:
+def _indispensable(points: np.ndarray, degree: int) -> list[int]:
     """Points without which the others may not determine the polynomial."""
     if degree < 0:
-        return np.array([], dtype=int)
-    return np.flatnonzero(1.0 - LeastSquares(points, degree).leverages() <= _ACCURATE)
+        return []
+    rest = 1.0 - LeastSquares(points, degree).leverages()
+    return np.flatnonzero(rest <= _ACCURATE).tolist()
 
 
 def _without(i: int, points: np.ndarray, degree: int) -> LeastSquares:
