@@ -6,6 +6,7 @@ print and the size of wide tables are calls into template.typ.                  
 local pictures = require 'pictures'
 
 local WIDE = 7            -- from so many columns on a table is set smaller
+local LONG = 30           -- from so many rows on it may run over several pages
 
 local function raw(text) return pandoc.RawInline('typst', text) end
 local function raw_block(text) return pandoc.RawBlock('typst', text) end
@@ -37,9 +38,22 @@ local function box(div)
   return div
 end
 
-local function small_if_wide(t)
-  if #t.colspecs < WIDE then return nil end
-  return { raw_block '#wide-table[', t, raw_block ']' }
+local function row_count(t)
+  local count = 0
+  for _, body in ipairs(t.bodies) do count = count + #body.body end
+  return count
+end
+
+local function within(call, blocks)
+  blocks:insert(1, raw_block('#' .. call .. '['))
+  blocks:insert(raw_block ']')
+end
+
+local function sized(t)
+  local out = pandoc.Blocks { t }
+  if #t.colspecs >= WIDE then within('wide-table', out) end
+  if row_count(t) >= LONG then within('long-table', out) end
+  return out
 end
 
 return function(doc)
@@ -49,6 +63,6 @@ return function(doc)
     return raw(('#image("/experiments/%s", width: %.2fmm, alt: %s)'):format(i.src, width,
       quoted(pandoc.utils.stringify(i.caption))))
   end
-  doc.blocks = doc.blocks:walk { Image = image, Span = span, Div = box, Table = small_if_wide }
+  doc.blocks = doc.blocks:walk { Image = image, Span = span, Div = box, Table = sized }
   return doc
 end
