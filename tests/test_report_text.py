@@ -70,7 +70,7 @@ alt="Bumps at {{bumps.small:.1e}} < 1 and \"so\" on the left."}
 ![Bumps far away.](bumps_far.svg){#fig:far alt="Bumps that lie far away to the right."}
 
 ::: {.result #tbl:errors experiment=bumps table=errors columns="n; error, rms [m]; exact"
-     heads="$n$; *error*; exact" formats="; .1e; " rows="1-2"}
+     heads="$n$; *error*; exact" formats="; .1e; " rows="1, 2-2"}
 Errors for {{bumps.params.points}} points.
 :::
 

@@ -7,7 +7,7 @@
 
 `columns` chooses and orders the columns of the result; `heads` are Markdown and default to the
 columns; `formats` default to whole numbers as they are and three digits of others.
-`rows="2-5"` keeps some rows.                                                                    ]]
+`rows="1, 4-6"` keeps some rows.                                                                   ]]
 
 local problems = require 'problems'
 local values = require 'values'
@@ -48,15 +48,20 @@ local function is_numeric(rows, index)
   end
 end
 
-local function chosen_rows(result, range, id)
-  if not range then return result.rows end
-  local first, last = range:match '^(%d+)%-(%d+)$'
-  first, last = tonumber(first), tonumber(last)
-  if not first or first < 1 or last > #result.rows then
-    problems.add(('%s: rows="%s" must lie within 1-%d'):format(id, range, #result.rows), id)
-    return result.rows
+-- rows="1, 4-6": the first, and the fourth to the sixth
+local function chosen_rows(result, wanted, id)
+  if not wanted then return result.rows end
+  local rows = {}
+  for part in wanted:gmatch '[^,]+' do
+    local first, last = part:match '^%s*(%d+)%-?(%d*)%s*$'
+    first, last = tonumber(first), tonumber(last) or tonumber(first)
+    if not first or first < 1 or last < first or last > #result.rows then
+      problems.add(('%s: rows="%s" must lie within 1-%d'):format(id, wanted, #result.rows), id)
+      return result.rows
+    end
+    table.move(result.rows, first, last, #rows + 1, rows)
   end
-  return table.move(result.rows, first, last, 1, {})
+  return rows
 end
 
 local function result_table(div)
