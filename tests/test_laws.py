@@ -1,9 +1,24 @@
-"""Every method obeys every law, and every law catches a mistake."""
+"""Every method obeys every law, every law catches its mistakes, and no method is left out."""
+
+import importlib
+import multiprocessing
+import pkgutil
+from concurrent.futures import ProcessPoolExecutor
 
 import pytest
 
+import fieldrecon
 import laws
-from cases import CASES, Case
+from cases import CASES, Case, case
+from fieldrecon.radial import Radial, Scaled
+from fieldrecon.reconstruction import Reconstruction
+from mutants import MUTANTS
+
+PAIRS = [
+    pytest.param(law, mutant, id=f"{law.__name__}-{mutant.name}")
+    for law, mutants in MUTANTS.items()
+    for mutant in mutants
+]
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
@@ -11,3 +26,64 @@ from cases import CASES, Case
 def test_every_method_obeys_the_law(law, case: Case):
     """The law holds for the method as it is declared."""
     law(case)
+
+
+@pytest.mark.parametrize(("law", "mutant"), PAIRS)
+def test_the_law_catches_the_mutant(law, mutant: Case):
+    """A wrong method breaks the law that is about its mistake."""
+    with pytest.raises(AssertionError):
+        law(mutant)
+
+
+def test_every_law_has_been_seen_to_fail():
+    """A law without a mutant may be a check that cannot fail."""
+    assert set(MUTANTS) == set(laws.LAWS)
+    assert all(MUTANTS.values())
+
+
+def test_every_law_is_applied():
+    """What takes a case in the module of the laws stands in their list."""
+    functions = [f for f in vars(laws).values() if "case" in getattr(f, "__annotations__", {})]
+    assert functions == laws.LAWS
+
+
+def concrete(base: type) -> set[type]:
+    """Subclasses of the library, at any depth, that are no mere base."""
+    for module in pkgutil.iter_modules(fieldrecon.__path__):
+        if not module.ispkg and module.name not in ("cli", "__main__"):
+            importlib.import_module(f"fieldrecon.{module.name}")
+    found, new = set(), {base}
+    while new:
+        new = {s for b in new for s in b.__subclasses__()} - found
+        found |= new
+    return {c for c in found if c.__module__.startswith("fieldrecon.")}
+
+
+def test_every_method_is_among_the_cases():
+    """A new method is judged, or this fails."""
+    assert {type(case.method) for case in CASES} == concrete(Reconstruction)
+
+
+def test_every_radial_function_is_among_the_cases():
+    """As a kernel or as a weight."""
+    methods = [case.method for case in CASES]
+    used = {type(getattr(m, "kernel", getattr(m, "weight", None))) for m in methods}
+    assert used - {type(None)} == concrete(Radial) - {Scaled}
+
+
+def test_cases_have_names_of_their_own():
+    """So that a failure says which it was."""
+    assert len({case.name for case in CASES}) == len(CASES)
+
+
+def test_processes_give_the_bits_of_threads():
+    """A method and its field travel to other processes, and their answers back."""
+    names = (
+        "LS degree 2 in 3-D",
+        "MLS ε = 0.1, degree 2 in 2-D",
+        "MLS wendland on 8 nearest, degree 1 in 2-D",
+        "RBF thin plate in 2-D",
+    )
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
+        for name in names:
+            laws.executors_do_not_matter(case(name), processes)

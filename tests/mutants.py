@@ -1,0 +1,518 @@
+"""For every law, mistakes that it must catch: small wrong methods, most of them tempting.
+
+Each mutant is a case like those of the real methods, and all else about it is right.
+"""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+import laws
+from cases import Case, case
+from fieldrecon import _validation as valid
+from fieldrecon._neighborhoods import Nearest
+from fieldrecon.least_squares import LeastSquares
+from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.positive_definite import gaussian, wendland
+from fieldrecon.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.rbf import RBF
+from fieldrecon.reconstruction import Field, Reconstruction
+
+LINE = case("LS degree 1 in 2-D")
+PARABOLA = case("LS degree 2 in 2-D")
+CONSTANT = case("LS degree 0 in 2-D")
+MOVING = case("MLS ε = 0.1, degree 1 in 2-D")
+SHEPARD = case("MLS ε = 0, degree 0 in 2-D")
+NEAREST = case("MLS wendland on 8 nearest, degree 1 in 2-D")
+PLATE = case("RBF thin plate in 2-D")
+FARTHER = replace(PLATE, units=(3.0,))
+SMOOTHED = case("RBF thin plate, one degree more, smoothed, in 2-D")
+
+
+class Spoiled(Reconstruction):
+    """Another method's answers; a mutant overrides one of them."""
+
+    def __init__(self, right: Reconstruction) -> None:
+        self.right = right
+        self.points, self.degree, self.interpolates = right.points, right.degree, right.interpolates
+
+    def _prepare(self, values):
+        return self.right._prepare(values)
+
+    def _value_rows(self, x, prepared):
+        return self.right._value_rows(x, prepared)
+
+    def _gradient_rows(self, x, prepared):
+        return self.right._gradient_rows(x, prepared)
+
+    def _weight_rows(self, x):
+        return self.right._weight_rows(x)
+
+    def _gradient_weight_rows(self, x):
+        return self.right._gradient_weight_rows(x)
+
+    def _adjoint(self, x, f):
+        return self.right._adjoint(x, f)
+
+    def _chunk_rows(self, columns):
+        return self.right._chunk_rows(columns)
+
+
+def spoiled(right: Case, mutant: type[Spoiled]) -> Case:
+    """The case with its method spoiled."""
+    return replace(
+        right, name=mutant.__name__, make=lambda p, unit: mutant(right.make(p, unit))
+    )
+
+
+def made(right: Case, name: str, make: Callable[..., Reconstruction]) -> Case:
+    """The case with another method in its place."""
+    return replace(right, name=name, make=make)
+
+
+# --- declarations ---------------------------------------------------------------------------------
+
+
+class BoastfulDegree(Spoiled):
+    """Declares one degree more than it reproduces."""
+
+    def __init__(self, right):
+        super().__init__(right)
+        self.degree += 1
+
+
+class ShyDegree(Spoiled):
+    """Declares one degree less."""
+
+    def __init__(self, right):
+        super().__init__(right)
+        self.degree -= 1
+
+
+class WrongAboutInterpolation(Spoiled):
+    """Says that it interpolates when it does not, and the other way round."""
+
+    def __init__(self, right):
+        super().__init__(right)
+        self.interpolates = not right.interpolates
+
+
+# --- polynomials, constraints, gradients ----------------------------------------------------------
+
+
+class ConstraintForgotten(Reconstruction):
+    """Kernels alone interpolate; the polynomial and its side conditions are left out."""
+
+    def __init__(self, points):
+        self.points, self.degree, self.interpolates = valid.as_points(points), 1, True
+        self.kernel = polyharmonic(3)
+        self.inverse = np.linalg.inv(self.kernel(cdist(self.points, self.points)))
+
+    def _weight_rows(self, x):
+        return self.kernel(cdist(x, self.points)) @ self.inverse
+
+    def _gradient_weight_rows(self, x):
+        slope = self.kernel.slope(cdist(x, self.points))
+        offset = x[:, None, :] - self.points
+        return tuple((slope * offset[..., k]) @ self.inverse for k in range(x.shape[1]))
+
+
+class GradientInTheFrame(Spoiled):
+    """Forgets that the derivative by x is that by (x - a)/h divided by h, here 1/2."""
+
+    def _gradient_rows(self, x, prepared):
+        return 2 * super()._gradient_rows(x, prepared)
+
+    def _gradient_weight_rows(self, x):
+        return tuple(2 * g for g in super()._gradient_weight_rows(x))
+
+
+@dataclass(frozen=True)
+class frozen_weight(inverse_square):
+    """Its slope is taken for zero: the diffuse gradient, that of c(x) held fixed."""
+
+    def slope_of_squared(self, s):
+        return np.zeros_like(s)
+
+    def in_units(self, h):
+        return frozen_weight(self.epsilon / h)
+
+
+@dataclass(frozen=True)
+class weight_not_squared(inverse_square):
+    """The slope of w where that of w² is wanted."""
+
+    def slope_of_squared(self, s):
+        return super().slope_of_squared(s) / 2
+
+    def in_units(self, h):
+        return weight_not_squared(self.epsilon / h)
+
+
+class ReachHeldFixed(MovingLeastSquares):
+    """The gradient of w(r/ρ) without that of ρ, the distance of the (k + 1)-th site."""
+
+    def _gradient_rows(self, x, prepared):
+        return np.stack([self._at(y, prepared) for y in x])
+
+    def _at(self, y, values):
+        near = Nearest(self.points, self.neighbors)(y[None])
+        index, reach = near.index[0], float(near.reach[0])
+        fixed = wendland(self.weight.d, self.weight.k, reach)
+        s = MovingLeastSquares(self.points[index], fixed, self.degree).field(values[index])
+        return s.gradient(y)
+
+
+@dataclass(frozen=True)
+class no_limit_at_the_centre(thin_plate_spline):
+    """Takes φ'(r)/r at r = 0 for that at r = 1, which is harmless, and near it as well."""
+
+    def slope_of_squared(self, s):
+        return np.where(s > 1e-2, super().slope_of_squared(s), 2.0)
+
+
+# --- routes ---------------------------------------------------------------------------------------
+
+
+class ClippedToTheData(Spoiled):
+    """Never leaves the range of the data: sensible, and no longer linear."""
+
+    def _prepare(self, values):
+        return super()._prepare(values), np.abs(values).max(axis=0) / 2
+
+    def _value_rows(self, x, prepared):
+        rows = super()._value_rows(x, prepared[0])
+        return np.where(np.abs(rows) > prepared[1], prepared[1], rows)
+
+    def _gradient_rows(self, x, prepared):
+        return super()._gradient_rows(x, prepared[0])
+
+
+class RealPartOnly(Spoiled):
+    """Complex data lose their imaginary part."""
+
+    def _prepare(self, values):
+        return super()._prepare(values.real.copy())
+
+
+class FirstComponentForAll(Spoiled):
+    """The coefficients of the first component serve them all."""
+
+    def _value_rows(self, x, prepared):
+        rows = super()._value_rows(x, prepared)
+        return np.broadcast_to(rows[:, :1], rows.shape)
+
+
+class AtLeastOneComponent(Spoiled):
+    """Holds that there is always something to reconstruct."""
+
+    def field(self, values):
+        values = np.asarray(values)
+        return super().field(values if values.size else np.zeros((len(values), 1)))
+
+
+class WeightsWithoutConstant(Spoiled):
+    """H without the part of the polynomial's constant."""
+
+    def _weight_rows(self, x):
+        return super()._weight_rows(x) - 1.0 / len(self.points)
+
+
+class GradientWeightsSwapped(Spoiled):
+    """The matrices of x and y exchanged."""
+
+    def _gradient_weight_rows(self, x):
+        return super()._gradient_weight_rows(x)[::-1]
+
+
+class AdjointByThePseudoInverse(Spoiled):
+    """H⁺ f in place of Hᵀ f."""
+
+    def _adjoint(self, x, f):
+        return np.linalg.pinv(laws.dense(self._weight_rows(x))) @ f
+
+
+class AdjointOfTheSymmetricPart(Spoiled):
+    """Right for one component, a half of it lost with two."""
+
+    def _adjoint(self, x, f):
+        return super()._adjoint(x, f) / f.shape[1]
+
+
+# --- queries --------------------------------------------------------------------------------------
+
+
+class SpoiledField(Spoiled):
+    """A method whose fields are of another class."""
+
+    Made: type[Field] = Field
+
+    def field(self, values):
+        return self.Made(self, valid.as_values(values, len(self.points)))
+
+
+class AxesMixed(SpoiledField):
+    """Queries are read in Fortran's order."""
+
+    class Made(Field):
+        def _evaluate(self, rows_of_result, x, *others):
+            x = np.asarray(x)
+            turned = np.reshape(x, x.shape, order="C").reshape(-1, x.shape[-1], order="F")
+            return super()._evaluate(rows_of_result, turned.reshape(x.shape), *others)
+
+
+class OneAnswerAtLeast(SpoiledField):
+    """Answers even when nothing was asked."""
+
+    class Made(Field):
+        def __call__(self, x, **options):
+            result = super().__call__(x, **options)
+            return result if result.size else np.zeros((1, *result.shape[1:]))
+
+
+class CentredOnTheBatch(Spoiled):
+    """The frame is that of the queries that happen to come together."""
+
+    def _value_rows(self, x, prepared):
+        return super()._value_rows(x, prepared) + x.mean()
+
+
+class RememberingThread(Spoiled):
+    """The result depends on which thread computes it."""
+
+    def _value_rows(self, x, prepared):
+        rows = super()._value_rows(x, prepared)
+        main = threading.current_thread() is threading.main_thread()
+        return rows if main else np.nextafter(rows, 9.0)
+
+
+class ProgressThatStops(SpoiledField):
+    """The last chunk is not reported."""
+
+    class Made(Field):
+        def __call__(self, x, *, executor=None, progress=None):
+            def all_but_last(done, total):
+                if done < total:
+                    progress(done, total)
+
+            return super().__call__(x, executor=executor, progress=progress and all_but_last)
+
+
+# --- where the points lie -------------------------------------------------------------------------
+
+
+class AbsoluteCoordinates(Reconstruction):
+    """The textbook form: normal equations in the monomials of the coordinates as they are."""
+
+    def __init__(self, points):
+        self.points, self.degree, self.interpolates = valid.as_points(points), 1, False
+
+    def _basis(self, x):
+        return np.column_stack([np.ones(len(x)), x])
+
+    def _weight_rows(self, x):
+        b = self._basis(self.points)
+        return self._basis(x) @ np.linalg.solve(b.T @ b, b.T)
+
+    def _gradient_weight_rows(self, x):
+        b = self._basis(self.points)
+        slopes = np.linalg.solve(b.T @ b, b.T)[1:]
+        return tuple(np.tile(row, (len(x), 1)) for row in slopes)
+
+
+class Stretched(Spoiled):
+    """Distances in which one axis counts twice."""
+
+    def __init__(self, right):
+        points = right.points
+        super().__init__(MovingLeastSquares(points * [1.0, 2.0], right.weight, right.degree))
+        self.points = points
+
+    def _value_rows(self, x, prepared):
+        return super()._value_rows(x * [1.0, 2.0], prepared)
+
+
+class FirstSiteIsSpecial(Spoiled):
+    """What falls on none is given to the first site."""
+
+    def _weight_rows(self, x):
+        h = np.array(super()._weight_rows(x))
+        h[:, 0] += 0.1
+        return h
+
+
+# --- what comes in --------------------------------------------------------------------------------
+
+
+class WritesToItsInput(Spoiled):
+    """Subtracts the mean in place."""
+
+    def field(self, values):
+        values = np.asarray(values, dtype=float)
+        values -= values.mean(axis=0)
+        return super().field(values)
+
+
+class KeepsTheCallersArray(Spoiled):
+    """Holds the data by reference."""
+
+    def _prepare(self, values):
+        return values
+
+
+class SinglePrecisionData(Spoiled):
+    """Works in the precision of what comes in."""
+
+    def field(self, values):
+        values = np.asarray(values)
+        s = super().field(values)
+        if values.dtype == np.float32:
+            s._dtype = np.dtype(np.float32)
+        return s
+
+
+class IntegerAnswers(Spoiled):
+    """Integer data give integer answers."""
+
+    def field(self, values):
+        values = np.asarray(values)
+        s = super().field(values)
+        if values.dtype.kind == "i":
+            s._dtype = values.dtype
+        return s
+
+
+class ForgetsOnTheWay(Spoiled):
+    """A pickled copy comes back with the defaults."""
+
+    def __reduce__(self):
+        return LeastSquares, (self.points, 1)
+
+
+class NanMeansZero(Spoiled):
+    """Fills in what is missing."""
+
+    def field(self, values):
+        return super().field(np.nan_to_num(np.asarray(values)))
+
+
+class AnyLength(Spoiled):
+    """Cuts or repeats data to the length that is needed."""
+
+    def field(self, values):
+        return super().field(np.resize(values, (len(self.points),)))
+
+
+class WorksInItsOwnUnit(Spoiled):
+    """Rounds off at what is small in metres."""
+
+    def _value_rows(self, x, prepared):
+        rows = super()._value_rows(x, prepared)
+        return np.where(np.abs(rows) < 1e-100, 0.0, rows)
+
+
+# --- leave one out --------------------------------------------------------------------------------
+
+
+class InSamplePolynomial(LeastSquares):
+    """Its leverages are taken for zero: the residual of the fit that knew the datum."""
+
+    def leverages(self):
+        return np.zeros(len(self.points))
+
+
+class InSampleMoving(MovingLeastSquares):
+    """The same."""
+
+    def own_weights(self):
+        return np.zeros(len(self.points))
+
+
+class WithoutTheNext(MovingLeastSquares):
+    """Leaves a site out of its neighbourhood and does not look for the next one."""
+
+    def left_out(self, values, sites=None):
+        fewer = MovingLeastSquares(self.points, self.weight, self.degree, self.neighbors - 1)
+        return fewer.left_out(values, sites)
+
+
+class WrongDiagonal(RBF):
+    """Divides by the diagonal of A in place of that of the inverse."""
+
+    def inverse_diagonal(self):
+        return np.ones(len(self.points))
+
+
+MUTANTS: dict[Callable[[Case], None], list[Case]] = {
+    laws.polynomials_of_its_degree_come_back: [
+        spoiled(LINE, BoastfulDegree),
+        spoiled(PLATE, BoastfulDegree),
+        made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
+    ],
+    laws.polynomials_of_the_next_degree_do_not: [
+        spoiled(LINE, ShyDegree),
+        spoiled(PLATE, ShyDegree),
+        spoiled(MOVING, ShyDegree),
+    ],
+    laws.gradients_of_polynomials_come_back: [
+        spoiled(PARABOLA, GradientInTheFrame),
+        made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
+    ],
+    laws.data_come_back_if_and_only_if_it_interpolates: [
+        spoiled(PLATE, WrongAboutInterpolation),
+        spoiled(LINE, WrongAboutInterpolation),
+        spoiled(SMOOTHED, WrongAboutInterpolation),
+        spoiled(MOVING, WrongAboutInterpolation),
+    ],
+    laws.the_field_is_linear_in_the_data: [
+        spoiled(PLATE, ClippedToTheData),
+        spoiled(PLATE, RealPartOnly),
+    ],
+    laws.components_do_not_mix: [spoiled(MOVING, FirstComponentForAll)],
+    laws.no_components_are_no_trouble: [spoiled(LINE, AtLeastOneComponent)],
+    laws.the_field_is_weights_times_data: [spoiled(LINE, WeightsWithoutConstant)],
+    laws.the_gradient_is_gradient_weights_times_data: [spoiled(PLATE, GradientWeightsSwapped)],
+    laws.the_gradient_is_the_derivative: [
+        spoiled(PARABOLA, GradientInTheFrame),
+        made(MOVING, "DiffuseGradient", lambda p, u: MovingLeastSquares(p, frozen_weight(u / 10))),
+        made(MOVING, "NotSquared", lambda p, u: MovingLeastSquares(p, weight_not_squared(u / 10))),
+        made(NEAREST, "ReachHeldFixed", lambda p, _: ReachHeldFixed(p, wendland(3, 2), 1, 8)),
+        made(PLATE, "NoLimit", lambda p, _: RBF(p, no_limit_at_the_centre())),
+    ],
+    laws.the_adjoint_is_the_transpose: [
+        spoiled(LINE, AdjointByThePseudoInverse),
+        spoiled(PLATE, AdjointOfTheSymmetricPart),
+    ],
+    laws.work_is_the_same_on_both_sides: [spoiled(PLATE, AdjointByThePseudoInverse)],
+    laws.leading_axes_stay: [spoiled(MOVING, AxesMixed)],
+    laws.no_queries_give_no_answers: [spoiled(LINE, OneAnswerAtLeast)],
+    laws.chunks_do_not_matter: [spoiled(PLATE, CentredOnTheBatch)],
+    laws.executors_do_not_matter: [spoiled(LINE, RememberingThread)],
+    laws.progress_reaches_the_end: [spoiled(PLATE, ProgressThatStops)],
+    laws.the_origin_does_not_matter: [
+        made(LINE, "AbsoluteCoordinates", lambda p, _: AbsoluteCoordinates(p))
+    ],
+    laws.the_axes_do_not_matter: [spoiled(MOVING, Stretched)],
+    laws.the_unit_does_not_matter: [
+        made(MOVING, "EpsilonIsNoLength", lambda p, _: MovingLeastSquares(p, inverse_square(0.1))),
+        made(FARTHER, "ScaleIsNoLength", lambda p, _: RBF(p, gaussian(0.2))),
+    ],
+    laws.the_unit_of_the_data_does_not_matter: [spoiled(LINE, WorksInItsOwnUnit)],
+    laws.the_order_of_the_sites_does_not_matter: [spoiled(PLATE, FirstSiteIsSpecial)],
+    laws.inputs_stay_as_they_are: [spoiled(LINE, WritesToItsInput)],
+    laws.a_method_keeps_what_it_was_given: [spoiled(MOVING, KeepsTheCallersArray)],
+    laws.the_form_of_the_arrays_does_not_matter: [spoiled(PLATE, SinglePrecisionData)],
+    laws.integers_are_numbers: [spoiled(LINE, IntegerAnswers)],
+    laws.a_pickled_copy_gives_the_same_bits: [spoiled(PARABOLA, ForgetsOnTheWay)],
+    laws.what_is_no_number_is_refused: [spoiled(LINE, NanMeansZero)],
+    laws.wrong_shapes_are_refused: [spoiled(LINE, AnyLength)],
+    laws.leaving_one_out_is_fitting_without_it: [
+        made(LINE, "InSamplePolynomial", lambda p, _: InSamplePolynomial(p)),
+        made(MOVING, "InSampleMoving", lambda p, u: InSampleMoving(p, inverse_square(u / 10))),
+        made(NEAREST, "WithoutTheNext", lambda p, _: WithoutTheNext(p, wendland(3, 2), 1, 8)),
+        made(PLATE, "WrongDiagonal", lambda p, _: WrongDiagonal(p, thin_plate_spline())),
+    ],
+}
