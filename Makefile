@@ -73,8 +73,8 @@ $(manifest): $(ready) $(sources) $(if $(missing),FORCE)
 	@$(VENV)/bin/fieldrecon report
 	@touch -r $(build)/.started $@
 
-check-reproducible: $(ready) ## build the report twice, under different settings, and compare the bytes
-	@$(VENV)/bin/fieldrecon report --check-reproducible
+check-reproducible: $(ready) ## build the report twice and compare the bytes; AGAINST=manifest.json of another machine
+	@$(VENV)/bin/fieldrecon report $(if $(AGAINST),--against "$(AGAINST)",--check-reproducible)
 
 bench: $(VENV)/ready-bench ## measure the speed; the results go to benchmarks/results/
 	@for script in benchmarks/*.py; do $(python) "$$script" || exit 1; done

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import qmc
 
 from fieldrecon._validation import as_queries
 from fieldrecon.elevation import Terrain, terrain
@@ -71,6 +70,9 @@ def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
     >>> halton(5, 2)[:, 0].tolist()
     [0.0, 0.5, 0.25, 0.75, 0.125]
     """
+    # scipy.stats takes longer to import than all the rest of this package
+    from scipy.stats import qmc
+
     sequence = qmc.Halton(_count(d, "d"), scramble=seed is not None, rng=seed)
     return sequence.random(_count(n, "n"))
 
