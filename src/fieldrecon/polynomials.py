@@ -173,9 +173,9 @@ def powers_of_scale(scale: float, exponent: np.ndarray, what: str) -> np.ndarray
 
 
 def power_of_two_above(length: float) -> float:
-    """The least power of two that is not below `length`; one for a length of zero."""
+    """The least power of two that is not below `length`, if any is; one for a length of zero."""
     mantissa, exponent = math.frexp(length)
-    return math.ldexp(1.0, exponent - (mantissa == 0.5)) if length > 0 else 1.0
+    return math.ldexp(1.0, min(exponent - (mantissa == 0.5), 1023)) if length > 0 else 1.0
 
 
 @lru_cache(maxsize=64)

@@ -68,7 +68,7 @@ class matern(Radial):
     Parameters
     ----------
     nu : float
-        Smoothness, positive; the kernel has a gradient at a site if nu > 1/2.
+        Smoothness, positive, at most 40; the kernel has a gradient at a site if nu > 1/2.
     scale : float
         A length.
 
@@ -88,6 +88,8 @@ class matern(Radial):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nu", as_length(self.nu, "nu"))
+        if self.nu > 40:
+            raise ValueError(f"nu must be at most 40; got {self.nu}: it is all but a gaussian")
         object.__setattr__(self, "scale", as_length(self.scale, "scale"))
 
     @property
@@ -108,8 +110,10 @@ class matern(Radial):
     def _bessel(self, power: float, z: np.ndarray, at_zero: float) -> np.ndarray:
         # far out K_nu underflows before z^nu overflows, since z stays below this bound
         inside = np.where(z > 0, np.minimum(z, 800.0), 1.0)
-        value = 2.0 ** (1.0 - self.nu) / gamma(self.nu) * inside**power * kv(power, inside)
-        return np.where(z > 1e-150, value, at_zero)
+        with np.errstate(over="ignore", invalid="ignore"):
+            value = 2.0 ** (1.0 - self.nu) / gamma(self.nu) * inside**power * kv(power, inside)
+        # where K_nu overflows, so near to zero, the limit is exact
+        return np.where((z > 1e-150) & np.isfinite(value), value, at_zero)
 
     def in_units(self, h: float) -> Radial:
         """The same kernel with scale / h."""
