@@ -219,7 +219,13 @@ def normal_equations(points: ArrayLike, values: ArrayLike, degree: int = 1) -> n
     points = valid.as_points(points)
     values = valid.as_values(values, len(points))
     b = monomial_matrix(points, valid.as_degree(degree))
-    c = np.linalg.solve(b.T @ b, b.T @ values.reshape(len(values), -1))
+    try:
+        c = np.linalg.solve(b.T @ b, b.T @ values.reshape(len(values), -1))
+    except np.linalg.LinAlgError:
+        raise np.linalg.LinAlgError(
+            "BᵀB is singular in floating-point numbers: the points do not determine the "
+            "polynomial, or lie too far from the origin; LeastSquares tells which"
+        ) from None
     return c.reshape((-1, *values.shape[1:]))
 
 
