@@ -19,8 +19,9 @@ local function split(text)
   return parts
 end
 
+-- a text of its own could begin with a title ("% …"); a head of a column has none
 local function markdown(text)
-  return pandoc.utils.blocks_to_inlines(pandoc.read(text, 'markdown').blocks)
+  return pandoc.utils.blocks_to_inlines(pandoc.read(text, 'markdown-pandoc_title_block').blocks)
 end
 
 local function found_columns(result, columns, id)

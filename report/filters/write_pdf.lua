@@ -6,7 +6,8 @@ print and the size of wide tables are calls into template.typ.                  
 local pictures = require 'pictures'
 
 local WIDE = 7            -- from so many columns on a table is set smaller
-local LONG = 30           -- from so many rows on it may run over several pages
+local LONG = 30           -- from so many rows on it may run over several pages,
+local LONG_OF_TEXT = 8    -- and from so many if its cells are of several lines
 
 local function raw(text) return pandoc.RawInline('typst', text) end
 local function raw_block(text) return pandoc.RawBlock('typst', text) end
@@ -44,6 +45,11 @@ local function row_count(t)
   return count
 end
 
+-- pandoc gives widths to the columns of a table whose lines are longer than a line of text
+local function has_widths(t)
+  return t.colspecs[1][2] ~= nil
+end
+
 local function within(call, blocks)
   blocks:insert(1, raw_block('#' .. call .. '['))
   blocks:insert(raw_block ']')
@@ -52,7 +58,7 @@ end
 local function sized(t)
   local out = pandoc.Blocks { t }
   if #t.colspecs >= WIDE then within('wide-table', out) end
-  if row_count(t) >= LONG then within('long-table', out) end
+  if row_count(t) >= (has_widths(t) and LONG_OF_TEXT or LONG) then within('long-table', out) end
   return out
 end
 
