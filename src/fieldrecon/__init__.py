@@ -5,6 +5,7 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 
 from fieldrecon import datasets
 from fieldrecon.least_squares import LeastSquares, normal_equations
+from fieldrecon.mesh import SimplexMesh
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
@@ -18,6 +19,7 @@ __all__ = [
     "LeastSquares",
     "MovingLeastSquares",
     "Reconstruction",
+    "SimplexMesh",
     "datasets",
     "gaussian",
     "inverse_multiquadric",
