@@ -4,6 +4,7 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 """
 
 from fieldrecon import datasets
+from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.mesh import SimplexMesh
 from fieldrecon.model_selection import leave_one_out
@@ -20,6 +21,8 @@ __all__ = [
     "MovingLeastSquares",
     "Reconstruction",
     "SimplexMesh",
+    "barycentric_dual",
+    "circumcentric_dual",
     "datasets",
     "gaussian",
     "inverse_multiquadric",

@@ -6,11 +6,12 @@ The shortest lose the least to cancellation, so slivers are measured along them.
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 
 import numpy as np
 
-FLAT = 32 * np.finfo(float).eps
+_FLAT = 32 * np.finfo(float).eps
 """Volume over product of the spanning edges below which rounding decides about the sign."""
 
 _SUSPECT = 1e-2  # above it any spanning edges will do
@@ -22,7 +23,7 @@ def units(edges: np.ndarray) -> np.ndarray:
     return np.ldexp(1.0, np.frexp(np.where(size > 0, size, 1.0))[1] - 1)
 
 
-def spanning_edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def spanning_edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Edges that span each simplex, the shortest where it is nearly flat.
 
     Parameters
@@ -36,24 +37,25 @@ def spanning_edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndar
         Differences of corners, so ordered that their orientation is that of the simplex.
     middles : (m, k, d) ndarray
         The middle of each edge.
-    suspect : (m,) ndarray of bool
-        Whether the simplex was looked at closely.
     """
     edges = corners[:, 1:] - corners[:, :1]
     middles = (corners[:, 1:] + corners[:, :1]) / 2
-    suspect = ~(volumes(edges) > _SUSPECT * np.prod(np.linalg.norm(edges, axis=2), axis=1))
-    closely = corners[suspect]
-    pairs = list(combinations(range(corners.shape[1]), 2))
-    lengths = np.stack([np.linalg.norm(closely[:, j] - closely[:, i], axis=1) for i, j in pairs], 1)
+    closely = ~(volumes(edges) > _SUSPECT * np.prod(lengths(edges), axis=1))
+    start, end = _shortest_tree(corners[closely])
+    edges[closely], middles[closely] = end - start, (end + start) / 2
+    return edges, middles
+
+
+def _shortest_tree(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Start and end (m, k, d) of k edges that span each simplex and have the least product."""
     trees = _spanning_trees(corners.shape[1])
     with np.errstate(divide="ignore"):
-        logs = np.log(lengths)
-    total = np.stack([logs[:, [pairs.index(p) for p in tree]].sum(axis=1) for tree in trees], 1)
-    shortest = np.array(trees)[np.argmin(total, axis=1)]
-    row = np.arange(len(closely))[:, None]
-    start, end = closely[row, shortest[..., 0]], closely[row, shortest[..., 1]]
-    edges[suspect], middles[suspect] = end - start, (end + start) / 2
-    return edges, middles, suspect
+        products = [
+            sum(np.log(lengths(corners[:, j] - corners[:, i])) for i, j in tree) for tree in trees
+        ]
+    shortest = np.array(trees)[np.argmin(products, axis=0)]
+    row = np.arange(len(corners))[:, None]
+    return corners[row, shortest[..., 0]], corners[row, shortest[..., 1]]
 
 
 def _spanning_trees(corners: int) -> list[tuple[tuple[int, int], ...]]:
@@ -69,6 +71,49 @@ def _spanning_trees(corners: int) -> list[tuple[tuple[int, int], ...]]:
     return trees
 
 
+def signed_volumes(
+    corners: np.ndarray, rounding: float = 0.0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Volume of each simplex (m, d + 1, d) with its sign, and whether it is flat.
+
+    Flat means that rounding decides about the sign: that of the computation, and, if given, that
+    of the coordinates.
+
+    Parameters
+    ----------
+    corners : (m, d + 1, d) ndarray
+    rounding : float
+        By how much a coordinate may be wrong.
+
+    Returns
+    -------
+    volumes : (m,) ndarray
+        In the d-th power of the unit.
+    unit : (m,) ndarray
+        A power of two near the size of each simplex.
+    flat : (m,) ndarray of bool
+    """
+    local, unit = _local(corners)
+    edges, _ = spanning_edges(local)
+    size = lengths(edges)
+    tolerance = _FLAT + 8 * rounding / unit / np.maximum(size.min(axis=1), np.finfo(float).tiny)
+    volume = determinants(edges)
+    flat = np.abs(volume) <= tolerance * np.prod(size, axis=1)
+    return volume / math.factorial(edges.shape[1]), unit, flat
+
+
+def _local(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The simplices with their first corner at the origin, each in its unit, and that."""
+    edges = corners - corners[:, :1]
+    unit = units(edges)
+    return edges / unit[:, None, None], unit
+
+
+def lengths(edges: np.ndarray) -> np.ndarray:
+    """Length of each vector (..., d)."""
+    return np.sqrt(np.einsum("...i,...i->...", edges, edges))
+
+
 def determinants(edges: np.ndarray) -> np.ndarray:
     """Determinant of each square matrix of edges (m, d, d), d = 2 or 3."""
     if edges.shape[2] == 2:
@@ -80,10 +125,31 @@ def volumes(edges: np.ndarray) -> np.ndarray:
     """Volume (m,) of the parallelepiped over k edges (m, k, d), d = 2 or 3."""
     k, d = edges.shape[1:]
     if k == 1:
-        return np.linalg.norm(edges[:, 0], axis=1)
+        return lengths(edges[:, 0])
     if k == d:
         return np.abs(determinants(edges))
-    return np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    return lengths(np.cross(edges[:, 0], edges[:, 1]))
+
+
+def normals(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Unit normal of each simplex (m, d, d) of dimension d - 1, its measure, and the unit.
+
+    The normal lies to the right of a segment; round that of a triangle its corners turn
+    anticlockwise. The measure is in the (d-1)-th power of the unit.
+    """
+    local, unit = _local(corners)
+    edges, _ = spanning_edges(local)
+    if edges.shape[1] == 1:
+        vectors = np.stack([edges[:, 0, 1], -edges[:, 0, 0]], axis=1)
+    else:
+        vectors = np.cross(edges[:, 0], edges[:, 1])
+    size = lengths(vectors)
+    return vectors / size[:, None], size / math.factorial(edges.shape[1]), unit
+
+
+def centroids(corners: np.ndarray) -> np.ndarray:
+    """Mean (m, d) of the corners of each simplex."""
+    return corners[:, 0] + (corners[:, 1:] - corners[:, :1]).sum(axis=1) / corners.shape[1]
 
 
 def circumcenters(corners: np.ndarray) -> np.ndarray:
@@ -96,11 +162,10 @@ def circumcenters(corners: np.ndarray) -> np.ndarray:
     Shewchuk, "Lecture Notes on Geometric Robustness" (2013), section 3.11.
     """
     origin = corners[:, 0]
-    unit = units(corners[:, 1:] - corners[:, :1])
-    local = (corners - origin[:, None]) / unit[:, None, None]
+    local, unit = _local(corners)
     if corners.shape[1] == 2:
         return origin + local[:, 1] / 2 * unit[:, None]
-    edges, middles, _ = spanning_edges(local)
+    edges, middles = spanning_edges(local)
     right = np.einsum("mki,mki->mk", edges, middles)
     if edges.shape[1] < edges.shape[2]:
         normal = np.cross(edges[:, 0], edges[:, 1])
