@@ -4,34 +4,70 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 """
 
 from fieldrecon import datasets
+from fieldrecon.barycentric import BarycentricCoordinates
+from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
+from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
 from fieldrecon.least_squares import LeastSquares, normal_equations
+from fieldrecon.local_gradients import (
+    local_least_squares,
+    local_moving_least_squares,
+    local_rbf,
+)
 from fieldrecon.mesh import SimplexMesh
+from fieldrecon.mesh_files import read_mesh, read_mesh_and_data, read_surface, write_mesh
+from fieldrecon.mesh_gradients import vertex_gradients
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.velocity import (
+    divergence,
+    normal_velocities,
+    velocity_weights,
+    vertex_velocities,
+)
+from fieldrecon.voronoi import VoronoiCell, voronoi_weights
 
 __all__ = [
     "RBF",
+    "BarycentricCoordinates",
     "Field",
     "LeastSquares",
     "MovingLeastSquares",
     "Reconstruction",
     "SimplexMesh",
+    "VoronoiCell",
     "barycentric_dual",
+    "cell_velocities",
+    "circumcenter_weights",
     "circumcentric_dual",
     "datasets",
+    "divergence",
     "gaussian",
     "inverse_multiquadric",
     "inverse_square",
     "leave_one_out",
+    "local_least_squares",
+    "local_moving_least_squares",
+    "local_rbf",
     "matern",
     "multiquadric",
     "normal_equations",
+    "normal_velocities",
     "polyharmonic",
+    "raviart_thomas",
+    "read_mesh",
+    "read_mesh_and_data",
+    "read_surface",
     "thin_plate_spline",
+    "velocity_weights",
+    "vertex_gradients",
+    "vertex_velocities",
+    "vertex_velocities_from_cells",
+    "voronoi_weights",
     "wendland",
+    "write_mesh",
 ]
