@@ -1,0 +1,170 @@
+"""Gradients at a point from the sites about it, by the three methods, for many points at once.
+
+Each is a callable that makes weights of the data in the gradient from the sites.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from fieldrecon import _validation as valid
+from fieldrecon._estimable import estimable_weights
+from fieldrecon._stars import as_weight
+from fieldrecon.polynomials import monomials
+from fieldrecon.radial import Radial, thin_plate_spline
+
+
+@dataclass(frozen=True)
+class CellStars:
+    """Sites about a batch of m vertices, in units of their own; they determine affine functions.
+
+    Attributes
+    ----------
+    y : (m, k, d) ndarray
+        Sites from the vertex.
+    w : (m, k) ndarray
+        Weights, the largest of each vertex one; zero where there is no site.
+    affine : (m, d + 1, k) ndarray
+        Weights of the data in value and gradient of the affine least-squares fit.
+    length : (m,) ndarray
+        Unit of y, a typical distance, in units of `unit`.
+    unit : float
+        Size of the mesh.
+    """
+
+    y: np.ndarray
+    w: np.ndarray
+    affine: np.ndarray
+    length: np.ndarray
+    unit: float
+
+
+@dataclass(frozen=True)
+class local_least_squares:
+    """Gradient of the affine least-squares fit to the cells about a vertex.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 3-7 and 16.
+    """
+
+    weight: ClassVar[Radial | None] = None
+
+    def __call__(self, stars: CellStars) -> np.ndarray:
+        """Weights (m, d, k) of the data in the gradient."""
+        return stars.affine[:, 1:]
+
+
+@dataclass(frozen=True)
+class local_moving_least_squares:
+    """Gradient of the affine moving least-squares fit to the cells about a vertex.
+
+    The full derivative of that field, the derivative of the weights included.
+
+    Parameters
+    ----------
+    weight : Radial
+        Weight w(r) of a site at the distance r, such as `inverse_square(epsilon)`; it enters
+        squared.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 8-10 and 16.
+    """
+
+    weight: Radial
+
+    def __post_init__(self) -> None:
+        as_weight(self.weight, none_allowed=False)
+
+    def __call__(self, stars: CellStars) -> np.ndarray:
+        """Weights (m, d, k) of the data in the gradient.
+
+        grad f = (c_1 ... c_d) + sum_i a_i (grad w_i^2 / w_i^2) (f - B c)_i, a the weights of c_0.
+        """
+        b = monomials(stars.y, 1)
+        c = estimable_weights(b, stars.w, b.shape[-1])
+        u = c[:, 0, :, None] * self._log_gradient(stars)
+        # sum_i w_i^2 r_i = 0 gives the residual of the heaviest site, which rounding spoils
+        heaviest = np.argmax(stars.w, axis=1)[:, None, None]
+        u = u - stars.w[..., None] ** 2 * np.take_along_axis(u, heaviest, axis=1)
+        return c[:, 1:] + u.mT - (u.mT @ b) @ c
+
+    def _log_gradient(self, stars: CellStars) -> np.ndarray:
+        """Gradient (m, k, d) of log w_i^2 by x."""
+        weight, length = self.weight.in_units(stars.unit), stars.length[:, None]
+        r = np.linalg.norm(stars.y, axis=2) * length
+        with np.errstate(all="ignore"):
+            steepness = 2 * weight.slope(r) / weight(r) * length**2
+        known = (stars.w > 0) & np.isfinite(steepness)
+        return -np.where(known, steepness, 0.0)[..., None] * stars.y
+
+
+@dataclass(frozen=True)
+class local_rbf:
+    """Gradient of radial functions with an affine part, fitted to the cells about a vertex.
+
+    Circumcentres come as close as they like, and coincide where cells share their circle, as in
+    the two triangles of a rectangle. So the fit interpolates but for a smoothing that shows only
+    where sites are much closer than most: there their mean counts.
+
+    Parameters
+    ----------
+    kernel : Radial
+        A kernel without a length of its own, of order 2 at most: `thin_plate_spline()`, or
+        `polyharmonic(3)`, the kernel of least energy in space.
+    smoothing : float
+        Added to the diagonal, for distances in units of a typical one, rounded up to a power of
+        two. Zero interpolates, and refuses coincident sites.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 11-13 and 16.
+    """
+
+    kernel: Radial = field(default_factory=thin_plate_spline)
+    smoothing: float = 1e-4
+    weight: ClassVar[Radial | None] = None
+
+    def __post_init__(self) -> None:
+        kernel = self.kernel
+        if not (
+            isinstance(kernel, Radial)
+            and kernel.order <= 2
+            and kernel.differentiable
+            and kernel.in_units(2.0) == kernel
+        ):
+            raise ValueError(
+                "kernel must be a smooth radial function without a length, of order 2 at most, "
+                f"such as thin_plate_spline(); got {kernel!r}"
+            )
+        valid.as_length(self.smoothing, "smoothing", zero_allowed=True)
+
+    def __call__(self, stars: CellStars) -> np.ndarray:
+        """Weights (m, d, k) of the data in the gradient: H (g, mu) = (grad phi, grad b)."""
+        y, there = stars.y, stars.w > 0
+        m, k, d = y.shape
+        squared = np.zeros((m, k, k))
+        for axis in range(d):
+            squared += (y[:, :, None, axis] - y[:, None, :, axis]) ** 2
+        h = np.zeros((m, k + d + 1, k + d + 1))
+        h[:, :k, :k] = self.kernel.of_squared(squared) * (there[:, :, None] & there[:, None, :])
+        h[:, range(k), range(k)] += np.where(there, self.smoothing, 1.0)  # no site: weight zero
+        h[:, :k, k:] = monomials(y, 1) * there[..., None]
+        h[:, k:, :k] = h[:, :k, k:].mT
+        rhs = np.zeros((m, k + d + 1, d))
+        slope = self.kernel.slope_of_squared(np.einsum("mkd,mkd->mk", y, y))
+        rhs[:, :k] = -(slope * there)[..., None] * y
+        rhs[:, range(k + 1, k + d + 1), range(d)] = 1.0
+        try:
+            return np.linalg.solve(h, rhs)[:, :k].mT
+        except np.linalg.LinAlgError:
+            raise np.linalg.LinAlgError(
+                "sites of some cells coincide, so nothing interpolates them; give smoothing > 0"
+            ) from None
+
+
+LocalGradient = local_least_squares | local_moving_least_squares | local_rbf
