@@ -1,4 +1,4 @@
-"""Cells come in as indices of points, distinct and not flat, and go out positively oriented."""
+"""Points of a mesh; cells as distinct indices of them, not flat, and positively oriented."""
 
 from __future__ import annotations
 
@@ -6,6 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon import _simplices as simplices
+from fieldrecon import _validation as valid
+
+
+def as_plane_or_space(points: ArrayLike) -> np.ndarray:
+    """Points in two or three dimensions."""
+    p = valid.as_points(points)
+    if p.shape[1] not in (2, 3):
+        raise ValueError(f"points must have the shape (n, 2) or (n, 3); got {p.shape}")
+    return p
 
 
 def as_cells(cells: ArrayLike, n: int, d: int) -> np.ndarray:
@@ -34,12 +43,10 @@ def as_cells(cells: ArrayLike, n: int, d: int) -> np.ndarray:
 def positive(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """The cells, the last two vertices exchanged where the orientation is negative."""
     with np.errstate(over="ignore", invalid="ignore"):
-        volumes, unit, flat = simplices.signed_volumes(points[cells])
-    if not np.isfinite(unit).all():
-        raise OverflowError(
-            f"the size of cell {int(np.argmin(np.isfinite(unit)))} exceeds the range of "
-            "floating-point numbers"
-        )
+        volumes, _, flat = simplices.signed_volumes(points[cells])
+    if not np.isfinite(volumes).all():
+        i = int(np.argmin(np.isfinite(volumes)))
+        raise OverflowError(f"the size of cell {i} exceeds the range of floating-point numbers")
     if flat.any():
         i = int(np.argmax(flat))
         where = "line" if points.shape[1] == 2 else "plane"

@@ -53,8 +53,8 @@ def delaunay_cells(points: np.ndarray) -> np.ndarray:
 def _in_local_frame(points: np.ndarray) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         offsets = points - points.mean(axis=0)
-    extent = np.abs(offsets).max()
-    if not np.isfinite(extent):
+        extent = np.ptp(points, axis=0).max()
+    if not np.isfinite(extent) or not np.isfinite(offsets).all():
         raise OverflowError("the extent of the points exceeds the range of floating-point numbers")
     return offsets / extent
 

@@ -28,14 +28,16 @@ def circumcentric_dual(mesh: SimplexMesh) -> tuple[np.ndarray, np.ndarray]:
 
     References
     ----------
-    Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 21-22).
+    Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 32-33).
 
     Examples
     --------
-    >>> mesh = SimplexMesh([[0, 0], [4, 0], [0, 4], [4, 2]], [[0, 1, 2], [1, 3, 2]])
+    >>> mesh = SimplexMesh([[0, 0], [2, 0], [2, 2], [0, 2]], [[0, 1, 2], [0, 2, 3]])
     >>> segments, faces = circumcentric_dual(mesh)
-    >>> faces[(segments[:, 0] == segments[:, 1]).all(axis=1)], mesh.faces[2].tolist()
-    (array([2]), [1, 2])
+    >>> mesh.faces[faces[0]].tolist(), segments[0].tolist()
+    ([0, 1], [[1.0, 1.0], [1.0, 0.0]])
+    >>> mesh.faces[faces[1]].tolist(), segments[1].tolist()
+    ([0, 2], [[1.0, 1.0], [1.0, 1.0]])
     """
     one, two = mesh.face_cells.T
     inside = (two >= 0)[:, None]

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon import _simplices as simplices
-from fieldrecon import _validation as valid
-from fieldrecon._cells import as_cells, positive
+from fieldrecon._cells import as_cells, as_plane_or_space, positive
 from fieldrecon._delaunay import delaunay_cells
 from fieldrecon._topology import Topology, incidence, pattern, topology
 
@@ -48,7 +47,7 @@ class SimplexMesh:
 
     References
     ----------
-    Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 20-22).
+    Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 15).
 
     Examples
     --------
@@ -67,9 +66,7 @@ class SimplexMesh:
     cells: np.ndarray
 
     def __post_init__(self) -> None:
-        points = valid.as_points(self.points)
-        if points.shape[1] not in (2, 3):
-            raise ValueError(f"points must have the shape (n, 2) or (n, 3); got {points.shape}")
+        points = as_plane_or_space(self.points)
         cells = positive(points, as_cells(self.cells, *points.shape))
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "cells", _read_only(cells))
@@ -103,9 +100,7 @@ class SimplexMesh:
         >>> SimplexMesh.delaunay([[0, 0], [2, 0], [0, 2], [3, 3]]).faces.tolist()
         [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]
         """
-        p = valid.as_points(points)
-        if p.shape[1] not in (2, 3):
-            raise ValueError(f"points must have the shape (n, 2) or (n, 3); got {p.shape}")
+        p = as_plane_or_space(points)
         cells = delaunay_cells(p)
         try:
             return cls(p, cells)
