@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.polynomials import dimension
@@ -19,6 +20,7 @@ from fieldrecon.radial import (
 )
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Reconstruction
+from polytopes import POLYTOPES, voronoi_cell
 
 EXACT = 1e-10
 """Deviation allowed in answers of size one, where nothing is badly conditioned."""
@@ -38,7 +40,8 @@ class Case:
 
     `make(points, unit)` builds it: lengths are multiples of the unit, and `coefficients_power` is
     that of the unit in its smoothing. `distinguishable` says whether the field of a method that
-    does not interpolate misses the data by more than rounding.
+    does not interpolate misses the data by more than rounding, `removable` whether the method makes
+    sense without one of its sites, and `argument` is the name under which it takes them.
     """
 
     name: str
@@ -48,6 +51,8 @@ class Case:
     exact: float = EXACT
     distinguishable: bool = True
     units: tuple[float, ...] = EXTREME_UNITS
+    removable: bool = True
+    argument: str = "points"
 
     @cached_property
     def sites(self) -> np.ndarray:
@@ -73,6 +78,19 @@ class Case:
     def data(self) -> np.ndarray:
         """Smooth data (n,) of size one, of no finite degree."""
         return np.cos(self.sites @ np.linspace(1.0, 3.0, self.d)) + self.sites[:, 0] ** 4
+
+
+@dataclass(frozen=True)
+class CornersCase(Case):
+    """A method on the corners of a polytope, which no random points are."""
+
+    corners: tuple[tuple[float, ...], ...] = ()
+    removable: bool = False
+
+    @cached_property
+    def sites(self) -> np.ndarray:
+        """The corners, round the unit cube or across it."""
+        return on_a_lattice(np.array(self.corners))
 
 
 def on_a_lattice(x: np.ndarray) -> np.ndarray:
@@ -194,7 +212,23 @@ def rbf_cases() -> Iterator[Case]:
     yield Case("RBF r³ with cubics in 2-D", lambda p, _: RBF(p, polyharmonic(3), 3), 2, SITES[2])
 
 
-CASES = [*least_squares_cases(), *moving_cases(), *rbf_cases()]
+def polytope_cases() -> Iterator[Case]:
+    for name, corners in POLYTOPES.items():
+        n, d = corners.shape
+        shape = {"d": d, "n": n, "corners": tuple(map(tuple, corners.tolist()))}
+        yield CornersCase(
+            f"coordinates of the {name}",
+            lambda p, _: BarycentricCoordinates(p),
+            argument="vertices",
+            **shape,
+        )
+        # circumcentres, which the coordinates do not need, lose a digit or two
+        yield CornersCase(
+            f"Voronoi cell, a {name}", lambda p, _: voronoi_cell(p), exact=1e-9, **shape
+        )
+
+
+CASES = [*least_squares_cases(), *moving_cases(), *rbf_cases(), *polytope_cases()]
 
 
 def case(name: str) -> Case:

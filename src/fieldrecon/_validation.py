@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 
-def as_points(points: ArrayLike) -> np.ndarray:
+def as_points(points: ArrayLike, name: str = "points") -> np.ndarray:
     """Sites as a read-only float array (n, d) with n, d at least 1."""
-    p = _as_numbers(points, "points", complex_allowed=False)
+    p = _as_numbers(points, name, complex_allowed=False)
     if p.ndim != 2 or p.shape[1] == 0:
-        hint = "; for one variable write points[:, None]" if p.ndim == 1 else ""
-        raise ValueError(f"points must have the shape (n, d); got {p.shape}{hint}")
+        hint = f"; for one variable write {name}[:, None]" if p.ndim == 1 else ""
+        raise ValueError(f"{name} must have the shape (n, d); got {p.shape}{hint}")
     if len(p) == 0:
-        raise ValueError(f"points must hold at least one point; got the shape {p.shape}")
+        raise ValueError(f"{name} must hold at least one point; got the shape {p.shape}")
     p = p.copy()
     p.flags.writeable = False
     return p

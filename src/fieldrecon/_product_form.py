@@ -1,0 +1,174 @@
+"""Weights of the corners of a convex polytope as products of heights below its faces.
+
+    w_i(x) = sum_t vol(t) prod_{a not in t} h_a(x),   t: d faces each, together all at corner i
+
+Nothing is divided but by the sum of all weights, and each face has one height: the weights are
+exact on faces, edges and corners, where quotients are 0/0, and beside them, where quotients of
+heights rounded differently are wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldrecon.polynomials import EPS
+
+# So many heights of size one can be multiplied without leaving the range of numbers.
+_FEW = 16
+
+# A sum this small beside its terms is rounding.
+_ROUNDING = 64 * EPS
+
+# Exponent of what is zero: below those of all numbers, and so are sums of many such.
+_NONE = -(2**40)
+
+
+class ProductForm:
+    """The weights, for faces with these normals of which these meet at the corners.
+
+    Parameters
+    ----------
+    normals : (f, d) ndarray
+        Outward normals, of any lengths.
+    corner_faces : sequence of integer arrays
+        Faces at each corner, d or more; in 3-D once round it. Where more than d meet, the weight is
+        the volume of the cone over the facet of the polar dual, cut into simplices from one corner.
+    """
+
+    def __init__(self, normals: np.ndarray, corner_faces: Sequence[np.ndarray]) -> None:
+        self.normals = normals
+        self.n = len(corner_faces)
+        d = normals.shape[1]
+        fans = [_fan(faces, d) for faces in corner_faces]
+        self.corner = np.repeat(np.arange(self.n), [len(fan) for fan in fans])
+        terms = np.concatenate(fans)
+        self.volume = np.abs(np.linalg.det(normals[terms]))
+        self.crowded = np.array([len(fan) > 1 for fan in fans])
+        self._products = _Products(len(normals), terms)
+
+    @property
+    def numbers_per_query(self) -> int:
+        """Numbers that are held at once for a query, for the size of the chunks."""
+        return self._products.count + len(self.corner)
+
+    def weights(self, h: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """Weights (n, m) of sum one at heights (f, m), into `out`; where (m,) there are none."""
+        w = self._summed(h[:, None])[:, 0]
+        total = w.sum(axis=0)
+        # inside, where no weight is negative, the sum loses nothing
+        size = np.abs(w).sum(axis=0) if w.min(initial=0.0) < 0 else total
+        lost = ~(np.abs(total) > _ROUNDING * size)
+        np.divide(w, np.where(lost, 1.0, total) if lost.any() else total, out=out)
+        return lost
+
+    def gradients(self, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gradients (n, d, m) of the weights of sum one, and where (m,) there are none.
+
+        By the product rule. The gradients sum to zero, which gives that of the largest weight:
+        where more than d faces meet, its own terms would cancel.
+        """
+        m = h.shape[1]
+        slopes = np.broadcast_to(-self.normals[..., None], (*self.normals.shape, m))
+        w = self._summed(np.concatenate([h[:, None], slopes], axis=1))
+        total = w.sum(axis=0)
+        lost = ~(np.abs(total[0]) > _ROUNDING * np.abs(w[:, 0]).sum(axis=0))
+        total[0, lost] = 1.0
+        share = w[:, 0] / total[0]
+        g = (w[:, 1:] - share[:, None] * total[1:]) / total[0]
+        largest = np.abs(share).argmax(axis=0)[None, None]
+        np.put_along_axis(g, largest, 0.0, axis=0)
+        np.put_along_axis(g, largest, -g.sum(axis=0, keepdims=True), axis=0)
+        return g, lost
+
+    def _summed(self, leaves: np.ndarray) -> np.ndarray:
+        """Terms summed to their corners, (n, c, m), in a unit of each query's own."""
+        terms, exponent = self._products(leaves)
+        if exponent is not None:
+            shift = np.maximum(exponent - exponent.max(axis=0), -2000)
+            terms = np.ldexp(terms, shift[:, None])
+        terms *= self.volume[:, None, None]
+        if not self.crowded.any():
+            return terms
+        return np.add.reduceat(terms, np.flatnonzero(np.diff(self.corner, prepend=-1)), axis=0)
+
+
+def _fan(faces: np.ndarray, d: int) -> np.ndarray:
+    """Simplices (t, d) of faces: all of them share the first."""
+    if d == 2:
+        return faces[None]
+    first = np.full(len(faces) - 2, faces[0])
+    return np.stack([first, faces[1:-1], faces[2:]], axis=1)
+
+
+class _Products:
+    """Products of all of n factors but some, for many choices of these: a tree of partial products.
+
+    The factors are the leaves n ... 2n - 1, and node k is the product of nodes 2k and 2k + 1. What
+    is left without some leaves is the product of the largest nodes above none of them. A factor is
+    a value (1, m), or a value and its gradient (1 + d, m), multiplied by the product rule.
+    """
+
+    def __init__(self, n: int, omitted: np.ndarray) -> None:
+        self.n = n
+        self.covers = [_cover(n, leaves) for leaves in (omitted + n).tolist()]
+        self.inner: list[int] = []
+        wanted = [k for cover in self.covers for k in cover]
+        while wanted:
+            k = wanted.pop()
+            if k < n and k not in self.inner:
+                self.inner.append(k)
+                wanted += [2 * k, 2 * k + 1]
+        self.inner.sort(reverse=True)
+        self.count = n + len(self.inner)
+
+    def __call__(self, leaves: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """Products (t, c, m) of factors (n, c, m), each times 2 to the exponent (t, m) if given."""
+        node = dict(enumerate(leaves, start=self.n))
+        out = np.empty((len(self.covers), *leaves.shape[1:]))
+        if self.n <= _FEW:
+            for k in self.inner:
+                node[k] = _times(node[2 * k], node[2 * k + 1], np.empty(leaves.shape[1:]))
+            for term, cover in zip(out, self.covers, strict=True):
+                _multiplied([node[k] for k in cover], term)
+            return out, None
+        exponent = {k: np.zeros(leaves.shape[2], dtype=np.int64) for k in node}
+        for k in self.inner:
+            product = _times(node[2 * k], node[2 * k + 1], np.empty(leaves.shape[1:]))
+            node[k], exponent[k] = _normalized(product, exponent[2 * k] + exponent[2 * k + 1])
+        exponents = np.empty((len(out), leaves.shape[2]), dtype=np.int64)
+        for term, total, cover in zip(out, exponents, self.covers, strict=True):
+            _multiplied([node[k] for k in cover], term)
+            total[:] = sum(exponent[k] for k in cover)
+        return _normalized(out, exponents)
+
+
+def _normalized(a: np.ndarray, exponent: np.ndarray | int) -> tuple[np.ndarray, np.ndarray]:
+    """Factors (..., c, m) of size one with their exponents (..., m); none for zero."""
+    size = np.abs(a).max(axis=-2)
+    shift = np.frexp(size)[1]
+    return np.ldexp(a, -shift[..., None, :]), np.where(size > 0, exponent + shift, _NONE)
+
+
+def _cover(n: int, leaves: list[int]) -> list[int]:
+    """The largest nodes above none of the leaves."""
+    above = {leaf >> level for leaf in leaves for level in range(leaf.bit_length())}
+    return [c for k in sorted(above) if 0 < k < n for c in (2 * k, 2 * k + 1) if c not in above]
+
+
+def _multiplied(factors: list[np.ndarray], out: np.ndarray) -> None:
+    if len(factors) == 1:
+        out[:] = factors[0]
+        return
+    _times(factors[0], factors[1], out)
+    for factor in factors[2:]:
+        _times(out, factor, out)
+
+
+def _times(u: np.ndarray, v: np.ndarray, out: np.ndarray) -> np.ndarray:
+    """Product u v, and its gradient u grad v + v grad u below it."""
+    if len(u) > 1:
+        out[1:] = u[1:] * v[:1] + u[:1] * v[1:]
+    np.multiply(u[:1], v[:1], out=out[:1])
+    return out

@@ -1,0 +1,93 @@
+"""Barycentric coordinates of convex polygons and polyhedra, after Wachspress and Warren."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fieldrecon import _validation as valid
+from fieldrecon._convex_coordinates import ConvexCoordinates
+from fieldrecon._polytope import Polytope
+from fieldrecon._product_form import ProductForm
+from fieldrecon.polynomials import Frame
+
+
+class BarycentricCoordinates(ConvexCoordinates):
+    """Barycentric coordinates of a convex polygon or polyhedron, w_i = c_i / sum_j c_j.
+
+    c_i(x) = vol_i prod_{faces a not at i} h_a(x),   h_a(x) = n_a^T (p_a - x),
+
+    where p_a is a corner on face a, and vol_i = |det(n_a, ...)| over the faces at corner i. That is
+    the quotient vol_i / prod_{faces a at i} h_a(x) times the product of all heights: nothing is
+    divided but by the sum, so the weights are exact on faces, edges and corners and right beside
+    them. Where more than three faces meet, vol_i / prod h_a becomes the volume of the cone over the
+    facet of the polar dual, the limit of the coordinates of polyhedra whose corner is split.
+
+    They are positive inside and reproduce linear fields everywhere. Outside they may be negative,
+    and where the sum vanishes (on a curve or surface beyond the polytope) they have a pole.
+
+    Parameters
+    ----------
+    vertices : (n, d) array_like
+        Corners of the polytope, d = 2 or 3, in any order. Faces with more than three corners may be
+        flat to rounding only.
+
+    Raises
+    ------
+    ValueError
+        If a vertex is repeated, or is no corner of the convex hull of all; if d is not 2 or 3.
+    numpy.linalg.LinAlgError
+        If the vertices lie on a line or in a plane; later, for a query at a pole.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 27-31; Wachspress, A Rational Finite Element Basis (1975);
+    Warren, Schaefer, Hirani and Desbrun, Barycentric coordinates for convex sets (2007).
+
+    Examples
+    --------
+    >>> square = BarycentricCoordinates([[0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> square.weights([[0.5, 0.25], [1.0, 0.25]])
+    array([[0.375, 0.375, 0.125, 0.125],
+           [0.   , 0.75 , 0.25 , 0.   ]])
+    >>> square.field([0, 0, 1, 0]).gradient([0.5, 0.25])
+    array([0.25, 0.5 ])
+    """
+
+    def __init__(self, vertices: ArrayLike) -> None:
+        self.points = valid.as_points(vertices, "vertices")
+        n, d = self.points.shape
+        if d not in (2, 3):
+            raise ValueError(f"vertices must have 2 or 3 coordinates; got the shape {(n, d)}")
+        frame = Frame.around(self.points)
+        self._unit, self._center = frame.scale, frame.center / frame.scale
+        polytope = Polytope.of(self.points)
+        self._corners = polytope.corners
+        self._form = ProductForm(polytope.normals, polytope.corner_faces)
+        self._first = np.array([face[0] for face in polytope.faces])
+        # of each corner below each face, zero where it lies on it
+        below = self._corners[self._first][:, None] - self._corners
+        self._depth = np.einsum("fd,fnd->fn", polytope.normals, below)
+        for i, faces in enumerate(polytope.corner_faces):
+            self._depth[faces, i] = 0.0
+
+    def _heights(self, x: np.ndarray) -> np.ndarray:
+        local = x / self._unit
+        return self._above_edges(local) if x.shape[1] == 2 else self._from_corners(local)
+
+    def _above_edges(self, x: np.ndarray) -> np.ndarray:
+        """n^T (p - x), p an end of the edge: exactly zero at the other end too."""
+        x = np.ascontiguousarray(x.T)
+        offset = {i: self._corners[i, :, None] - x for i in set(self._first.tolist())}
+        h = np.empty((len(self._first), x.shape[1]))
+        for row, normal, i in zip(h, self._form.normals, self._first.tolist(), strict=True):
+            np.multiply(offset[i][0], normal[0], out=row)
+            row += offset[i][1] * normal[1]
+        return h
+
+    def _from_corners(self, x: np.ndarray) -> np.ndarray:
+        """n^T (p - x) + depth of p, p the nearest corner: the nearer to it, the more exact."""
+        corners = self._corners - self._center
+        score = corners @ (x - self._center).T - (corners**2).sum(axis=1)[:, None] / 2
+        nearest = score.argmax(axis=0)
+        return self._form.normals @ (self._corners[nearest] - x).T + self._depth[:, nearest]
