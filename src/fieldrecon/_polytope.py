@@ -53,8 +53,7 @@ class Polytope:
         meeting = _faces_at(corners, faces, outward)
         _require_corners(points, corners, faces, outward, meeting, tolerance)
         normals = np.stack([_normal(corners[f], n) for f, n in zip(faces, outward, strict=True)])
-        first = corners[[f[0] for f in faces]]
-        depth = np.einsum("fd,fnd->fn", normals, first[:, None] - corners).max(axis=1)
+        depth = [((corners[f[0]] - corners) @ n).max() for f, n in zip(faces, normals, strict=True)]
         normals *= np.exp2(-np.frexp(depth)[1])[:, None]
         return cls(corners, faces, normals, meeting)
 

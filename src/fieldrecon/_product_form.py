@@ -113,14 +113,11 @@ class _Products:
     def __init__(self, n: int, omitted: np.ndarray) -> None:
         self.n = n
         self.covers = [_cover(n, leaves) for leaves in (omitted + n).tolist()]
-        self.inner: list[int] = []
-        wanted = [k for cover in self.covers for k in cover]
-        while wanted:
-            k = wanted.pop()
-            if k < n and k not in self.inner:
-                self.inner.append(k)
-                wanted += [2 * k, 2 * k + 1]
-        self.inner.sort(reverse=True)
+        wanted = {k for cover in self.covers for k in cover}
+        for k in range(1, n):
+            if k in wanted:
+                wanted |= {2 * k, 2 * k + 1}
+        self.inner = sorted((k for k in wanted if k < n), reverse=True)
         self.count = n + len(self.inner)
 
     def __call__(self, leaves: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:

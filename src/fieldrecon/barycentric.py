@@ -65,11 +65,8 @@ class BarycentricCoordinates(ConvexCoordinates):
         self._corners = polytope.corners
         self._form = ProductForm(polytope.normals, polytope.corner_faces)
         self._first = np.array([face[0] for face in polytope.faces])
-        # of each corner below each face, zero where it lies on it
-        below = self._corners[self._first][:, None] - self._corners
-        self._depth = np.einsum("fd,fnd->fn", polytope.normals, below)
-        for i, faces in enumerate(polytope.corner_faces):
-            self._depth[faces, i] = 0.0
+        if d == 3:
+            self._depth = _depths(polytope, self._first)
 
     def _heights(self, x: np.ndarray) -> np.ndarray:
         local = x / self._unit
@@ -91,3 +88,12 @@ class BarycentricCoordinates(ConvexCoordinates):
         score = corners @ (x - self._center).T - (corners**2).sum(axis=1)[:, None] / 2
         nearest = score.argmax(axis=0)
         return self._form.normals @ (self._corners[nearest] - x).T + self._depth[:, nearest]
+
+
+def _depths(polytope: Polytope, first: np.ndarray) -> np.ndarray:
+    """Heights (f, n) of the corners below the faces, zero for those on it."""
+    below = polytope.corners[first][:, None] - polytope.corners
+    depth = np.einsum("fd,fnd->fn", polytope.normals, below)
+    for i, faces in enumerate(polytope.corner_faces):
+        depth[faces, i] = 0.0
+    return depth
