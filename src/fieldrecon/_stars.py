@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldrecon.mesh import SimplexMesh
-from fieldrecon.polynomials import Frame
+from fieldrecon.polynomials import EPS, Frame
 from fieldrecon.radial import Radial
 
 # Weights above this stand for infinity: their squares, and the inverses of those, are numbers.
@@ -87,3 +87,11 @@ def relative_weights(
     w = np.where(there, np.minimum(w, _INFINITE), 0.0)
     top = w.max(axis=1, initial=0.0)
     return w / np.where(top > 0, top, 1.0)[:, None]
+
+
+def number_that_count(w: np.ndarray) -> np.ndarray:
+    """How many of the weights (m, k), the largest one, are above rounding: only they end a search.
+
+    A narrow gaussian gives some weight to every site there is.
+    """
+    return np.count_nonzero(w > EPS, axis=1)

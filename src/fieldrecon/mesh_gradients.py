@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from fieldrecon import _validation as valid
 from fieldrecon._estimable import estimable_weights
 from fieldrecon._rings import BLOCK, as_vertices, ring_weights
-from fieldrecon._stars import LocalWeights, Stars, relative_weights
+from fieldrecon._stars import LocalWeights, Stars, number_that_count, relative_weights
 from fieldrecon.local_gradients import CellStars, LocalGradient, local_least_squares
 from fieldrecon.mesh import SimplexMesh
 from fieldrecon.polynomials import Frame, monomials
@@ -115,7 +115,7 @@ class _LocalGradients:
         offset = self.sites[stars.index] - self.mesh.points[stars.vertices][:, None]
         w = relative_weights(self.method.weight, self.mesh, offset, stars.there)
         distance, typical = _distances(offset, w > 0)
-        counted = np.count_nonzero(w, axis=1)
+        counted = number_that_count(w)
         w = np.where(distance <= _FAR * typical[:, None], w, 0.0)
         length = np.exp2(np.ceil(np.log2(np.where(np.isfinite(typical), typical, 1.0))))
         y = offset / length[:, None, None] * (w > 0)[..., None]

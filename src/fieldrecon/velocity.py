@@ -11,7 +11,14 @@ from scipy import sparse
 from fieldrecon import _validation as valid
 from fieldrecon._estimable import estimable_weights
 from fieldrecon._rings import BLOCK, as_vertices, ring_weights
-from fieldrecon._stars import LocalWeights, Stars, as_weight, relative_weights, scaled_offsets
+from fieldrecon._stars import (
+    LocalWeights,
+    Stars,
+    as_weight,
+    number_that_count,
+    relative_weights,
+    scaled_offsets,
+)
 from fieldrecon.mesh import SimplexMesh
 from fieldrecon.radial import Radial
 
@@ -236,7 +243,7 @@ class _AffineVelocity:
         np.multiply(y[..., None], normals[:, :, None], out=b[:, :, 1:])
         c = estimable_weights(b.reshape(m, k, d + d * d), w, d)
         amplification = np.sqrt(np.einsum("mdk,mdk->md", c, c).max(axis=1))
-        return LocalWeights(c, amplification, np.count_nonzero(w, axis=1))
+        return LocalWeights(c, amplification, number_that_count(w))
 
 
 def as_normal_velocities(v: ArrayLike, mesh: SimplexMesh) -> np.ndarray:
