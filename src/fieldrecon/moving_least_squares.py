@@ -181,7 +181,8 @@ class MovingLeastSquares(Reconstruction):
     def _true_weights(self, near: Neighborhood) -> np.ndarray:
         """Weights w(r) in the points' own unit of length."""
         if near.reach is not None:
-            return self.weight(near.distance / near.reach[:, None])
+            # where all of them coincide with the query, so does the one that sets the scale
+            return self.weight(near.distance / np.where(near.reach > 0, near.reach, 1.0)[:, None])
         r = np.where(near.missing, 0.0, near.distance) * self.unit
         return np.where(near.missing, 0.0, self.weight(r))
 
