@@ -100,8 +100,8 @@ def run(size: Size, track: Track) -> Outcome:
         tables=[accuracy(them)],
         notes=[
             "fieldrecon and SciPy compute the same interpolant to rounding.",
-            "ferreus_rbf is approximate (fast multipole sums, an iterative solver) and faster here; "
-            "its time grows almost linearly, and it goes on where a dense matrix no longer fits."
+            "ferreus_rbf is approximate (fast multipole sums, an iterative solver) and faster here;"
+            " its time grows almost linearly, and it goes on where a dense matrix no longer fits."
             if ferreus_rbf
             else "ferreus_rbf is not installed.",
         ],
