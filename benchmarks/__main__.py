@@ -22,7 +22,10 @@ CORES = 2
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the benchmarks that are named, show what they found and write it down."""
-    asked = _parser().parse_args(arguments)
+    parser = _parser()
+    asked = parser.parse_args(arguments)
+    if unknown := sorted({*asked.names} - {*NAMES}):
+        parser.error(f"no benchmark is called {', '.join(unknown)}; there are {', '.join(NAMES)}")
     _use_cores(CORES)  # before NumPy counts them
     from rich.console import Console
     from rich.markdown import Markdown

@@ -47,6 +47,13 @@ def test_each_benchmark_has_a_smaller_size(name):
     assert len({benchmark.FULL, benchmark.QUICK, benchmark.TOY}) == 3
 
 
+def test_an_unknown_name_is_told(capsys):
+    """A name that is no benchmark ends in one line that lists those there are."""
+    with pytest.raises(SystemExit):
+        command.main(["speed"])
+    assert "no benchmark is called speed; there are moving_least" in capsys.readouterr().err
+
+
 def test_candidates_run_in_turn():
     """A B A B ..., and the first round of each is not counted."""
     calls = []
