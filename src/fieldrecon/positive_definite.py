@@ -172,6 +172,11 @@ class wendland(Radial):
         """All but k = 0."""
         return self.k > 0
 
+    @property
+    def dimensions(self) -> int:
+        """The odd number not below d: phi_(2,k) is phi_(3,k)."""
+        return self.d // 2 * 2 + 1
+
     def of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values (1 - z)^(l+k) p(z)."""
         power, p = self._parts()

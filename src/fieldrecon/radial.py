@@ -35,6 +35,8 @@ class Radial:
         conditions annihilate.
     differentiable : bool
         Whether x -> phi(|x|) has a gradient at the origin.
+    dimensions : float
+        Number of variables up to which it has this order; infinity for all.
     """
 
     order: int = 0
@@ -49,6 +51,11 @@ class Radial:
     def differentiable(self) -> bool:
         """Whether x -> phi(|x|) has a gradient at the origin."""
         return True
+
+    @property
+    def dimensions(self) -> float:
+        """Number of variables up to which it has this order; infinity for all."""
+        return math.inf
 
     def __call__(self, r: ArrayLike) -> np.ndarray:
         """Values phi(r), elementwise."""
