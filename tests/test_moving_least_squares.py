@@ -8,6 +8,7 @@ from scipy.spatial.distance import cdist
 
 import digits
 from cases import CASES, Case, case
+from fieldrecon._neighborhoods import gathered, places
 from fieldrecon.datasets import halton
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
@@ -208,7 +209,19 @@ def test_coincident_sites_give_the_mean_of_their_data():
     m = MovingLeastSquares(twice, inverse_square(0.0))
     assert float(m.field(values)(POINTS[0])) == pytest.approx(VALUES[0] + 1)
     assert not m.interpolates
+    assert not MovingLeastSquares(twice, gaussian(1.0), 0, 1).interpolates
     assert MovingLeastSquares(POINTS, inverse_square(0.0)).interpolates
+
+
+def test_places_are_counted_once():
+    """Sites that coincide share a place, -0.0 and 0.0 too; the first of a row stands for them."""
+    p = np.array([[0.0, 1.0], [2.0, 1.0], [-0.0, 1.0], [2.0, 1.0], [2.0, 0.0], [0.0, 1.0]])
+    place = places(p)
+    assert [place[i] == place[0] for i in range(6)] == [True, False, True, False, False, True]
+    assert sorted(set(place)) == [0, 1, 2]
+    lead, count = gathered(place[None])
+    assert lead.tolist() == [[0, 1, 0, 1, 4, 0]]
+    assert count.tolist() == [[3, 2, 3, 2, 1, 3]]
 
 
 # --- digits ---------------------------------------------------------------------------------------
@@ -262,6 +275,28 @@ def test_values_about_two_sites_1e_11_apart_are_as_good_as_their_data(epsilon, d
     for x in [(points[4] + points[14]) / 2, *(points[4] + f * FEW[7] for f in (1e-9, 1e-6, 0.3))]:
         value = float(digits.moving(points, values, x, weight, degree))
         assert_close(s(x), value, 1e-10 if epsilon < 1e-4 else 1e-12)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("epsilon", [1e-12, 1e-8, 1e-4, 1e-2, 0.1])
+def test_coincident_sites_that_disagree_have_their_digits(epsilon, degree):
+    """Three data at one site and two at another, seen from near and far."""
+    points = FEW.copy()
+    points[5] = points[6] = points[4]
+    points[9] = points[8]
+    values = np.random.default_rng(8).standard_normal(15)
+    m = MovingLeastSquares(points, inverse_square(epsilon), degree)
+    s, weight = m.field(values), digits.inverse_square(epsilon)
+    for distance in (0.1, 1e-3, 1e-6, 1e-9, 1e-12, 0.0):
+        x = points[4] + distance * np.array([0.6, 0.8])
+        gradient = digits.gradient(
+            lambda at: digits.moving(points, values, at, weight, degree), x
+        )
+        size = max(1.0, np.abs(gradient).max())
+        assert_close(s(x), float(digits.moving(points, values, x, weight, degree)), 1e-12)
+        assert_close(s.gradient(x) / size, gradient / size, 1e-11)
+        psi = digits.moving_objective(points, values, x, weight, degree)
+        assert float(m.objective(values, x)) == pytest.approx(psi, rel=1e-9)
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
@@ -453,7 +488,7 @@ def test_points_on_a_line_are_refused_before_any_query():
 def test_what_is_infinite_or_does_not_fit_is_refused():
     """H at a site with ε = 0, and squares in extreme units; the value itself is no trouble."""
     m = MovingLeastSquares(POINTS, inverse_square(0.0))
-    with refused("H_MLS exceeds the range of floating-point numbers", OverflowError):
+    with refused("the weights in H_MLS exceed the range of floating-point numbers", OverflowError):
         m.matrix(POINTS[:1])
     small = MovingLeastSquares(POINTS * 1e-150, inverse_square(1e-151))
     assert np.isfinite(small.field(VALUES)(POINTS[:2] * 1e-150)).all()
