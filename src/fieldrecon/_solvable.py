@@ -34,6 +34,16 @@ def as_finite(kernel: Radial) -> Radial:
     return kernel
 
 
+def within_range(entries: np.ndarray, what: str) -> np.ndarray:
+    """Entries of the system, far enough from the end of the numbers to compute with."""
+    if not np.abs(entries).max(initial=0.0) < 1e150:
+        raise OverflowError(
+            f"{what} exceed 1e150 in units of the cloud's size, too large to compute with; choose "
+            "a length, or a smoothing, nearer to the distances of the points"
+        )
+    return entries
+
+
 def as_augmentation(degree: int | None, kernel: Radial) -> int:
     """Degree of the polynomial: `kernel.order - 1` by default, and no less."""
     least = kernel.order - 1

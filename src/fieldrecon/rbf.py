@@ -18,6 +18,7 @@ from fieldrecon._solvable import (
     refuse_a_miss,
     refuse_beyond_memory,
     refuse_duplicates,
+    within_range,
 )
 from fieldrecon.least_squares import LeastSquares, monomial_matrix
 from fieldrecon.polynomials import (
@@ -98,8 +99,9 @@ class RBF(Reconstruction):
         self._unit_kernel = as_finite(kernel.in_units(self._frame.scale))
         a = self._kernel_matrix()
         a[np.diag_indices_from(a)] += self._unit_smoothing()
-        self._system = SaddlePoint(a, p)
+        self._system = valid.without_warnings(SaddlePoint, a, p)
 
+    @valid.finite("the entries of H_RBF")
     def matrix(self) -> np.ndarray:
         """Matrix H_RBF of the notes, kernel bordered by polynomials, in the points' coordinates.
 
@@ -123,6 +125,7 @@ class RBF(Reconstruction):
         h[:n, n:], h[n:, :n] = p, p.T
         return h
 
+    @valid.finite("the coefficients")
     def coefficients(self, values: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Coefficients (lambda, c) in the points' own coordinates.
 
@@ -151,12 +154,12 @@ class RBF(Reconstruction):
         lam = lam * powers_of_scale(self._frame.scale, power, "the coefficients")
         shape = values.shape[1:]
         if self.degree < 0:
-            return lam.reshape((-1, *shape)), np.zeros((0, *shape))
+            return lam.reshape((len(lam), *shape)), np.zeros((0, *shape))
         # What the kernels leave of the data is the polynomial; a change of unit of r^2 log r adds
         # to it, so it is found here anew.
         rest = columns - self._kernel_sum(lam) - self.smoothing * lam
         c = LeastSquares(self.points, self.degree).coefficients(rest)
-        return lam.reshape((-1, *shape)), c.reshape((-1, *shape))
+        return lam.reshape((len(lam), *shape)), c.reshape((len(c), *shape))
 
     def inverse_diagonal(self) -> np.ndarray:
         """Diagonal (n,) of the inverse of H_RBF, up to the kernel's unit, for leave-one-out."""
@@ -183,13 +186,16 @@ class RBF(Reconstruction):
 
     def _kernel_rows(self, rows: np.ndarray) -> np.ndarray:
         squared = cdist(self._sites[rows], self._sites[rows[0] :], "sqeuclidean")
-        return self._unit_kernel.of_squared(squared)
+        values = valid.without_warnings(self._unit_kernel.of_squared, squared)
+        return within_range(values, f"values of {self.kernel!r}")
 
     def _unit_smoothing(self) -> float:
         power = np.array([-self.kernel.homogeneity])
         if self.smoothing == 0:
             return 0.0
-        return float(self.smoothing * powers_of_scale(self._frame.scale, power, "the smoothing")[0])
+        unit = powers_of_scale(self._frame.scale, power, "the smoothing")
+        smoothing = valid.without_warnings(np.multiply, self.smoothing, unit)
+        return float(within_range(smoothing, "values of the smoothing")[0])
 
     def _basis(self, x: np.ndarray) -> np.ndarray:
         return monomials(self._frame.local(x), self.degree)
