@@ -77,7 +77,7 @@ check-reproducible: $(ready) ## build the report twice and compare the bytes; AG
 	@$(VENV)/bin/fieldrecon report $(if $(AGAINST),--against "$(AGAINST)",--check-reproducible)
 
 bench: $(VENV)/ready-bench ## measure the speed; the results go to benchmarks/results/
-	@for script in benchmarks/*.py; do $(python) "$$script" || exit 1; done
+	@$(python) -m benchmarks
 
 
 # Rest

@@ -165,7 +165,7 @@ def lowest(kernel: Radial, d: int, degree: int) -> float:
 def its_form_is_positive_with_its_order(kernel: Radial) -> None:
     """λᵀ A λ > 0 for λ orthogonal to the polynomials of degree order - 1."""
     for d in (1, 2, 3):
-        if d <= getattr(kernel, "d", 3):
+        if d <= kernel.dimensions:
             assert lowest(kernel, d, kernel.order - 1) > -1e-11
 
 

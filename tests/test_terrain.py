@@ -24,6 +24,7 @@ from fieldrecon.experiments.landforms import (
 from fieldrecon.experiments.surfaces import GUARDED, THIN_PLATE, methods
 from fieldrecon.experiments.terrain import QUICK, Params, study
 from fieldrecon.experiments.terrain_errors import NONE, Problem, measured, part, windowed
+from fieldrecon.experiments.terrain_weights import on_one_isoline
 
 EXACT = 1e-9
 SMALL = Params(
@@ -141,6 +142,16 @@ def test_amplification_bounds_what_an_error_of_the_data_does():
         assert moved - still == pytest.approx(sizes[k])
 
 
+def test_flat_ground_is_where_all_neighbors_have_one_height():
+    """On one isoline every degree returns its height; where heights differ, few cells do."""
+    problem = Problem(hills(), 20, 15.0)
+    flat = on_one_isoline(problem, 12)
+    heights = methods((), 4, 3.0)["MLS 1"](*problem.isolines, problem.land.points).heights
+    assert 0 < flat.sum() < flat.size
+    assert np.abs(phase(heights, 20))[flat].max() < EXACT
+    assert np.mean(np.abs(phase(heights, 20))[~flat] < EXACT) < 0.1
+
+
 def test_thin_plate_is_that_of_scipy():
     """The difference from scipy.interpolate.RBFInterpolator is at the level of rounding."""
     problem = Problem(hills(), 10, 15.0)
@@ -208,7 +219,7 @@ def test_a_window_is_cut_out_where_it_was_asked_for():
 def test_a_study_of_a_plane_finds_nothing_wrong():
     """All errors of the exact methods vanish, on the map and in the window, inside and outside."""
     result = study(SMALL, plane())
-    for name in ("ls_2", "mls_1", "mls_2", "thin_plate"):
+    for name in ("ls", "mls_1", "mls_2", "thin_plate"):
         assert result.facts[f"{name}_largest"] < 1e-7
         assert result.facts[f"{name}_outside"] < 1e-7
         assert result.facts[f"window_{name}_finest"] < 1e-7
@@ -230,10 +241,10 @@ def test_the_facts_are_those_of_the_file(quick):
 
 def test_what_the_report_says_holds_on_a_coarser_model_too(quick):
     """The thin plate is nearer than MLS, guarded nearer than not, and all nearer than LS."""
-    inside = {name: quick.facts[f"{name}_inside"] for name in ("ls_4", "mls_1", "mls_2")}
+    inside = {name: quick.facts[f"{name}_inside"] for name in ("ls", "mls_1", "mls_2")}
     thin_plate, guarded = quick.facts["thin_plate_inside"], quick.facts["mls_guarded_inside"]
     assert thin_plate < guarded < min(inside["mls_1"], inside["mls_2"])
-    assert max(inside["mls_1"], inside["mls_2"]) < inside["ls_4"]
+    assert max(inside["mls_1"], inside["mls_2"]) < inside["ls"]
     assert quick.facts["mls_1_terrace_percent"] > 2 * quick.facts["truth_terrace_percent"]
     assert quick.facts["unsafe_share_percent"] > quick.facts["unsafe_percent"]
     assert quick.facts["difference_from_scipy"] < 1e-5

@@ -48,6 +48,18 @@ local function upright_bold(tex)
   end))
 end
 
+-- Browsers set no space between a factor and a function's name, nor between that and its argument.
+local function spaced_functions(tex)
+  for _, name in ipairs { 'log', 'exp', 'sin', 'cos', 'dim', 'det' } do
+    tex = tex:gsub('([%w}])%s*\\' .. name .. '%f[%A]', '%1\\,\\' .. name)
+             :gsub('\\' .. name .. '%s+(%w)', '\\' .. name .. '\\,%1')
+             :gsub('\\' .. name .. '(\\[lm]%a)', '\\' .. name .. '\\,%1')
+  end
+  return tex
+end
+
+local function for_browsers(tex) return spaced_functions(upright_bold(tex)) end
+
 local function quoted(text)
   return '"' .. text:gsub('[\\"]', '\\%0'):gsub('%s+', ' ') .. '"'
 end
@@ -70,7 +82,7 @@ local function equation(span)
   local number, id = span.attributes.number, span.identifier
   local math = span.content[1]
   if FORMAT:match 'typst' then return typst(math, id, number), false end
-  math.text = upright_bold(math.text)
+  math.text = for_browsers(math.text)
   span.attributes.number = nil
   span.content:insert(pandoc.Span({ pandoc.Str('(' .. number .. ')') }, { '', { 'eqno' } }))
   return span, false
@@ -78,7 +90,7 @@ end
 
 local function formula(math)
   if FORMAT:match 'typst' then return typst(math) end
-  math.text = upright_bold(math.text)
+  math.text = for_browsers(math.text)
   return math
 end
 

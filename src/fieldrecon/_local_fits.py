@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fieldrecon._neighborhoods import Neighborhood
+from fieldrecon._neighborhoods import Neighborhood, gathered
 from fieldrecon._weighted_fits import Undetermined, coefficient_weights
 from fieldrecon.polynomials import EPS, monomials, undetermined
 from fieldrecon.radial import Radial
@@ -31,7 +31,7 @@ class LocalFit:
     ) -> None:
         self.method = method
         self.x = x
-        local = x / method.unit
+        local = method.in_units(x)
         self.near = near = method.search(local, without)
         there = np.isfinite(near.distance)
         distance = np.where(there, near.distance, 0.0)
@@ -58,6 +58,8 @@ class LocalFit:
     def coefficient_weights(self, rows: int) -> np.ndarray:
         """C (m, rows, k): C f are the first local coefficients, and the very first is the value."""
         try:
+            if self.method.coincident:
+                return self._shared_weights(rows)
             return coefficient_weights(self.basis, self.weight, rows, self._tolerance())
         except Undetermined as error:
             where = ", ".join(f"{v:.6g}" for v in self.x[error.query])
@@ -65,6 +67,19 @@ class LocalFit:
             who = f"the {counted} sites that count at the query ({where}) do"
             d, degree = self.x.shape[1], self.method.degree
             raise undetermined(d, degree, error.rank, who) from None
+
+    def _shared_weights(self, rows: int) -> np.ndarray:
+        """C where sites coincide: one counts for all in the fit, and all share its weights.
+
+        Alike rows are redundant, and the rounding in them may outweigh all lighter rows.
+        """
+        k = self.weight.shape[1]
+        nowhere = len(self.method.points) + np.arange(k)
+        place = np.where(self.near.missing, nowhere, self.method.place[self.near.index])
+        lead, count = gathered(place)
+        w = np.where(lead == np.arange(k), np.sqrt(count) * self.weight, 0.0)
+        c = coefficient_weights(self.basis, w, rows, self._tolerance())
+        return np.take_along_axis(c, lead[:, None, :], axis=2) / count[:, None, :]
 
     def residuals(self, data: np.ndarray) -> np.ndarray:
         """Residuals V - B c (m, k, v) of the data (m, k, v).

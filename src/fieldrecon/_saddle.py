@@ -41,7 +41,7 @@ class SaddlePoint:
         q = self._q
         rotated = self._rotated_back(f, transpose=True)
         head = rotated[:q].copy()
-        first = np.zeros_like(head) if g is None else solve_triangular(self._r, g, trans="T")
+        first = np.zeros_like(head) if g is None else self._triangular(g, "T")
         rotated[:q] = 0.0
         if g is not None and q:
             rotated[q:] -= self._a21 @ first
@@ -49,8 +49,12 @@ class SaddlePoint:
         y[:q] = first
         if not q:
             return y, head
-        c = solve_triangular(self._r, head - self._a11 @ first - self._a21.T @ y[q:])
+        c = self._triangular(head - self._a11 @ first - self._a21.T @ y[q:])
         return self._rotated_back(y, transpose=False), c
+
+    def _triangular(self, g: np.ndarray, trans: str = "N") -> np.ndarray:
+        # what is not finite comes out not finite, and is told by the caller
+        return solve_triangular(self._r, g, trans=trans, check_finite=False)
 
     def inverse_diagonal(self) -> np.ndarray:
         """Diagonal (n,) of the leading block of the inverse, Z (Z^T A Z)^-1 Z^T."""

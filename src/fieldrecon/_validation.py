@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import wraps
 from numbers import Real
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,8 +78,32 @@ def _as_numbers(a: ArrayLike, name: str, complex_allowed: bool) -> np.ndarray:
     array = array.astype(np.complex128 if array.dtype.kind == "c" else np.float64, copy=False)
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"{name} must be finite; {name}{list(where)} is {array[where]}")
+        raise ValueError(f"{name} must be finite; {name}{list(where) or ''} is {array[where]}")
     return array
+
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def finite(what: str) -> Callable[[Function], Function]:
+    """Decorator of functions whose arrays come out finite, or an error names `what` does not."""
+
+    def decorated(function: Function) -> Function:
+        @wraps(function)
+        def checked(*arguments: Any, **options: Any) -> Any:
+            with np.errstate(all="ignore"):
+                result = function(*arguments, **options)
+            parts = result if isinstance(result, tuple) else (result,)
+            if not all(np.isfinite(part).all() for part in parts):
+                raise OverflowError(
+                    f"{what} exceed the range of floating-point numbers; choose a unit nearer to "
+                    "the size of the points and the data"
+                )
+            return result
+
+        return checked  # type: ignore[return-value]
+
+    return decorated
 
 
 def without_warnings(function: Callable[..., Any], *arguments: Any) -> Any:

@@ -2,13 +2,15 @@
 
 For each of m queries, C with c = C f minimises sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
 well conditioned the normal equations are solved by elimination, batched over the queries; the rest
-takes Householder QR, with rows sorted and columns pivoted, which is stable however much the weights
-of the rows differ (Cox and Higham 1998).
+takes Householder QR, with rows and columns pivoted, which is stable however much the weights of the
+rows differ (Cox and Higham 1998).
 """
 
 from __future__ import annotations
 
 import numpy as np
+
+from fieldrecon.polynomials import EPS
 
 # Pivots of the equilibrated normal matrix below this send a query to QR: three digits of sixteen,
 # at the very worst five, may be lost by elimination.
@@ -57,7 +59,7 @@ def coefficient_weights(
     if not safe.all():
         risky = ~safe
         _require_full_rank(b, w, tolerance, np.flatnonzero(risky))
-        c[risky] = _by_qr(a[risky], w[risky])[:, :rows]
+        c[risky] = _by_qr(b[risky], w[risky])[:, :rows]
     return c
 
 
@@ -96,41 +98,50 @@ def _require_full_rank(
         raise Undetermined(int(queries[deficient[0]]), int(rank[deficient[0]]))
 
 
-def _by_qr(a: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """C (m, q, k) = P R^-1 Q^T W by Householder QR of the weighted rows, sorted and pivoted.
+def _by_qr(b: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """C (m, q, k) = P R^-1 Q^T W by Householder QR of the weighted rows, rows and columns pivoted.
 
-    The columns are not scaled to one size: it is the size of the whole row that tells which rows
-    come first, and rounding in a row that weighs 1e-16 of another has to stay as small.
+    Columns are scaled as they are without weights: the size of a whole row tells how much rounding
+    it bears, and in a row that weighs 1e-16 of another it has to stay as small.
     """
-    m, k, q = a.shape
-    order = np.argsort(-np.abs(a).max(axis=2), axis=1, kind="stable")
-    r = np.take_along_axis(a, order[..., None], axis=1)
-    pivots = np.tile(np.arange(q), (m, 1))
-    reflectors = []
+    m, k, q = b.shape
+    column = _power_of_two(np.where(w[..., None] > 0, np.abs(b), 0.0).max(axis=1))
+    r = w[..., None] * (b / column[:, None, :])
+    rounding = max(k, 8) * EPS * np.abs(r).max(axis=2)
+    rows, columns = np.tile(np.arange(k), (m, 1)), np.tile(np.arange(q), (m, 1))
+    v = np.zeros((m, k, q))  # the reflectors, I - v v^T
     for j in range(q):
-        _bring_largest_column(r, pivots, j)
-        v = _reflector(r[:, j:, j])
-        r[:, j:, j:] -= v[..., None] * (v[:, None, :] @ r[:, j:, j:])
-        reflectors.append(v)
+        largest = j + np.argmax(_norms(r[:, j:, j:]), axis=1)
+        _swap(j, largest, r.swapaxes(1, 2), columns)
+        heaviest = j + np.argmax(np.abs(r[:, j:, j]), axis=1)
+        _swap(j, heaviest, r, v, rows, rounding)
+        v[:, j:, j] = _reflector(r[:, j:, j])
+        _reflect(r[:, j:, j:], v[:, j:, j])
+        # What is left of a redundant row is rounding, and may outweigh all lighter rows.
+        rest = r[:, j + 1 :, j + 1 :]
+        rest[np.abs(rest) < rounding[:, j + 1 :, None]] = 0.0
     thin_q = np.zeros((m, k, q))
     thin_q[:, range(q), range(q)] = 1.0
     for j in reversed(range(q)):
-        v = reflectors[j]
-        thin_q[:, j:] -= v[..., None] * (v[:, None, :] @ thin_q[:, j:])
+        _reflect(thin_q[:, j:], v[:, j:, j])
     c = np.empty((m, q, k))
     solved = np.linalg.solve(np.triu(r[:, :q]), thin_q.mT)
-    np.put_along_axis(c, pivots[..., None], solved, axis=1)
-    unsorted = np.empty_like(c)
-    np.put_along_axis(unsorted, order[:, None, :].repeat(q, axis=1), c, axis=2)
-    return unsorted * w[:, None, :]
+    np.put_along_axis(c, columns[..., None], solved, axis=1)
+    in_order = np.empty_like(c)
+    np.put_along_axis(in_order, rows[:, None, :].repeat(q, axis=1), c, axis=2)
+    return in_order * w[:, None, :] / column[:, :, None]
 
 
-def _bring_largest_column(r: np.ndarray, pivots: np.ndarray, j: int) -> None:
-    """Swap the column with the largest remainder into place j, for each query."""
-    best = j + np.argmax(_norms(r[:, j:, j:]), axis=1)
-    all_queries = np.arange(len(r))
-    for array in (r.swapaxes(1, 2), pivots):
-        array[all_queries, best], array[:, j] = array[:, j].copy(), array[all_queries, best]
+def _swap(j: int, best: np.ndarray, *arrays: np.ndarray) -> None:
+    """Exchange entry j of axis 1 with entry best (m,), in place."""
+    each = np.arange(len(best))
+    for array in arrays:
+        array[each, best], array[:, j] = array[:, j].copy(), array[each, best]
+
+
+def _reflect(x: np.ndarray, v: np.ndarray) -> None:
+    """Apply I - v v^T to the columns of x, in place."""
+    x -= v[..., None] * (v[:, None, :] @ x)
 
 
 def _reflector(x: np.ndarray) -> np.ndarray:
@@ -139,6 +150,11 @@ def _reflector(x: np.ndarray) -> np.ndarray:
     v[:, 0] += np.copysign(_norms(x), x[:, 0])
     length = _norms(v)
     return np.sqrt(2.0) * v / np.where(length > 0, length, 1.0)[:, None]
+
+
+def _power_of_two(size: np.ndarray) -> np.ndarray:
+    """A power of two near to each size, so that scaling by it rounds nothing; one for zero."""
+    return np.exp2(np.round(np.log2(np.where(size > 0, size, 1.0))))
 
 
 def _norms(a: np.ndarray) -> np.ndarray:

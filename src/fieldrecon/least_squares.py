@@ -65,6 +65,7 @@ class LeastSquares(Reconstruction):
         self._q, self._r, self._pivots = qr(b / self._column_size, mode="economic", pivoting=True)
         self.interpolates = b.shape[0] == b.shape[1]
 
+    @valid.finite("the coefficients")
     def coefficients(self, values: ArrayLike) -> np.ndarray:
         """Coefficients c in the basis 1, x_1 ... x_d, then by total degree.
 
@@ -87,8 +88,9 @@ class LeastSquares(Reconstruction):
         c = self._frame.global_coefficients(
             self._solve(values.reshape(len(values), -1)), self.degree
         )
-        return c.reshape((-1, *values.shape[1:]))
+        return c.reshape((len(c), *values.shape[1:]))
 
+    @valid.finite("the objective's squares")
     def objective(self, values: ArrayLike) -> np.ndarray:
         """Objective psi_LS = 1/2 |B c - V|^2 at its minimum.
 
@@ -110,12 +112,14 @@ class LeastSquares(Reconstruction):
         residual = self.residuals(values)
         return half_sum_of_squares(residual)
 
+    @valid.finite("the residuals")
     def residuals(self, values: ArrayLike) -> np.ndarray:
         """Residuals V - B c at the sites, (n, ...)."""
         values = valid.as_values(values, len(self.points))
         columns = values.reshape(len(values), -1)
         return (columns - self._q @ (self._q.T @ columns)).reshape(values.shape)
 
+    @valid.finite("the entries of H_LS")
     def matrix(self) -> np.ndarray:
         """Matrix H_LS = B^T B of the notes, in the coordinates of the points; for inspection.
 
@@ -147,7 +151,7 @@ class LeastSquares(Reconstruction):
 
     def _back_substituted(self, y: np.ndarray) -> np.ndarray:
         c = np.empty_like(y)
-        c[self._pivots] = solve_triangular(self._r, y)
+        c[self._pivots] = solve_triangular(self._r, y, check_finite=False)
         return c / self._column_size[:, None]
 
     def _prepare(self, values: np.ndarray) -> np.ndarray:
@@ -173,13 +177,15 @@ class LeastSquares(Reconstruction):
 
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
         moments = (self._basis(x).T @ f) / self._column_size[:, None]
-        return self._q @ solve_triangular(self._r, moments[self._pivots], trans="T")
+        y = solve_triangular(self._r, moments[self._pivots], trans="T", check_finite=False)
+        return self._q @ y
 
     def _chunk_rows(self, columns: int) -> int:
         q, d = dimension(self.points.shape[1], self.degree), self.points.shape[1]
         return rows_of(8 * (q * (d + 2) + columns * (d + 1)))
 
 
+@valid.finite("the normal equations")
 def normal_equations(points: ArrayLike, values: ArrayLike, degree: int = 1) -> np.ndarray:
     """Coefficients c of B^T B c = B^T V: the textbook form of least squares, for comparison.
 
@@ -226,7 +232,7 @@ def normal_equations(points: ArrayLike, values: ArrayLike, degree: int = 1) -> n
             "BᵀB is singular in floating-point numbers: the points do not determine the "
             "polynomial, or lie too far from the origin; LeastSquares tells which"
         ) from None
-    return c.reshape((-1, *values.shape[1:]))
+    return c.reshape((len(c), *values.shape[1:]))
 
 
 def monomial_matrix(points: np.ndarray, degree: int) -> np.ndarray:

@@ -15,6 +15,7 @@ from fieldrecon.reconstruction import Reconstruction
 _ACCURATE = 1e-4
 
 
+@valid.finite("the residuals")
 def leave_one_out(method: Reconstruction, values: ArrayLike) -> np.ndarray:
     """Leave-one-out residuals f_i - s_(-i)(p_i): each datum against the field of all the others.
 

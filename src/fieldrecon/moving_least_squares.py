@@ -11,7 +11,15 @@ from scipy import sparse
 from fieldrecon import _validation as valid
 from fieldrecon._chunks import rows_of
 from fieldrecon._local_fits import LocalFit
-from fieldrecon._neighborhoods import AllSites, Nearest, Neighborhood, Search, WithinRadius
+from fieldrecon._neighborhoods import (
+    AllSites,
+    Nearest,
+    Neighborhood,
+    Search,
+    WithinRadius,
+    as_neighbors,
+    places,
+)
 from fieldrecon.least_squares import half_sum_of_squares, monomial_matrix
 from fieldrecon.polynomials import Frame, dimension, monomials, require_unisolvent
 from fieldrecon.radial import Radial, inverse_square
@@ -75,7 +83,7 @@ class MovingLeastSquares(Reconstruction):
                 f"weight must be positive and fall with the distance; {weight!r} does not"
             )
         self.weight = weight
-        self.neighbors = _as_neighbors(neighbors, len(self.points))
+        self.neighbors = as_neighbors(neighbors, len(self.points))
         frame = Frame.around(self.points)
         require_unisolvent(
             self.points, monomials(frame.local(self.points), self.degree), self.degree
@@ -85,15 +93,16 @@ class MovingLeastSquares(Reconstruction):
         self.unit = frame.scale
         self.sites = self.points / self.unit
         self.search = self._searched()
+        self.place = places(self.points)
+        self.coincident = int(self.place.max()) + 1 < len(self.points)
         self.interpolates = self._interpolates()
 
     def _interpolates(self) -> bool:
-        counted = self.neighbors or len(self.points)
-        if counted == dimension(self.points.shape[1], self.degree):
-            return True
+        n, d = self.points.shape
         infinite = isinstance(self.weight, inverse_square) and self.weight.epsilon == 0
-        # where sites coincide, the mean of their data comes back
-        return infinite and len(np.unique(self.points, axis=0)) == len(self.points)
+        exact = (self.neighbors or n) == dimension(d, self.degree)
+        # where sites coincide, their data cannot all come back
+        return (infinite or exact) and not self.coincident
 
     def _searched(self) -> Search:
         if self.neighbors is not None:
@@ -102,6 +111,7 @@ class MovingLeastSquares(Reconstruction):
             return WithinRadius(self.sites, self.weight.support / self.unit)
         return AllSites(self.sites)
 
+    @valid.finite("the weights in H_MLS")
     def matrix(self, x: ArrayLike) -> np.ndarray:
         """Matrix H_MLS(x) = B^T W(x)^2 B of the notes, in the points' coordinates; for inspection.
 
@@ -122,17 +132,11 @@ class MovingLeastSquares(Reconstruction):
         """
         x = valid.as_queries(x, self.points.shape[1])
         b = monomial_matrix(self.points, self.degree)
-        near = self.search(x.reshape(-1, x.shape[-1]) / self.unit)
+        near = self.search(self.in_units(x.reshape(-1, x.shape[-1])))
         a = self._true_weights(near)[..., None] * b[near.index]
-        with np.errstate(over="ignore", invalid="ignore"):
-            h = a.mT @ a
-        if not np.isfinite(h).all():
-            raise OverflowError(
-                "H_MLS exceeds the range of floating-point numbers: the weights of sites this "
-                "close to a query do"
-            )
-        return h.reshape((*x.shape[:-1], b.shape[1], b.shape[1]))
+        return (a.mT @ a).reshape((*x.shape[:-1], b.shape[1], b.shape[1]))
 
+    @valid.finite("the objective's squares")
     def objective(self, values: ArrayLike, x: ArrayLike, normalized: bool = False) -> np.ndarray:
         """Objective psi_MLS(x) = 1/2 sum_i w_i(x)^2 (b(p_i)^T c(x) - f_i)^2 at its minimum.
 
@@ -178,10 +182,23 @@ class MovingLeastSquares(Reconstruction):
         psi = half_sum_of_squares(w[..., None] * residual, axis=1)
         return psi / (fit.weight**2).sum(axis=1)[:, None] if normalized else psi
 
+    def in_units(self, x: np.ndarray) -> np.ndarray:
+        """Queries (m, d) in units of the cloud's size, no farther than squares of distances go."""
+        local = x / self.unit
+        far = np.flatnonzero(~(np.abs(local).max(axis=1, initial=0.0) < 1e150))
+        if len(far):
+            where = ", ".join(f"{c:.6g}" for c in x[far[0]])
+            raise OverflowError(
+                f"the query ({where}) is too far away: the square of its distance from the sites "
+                "exceeds the range of floating-point numbers"
+            )
+        return local
+
     def _true_weights(self, near: Neighborhood) -> np.ndarray:
         """Weights w(r) in the points' own unit of length."""
         if near.reach is not None:
-            return self.weight(near.distance / near.reach[:, None])
+            # where all of them coincide with the query, so does the one that sets the scale
+            return self.weight(near.distance / np.where(near.reach > 0, near.reach, 1.0)[:, None])
         r = np.where(near.missing, 0.0, near.distance) * self.unit
         return np.where(near.missing, 0.0, self.weight(r))
 
@@ -269,18 +286,3 @@ class MovingLeastSquares(Reconstruction):
         q = dimension(self.points.shape[1], self.degree)
         k = self.search.typical_size()
         return rows_of(8 * (k * (2 * q + 4 * self.points.shape[1] + columns + 6) + 2 * q * q))
-
-
-def _as_neighbors(neighbors: int | None, n: int) -> int | None:
-    if neighbors is None:
-        return None
-    if (
-        isinstance(neighbors, bool)
-        or not isinstance(neighbors, int | np.integer)
-        or not 1 <= neighbors < n
-    ):
-        raise ValueError(
-            f"neighbors must be an integer from 1 to {n - 1}, fewer than the {n} points, or None "
-            f"for all of them; got {neighbors!r}"
-        )
-    return int(neighbors)

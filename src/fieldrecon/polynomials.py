@@ -191,8 +191,8 @@ def resolution(points: np.ndarray) -> float:
     Near the origin this is about 1e-16; for points of size one at an offset of 1e6 it is 1e-10,
     and no property of the points below that size means anything.
     """
-    extent = np.ptp(points / 2, axis=0) * 2
-    reach = np.abs(points).max(axis=0)
+    extent = np.ptp(points / 2, axis=0)
+    reach = np.abs(points / 2).max(axis=0)
     # an axis whose extent is itself rounding has no size to compare with
     known = extent > 4 * EPS * reach
     return EPS * float(np.max(reach[known] / extent[known], initial=1.0))

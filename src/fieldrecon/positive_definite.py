@@ -9,7 +9,7 @@ from numpy.polynomial import Polynomial
 from scipy.special import gamma, kv
 
 from fieldrecon._validation import as_length
-from fieldrecon.radial import Radial, Scaled
+from fieldrecon.radial import Radial, Scaled, length_in_units
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class matern(Radial):
 
     def in_units(self, h: float) -> Radial:
         """The same kernel with scale / h."""
-        return matern(self.nu, self.scale / h)
+        return matern(self.nu, length_in_units(self.scale, h))
 
 
 @dataclass(frozen=True)
@@ -172,6 +172,11 @@ class wendland(Radial):
         """All but k = 0."""
         return self.k > 0
 
+    @property
+    def dimensions(self) -> int:
+        """The odd number not below d: phi_(2,k) is phi_(3,k)."""
+        return self.d // 2 * 2 + 1
+
     def of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values (1 - z)^(l+k) p(z)."""
         power, p = self._parts()
@@ -202,4 +207,4 @@ class wendland(Radial):
 
     def in_units(self, h: float) -> Radial:
         """The same function with radius / h."""
-        return wendland(self.d, self.k, self.radius / h)
+        return wendland(self.d, self.k, length_in_units(self.radius, h))

@@ -35,6 +35,8 @@ class Radial:
         conditions annihilate.
     differentiable : bool
         Whether x -> phi(|x|) has a gradient at the origin.
+    dimensions : float
+        Number of variables up to which it has this order; infinity for all.
     """
 
     order: int = 0
@@ -49,6 +51,11 @@ class Radial:
     def differentiable(self) -> bool:
         """Whether x -> phi(|x|) has a gradient at the origin."""
         return True
+
+    @property
+    def dimensions(self) -> float:
+        """Number of variables up to which it has this order; infinity for all."""
+        return math.inf
 
     def __call__(self, r: ArrayLike) -> np.ndarray:
         """Values phi(r), elementwise."""
@@ -76,6 +83,11 @@ class Radial:
         raise NotImplementedError
 
 
+def length_in_units(length: float, h: float) -> float:
+    """Length / h, kept a number: beyond these bounds a length makes no difference."""
+    return min(max(length / h, 1e-300), 1e300)
+
+
 class Scaled(Radial):
     """A radial function of z = r / scale."""
 
@@ -87,7 +99,7 @@ class Scaled(Radial):
 
     def in_units(self, h: float) -> Radial:
         """The same function with scale / h."""
-        return type(self)(self.scale / h)  # type: ignore[call-arg]
+        return type(self)(length_in_units(self.scale, h))  # type: ignore[call-arg]
 
 
 @dataclass(frozen=True)

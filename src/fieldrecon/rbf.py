@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,15 @@ from scipy.spatial.distance import cdist
 from fieldrecon import _validation as valid
 from fieldrecon._chunks import chunked, rows_of
 from fieldrecon._saddle import SaddlePoint
+from fieldrecon._solvable import (
+    as_augmentation,
+    as_finite,
+    as_kernel,
+    refuse_a_miss,
+    refuse_beyond_memory,
+    refuse_duplicates,
+    within_range,
+)
 from fieldrecon.least_squares import LeastSquares, monomial_matrix
 from fieldrecon.polynomials import (
     Frame,
@@ -49,7 +58,8 @@ class RBF(Reconstruction):
     ValueError
         If points coincide, or an argument has the wrong form.
     numpy.linalg.LinAlgError
-        If the points do not determine the polynomial, or the kernel is too flat for them.
+        If the points do not determine the polynomial, or the kernel is too flat for them; later,
+        if it is too flat for the data, so that rounding would make the field miss them.
     MemoryError
         If the system would not fit into this machine's memory.
 
@@ -75,22 +85,23 @@ class RBF(Reconstruction):
         smoothing: float = 0.0,
     ) -> None:
         self.points = valid.as_points(points)
-        self.kernel = _as_kernel(kernel)
-        self.degree = _as_augmentation(degree, kernel)
+        self.kernel = as_kernel(kernel, self.points.shape[1])
+        self.degree = as_augmentation(degree, kernel)
         self.smoothing = valid.as_length(smoothing, "smoothing", zero_allowed=True)
         self.interpolates = self.smoothing == 0
         self._frame = Frame.around(self.points)
         p = self._basis(self.points)
         require_unisolvent(self.points, p, self.degree)
         if self.interpolates:
-            _refuse_duplicates(self.points)
-        _refuse_beyond_memory(len(self.points))
+            refuse_duplicates(self.points)
+        refuse_beyond_memory(len(self.points))
         self._sites = self.points / self._frame.scale
-        self._unit_kernel = _as_finite(kernel.in_units(self._frame.scale))
+        self._unit_kernel = as_finite(kernel.in_units(self._frame.scale))
         a = self._kernel_matrix()
         a[np.diag_indices_from(a)] += self._unit_smoothing()
-        self._system = SaddlePoint(a, p)
+        self._system = valid.without_warnings(SaddlePoint, a, p)
 
+    @valid.finite("the entries of H_RBF")
     def matrix(self) -> np.ndarray:
         """Matrix H_RBF of the notes, kernel bordered by polynomials, in the points' coordinates.
 
@@ -107,13 +118,14 @@ class RBF(Reconstruction):
         p = monomial_matrix(self.points, self.degree)
         n, q = p.shape
         self._refuse_if_too_large(n + q)
-        powers_of_scale(self._frame.scale, np.array([self.kernel.homogeneity]), "the matrix")
+        self._require_squares("the matrix")
         h = np.zeros((n + q, n + q))
         h[:n, :n] = self.kernel.of_squared(cdist(self.points, self.points, "sqeuclidean"))
         h[range(n), range(n)] += self.smoothing
         h[:n, n:], h[n:, :n] = p, p.T
         return h
 
+    @valid.finite("the coefficients")
     def coefficients(self, values: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Coefficients (lambda, c) in the points' own coordinates.
 
@@ -136,21 +148,25 @@ class RBF(Reconstruction):
         """
         values = valid.as_values(values, len(self.points))
         columns = values.reshape(len(values), -1)
+        self._require_squares("the coefficients")
         power = np.array([-self.kernel.homogeneity])
-        lam = self._system.solve(columns)[0]
+        lam = self._prepare(columns)[0]
         lam = lam * powers_of_scale(self._frame.scale, power, "the coefficients")
         shape = values.shape[1:]
         if self.degree < 0:
-            return lam.reshape((-1, *shape)), np.zeros((0, *shape))
+            return lam.reshape((len(lam), *shape)), np.zeros((0, *shape))
         # What the kernels leave of the data is the polynomial; a change of unit of r^2 log r adds
         # to it, so it is found here anew.
         rest = columns - self._kernel_sum(lam) - self.smoothing * lam
         c = LeastSquares(self.points, self.degree).coefficients(rest)
-        return lam.reshape((-1, *shape)), c.reshape((-1, *shape))
+        return lam.reshape((len(lam), *shape)), c.reshape((len(c), *shape))
 
     def inverse_diagonal(self) -> np.ndarray:
         """Diagonal (n,) of the inverse of H_RBF, up to the kernel's unit, for leave-one-out."""
         return self._system.inverse_diagonal()
+
+    def _require_squares(self, what: str) -> None:
+        powers_of_scale(self._frame.scale, np.array([2, self.kernel.homogeneity]), what)
 
     def _kernel_sum(self, lam: np.ndarray) -> np.ndarray:
         total = np.zeros_like(lam)
@@ -170,19 +186,26 @@ class RBF(Reconstruction):
 
     def _kernel_rows(self, rows: np.ndarray) -> np.ndarray:
         squared = cdist(self._sites[rows], self._sites[rows[0] :], "sqeuclidean")
-        return self._unit_kernel.of_squared(squared)
+        values = valid.without_warnings(self._unit_kernel.of_squared, squared)
+        return within_range(values, f"values of {self.kernel!r}")
 
     def _unit_smoothing(self) -> float:
         power = np.array([-self.kernel.homogeneity])
         if self.smoothing == 0:
             return 0.0
-        return float(self.smoothing * powers_of_scale(self._frame.scale, power, "the smoothing")[0])
+        unit = powers_of_scale(self._frame.scale, power, "the smoothing")
+        smoothing = valid.without_warnings(np.multiply, self.smoothing, unit)
+        return float(within_range(smoothing, "values of the smoothing")[0])
 
     def _basis(self, x: np.ndarray) -> np.ndarray:
         return monomials(self._frame.local(x), self.degree)
 
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self._system.solve(values)
+        lam, c = self._system.solve(values)
+        # in the unit frame no two points are farther apart than this
+        farthest = 2.0 * math.sqrt(self.points.shape[1])
+        refuse_a_miss(lam, self._unit_kernel(np.array([0.0, farthest])), values)
+        return lam, c
 
     def _value_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         lam, c = prepared
@@ -249,57 +272,4 @@ class RBF(Reconstruction):
         q = dimension(self.points.shape[1], self.degree)
         return rows_of(
             8 * (8 * min(_TILE, len(self.points)) + (q + columns) * (self.points.shape[1] + 2))
-        )
-
-
-def _as_kernel(kernel: Radial) -> Radial:
-    if not isinstance(kernel, Radial):
-        raise ValueError(
-            f"kernel must be a radial function such as thin_plate_spline(); got {kernel!r}"
-        )
-    return kernel
-
-
-def _as_finite(kernel: Radial) -> Radial:
-    if not np.abs(kernel(0.0)) < 1e100:
-        raise ValueError(f"kernel must be finite at r = 0; {kernel!r} is not")
-    return kernel
-
-
-def _as_augmentation(degree: int | None, kernel: Radial) -> int:
-    least = kernel.order - 1
-    if degree is None:
-        return least
-    if (
-        isinstance(degree, int | np.integer)
-        and not isinstance(degree, bool)
-        and -1 <= degree < least
-    ):
-        raise ValueError(
-            f"{kernel!r} needs polynomials of degree {least} or more "
-            f"(order {kernel.order}); got {degree}"
-        )
-    return valid.as_degree(degree, lowest=-1)
-
-
-def _refuse_duplicates(points: np.ndarray) -> None:
-    # adding zero makes -0.0 equal to 0.0
-    _, first, inverse = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
-    twice = np.flatnonzero(first[inverse.ravel()] != np.arange(len(points)))
-    if len(twice):
-        pairs = [f"{first[inverse.ravel()[j]]} and {j}" for j in twice[:5]]
-        more = f" and {len(twice) - 5} more" if len(twice) > 5 else ""
-        raise ValueError(
-            f"points must be distinct to be interpolated; these coincide: {', '.join(pairs)}"
-            f"{more}; merge them, or give smoothing > 0"
-        )
-
-
-def _refuse_beyond_memory(n: int) -> None:
-    needed = 8 * n * n
-    available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    if needed > 0.8 * available:
-        raise MemoryError(
-            f"a global fit of {n} points needs a matrix of {needed / 2**30:.0f} GiB, and this "
-            f"machine has {available / 2**30:.0f}; MovingLeastSquares with neighbors is local"
         )

@@ -20,6 +20,9 @@ GUARDED = "MLS guarded"
 THIN_PLATE = "thin plate"
 TRIANGLES = "triangles"
 
+WEIGHT = wendland(3, 1)
+"""Of moving least squares: twice differentiable, and zero from the first point not counted."""
+
 
 @dataclass(frozen=True)
 class Surface:
@@ -78,9 +81,8 @@ def methods(degrees: tuple[int, ...], per_coefficient: int, bound: float) -> dic
 
 
 def key(name: str) -> str:
-    """Return the name of a method as a part of the names of facts and arrays."""
-    plain = {"RBF −r": "cone", "RBF r³": "cubic"}.get(name, name)
-    return plain.replace(" ", "_").lower()
+    """Return the name of a method as that of an array."""
+    return name.replace(" ", "_").lower()
 
 
 def family(name: str) -> str:
@@ -156,7 +158,7 @@ def local_weights(
     times `neighbors` and so on, as determine the polynomial at every query.
     """
     try:
-        return MovingLeastSquares(points, wendland(3, 1), degree, neighbors).weights(queries)
+        return MovingLeastSquares(points, WEIGHT, degree, neighbors).weights(queries)
     except np.linalg.LinAlgError:
         return local_weights(degree, 2 * neighbors, points, queries)
 

@@ -40,22 +40,24 @@ from fieldrecon.experiments.surfaces import (
     solved,
 )
 from fieldrecon.experiments.terrain_errors import (
+    NEAR,
     Problem,
     by_distance,
     by_landform,
-    by_place,
+    correlation,
     measured,
     part,
     rms,
-    rms_or_none,
     terrace_percent,
     windowed,
+    worst_place,
 )
 from fieldrecon.experiments.terrain_figures import draw_points_surface_land
 from fieldrecon.experiments.terrain_figures import plot_errors as plot_errors
 from fieldrecon.experiments.terrain_figures import plot_profiles as plot_profiles
 from fieldrecon.experiments.terrain_figures import plot_spacing as plot_spacing
 from fieldrecon.experiments.terrain_figures import plot_terraces as plot_terraces
+from fieldrecon.experiments.terrain_weights import facts_of_weights
 
 PUBLISHED_SUMMIT = 1077
 """Height of Cross Mountain in metres, by the gazetteer of the U.S. Geological Survey."""
@@ -64,6 +66,7 @@ PHASES = np.linspace(-0.5, 0.5, 26)
 DISTANCES = (0.0, 0.25, 0.5, 1.0, 2.0, np.inf)
 """Classes of distance to the nearest point, in units of the points' distance on an isoline."""
 
+QUOTED = ("inside", "outside", "median", "largest", "top_told_percent", "terrace_percent")
 SCIPY_QUERIES = 2000
 
 
@@ -97,9 +100,15 @@ class Params:
         return (f"LS {self.shown_degree}", "MLS 1", "MLS 2", GUARDED, THIN_PLATE)
 
     @property
-    def quoted(self) -> tuple[str, ...]:
-        """The methods of which facts are told, besides the tables that have all."""
-        return (*self.shown, f"LS {max(self.degrees)}", "RBF −r", "RBF r³", TRIANGLES)
+    def quoted(self) -> dict[str, str]:
+        """The methods of which facts are told, by what the facts' names begin with."""
+        told = ("ls", "mls_1", "mls_2", "mls_guarded", "thin_plate")
+        return dict(zip(told, self.shown, strict=True)) | {
+            "ls_highest": f"LS {max(self.degrees)}",
+            "cone": "RBF −r",
+            "cubic": "RBF r³",
+            "triangles": TRIANGLES,
+        }
 
 
 QUICK = Params(apart=600.0, every=5, degrees=(1, 4), shown_degree=4, spacings=(60, 120))
@@ -136,7 +145,7 @@ def study(params: Params, land: Terrain, each: Map = map) -> Result:
         },
         facts=_facts_of_land(whole)
         | _facts_of_methods(params, whole, found)
-        | _facts_of_weights(params, whole, found)
+        | facts_of_weights(params.bound, whole, found)
         | _facts_of_window(params, windows, in_window)
         | {"difference_from_scipy": order_of_magnitude(np.abs(difference).max())},
         arrays=_arrays(params, whole, found, in_window),
@@ -199,6 +208,7 @@ def _facts_of_land(problem: Problem) -> dict[str, Cell]:
         "points": len(problem.isolines[0]),
         "levels": len(np.unique(problem.isolines[1])),
         "outside_percent": 100 * problem.outside.mean(),
+        "near_percent": 100 * NEAR,
         "truth_terrace_percent": terrace_percent(problem.truth, problem.spacing),
     } | {f"{name}_percent": 100 * np.mean(problem.form == f) for name, f in LANDFORMS.items()}
 
@@ -206,39 +216,30 @@ def _facts_of_land(problem: Problem) -> dict[str, Cell]:
 def _facts_of_methods(
     params: Params, problem: Problem, found: Mapping[str, Surface]
 ) -> dict[str, Cell]:
-    """Return every measure of the methods that are quoted, and the best inside of the hull."""
+    """Return what the tables have that sentences need, and which is best inside of the hull."""
     facts: dict[str, Cell] = {}
-    for name in params.quoted:
+    for told, name in params.quoted.items():
         judged = measured(problem, found[name]) | by_landform(problem, found[name])
-        if name != TRIANGLES:
-            judged |= by_place(problem, found[name])
-        facts |= {f"{key(name)}_{measure}": value for measure, value in judged.items()}
-    best = min(params.quoted, key=lambda name: facts[f"{key(name)}_inside"])
-    return facts | {"best": best}
-
-
-def _facts_of_weights(
-    params: Params, problem: Problem, found: Mapping[str, Surface]
-) -> dict[str, Cell]:
-    """Return what the weights of moving least squares tell of its errors."""
-    flat = problem.on_one_isoline(found["MLS 1"].neighbors)
-    linear, quadratic = (found[name].amplification for name in ("MLS 1", "MLS 2"))
-    errors = found["MLS 1"].heights - problem.truth
-    square = (found["MLS 2"].heights - problem.truth) ** 2
-    worst, unsafe = square.argmax(), quadratic > params.bound
-    return {
-        "neighbors_1": found["MLS 1"].neighbors,
-        "neighbors_2": found["MLS 2"].neighbors,
-        "one_isoline_percent": 100 * flat.mean(),
-        "one_isoline_rms": rms_or_none(errors[flat]),
-        "other_rms": rms_or_none(errors[~flat]),
-        "median_amplification": np.median(quadratic),
-        "worst_amplification": quadratic[worst],
-        "unsafe_percent": 100 * unsafe.mean(),
-        "unsafe_share_percent": 100 * square[unsafe].sum() / square.sum(),
-        "safe_rms": rms_or_none(np.sqrt(square[~unsafe])),
-        "mean_percent": 100 * np.mean(unsafe & (linear > params.bound)),
-    }
+        facts |= {f"{told}_{measure}": judged[measure] for measure in QUOTED}
+    inside = {name: float(facts[f"{told}_inside"]) for told, name in params.quoted.items()}
+    best = min(inside, key=inside.__getitem__)
+    return (
+        facts
+        | {
+            f"{told}_correlation": correlation(problem, found[name])
+            for told, name in params.quoted.items()
+            if name != TRIANGLES
+        }
+        | {
+            f"thin_plate_worst_{k}": value
+            for k, value in worst_place(problem, found[THIN_PLATE]).items()
+        }
+        | {
+            "best": best,
+            "thin_plate_behind_percent": 100 * (inside[THIN_PLATE] / inside[best] - 1),
+            "highest_degree": max(params.degrees),
+        }
+    )
 
 
 def _facts_of_window(
@@ -247,17 +248,18 @@ def _facts_of_window(
     """Return the power of the spacing with which each error falls, and its ends."""
     finest, coarsest = np.argmin(params.spacings), np.argmax(params.spacings)
     facts: dict[str, Cell] = {
-        "window_cells": windows[0].truth.size,
         "window_finest_points": len(windows[finest].isolines[0]),
         "window_coarsest_points": len(windows[coarsest].isolines[0]),
     }
-    for name, errors in in_window.items():
-        power = np.polyfit(np.log(params.spacings), np.log(errors), 1)[0]
-        facts |= {
-            f"window_{key(name)}_power": power,
-            f"window_{key(name)}_finest": errors[finest],
-            f"window_{key(name)}_coarsest": errors[coarsest],
-        }
+    for told, name in params.quoted.items():
+        if name in in_window:
+            errors = in_window[name]
+            power = np.polyfit(np.log(params.spacings), np.log(errors), 1)[0]
+            facts |= {
+                f"window_{told}_power": power,
+                f"window_{told}_finest": errors[finest],
+                f"window_{told}_coarsest": errors[coarsest],
+            }
     return facts
 
 

@@ -68,12 +68,6 @@ class Problem:
         """The landform of each cell."""
         return landforms(self.land.height, self.spacing).ravel()
 
-    def on_one_isoline(self, neighbors: int) -> np.ndarray:
-        """Tell the cells whose nearest points all have the same height."""
-        points, heights = self.isolines
-        nearest = cKDTree(points).query(self.land.points, neighbors)[1]
-        return np.ptp(heights[nearest], axis=1) == 0
-
 
 def part(land: Terrain, rows: slice | np.ndarray, columns: slice | np.ndarray) -> Terrain:
     """Return rows and columns of a land."""
@@ -153,10 +147,17 @@ def terrace_percent(heights: np.ndarray, spacing: int) -> float:
     return 100 * float(np.mean(np.abs(phase(heights, spacing)) < NEAR))
 
 
-def by_place(problem: Problem, surface: Surface) -> dict[str, Cell]:
-    """Return what the error has to do with the distance from the nearest point."""
+def correlation(problem: Problem, surface: Surface) -> float:
+    """Return the correlation of the size of the error with the distance from the nearest point."""
     sizes = np.abs(surface.heights - problem.truth)
+    return float(np.corrcoef(sizes, problem.distance)[0, 1])
+
+
+def worst_place(problem: Problem, surface: Surface) -> dict[str, float]:
+    """Return the heights where the error is largest, and how far the nearest point is."""
+    worst = np.abs(surface.heights - problem.truth).argmax()
     return {
-        "correlation": float(np.corrcoef(sizes, problem.distance)[0, 1]),
-        "worst_distance": float(problem.distance[sizes.argmax()]),
+        "distance": float(problem.distance[worst]),
+        "height": float(surface.heights[worst]),
+        "truth": float(problem.truth[worst]),
     }

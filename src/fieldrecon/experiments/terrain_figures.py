@@ -103,8 +103,9 @@ def plot_spacing(result: Result) -> Figure:
     """Error against the spacing of the isolines, and against the degree of least squares."""
     params, methods = result.params, result.tables["methods"]
     with figure(height=2.9, columns=2) as (page, (spacing, degree)):
+        told = {name: told for told, name in params.quoted.items()}
         for name, errors in zip(params.shown, result.arrays["window_rms"], strict=True):
-            power = result.facts[f"window_{key(name)}_power"]
+            power = result.facts[f"window_{told[name]}_power"]
             spacing.plot(params.spacings, errors, **_look(name, label=f"{name}: {power:.2f}"))
         spacing.set(xscale="log", yscale="log", xlabel="spacing of the isolines, m")
         spacing.set(ylabel="error, m", title="rms error in the window")

@@ -18,7 +18,7 @@ SUN_ALTITUDE = 45.0
 def hillshade(
     heights: np.ndarray, cell_x: float, cell_y: float, exaggeration: float = 1.0
 ) -> np.ndarray:
-    """Brightness in [0, 1] of a surface lit from the upper left (Lambert's cosine law).
+    """Brightness of a surface lit from the upper left (Lambert), stretched to fill [0, 1].
 
     Parameters
     ----------

@@ -1,0 +1,1 @@
+"""Speed and memory of fieldrecon as ratios to named peers, measured in one run on one machine."""

@@ -1,0 +1,105 @@
+"""Times of several candidates in turn, and what is told of them."""
+
+from __future__ import annotations
+
+import os
+import statistics
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+
+from threadpoolctl import threadpool_limits
+
+Track = Callable[[Sequence[str], str], Iterable[str]]
+"""Goes through the items and shows a bar with a description, as rich's `Progress.track` does."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Time of fieldrecon divided by that of a peer, one ratio for each repetition."""
+
+    what: str
+    peer: str
+    ours: Sequence[float]
+    theirs: Sequence[float]
+    at_most: float | None = None
+
+    @property
+    def ratios(self) -> list[float]:
+        return [a / b for a, b in zip(self.ours, self.theirs, strict=True)]
+
+    def summary(self) -> dict:
+        return {
+            "what": self.what,
+            "peer": self.peer,
+            "ratio": statistics.median(self.ratios),
+            "least": min(self.ratios),
+            "most": max(self.ratios),
+            "at_most": self.at_most,
+            "seconds": statistics.median(self.ours),
+            "seconds_of_peer": statistics.median(self.theirs),
+            "repeats": len(self.ours),
+        }
+
+
+@dataclass(frozen=True)
+class Table:
+    """Further numbers, row by row."""
+
+    caption: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str | int | float]]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one benchmark found; `notes` say what a reader must know."""
+
+    comparisons: Sequence[Comparison] = ()
+    tables: Sequence[Table] = ()
+    notes: Sequence[str] = ()
+    parameters: Mapping[str, int | str] = field(default_factory=dict)
+
+    def as_dict(self) -> dict:
+        return {
+            "parameters": dict(self.parameters),
+            "comparisons": [c.summary() for c in self.comparisons],
+            "tables": [asdict(t) for t in self.tables],
+            "notes": list(self.notes),
+        }
+
+
+def in_turn(
+    candidates: Mapping[str, Callable[[], object]], repeats: int, track: Track, what: str
+) -> dict[str, list[float]]:
+    """Seconds of each candidate, A B C A B C ...; a first round is not counted.
+
+    Neighbours in time see the same machine, so their ratio holds although the machine is shared.
+    """
+    seconds: dict[str, list[float]] = {name: [] for name in candidates}
+    for name in track([*candidates] * (repeats + 1), what):
+        start = time.perf_counter()
+        candidates[name]()
+        seconds[name].append(time.perf_counter() - start)
+    return {name: times[1:] for name, times in seconds.items()}
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def threads(number: int) -> Iterator[None]:
+    """At most so many BLAS threads and, where the system can be told, cores."""
+    with threadpool_limits(number):
+        if not hasattr(os, "sched_setaffinity"):
+            yield
+            return
+        before = os.sched_getaffinity(0)
+        os.sched_setaffinity(0, sorted(before)[:number])
+        try:
+            yield
+        finally:
+            os.sched_setaffinity(0, before)

@@ -1,0 +1,62 @@
+"""Results as files for machines (JSON) and as one page for readers (Markdown)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+PREFACE = """# Results of the benchmarks
+
+Written by `make bench`. A ratio is the time of fieldrecon divided by that of the peer in the same
+round, on the same machine; given are the median and the range over the rounds. Below one,
+fieldrecon is faster. Seconds are for orientation only. What is compared, and why the numbers are
+what they are, stands in [docs/performance.md](../../docs/performance.md).
+"""
+
+
+def write(name: str, result: Mapping, folder: Path) -> None:
+    """Write one result, and the page of all that the folder holds."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.json").write_text(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
+    results = [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
+    (folder / "README.md").write_text("\n".join([PREFACE, *map(section, results)]))
+
+
+def section(result: Mapping) -> str:
+    """One benchmark in Markdown."""
+    parts = [f"## {result['title']}", _listed(result["parameters"])]
+    if result["comparisons"]:
+        rows = [_compared(c) for c in result["comparisons"]]
+        columns = ("what", "against", "ratio", "range", "at most", "s", "s of peer")
+        parts.append(_table(columns, rows))
+    for table in result["tables"]:
+        parts += [f"{table['caption']}:", _table(table["columns"], table["rows"])]
+    parts += result["notes"]
+    parts.append("Measured on: " + _listed(result["machine"]))
+    return "\n\n".join(parts) + "\n"
+
+
+def _compared(c: Mapping) -> tuple[str, ...]:
+    limit = c["at_most"]
+    met = "" if limit is None else f"{limit:.2f} ({'met' if c['ratio'] <= limit else 'NOT met'})"
+    spread = f"{c['least']:.2f}–{c['most']:.2f}"
+    seconds = _cell(c["seconds"]), _cell(c["seconds_of_peer"])
+    return (c["what"], c["peer"], f"{c['ratio']:.2f}", spread, met, *seconds)
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence]) -> str:
+    lines = [columns, ["---"] * len(columns), *rows]
+    return "\n".join("| " + " | ".join(map(_cell, line)) + " |" for line in lines)
+
+
+def _cell(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def _listed(mapping: Mapping) -> str:
+    return "; ".join(f"{key.replace('_', ' ')}: {_value(v)}" for key, v in mapping.items()) + "."
+
+
+def _value(value: object) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)

@@ -1,0 +1,104 @@
+"""What makes a system of radial basis functions solvable; where it is missing, words say so."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from fieldrecon import _validation as valid
+from fieldrecon.polynomials import EPS
+from fieldrecon.radial import Radial
+
+_TOLERATED_MISS = 1e-2  # of the size of the data, before a field is refused
+
+
+def as_kernel(kernel: Radial, d: int) -> Radial:
+    """A radial function that is conditionally positive definite in d variables."""
+    if not isinstance(kernel, Radial):
+        raise ValueError(
+            f"kernel must be a radial function such as thin_plate_spline(); got {kernel!r}"
+        )
+    if d > kernel.dimensions:
+        raise ValueError(
+            f"{kernel!r} is positive definite in at most {kernel.dimensions} variables; "
+            f"points have {d}"
+        )
+    return kernel
+
+
+def as_finite(kernel: Radial) -> Radial:
+    """The kernel, finite where sites meet themselves."""
+    if not np.abs(kernel(0.0)) < 1e100:
+        raise ValueError(f"kernel must be finite at r = 0; {kernel!r} is not")
+    return kernel
+
+
+def within_range(entries: np.ndarray, what: str) -> np.ndarray:
+    """Entries of the system, far enough from the end of the numbers to compute with."""
+    if not np.abs(entries).max(initial=0.0) < 1e150:
+        raise OverflowError(
+            f"{what} exceed 1e150 in units of the cloud's size, too large to compute with; choose "
+            "a length, or a smoothing, nearer to the distances of the points"
+        )
+    return entries
+
+
+def as_augmentation(degree: int | None, kernel: Radial) -> int:
+    """Degree of the polynomial: `kernel.order - 1` by default, and no less."""
+    least = kernel.order - 1
+    if degree is None:
+        return least
+    if (
+        isinstance(degree, int | np.integer)
+        and not isinstance(degree, bool)
+        and -1 <= degree < least
+    ):
+        raise ValueError(
+            f"{kernel!r} needs polynomials of degree {least} or more "
+            f"(order {kernel.order}); got {degree}"
+        )
+    return valid.as_degree(degree, lowest=-1)
+
+
+def refuse_duplicates(points: np.ndarray) -> None:
+    """Two equal rows of the system make it singular."""
+    # adding zero makes -0.0 equal to 0.0
+    _, first, inverse = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
+    twice = np.flatnonzero(first[inverse.ravel()] != np.arange(len(points)))
+    if len(twice):
+        pairs = [f"{first[inverse.ravel()[j]]} and {j}" for j in twice[:5]]
+        more = f" and {len(twice) - 5} more" if len(twice) > 5 else ""
+        raise ValueError(
+            f"points must be distinct to be interpolated; these coincide: {', '.join(pairs)}"
+            f"{more}; merge them, or give smoothing > 0"
+        )
+
+
+def refuse_beyond_memory(n: int) -> None:
+    """A matrix of n^2 numbers that this machine cannot hold."""
+    needed = 8 * n * n
+    available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if needed > 0.8 * available:
+        raise MemoryError(
+            f"a global fit of {n} points needs a matrix of {needed / 2**30:.0f} GiB, and this "
+            f"machine has {available / 2**30:.0f}; MovingLeastSquares with neighbors is local"
+        )
+
+
+def refuse_a_miss(lam: np.ndarray, phi: np.ndarray, values: np.ndarray) -> None:
+    """Coefficients (n, v) so large that rounding in their field exceeds the data (n, v).
+
+    In s(p) = sum_j lambda_j phi(|p - p_j|) it is about eps |lambda| max |phi|, as in a sum of
+    random signs, and that is by how much the field misses its data.
+    """
+    size = np.abs(values).max(axis=0)
+    relative = lam / np.where(size > 0, size, 1.0)  # squares of the data need not be numbers
+    miss = EPS * np.abs(phi).max() * np.linalg.norm(relative, axis=0)
+    wrong = np.isfinite(miss) & (miss > _TOLERATED_MISS)
+    if wrong.any():
+        raise np.linalg.LinAlgError(
+            f"the field would miss its data by about {miss[wrong].max():.0e} of their size, by "
+            "rounding: the kernel is too flat for sites this close and data this rough; choose a "
+            "smaller scale, a rougher kernel or some smoothing"
+        )

@@ -1,0 +1,115 @@
+"""The benchmarks run, at the size of a toy, and say what they found; never how fast."""
+
+import importlib
+import json
+import math
+import pickle
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[1]
+if str(ROOT) not in sys.path:
+    sys.path.append(str(ROOT))
+
+from benchmarks import __main__ as command  # noqa: E402
+from benchmarks import memory, pages  # noqa: E402
+from benchmarks.measure import Comparison, cores, in_turn, threads  # noqa: E402
+from benchmarks.moving_least_squares import Problem  # noqa: E402
+
+from fieldrecon.datasets import franke, uniform  # noqa: E402
+
+
+def no_bar(items, what):  # noqa: ARG001
+    return items
+
+
+@pytest.mark.parametrize("name", command.NAMES)
+def test_each_benchmark_runs_and_fills_a_page(name):
+    """A toy run gives finite positive ratios, tables as wide as their heads, and valid JSON."""
+    result = command.measured(name, "TOY", no_bar)
+    assert json.loads(json.dumps(result))["title"] == result["title"]
+    assert result["comparisons"] or result["tables"]
+    for comparison in result["comparisons"]:
+        assert 0 < comparison["least"] <= comparison["ratio"] <= comparison["most"] < math.inf
+    for table in result["tables"]:
+        assert all(len(row) == len(table["columns"]) for row in table["rows"])
+    assert result["title"] in pages.section(result)
+
+
+@pytest.mark.parametrize("name", command.NAMES)
+def test_each_benchmark_has_a_smaller_size(name):
+    """--quick measures something smaller than the full size, by the same code."""
+    benchmark = importlib.import_module(f"benchmarks.{name}")
+    assert type(benchmark.FULL) is type(benchmark.QUICK) is type(benchmark.TOY)
+    assert len({benchmark.FULL, benchmark.QUICK, benchmark.TOY}) == 3
+
+
+def test_an_unknown_name_is_told(capsys):
+    """A name that is no benchmark ends in one line that lists those there are."""
+    with pytest.raises(SystemExit):
+        command.main(["speed"])
+    assert "no benchmark is called speed; there are moving_least" in capsys.readouterr().err
+
+
+def test_candidates_run_in_turn():
+    """A B A B ..., and the first round of each is not counted."""
+    calls = []
+    candidates = {name: lambda name=name: calls.append(name) for name in "ab"}
+    seconds = in_turn(candidates, 3, no_bar, "turns")
+    assert "".join(calls) == "abababab"
+    assert [len(times) for times in seconds.values()] == [3, 3]
+
+
+def test_a_ratio_is_that_of_its_own_round():
+    """The median and the range are those of the ratios, not ratios of medians."""
+    summary = Comparison("this", "that", [1.0, 8.0, 9.0], [2.0, 2.0, 3.0], at_most=1.0).summary()
+    assert (summary["least"], summary["ratio"], summary["most"]) == (0.5, 3.0, 4.0)
+
+
+@pytest.mark.parametrize(("ours", "verdict"), [(1.9, "2.00 (met)"), (2.1, "2.00 (NOT met)")])
+def test_a_missed_limit_is_said(ours, verdict):
+    """The page tells whether the median keeps to its limit."""
+    comparison = Comparison("this", "that", [ours], [1.0], at_most=2.0).summary()
+    result = {
+        "title": "A title",
+        "parameters": {},
+        "comparisons": [comparison],
+        "tables": [],
+        "notes": [],
+        "machine": {},
+    }
+    assert verdict in pages.section(result)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_the_fits_alone_are_the_same_fits(degree):
+    """Given the neighbourhoods, the fits give the values of the whole evaluation, bit for bit."""
+    points, x = uniform(3000, 2, seed=1), uniform(5000, 2, seed=2)
+    problem = Problem(points, franke(points), x, 20)
+    np.testing.assert_array_equal(problem.solve(degree)(), problem.total(degree)())
+
+
+def test_peak_memory_is_that_of_the_process_alone():
+    """A process that measures itself is not blamed for the size of the one that started it."""
+    large = np.ones(2**26)
+    fitted = pickle.dumps(memory.field_of("RBF", 60))
+    assert memory.BALLAST < memory.peak_of(fitted, "values", 500, "hold") < large.nbytes
+
+
+def test_threads_are_given_back():
+    """After a call on one core the process has all its cores again."""
+    before = cores()
+    with threads(1):
+        assert cores() <= before
+    assert cores() == before
+
+
+def test_the_page_is_that_of_the_results(tmp_path):
+    """benchmarks/results/README.md is what its JSON files say."""
+    for path in (ROOT / "benchmarks" / "results").glob("*.json"):
+        pages.write(path.stem, json.loads(path.read_text()), tmp_path)
+    committed = ROOT / "benchmarks" / "results" / "README.md"
+    assert (tmp_path / "README.md").read_text() == committed.read_text()
