@@ -48,15 +48,19 @@ def as_vertices(mesh: SimplexMesh, vertices: ArrayLike | None) -> np.ndarray:
     return i
 
 
-def ring_weights(
+Take = Callable[[np.ndarray, Stars, np.ndarray], None]
+"""Receives places in the list of vertices, their stars, and their weights (m, r, k)."""
+
+
+def fit_on_rings(
     mesh: SimplexMesh,
     sites_of_cells: sparse.csr_array | None,
     vertices: np.ndarray,
     fit: Fit,
-    results: int,
+    take: Take,
     what: tuple[str, str],
-) -> tuple[tuple[sparse.csr_array, ...], np.ndarray]:
-    """Weights of the data in the results at vertices, from the first ring that determines them.
+) -> np.ndarray:
+    """Fit at vertices, each on the data of the first rings that determine the result.
 
     Parameters
     ----------
@@ -68,16 +72,14 @@ def ring_weights(
         The vertices.
     fit : Fit
         The fit.
-    results : int
-        How many numbers the fit makes at each vertex.
+    take : Take
+        Receives the weights, batch by batch, from several threads; each vertex once.
     what : (str, str)
         What the sites are and what is sought, for the error: "faces", "its velocity".
 
     Returns
     -------
-    weights : tuple of (m, s) csr_array
-        One matrix for each result.
-    rings : (m,) ndarray of int
+    (m,) ndarray of int
         How many rings each vertex took.
 
     Raises
@@ -85,18 +87,32 @@ def ring_weights(
     numpy.linalg.LinAlgError
         If all the rings there are do not determine a result.
     """
-    touching = mesh.vertex_cell_incidence.astype(bool)
-    cells = touching[vertices]
-    pending = np.arange(len(vertices))
     rings = np.zeros(len(vertices), dtype=int)
-    before = np.zeros(len(vertices), dtype=int)
-    parts: list[tuple[np.ndarray, list[sparse.csr_array]]] = []
-    while not parts or len(pending):
+    for start in range(0, len(vertices), BLOCK):
+        places = np.arange(start, min(start + BLOCK, len(vertices)))
+        _fit_block(mesh, sites_of_cells, vertices, places, rings, fit, take, what)
+    return rings
+
+
+def _fit_block(
+    mesh: SimplexMesh,
+    sites_of_cells: sparse.csr_array | None,
+    vertices: np.ndarray,
+    pending: np.ndarray,
+    rings: np.ndarray,
+    fit: Fit,
+    take: Take,
+    what: tuple[str, str],
+) -> None:
+    touching = mesh.vertex_cell_incidence.astype(bool)
+    of_cells = None if sites_of_cells is None else sites_of_cells.astype(bool)
+    cells = touching[vertices[pending]]
+    before = np.zeros(len(pending), dtype=int)
+    while len(pending):
         rings[pending] += 1
-        sites = cells if sites_of_cells is None else cells @ sites_of_cells
-        matrices, amplification, counted = _fitted(sites, vertices[pending], fit, results)
+        sites = cells if of_cells is None else cells @ of_cells
+        done, counted = _fit_ring(sites, vertices, pending, before, fit, take)
         exhausted = counted == before
-        done = amplification <= np.where(exhausted, LARGEST_WEIGHT, WELL_DETERMINED)
         rings[pending[done & exhausted]] -= 1  # the ring before had the same sites
         if (exhausted & ~done).any():
             i = int(np.flatnonzero(exhausted & ~done)[0])
@@ -104,47 +120,78 @@ def ring_weights(
                 f"the {counted[i]} {what[0]} that count about vertex {vertices[pending[i]]} do not "
                 f"determine {what[1]}, and wider rings have no more"
             )
-        parts.append((pending[done], [w[done] for w in matrices]))
         pending, before, cells = pending[~done], counted[~done], cells[~done]
         cells = (cells @ touching.T) @ touching
-    return _in_order(parts, results), rings
 
 
-def _in_order(
-    parts: list[tuple[np.ndarray, list[sparse.csr_array]]], results: int
-) -> tuple[sparse.csr_array, ...]:
-    place = np.argsort(np.concatenate([rows for rows, _ in parts]))
-    stacked = (sparse.vstack([w[r] for _, w in parts], format="csr") for r in range(results))
-    return tuple(sparse.csr_array(w[place]) for w in stacked)
-
-
-def _fitted(
-    sites: sparse.csr_array, vertices: np.ndarray, fit: Fit, results: int
-) -> tuple[list[sparse.csr_array], np.ndarray, np.ndarray]:
-    """One fit for each row of `sites`: its weights, amplification and number of sites."""
+def _fit_ring(
+    sites: sparse.csr_array,
+    vertices: np.ndarray,
+    pending: np.ndarray,
+    before: np.ndarray,
+    fit: Fit,
+    take: Take,
+) -> tuple[np.ndarray, np.ndarray]:
+    """One fit for each row of `sites`: whether it is done, and how many sites counted."""
     start, counts = sites.indptr[:-1], np.diff(sites.indptr)
-    data = np.empty((results, sites.nnz))
-    amplification = np.empty(len(vertices))
-    counted = np.empty(len(vertices), dtype=int)
+    done = np.empty(len(pending), dtype=bool)
+    counted = np.empty(len(pending), dtype=int)
 
     def work(rows: np.ndarray) -> np.ndarray:
-        place = np.arange(counts[rows].max(initial=1))
+        place = np.arange(counts[rows].max())
         there = place < counts[rows, None]
-        place = np.where(there, start[rows, None] + place, 0)
-        local = fit(Stars(vertices[rows], sites.indices[place], there))
-        for r in range(results):
-            data[r, place[there]] = local.weights[:, r][there]
-        amplification[rows], counted[rows] = local.amplification, local.counted
+        index = sites.indices.take(np.where(there, start[rows, None] + place, 0))
+        stars = Stars(vertices[pending[rows]], index, there)
+        local = fit(stars)
+        # where wider rings have nothing new, what is determined at all has to do
+        limit = np.where(local.counted == before[rows], LARGEST_WEIGHT, WELL_DETERMINED)
+        ok = local.amplification <= limit
+        done[rows], counted[rows] = ok, local.counted
+        if ok.all():
+            take(pending[rows], stars, local.weights)
+        else:
+            take(pending[rows[ok]], stars.some(ok), local.weights[ok])
         return rows
 
     # those with as many sites lie together, so that little is padded
     order = np.argsort(counts, kind="stable")
-    size = int(counts.mean()) + 1 if len(counts) else 1
+    size = int(counts.mean()) + 1
     for _ in chunked(work, order, rows_of(8 * size * 24)):
         pass
-    shape = sites.shape
-    return (
-        [sparse.csr_array((row, sites.indices, sites.indptr), shape=shape) for row in data],
-        amplification,
-        counted,
-    )
+    return done, counted
+
+
+class MatrixOfWeights:
+    """Takes weights, and makes a sparse matrix (m, s) of each result."""
+
+    def __init__(self, results: int, shape: tuple[int, int]) -> None:
+        self.results, self.shape = results, shape
+        self.parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+
+    def __call__(self, places: np.ndarray, stars: Stars, weights: np.ndarray) -> None:
+        """Take a batch."""
+        row = np.broadcast_to(places[:, None], stars.there.shape)[stars.there]
+        data = np.moveaxis(weights, 1, 0)[:, stars.there]
+        self.parts.append((row, stars.index[stars.there], data))
+
+    def matrices(self) -> tuple[sparse.csr_array, ...]:
+        """The matrices."""
+        if not self.parts:
+            return tuple(sparse.csr_array(self.shape) for _ in range(self.results))
+        row, column = (np.concatenate([part[k] for part in self.parts]) for k in (0, 1))
+        data = np.concatenate([part[2] for part in self.parts], axis=1)
+        return tuple(sparse.csr_array((d, (row, column)), shape=self.shape) for d in data)
+
+
+class ValuesOfWeights:
+    """Takes weights, and makes the results (m, v, r) of data (s, v)."""
+
+    def __init__(self, results: int, places: int, data: np.ndarray) -> None:
+        self.data = data
+        self.values = np.empty((places, data.shape[1], results), dtype=data.dtype)
+
+    def __call__(self, places: np.ndarray, stars: Stars, weights: np.ndarray) -> None:
+        """Take a batch."""
+        weights = np.where(stars.there[:, None], weights, 0.0)
+        of_sites = self.data.take(stars.index, axis=0)
+        self.values[places] = (weights @ of_sites).mT

@@ -32,6 +32,10 @@ class Stars:
     index: np.ndarray
     there: np.ndarray
 
+    def some(self, chosen: np.ndarray) -> Stars:
+        """The chosen ones."""
+        return Stars(self.vertices[chosen], self.index[chosen], self.there[chosen])
+
 
 @dataclass(frozen=True)
 class LocalWeights:

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon._estimable import estimable_weights
-from fieldrecon._rings import as_vertices, ring_weights
+from fieldrecon._rings import MatrixOfWeights, as_vertices, fit_on_rings
 from fieldrecon._stars import LocalWeights, Stars, scaled_offsets
 from fieldrecon.mesh import SimplexMesh
 from fieldrecon.polynomials import Frame, monomials
@@ -107,12 +107,11 @@ def circumcenter_weights(mesh: SimplexMesh, vertices: ArrayLike | None = None) -
     open_ = mesh.boundary_vertices[vertices]
     # rows by place in `vertices`: the closed cells first, then the open ones
     closed = _voronoi_weights(mesh)[vertices[~open_]]
-    fit = _AffineFit(mesh)
-    of_open, _ = ring_weights(
-        mesh, None, vertices[open_], fit, 1, ("circumcentres", "an affine field at it")
-    )
+    found = MatrixOfWeights(1, (int(open_.sum()), len(mesh.cells)))
+    what = ("circumcentres", "an affine field at it")
+    fit_on_rings(mesh, None, vertices[open_], _AffineFit(mesh), found, what)
     place = np.argsort(np.concatenate([np.flatnonzero(~open_), np.flatnonzero(open_)]))
-    return sparse.csr_array(sparse.vstack([closed, *of_open], format="csr")[place])
+    return sparse.csr_array(sparse.vstack([closed, *found.matrices()], format="csr")[place])
 
 
 def _voronoi_weights(mesh: SimplexMesh) -> sparse.csr_array:

@@ -150,8 +150,13 @@ class local_rbf:
         squared = np.zeros((m, k, k))
         for axis in range(d):
             squared += (y[:, :, None, axis] - y[:, None, :, axis]) ** 2
+        pairs = there[:, :, None] & there[:, None, :]
+        if self.smoothing == 0 and np.count_nonzero(pairs & (squared == 0)) > there.sum():
+            raise np.linalg.LinAlgError(
+                "the sites of some cells coincide, so nothing interpolates them; give smoothing > 0"
+            )
         h = np.zeros((m, k + d + 1, k + d + 1))
-        h[:, :k, :k] = self.kernel.of_squared(squared) * (there[:, :, None] & there[:, None, :])
+        h[:, :k, :k] = self.kernel.of_squared(squared) * pairs
         h[:, range(k), range(k)] += np.where(there, self.smoothing, 1.0)  # no site: weight zero
         h[:, :k, k:] = monomials(y, 1) * there[..., None]
         h[:, k:, :k] = h[:, :k, k:].mT
@@ -159,12 +164,7 @@ class local_rbf:
         slope = self.kernel.slope_of_squared(np.einsum("mkd,mkd->mk", y, y))
         rhs[:, :k] = -(slope * there)[..., None] * y
         rhs[:, range(k + 1, k + d + 1), range(d)] = 1.0
-        try:
-            return np.linalg.solve(h, rhs)[:, :k].mT
-        except np.linalg.LinAlgError:
-            raise np.linalg.LinAlgError(
-                "sites of some cells coincide, so nothing interpolates them; give smoothing > 0"
-            ) from None
+        return np.linalg.solve(h, rhs)[:, :k].mT
 
 
 LocalGradient = local_least_squares | local_moving_least_squares | local_rbf

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon import _validation as valid
 from fieldrecon._estimable import estimable_weights
-from fieldrecon._rings import BLOCK, as_vertices, ring_weights
+from fieldrecon._rings import ValuesOfWeights, as_vertices, fit_on_rings
 from fieldrecon._stars import LocalWeights, Stars, number_that_count, relative_weights
 from fieldrecon.local_gradients import CellStars, LocalGradient, local_least_squares
 from fieldrecon.mesh import SimplexMesh
@@ -74,7 +74,6 @@ def vertex_gradients(
     """
     values = valid.as_values(values, len(mesh.cells), "values", "cell")
     vertices = as_vertices(mesh, vertices)
-    columns = values.reshape(len(values), -1)
     d = mesh.points.shape[1]
     method = local_least_squares() if method is None else method
     if not isinstance(method, LocalGradient):
@@ -83,14 +82,9 @@ def vertex_gradients(
             f"local_rbf(); got {method!r}"
         )
     fit = _LocalGradients(mesh, method, _as_sites(mesh, sites))
-    what = ("cells", "a gradient at it")
-    result = np.empty((len(vertices), columns.shape[1], d), dtype=values.dtype)
-    for start in range(0, len(vertices), BLOCK):
-        part = slice(start, start + BLOCK)
-        matrices, _ = ring_weights(mesh, None, vertices[part], fit, d, what)
-        for k in range(d):
-            result[part, :, k] = matrices[k] @ columns
-    return result.reshape(len(vertices), *values.shape[1:], d)
+    found = ValuesOfWeights(d, len(vertices), values.reshape(len(values), -1))
+    fit_on_rings(mesh, None, vertices, fit, found, ("cells", "a gradient at it"))
+    return found.values.reshape(len(vertices), *values.shape[1:], d)
 
 
 def _as_sites(mesh: SimplexMesh, sites: ArrayLike | None) -> np.ndarray:

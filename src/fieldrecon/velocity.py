@@ -10,7 +10,13 @@ from scipy import sparse
 
 from fieldrecon import _validation as valid
 from fieldrecon._estimable import estimable_weights
-from fieldrecon._rings import BLOCK, as_vertices, ring_weights
+from fieldrecon._rings import (
+    MatrixOfWeights,
+    Take,
+    ValuesOfWeights,
+    as_vertices,
+    fit_on_rings,
+)
 from fieldrecon._stars import (
     LocalWeights,
     Stars,
@@ -166,17 +172,10 @@ def vertex_velocities(
     """
     v = as_normal_velocities(v, mesh)
     vertices = as_vertices(mesh, vertices)
-    columns = v.reshape(len(v), -1)
     d = mesh.points.shape[1]
-    values = np.empty((len(vertices), columns.shape[1], d), dtype=v.dtype)
-    rings = np.empty(len(vertices), dtype=int)
-    fit = _AffineVelocity(mesh, as_weight(weight))
-    for start in range(0, len(vertices), BLOCK):
-        part = slice(start, start + BLOCK)
-        matrices, rings[part] = fit.weights(vertices[part])
-        for k in range(d):
-            values[part, :, k] = matrices[k] @ columns
-    return VertexVelocities(values.reshape(len(vertices), *v.shape[1:], d), rings)
+    found = ValuesOfWeights(d, len(vertices), v.reshape(len(v), -1))
+    rings = _AffineVelocity(mesh, as_weight(weight)).at(vertices, found)
+    return VertexVelocities(found.values.reshape(len(vertices), *v.shape[1:], d), rings)
 
 
 def velocity_weights(
@@ -209,8 +208,10 @@ def velocity_weights(
     >>> weights[0].shape == (50, len(v)), (weights[1] @ v)[:3].round(12)
     (True, array([4., 4., 4.]))
     """
-    fit = _AffineVelocity(mesh, as_weight(weight))
-    return fit.weights(as_vertices(mesh, vertices))[0]
+    vertices = as_vertices(mesh, vertices)
+    found = MatrixOfWeights(mesh.points.shape[1], (len(vertices), len(mesh.faces)))
+    _AffineVelocity(mesh, as_weight(weight)).at(vertices, found)
+    return found.matrices()
 
 
 class _AffineVelocity:
@@ -224,11 +225,10 @@ class _AffineVelocity:
         # together, so that one fetch brings all there is to know of a face
         self.faces = np.stack([corners[:, 0], to_center, mesh.face_normals], axis=1)
 
-    def weights(self, vertices: np.ndarray) -> tuple[tuple[sparse.csr_array, ...], np.ndarray]:
-        """Weights at vertices, and rings."""
-        d = self.mesh.points.shape[1]
-        of_cells = self.mesh.cell_face_incidence.astype(bool)
-        return ring_weights(self.mesh, of_cells, vertices, self, d, ("faces", "its velocity"))
+    def at(self, vertices: np.ndarray, take: Take) -> np.ndarray:
+        """Give the weights at vertices to `take`; return the rings."""
+        what = ("faces", "its velocity")
+        return fit_on_rings(self.mesh, self.mesh.cell_face_incidence, vertices, self, take, what)
 
     def __call__(self, stars: Stars) -> LocalWeights:
         """Weights of the faces in the velocity at each vertex."""
