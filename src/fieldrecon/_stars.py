@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldrecon.mesh import SimplexMesh
-from fieldrecon.polynomials import EPS, Frame
+from fieldrecon.polynomials import EPS
 from fieldrecon.radial import Radial
 
 # Weights above this stand for infinity: their squares, and the inverses of those, are numbers.
@@ -79,13 +78,14 @@ def scaled_offsets(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, n
 
 
 def relative_weights(
-    weight: Radial | None, mesh: SimplexMesh, offset: np.ndarray, there: np.ndarray
+    weight: Radial | None, unit: float, offset: np.ndarray, there: np.ndarray
 ) -> np.ndarray:
-    """Weights (m, k) of sites at offsets (m, k, d), the largest of each vertex one."""
+    """Weights (m, k) of sites at offsets (m, k, d), the largest of each vertex one.
+
+    Distances are taken in units of the size of the mesh: no square of them overflows.
+    """
     if weight is None:
         return there.astype(np.float64)
-    # lengths in a unit of the mesh's size: no square of a distance overflows
-    unit = Frame.around(mesh.points).scale
     with np.errstate(all="ignore"):  # a weight may vanish, or be infinite at a distance of zero
         w = weight.in_units(unit)(np.linalg.norm(offset / unit, axis=2))
     w = np.where(there, np.minimum(w, _INFINITE), 0.0)

@@ -107,7 +107,7 @@ class _LocalGradients:
     def __call__(self, stars: Stars) -> LocalWeights:
         """Weights of the cells in the gradient at each vertex."""
         offset = self.sites[stars.index] - self.mesh.points[stars.vertices][:, None]
-        w = relative_weights(self.method.weight, self.mesh, offset, stars.there)
+        w = relative_weights(self.method.weight, self.unit, offset, stars.there)
         distance, typical = _distances(offset, w > 0)
         counted = number_that_count(w)
         w = np.where(distance <= _FAR * typical[:, None], w, 0.0)

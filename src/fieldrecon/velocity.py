@@ -26,6 +26,7 @@ from fieldrecon._stars import (
     scaled_offsets,
 )
 from fieldrecon.mesh import SimplexMesh
+from fieldrecon.polynomials import Frame
 from fieldrecon.radial import Radial
 
 
@@ -220,10 +221,11 @@ class _AffineVelocity:
     def __init__(self, mesh: SimplexMesh, weight: Radial | None) -> None:
         self.mesh = mesh
         self.weight = weight
-        corners = mesh.points[mesh.faces]
-        to_center = (corners - corners[:, :1]).mean(axis=1)
+        self.unit = Frame.around(mesh.points).scale
+        first, *others = (mesh.points.take(corner, axis=0) for corner in mesh.faces.T)
+        to_center = sum(other - first for other in others) / len(mesh.faces.T)
         # together, so that one fetch brings all there is to know of a face
-        self.faces = np.stack([corners[:, 0], to_center, mesh.face_normals], axis=1)
+        self.faces = np.stack([first, to_center, mesh.face_normals], axis=1)
 
     def at(self, vertices: np.ndarray, take: Take) -> np.ndarray:
         """Give the weights at vertices to `take`; return the rings."""
@@ -236,7 +238,7 @@ class _AffineVelocity:
         # by differences of points, and not of centroids, which the distance to the origin rounds
         offset = corner - self.mesh.points[stars.vertices][:, None] + to_center
         y, _ = scaled_offsets(offset, stars.there)
-        w = relative_weights(self.weight, self.mesh, offset, stars.there)
+        w = relative_weights(self.weight, self.unit, offset, stars.there)
         m, k, d = normals.shape
         b = np.empty((m, k, 1 + d, d))  # rows n, y_1 n, ..., y_d n
         b[:, :, 0] = normals
