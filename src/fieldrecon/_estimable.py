@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fieldrecon._weighted_fits import _by_elimination, coefficient_weights
+from fieldrecon._weighted_fits import by_elimination, coefficient_weights
 from fieldrecon.polynomials import EPS
 
 LARGEST_WEIGHT = 1e8
@@ -36,7 +36,7 @@ def estimable_weights(b: np.ndarray, w: np.ndarray, rows: int) -> np.ndarray:
         C, so that C f are the first coefficients; nan where they are not estimable.
     """
     a = w[..., None] * b
-    solution, safe = _by_elimination(a.mT @ a, rows)
+    solution, safe = by_elimination(a.mT @ a, rows)
     c = (a @ solution).mT * w[:, None, :]
     # pivots that are small one after the other lose more than each; what C b gives tells how much
     lost = c @ b - np.eye(rows, b.shape[2])

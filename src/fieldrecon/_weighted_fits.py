@@ -12,9 +12,9 @@ import numpy as np
 
 from fieldrecon.polynomials import EPS
 
-# Pivots of the equilibrated normal matrix below this send a query to QR: three digits of sixteen,
-# at the very worst five, may be lost by elimination.
-SAFE_PIVOT = 1e-3
+# Pivots of the equilibrated normal matrix below this send a query to QR: elimination loses two
+# digits of sixteen to one small pivot, and more only where several are small in a row.
+SAFE_PIVOT = 1e-2
 # Squares of entries below this lose digits, or vanish.
 _SMALLEST_SQUARE = 1e-6
 
@@ -54,7 +54,7 @@ def coefficient_weights(
         If the sites with positive weight leave a polynomial undetermined.
     """
     a = w[..., None] * b
-    solution, safe = _by_elimination(a.mT @ a, rows)
+    solution, safe = by_elimination(a.mT @ a, rows)
     c = (a @ solution).mT * w[:, None, :]
     if not safe.all():
         risky = ~safe
@@ -63,7 +63,7 @@ def coefficient_weights(
     return c
 
 
-def _by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
+def by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
     """Columns (m, q, rows) of the inverse of the normal matrices, and where they can be trusted."""
     m, q, _ = g.shape
     diagonal = np.einsum("mii->mi", g)
