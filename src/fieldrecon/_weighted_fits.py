@@ -12,9 +12,10 @@ import numpy as np
 
 from fieldrecon.polynomials import EPS
 
-# Pivots of the equilibrated normal matrix below this send a query to QR: elimination loses two
-# digits of sixteen to one small pivot, and more only where several are small in a row.
-SAFE_PIVOT = 1e-2
+# Pivots of the equilibrated normal matrix below this send a query to QR: elimination loses three
+# digits of sixteen to one such pivot, and more where several are small in a row. A hundredth would
+# save most of those, and costs a fifth more time at degree 2.
+SAFE_PIVOT = 1e-3
 # Squares of entries below this lose digits, or vanish.
 _SMALLEST_SQUARE = 1e-6
 
