@@ -10,6 +10,7 @@ sum_jk lambda_j lambda_k phi(|x_j - x_k|) > 0.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -20,7 +21,7 @@ from scipy.special import xlogy
 from fieldrecon._validation import as_length
 
 
-class Radial:
+class Radial(ABC):
     """A function phi(r) of the distance alone.
 
     Attributes
@@ -62,9 +63,9 @@ class Radial:
         r = np.asarray(r, dtype=np.float64)
         return self.of_squared(r * r)
 
+    @abstractmethod
     def of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values phi(r) for s = r^2: what evaluation calls, since r^2 needs no square root."""
-        raise NotImplementedError
 
     def slope(self, r: ArrayLike) -> np.ndarray:
         """Values phi'(r)/r, so that the gradient of phi(|x|) is slope(|x|) x.
@@ -74,13 +75,13 @@ class Radial:
         r = np.asarray(r, dtype=np.float64)
         return self.slope_of_squared(r * r)
 
+    @abstractmethod
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values phi'(r)/r for s = r^2."""
-        raise NotImplementedError
 
+    @abstractmethod
     def in_units(self, h: float) -> Radial:
         """The same function of r/h, lengths divided by h, up to the factor of `homogeneity`."""
-        raise NotImplementedError
 
 
 def length_in_units(length: float, h: float) -> float:
