@@ -58,3 +58,12 @@ def order(coarse: float, fine: float, refinement: float) -> float:
 def rms(vectors: np.ndarray) -> float:
     """Root of the mean squared length."""
     return float(np.sqrt((vectors**2).sum(axis=-1).mean()))
+
+
+# Meshes on which every law of fields on meshes is tried.
+MESHES = {
+    "random 2-D": random_mesh(400, 2, 1),
+    "random 3-D": random_mesh(150, 3, 2),
+    "jittered 2-D": jittered_mesh(10, 2, 3),
+    "jittered 3-D": jittered_mesh(4, 3, 4),
+}

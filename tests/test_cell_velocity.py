@@ -11,15 +11,9 @@ from fieldrecon.mesh import SimplexMesh
 from fieldrecon.velocity import divergence, normal_velocities
 from fieldrecon.voronoi import voronoi_weights
 from laws import assert_close
-from meshes import abc_flow, affine, jittered_mesh, order, random_mesh, rms, taylor_green
+from meshes import MESHES, abc_flow, affine, jittered_mesh, order, rms, taylor_green
 
 EXACT = 1e-11
-MESHES = {
-    "random 2-D": random_mesh(400, 2, 1),
-    "random 3-D": random_mesh(150, 3, 2),
-    "jittered 2-D": jittered_mesh(10, 2, 3),
-    "jittered 3-D": jittered_mesh(4, 3, 4),
-}
 
 
 @pytest.fixture(params=MESHES, scope="module")

@@ -16,15 +16,9 @@ from fieldrecon.positive_definite import gaussian, wendland
 from fieldrecon.radial import inverse_square, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from laws import assert_close
-from meshes import jittered_mesh, order, random_mesh, rms
+from meshes import MESHES, jittered_mesh, order, rms
 
 EXACT = 1e-9
-MESHES = {
-    "random 2-D": random_mesh(400, 2, 1),
-    "random 3-D": random_mesh(150, 3, 2),
-    "jittered 2-D": jittered_mesh(10, 2, 3),
-    "jittered 3-D": jittered_mesh(4, 3, 4),
-}
 METHODS = {
     "LS": lambda _: local_least_squares(),
     "MLS": lambda h: local_moving_least_squares(inverse_square(0.5 * h)),
