@@ -9,7 +9,6 @@ from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.mesh import SimplexMesh
 from fieldrecon.velocity import divergence, normal_velocities
-from fieldrecon.voronoi import voronoi_weights
 from laws import assert_close
 from meshes import MESHES, abc_flow, affine, jittered_mesh, order, rms, taylor_green
 
@@ -310,13 +309,6 @@ def test_inside_the_weights_are_the_slides_formula(mesh):
     inside = np.flatnonzero(~mesh.boundary_vertices)
     assert_close(w[inside].toarray(), slides[inside].toarray(), 1e-12)
     assert w[inside].data.min() > 0
-
-
-def test_inside_they_are_the_voronoi_coordinates_of_the_vertex(mesh):
-    """Of x_i in its own cell, by the general routine."""
-    inside = np.flatnonzero(~mesh.boundary_vertices)
-    general = voronoi_weights(mesh, inside, mesh.points[inside])
-    assert_close(circumcenter_weights(mesh, inside).toarray(), general.toarray(), 1e-9)
 
 
 @pytest.mark.parametrize("unit", [1e-100, 1e100])

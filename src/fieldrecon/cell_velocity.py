@@ -58,7 +58,7 @@ def cell_velocities(mesh: SimplexMesh, v: ArrayLike) -> CellVelocities:
 
     References
     ----------
-    Erleben, Field Reconstruction, p. 25-26 and 44; Raviart and Thomas (1977).
+    Erleben, Field Reconstruction, p. 24-25 and 44; Raviart and Thomas (1977).
 
     Examples
     --------

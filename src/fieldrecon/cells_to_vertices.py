@@ -10,8 +10,9 @@ from fieldrecon._estimable import estimable_weights
 from fieldrecon._rings import MatrixOfWeights, as_vertices, fit_on_rings
 from fieldrecon._stars import LocalWeights, Stars, scaled_offsets
 from fieldrecon.mesh import SimplexMesh
-from fieldrecon.polynomials import Frame, monomials
+from fieldrecon.polynomials import monomials
 from fieldrecon.velocity import as_velocities
+from fieldrecon.voronoi import voronoi_weights
 
 
 def vertex_velocities_from_cells(
@@ -45,7 +46,7 @@ def vertex_velocities_from_cells(
 
     References
     ----------
-    Erleben, Field Reconstruction, p. 27 and 35-39.
+    Erleben, Field Reconstruction, p. 26 and 33-37.
 
     Examples
     --------
@@ -92,8 +93,8 @@ def circumcenter_weights(mesh: SimplexMesh, vertices: ArrayLike | None = None) -
 
     References
     ----------
-    Erleben, Field Reconstruction, p. 36-39 with x = x_i, where the numerators
-    (x_b - x_i)^T (p_a - x_i) are |x_b - x_i|^2 / 2.
+    Erleben, Field Reconstruction, p. 36-37 with x = x_i, where the factors of the denominators,
+    (x_b - x_i)^T (p_a - x_i), are |x_b - x_i|^2 / 2.
 
     Examples
     --------
@@ -106,28 +107,12 @@ def circumcenter_weights(mesh: SimplexMesh, vertices: ArrayLike | None = None) -
     vertices = as_vertices(mesh, vertices)
     open_ = mesh.boundary_vertices[vertices]
     # rows by place in `vertices`: the closed cells first, then the open ones
-    closed = _voronoi_weights(mesh)[vertices[~open_]]
+    closed = voronoi_weights(mesh, vertices[~open_], mesh.points[vertices[~open_]])
     found = MatrixOfWeights(1, (int(open_.sum()), len(mesh.cells)))
     what = ("circumcentres", "an affine field at it")
     fit_on_rings(mesh, None, vertices[open_], _AffineFit(mesh), found, what)
     place = np.argsort(np.concatenate([np.flatnonzero(~open_), np.flatnonzero(open_)]))
     return sparse.csr_array(sparse.vstack([closed, *found.matrices()], format="csr")[place])
-
-
-def _voronoi_weights(mesh: SimplexMesh) -> sparse.csr_array:
-    """V_a / prod_b l_ib^2, rows (n, c) that sum to one where there are cells."""
-    corners = mesh.points[mesh.cells] / Frame.around(mesh.points).scale
-    edges = corners[:, None] - corners[:, :, None]  # from each vertex to each
-    c, k = mesh.cells.shape
-    volume = np.abs(np.linalg.det(edges[:, 0, 1:]))
-    squared = np.einsum("cabd,cabd->cab", edges, edges)
-    squared[:, range(k), range(k)] = 1.0
-    w = volume[:, None] / squared.prod(axis=2)
-    cell = np.repeat(np.arange(c), k)
-    matrix = sparse.csr_array((w.ravel(), (mesh.cells.ravel(), cell)), shape=(len(mesh.points), c))
-    total = matrix.sum(axis=1)
-    matrix.data /= np.repeat(total, np.diff(matrix.indptr))
-    return matrix
 
 
 class _AffineFit:

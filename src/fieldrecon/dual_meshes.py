@@ -28,7 +28,7 @@ def circumcentric_dual(mesh: SimplexMesh) -> tuple[np.ndarray, np.ndarray]:
 
     References
     ----------
-    Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 32-33).
+    Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 32).
 
     Examples
     --------

@@ -47,7 +47,7 @@ class SimplexMesh:
 
     References
     ----------
-    Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 15).
+    Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 14-15).
 
     Examples
     --------

@@ -159,7 +159,7 @@ def vertex_velocities(
 
     References
     ----------
-    Erleben, Field Reconstruction, p. 19-23, where one ring always suffices; it does not: in the
+    Erleben, Field Reconstruction, p. 18-22, where one ring always suffices; it does not: in the
     plane its faces determine the affine field if and only if its vertices lie on no common conic.
 
     Examples
