@@ -15,7 +15,14 @@ if TYPE_CHECKING:
 
     from benchmarks.measure import Track
 
-NAMES = ("moving_least_squares", "radial_basis_functions", "memory", "scaling")
+NAMES = (
+    "moving_least_squares",
+    "radial_basis_functions",
+    "memory",
+    "scaling",
+    "mesh_velocities",
+    "mesh_scaling",
+)
 RESULTS = Path(__file__).parent / "results"
 CORES = 2
 

@@ -53,11 +53,23 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Chart:
+    """Lines over a common x, to be drawn on logarithmic axes."""
+
+    title: str
+    x_label: str
+    y_label: str
+    x: Sequence[float]
+    lines: Mapping[str, Sequence[float]]
+
+
+@dataclass(frozen=True)
 class Outcome:
     """What one benchmark found; `notes` say what a reader must know."""
 
     comparisons: Sequence[Comparison] = ()
     tables: Sequence[Table] = ()
+    charts: Sequence[Chart] = ()
     notes: Sequence[str] = ()
     parameters: Mapping[str, int | str] = field(default_factory=dict)
 
@@ -66,6 +78,7 @@ class Outcome:
             "parameters": dict(self.parameters),
             "comparisons": [c.summary() for c in self.comparisons],
             "tables": [asdict(t) for t in self.tables],
+            "charts": [asdict(c) for c in self.charts],
             "notes": list(self.notes),
         }
 

@@ -1,4 +1,4 @@
-"""Results as files for machines (JSON) and as one page for readers (Markdown)."""
+"""Results as files for machines (JSON) and as one page for readers (Markdown, with charts)."""
 
 from __future__ import annotations
 
@@ -19,12 +19,17 @@ def write(name: str, result: Mapping, folder: Path) -> None:
     """Write one result, and the page of all that the folder holds."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{name}.json").write_text(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
-    results = [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
-    (folder / "README.md").write_text("\n".join([PREFACE, *map(section, results)]))
+    if result.get("charts"):
+        from benchmarks import charts  # Matplotlib, only where it is needed
+
+        charts.draw(result, folder / f"{name}.svg")
+    read = {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))}
+    sections = [section(result, f"{name}.svg") for name, result in read.items()]
+    (folder / "README.md").write_text("\n".join([PREFACE, *sections]))
 
 
-def section(result: Mapping) -> str:
-    """One benchmark in Markdown."""
+def section(result: Mapping, figure: str | None = None) -> str:
+    """One benchmark in Markdown, with the file of its charts."""
     parts = [f"## {result['title']}", _listed(result["parameters"])]
     if result["comparisons"]:
         rows = [_compared(c) for c in result["comparisons"]]
@@ -32,6 +37,8 @@ def section(result: Mapping) -> str:
         parts.append(_table(columns, rows))
     for table in result["tables"]:
         parts += [f"{table['caption']}:", _table(table["columns"], table["rows"])]
+    if figure and result.get("charts"):
+        parts.append(f"![{'; '.join(chart['title'] for chart in result['charts'])}]({figure})")
     parts += result["notes"]
     parts.append("Measured on: " + _listed(result["machine"]))
     return "\n\n".join(parts) + "\n"

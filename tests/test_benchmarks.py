@@ -15,8 +15,9 @@ if str(ROOT) not in sys.path:
     sys.path.append(str(ROOT))
 
 from benchmarks import __main__ as command  # noqa: E402
-from benchmarks import memory, pages  # noqa: E402
-from benchmarks.measure import Comparison, cores, in_turn, threads  # noqa: E402
+from benchmarks import charts, memory, mesh_scaling, pages  # noqa: E402
+from benchmarks.measure import Chart, Comparison, Outcome, cores, in_turn, threads  # noqa: E402
+from benchmarks.mesh_velocities import Flow  # noqa: E402
 from benchmarks.moving_least_squares import Problem  # noqa: E402
 
 from fieldrecon.datasets import franke, uniform  # noqa: E402
@@ -113,3 +114,40 @@ def test_the_page_is_that_of_the_results(tmp_path):
         pages.write(path.stem, json.loads(path.read_text()), tmp_path)
     committed = ROOT / "benchmarks" / "results" / "README.md"
     assert (tmp_path / "README.md").read_text() == committed.read_text()
+
+
+def test_the_drawings_are_those_of_the_results():
+    """Each committed chart bears the mark of the numbers in the JSON file beside it."""
+    folder = ROOT / "benchmarks" / "results"
+    results = {path: json.loads(path.read_text()) for path in folder.glob("*.json")}
+    charted = {path.with_suffix(".svg"): r for path, r in results.items() if r.get("charts")}
+    assert {*folder.glob("*.svg")} == {*charted}
+    for path, result in charted.items():
+        assert charts.mark(result) in path.read_text()
+
+
+def test_a_drawing_shows_its_numbers(tmp_path):
+    """The page links the drawing, which bears the mark of its numbers and of no others."""
+    chart = Chart("Time", "size", "seconds", [1, 2], {"ours": [1.0, 2.0], "theirs": [3.0, 4.0]})
+    result = {"title": "Growth", "machine": {}, **Outcome(charts=[chart]).as_dict()}
+    pages.write("growth", result, tmp_path)
+    assert "![Time](growth.svg)" in (tmp_path / "README.md").read_text()
+    drawing = (tmp_path / "growth.svg").read_text()
+    assert charts.mark(result) in drawing
+    result["charts"][0]["x"] = [1, 3]
+    assert charts.mark(result) not in drawing
+
+
+def test_what_is_timed_on_meshes_is_right():
+    """A rotation comes back, Voronoi weights sum to one, reproduce points and are not negative."""
+    flow = Flow(uniform(400, 2, seed=1), 300)
+    assert len(flow.vertex) == len(flow.x) == 300
+    for what, error in flow.checks().rows:
+        assert error < 1e-10, what
+
+
+def test_an_exponent_is_that_of_the_larger_meshes():
+    """Times 2 n^1.5 give 1.5, whatever the smaller half says."""
+    sizes = (10, 20, 40, 80, 160)
+    costs = [mesh_scaling.Cost(2 * n**1.5 if n > 20 else 1e3, 0.1) for n in sizes]
+    assert mesh_scaling.exponent(sizes, costs) == pytest.approx(1.5)
