@@ -37,6 +37,23 @@ def jittered_mesh(side: int, d: int, jitter: float, seed: int) -> SimplexMesh:
     return SimplexMesh.delaunay((points + inside * moves) / side)
 
 
+def equilateral_mesh(side: int) -> SimplexMesh:
+    """Equilateral triangles of side 1/side, as many as cover the unit square.
+
+    Examples
+    --------
+    >>> mesh = equilateral_mesh(4)
+    >>> bool(abs(mesh.face_measures - 0.25).max() < 1e-12)
+    True
+    """
+    rows = int(np.ceil(side / np.sqrt(0.75)))
+    i, j = np.meshgrid(np.arange(side + 2), np.arange(rows + 1), indexing="ij")
+    points = np.stack([i - j % 2 / 2, j * np.sqrt(0.75)], axis=-1).reshape(-1, 2) / side
+    mesh = SimplexMesh.delaunay(points)
+    # the hull closes the notches of its left and right side with flat triangles
+    return SimplexMesh(points, mesh.cells[mesh.cell_measures > 0.4 / side**2])
+
+
 def rms(vectors: np.ndarray) -> float:
     """Return the root of the mean squared length of vectors (..., d)."""
     return float(np.sqrt((vectors**2).sum(axis=-1).mean()))
