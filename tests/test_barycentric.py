@@ -404,6 +404,19 @@ def test_products_without_some_factors(n, omitted, seed):
         assert row == pytest.approx(np.delete(h, without, axis=0).prod(axis=0), rel=1e-14)
 
 
+def test_the_edges_of_a_polygon_come_once_round_it():
+    """Whatever the order of the corners: each edge begins where the last ended, anticlockwise."""
+    rng = np.random.default_rng(8)
+    for n in (3, 4, 5, 6, 17):
+        corners = regular(n)[rng.permutation(n)] * [3.0, 1.0]
+        polygon = Polytope.of(corners)
+        begin, end = np.array(polygon.faces).T
+        assert (begin == np.roll(end, 1)).all()
+        turn = np.linalg.det(np.stack([corners[begin], corners[end]], axis=1))
+        assert (turn > 0).all()
+        assert (np.einsum("ad,ad->a", polygon.normals, corners[begin]) > 0).all()
+
+
 # --- refusals -----------------------------------------------------------------------------------
 
 

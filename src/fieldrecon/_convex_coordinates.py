@@ -36,7 +36,7 @@ class ConvexCoordinates(Reconstruction):
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
         self._refuse_if_too_large(len(x))
         w = np.empty((self._form.n, len(x)))
-        for part in self._parts(len(x)):
+        for part in self._parts(len(x), 1):
             lost = self._form.weights(self._heights(x[part]), out=w[:, part])
             if lost.any():
                 self._decide(x, np.flatnonzero(lost) + part.start, w)
@@ -46,7 +46,7 @@ class ConvexCoordinates(Reconstruction):
         d = x.shape[1]
         self._refuse_if_too_large(len(x), d)
         g = np.empty((d, self._form.n, len(x)))
-        for part in self._parts(len(x)):
+        for part in self._parts(len(x), 1 + d):
             gradients, lost = self._form.gradients(self._heights(x[part]))
             if lost.any():
                 self._decide(x, np.flatnonzero(lost) + part.start)
@@ -73,10 +73,10 @@ class ConvexCoordinates(Reconstruction):
                     f"cancel there, as they can outside a convex {KIND[x.shape[1]]}"
                 )
 
-    def _parts(self, m: int) -> Iterator[slice]:
-        rows = self._chunk_rows(1)
+    def _parts(self, m: int, arrays: int) -> Iterator[slice]:
+        rows = rows_of(8 * (self._form.numbers_per_query + self._form.n) * arrays)
         return (slice(start, min(start + rows, m)) for start in range(0, m, rows))
 
     def _chunk_rows(self, columns: int) -> int:
         d = self.points.shape[1]
-        return rows_of(8 * (self._form.numbers_per_query * (1 + d) + columns * (1 + d)))
+        return rows_of(8 * (self._form.numbers_per_query + self._form.n + d * columns))

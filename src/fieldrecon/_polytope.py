@@ -21,7 +21,8 @@ class Polytope:
     corners : (n, d) ndarray
         Corners, in the caller's order.
     faces : list of integer arrays
-        Corners of each face: its two ends in 2-D, once round it in 3-D.
+        Corners of each face: its two ends in 2-D, where the faces come once round the polygon and
+        each begins where the last ended; once round it in 3-D.
     normals : (f, d) ndarray
         Outward normals, not of unit length: each so long that the corner farthest below its face
         has a height between 1/2 and 1.
@@ -83,7 +84,10 @@ def _faces(corners: np.ndarray, tolerance: float) -> tuple[list[np.ndarray], np.
     except QhullError:
         raise _flat(d) from None
     if d == 2:
-        return list(hull.simplices), hull.equations[:, :2]
+        edges = np.stack([hull.vertices, np.roll(hull.vertices, -1)], axis=1)  # anticlockwise
+        along = corners[edges[:, 1]] - corners[edges[:, 0]]
+        outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
+        return list(edges), outward / np.linalg.norm(along, axis=1)[:, None]
     found: dict[frozenset[int], np.ndarray] = {}
     for plane in np.unique(hull.equations, axis=0):
         height = (corners - center) @ plane[:3] + plane[3]

@@ -51,15 +51,16 @@ class ProductForm:
     @property
     def numbers_per_query(self) -> int:
         """Numbers that are held at once for a query, for the size of the chunks."""
-        return self._products.count + len(self.corner)
+        numbers = self._products.count + len(self.corner)
+        return numbers if len(self.normals) <= _FEW else 2 * numbers  # exponents too
 
     def weights(self, h: np.ndarray, out: np.ndarray) -> np.ndarray:
         """Weights (n, m) of sum one at heights (f, m), into `out`; where (m,) there are none."""
         w = self._summed(h[:, None])[:, 0]
         total = w.sum(axis=0)
         # inside, where no weight is negative, the sum loses nothing
-        size = np.abs(w).sum(axis=0) if w.min(initial=0.0) < 0 else total
-        lost = ~(np.abs(total) > _ROUNDING * size)
+        least = _ROUNDING * np.abs(w).sum(axis=0) if w.min(initial=0.0) < 0 else 0.0
+        lost = ~(np.abs(total) > least)
         np.divide(w, np.where(lost, 1.0, total) if lost.any() else total, out=out)
         return lost
 
