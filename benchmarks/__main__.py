@@ -22,6 +22,7 @@ NAMES = (
     "scaling",
     "mesh_velocities",
     "mesh_scaling",
+    "barycentric",
 )
 RESULTS = Path(__file__).parent / "results"
 CORES = 2
