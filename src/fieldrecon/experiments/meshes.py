@@ -50,8 +50,9 @@ def equilateral_mesh(side: int) -> SimplexMesh:
     i, j = np.meshgrid(np.arange(side + 2), np.arange(rows + 1), indexing="ij")
     points = np.stack([i - j % 2 / 2, j * np.sqrt(0.75)], axis=-1).reshape(-1, 2) / side
     mesh = SimplexMesh.delaunay(points)
-    # the hull closes the notches of its left and right side with flat triangles
-    return SimplexMesh(points, mesh.cells[mesh.cell_measures > 0.4 / side**2])
+    # the hull closes the notches of its left and right side with triangles that are longer
+    longest = mesh.face_measures[mesh.cell_faces].max(axis=1)
+    return SimplexMesh(points, mesh.cells[longest < 1.5 / side])
 
 
 def rms(vectors: np.ndarray) -> float:
