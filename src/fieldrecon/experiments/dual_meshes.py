@@ -234,7 +234,8 @@ def _draw(panel: Axes, edges: np.ndarray, dual: np.ndarray, crossed: np.ndarray)
     strong = METHOD_COLORS["RBF"]
     panel.add_collection(LineCollection(list(edges), colors="#9a9a9a", linewidths=0.5))
     panel.add_collection(LineCollection(list(dual), colors=strong, linewidths=1.3))
-    panel.plot(*crossed.T, "o", color="black", markersize=5.5, fillstyle="none", markeredgewidth=0.8)
+    x, y = crossed.T
+    panel.plot(x, y, "o", color="black", markersize=5.5, fillstyle="none", markeredgewidth=0.8)
     panel.set_aspect("equal")
     panel.axis("off")
     panel.autoscale_view()

@@ -139,19 +139,15 @@ def _stars_table(stars: dict[str, Star], found: dict[str, dict[str, float]]) -> 
         "star", "dimension", "corners", "faces", "smallest weight", "constant", "linear",
         "linear, quotient", "quadratic",
     )  # fmt: skip
-    rows = (
-        (
-            name,
-            len(star.center),
-            len(star.corners),
-            len(star.spokes),
-            m["smallest"] if m["smallest"] > 100 * ROUNDING else 0.0,
-            *(_told(m[data]) for data in ("constant", "linear", "quotient")),
-            m["quadratic"],
-        )
-        for (name, star), m in zip(stars.items(), found.values(), strict=True)
-    )
-    return Table(columns, tuple(map(tuple, rows)))
+    rows = (_star_row(name, star, found[name]) for name, star in stars.items())
+    return Table(columns, tuple(rows))
+
+
+def _star_row(name: str, star: Star, m: dict[str, float]) -> tuple[Cell, ...]:
+    smallest = m["smallest"] if m["smallest"] > 100 * ROUNDING else 0.0
+    errors = (_told(m[data]) for data in ("constant", "linear", "quotient"))
+    size = len(star.center), len(star.corners), len(star.spokes)
+    return name, *size, smallest, *errors, m["quadratic"]
 
 
 def _spiral_table(steps: int) -> Table:
