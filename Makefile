@@ -8,7 +8,8 @@ python := $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help test test-slow test-all lint report check-reproducible bench lab lock clean distclean FORCE
+.PHONY: help test test-slow test-all lint report check-reproducible bench notebooks check-graders \
+  bundle lab lock clean distclean FORCE
 
 # The packages are those of the lock files, whatever else this shell can import.
 unexport PYTHONHOME PYTHONPATH
@@ -80,9 +81,20 @@ bench: $(VENV)/ready-bench ## measure the speed; the results go to benchmarks/re
 	@$(python) -m benchmarks
 
 
+# Course
+
+notebooks: $(ready) ## make exercises/ and the executed solutions from solutions/*.py
+	@$(VENV)/bin/fieldrecon course build
+
+check-graders: $(ready) ## prove the graders: right answers, mistakes, mutants; ONLY=02 for one notebook
+	@$(VENV)/bin/fieldrecon course check $(if $(ONLY),--only $(ONLY))
+
+bundle: $(ready) ## write dist/student-bundle.zip
+	@$(VENV)/bin/fieldrecon course bundle
+
 # Rest
 
-lab: $(VENV)/ready-lab ## open JupyterLab in exercises/, the place of the notebooks to come
+lab: $(VENV)/ready-lab ## open JupyterLab on the exercises
 	@mkdir -p exercises
 	@$(python) -m jupyterlab exercises
 

@@ -70,6 +70,9 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="run the experiments and set the report")
     if "report" in arguments:
         _add_report(report)
+    course = commands.add_parser("course", help="notebooks, their graders, the students' bundle")
+    if "course" in arguments:
+        _add_course(course)
     return parser
 
 
@@ -81,6 +84,15 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
         parser.error(_sentence(missing))
     add_arguments(parser)
     parser.set_defaults(command=main)
+
+
+def _add_course(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that the course itself knows."""
+    try:
+        from fieldrecon.course.command import add_arguments
+    except ModuleNotFoundError as missing:
+        parser.error(_sentence(missing))
+    add_arguments(parser)
 
 
 def _add_experiments(parser: argparse.ArgumentParser) -> None:

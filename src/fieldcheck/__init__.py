@@ -1,0 +1,24 @@
+"""fieldcheck: tells a student whether an answer is right, and if not, what kind of mistake it is.
+
+It needs NumPy and matplotlib, and holds no solutions.
+"""
+
+from fieldcheck.figures import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    Picture,
+    Slider,
+    draw,
+    figure,
+    svg,
+)
+from fieldcheck.notebook import Progress, check, data, progress, reset
+from fieldcheck.verdict import Verdict
+
+__all__ = [
+    "BLUE", "GREEN", "GREY", "ORANGE", "PURPLE", "Picture", "Progress", "Slider", "Verdict", "check",
+    "data", "draw", "figure", "progress", "reset", "svg",
+]  # fmt: skip

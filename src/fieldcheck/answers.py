@@ -1,0 +1,162 @@
+"""Known answers on fixed inputs: the right one, and those that known mistakes lead to.
+
+On the public cases the numbers lie in ``answers/``, so that a mistake is recognised by its
+fingerprint and no code that makes it, nor the code that is asked for, need be here.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from fieldcheck.calls import Call, Outcome, Values
+from fieldcheck.question import Question
+from fieldcheck.shapes import fitted
+
+DIGITS = 12
+"""Significant digits that are kept."""
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A known wrong answer.
+
+    Parameters
+    ----------
+    name : str
+        A few words: ``"weights not squared"``.
+    sentence : str
+        What the student is told.
+    outcomes : tuple of Outcome
+        What comes of the calls.
+    """
+
+    name: str
+    sentence: str
+    outcomes: tuple[Outcome, ...]
+
+
+@dataclass(frozen=True)
+class Answers:
+    """The known answers to the calls of a question."""
+
+    right: tuple[Values, ...]
+    mistakes: tuple[Mistake, ...]
+
+    def recognise(
+        self, question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]
+    ) -> Mistake | None:
+        """Return the mistake whose numbers these are, within the tolerance, or None."""
+        distances = [distance(question, calls, outcomes, m.outcomes) for m in self.mistakes]
+        nearest = int(np.argmin(distances)) if distances else -1
+        return self.mistakes[nearest] if distances and distances[nearest] <= 1 else None
+
+
+def distance(
+    question: Question,
+    calls: Sequence[Call],
+    outcomes: Sequence[Outcome],
+    others: Sequence[Outcome],
+) -> float:
+    """Return how far two sets of outcomes lie apart, in units of the tolerance.
+
+    It is infinite where one returned and the other did not, or the shapes differ; and where no call
+    returned anything, since an exception alone tells too little to recognise a mistake by.
+    """
+    apart = [_distance(question, *pair) for pair in zip(calls, outcomes, others, strict=True)]
+    returned = any(outcome.status == "returned" for outcome in outcomes)
+    return max(apart, default=np.inf) if returned else np.inf
+
+
+def _distance(question: Question, call: Call, one: Outcome, other: Outcome) -> float:
+    if one.status != other.status or (one.values is None) != (other.values is None):
+        return np.inf
+    if one.values is None or other.values is None:
+        return 0.0 if one.error.partition(":")[0] == other.error.partition(":")[0] else np.inf
+    shapes = question.shapes(call)
+    values, known = fitted(one.values, shapes), fitted(other.values, shapes)
+    if [v.shape for v in values] != [v.shape for v in known]:
+        return np.inf
+    if [v.shape for v in known] != list(shapes):
+        return _plain_distance(values, known, question.tolerance(call))
+    if any((np.isfinite(a) != np.isfinite(b)).any() for a, b in zip(values, known, strict=True)):
+        return np.inf
+    if not all(np.isfinite(v).all() for v in known):
+        return _plain_distance(values, known, question.tolerance(call))
+    return max(float(d.max(initial=0.0)) for d in question.differences(call, values, known))
+
+
+def _plain_distance(values: Values, known: Values, tolerance: float) -> float:
+    """Compare what has no normal form: wrong shapes, or numbers that are not finite."""
+    same = (
+        np.allclose(a, b, rtol=tolerance, atol=tolerance * _scale(b), equal_nan=True)
+        for a, b in zip(values, known, strict=True)
+    )
+    return 0.0 if all(same) else np.inf
+
+
+def _scale(array: np.ndarray) -> float:
+    finite = np.abs(array[np.isfinite(array)])
+    return float(finite.max(initial=0.0)) or 1.0
+
+
+def to_json(answers: Answers) -> dict[str, Any]:
+    """Return answers as what ``json`` can write."""
+    return {
+        "right": [_numbers(values) for values in answers.right],
+        "mistakes": [
+            {
+                "name": mistake.name,
+                "sentence": mistake.sentence,
+                "outcomes": [
+                    {"status": o.status, "error": o.error.partition(":")[0],
+                     "values": None if o.values is None else _numbers(o.values)}
+                    for o in mistake.outcomes
+                ],
+            }
+            for mistake in answers.mistakes
+        ],
+    }  # fmt: skip
+
+
+def from_json(data: Mapping[str, Any]) -> Answers:
+    """Return the answers that `to_json` wrote."""
+    return Answers(
+        right=tuple(_arrays(values) for values in data["right"]),
+        mistakes=tuple(
+            Mistake(m["name"], m["sentence"], tuple(_outcome(o) for o in m["outcomes"]))
+            for m in data["mistakes"]
+        ),
+    )
+
+
+def _outcome(data: Mapping[str, Any]) -> Outcome:
+    values = None if data["values"] is None else _arrays(data["values"])
+    return Outcome(data["status"], values=values, error=data["error"])
+
+
+def _numbers(values: Values) -> list[dict[str, Any]]:
+    return [
+        {"shape": list(v.shape), "numbers": [float(f"{x:.{DIGITS}g}") for x in v.ravel().tolist()]}
+        for v in values
+    ]
+
+
+def _arrays(data: Sequence[Mapping[str, Any]]) -> Values:
+    return tuple(np.array(d["numbers"], dtype=float).reshape(d["shape"]) for d in data)
+
+
+@cache
+def public_answers(notebook: str) -> Mapping[str, Answers]:
+    """Return the known answers on the public cases of the questions of a notebook."""
+    file = files("fieldcheck") / "answers" / f"{notebook}.json"
+    if not file.is_file():
+        return {}
+    data = json.loads(file.read_text(encoding="utf-8"))
+    return {name: from_json(answers) for name, answers in data.items()}

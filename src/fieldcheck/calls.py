@@ -1,0 +1,210 @@
+"""Calls of a student's function, and what came of them: plain data on both sides.
+
+A check never looks into the function. It makes calls, has them performed, and judges the
+outcomes. Who performs them does not matter: the notebook does it in its own process, a grader in
+another one.
+"""
+
+from __future__ import annotations
+
+import copy
+import signal
+import threading
+import time
+import traceback
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import CodeType
+from typing import Any, Literal
+
+import numpy as np
+
+Status = Literal["returned", "raised", "unwritten", "missing", "timed out"]
+Values = tuple[np.ndarray, ...]
+
+
+@dataclass(frozen=True)
+class Call:
+    """A call to be made: the function's name, its arguments, and what the call tries.
+
+    Parameters
+    ----------
+    function : str
+        Name under which the student's function is found.
+    arguments : tuple
+        Arrays and numbers, in order.
+    case : str
+        What is tried, in words that can follow "for": ``"five points on a line"``.
+    """
+
+    function: str
+    arguments: tuple[Any, ...]
+    case: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a call.
+
+    Parameters
+    ----------
+    status : str
+        ``"returned"``, ``"raised"``, ``"unwritten"`` (NotImplementedError), ``"missing"`` (there is
+        no such function), ``"timed out"``.
+    values : tuple of ndarray, optional
+        What was returned, a tuple as several arrays, anything else as one; None if it is no numbers.
+    returned : str
+        What was returned instead of numbers, in words.
+    error : str
+        Type and message of the exception.
+    line : str
+        The line of the student's own code in which it arose.
+    seconds : float
+        Time taken.
+    modified : tuple of int
+        Which arguments were changed by the call.
+    """
+
+    status: Status
+    values: Values | None = None
+    returned: str = ""
+    error: str = ""
+    line: str = ""
+    seconds: float = 0.0
+    modified: tuple[int, ...] = ()
+
+
+class OutOfTime(BaseException):
+    """Raised inside a call that takes too long; not an Exception, which a bare call might catch."""
+
+
+def perform(
+    functions: dict[str, Any], calls: Sequence[Call], limit: float
+) -> tuple[Outcome, ...]:
+    """Make the calls, each with copies of its arguments and at most `limit` seconds.
+
+    Once a call has run out of time, or there is nothing to call, the others are not tried.
+    """
+    outcomes: list[Outcome] = []
+    for call in calls:
+        outcomes.append(_perform_one(functions.get(call.function), call, limit))
+        if outcomes[-1].status not in ("returned", "raised"):
+            return tuple(outcomes + [outcomes[-1]] * (len(calls) - len(outcomes)))
+    return tuple(outcomes)
+
+
+def _perform_one(function: Callable[..., Any] | None, call: Call, limit: float) -> Outcome:
+    if not callable(function):
+        return Outcome("missing")
+    arguments = copy.deepcopy(call.arguments)
+    start = time.perf_counter()
+    try:
+        with _deadline(limit), warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            result = function(*arguments)
+    except NotImplementedError:
+        return Outcome("unwritten")
+    except OutOfTime:
+        return Outcome("timed out", seconds=limit)
+    except (Exception, SystemExit) as error:
+        return Outcome("raised", error=_in_words(error), line=own_line(error, function))
+    values = as_arrays(result)
+    return Outcome(
+        "returned",
+        values=values,
+        returned="" if values is not None else _kind(result),
+        seconds=time.perf_counter() - start,
+        modified=tuple(
+            i for i, (now, before) in enumerate(zip(arguments, call.arguments, strict=True))
+            if not _same(now, before)
+        ),
+    )  # fmt: skip
+
+
+def as_arrays(result: object) -> Values | None:
+    """Return what a function returned as arrays, or None if it does not consist of numbers.
+
+    Examples
+    --------
+    >>> as_arrays([1, 2])
+    (array([1, 2]),)
+    >>> len(as_arrays((1.0, [2, 3])))
+    2
+    >>> as_arrays("three") is as_arrays([1, [2, 3]]) is None
+    True
+    """
+    parts = result if isinstance(result, tuple) else (result,)
+    arrays = tuple(_as_array(part) for part in parts)
+    return None if not arrays or any(array is None for array in arrays) else arrays  # type: ignore[return-value]
+
+
+def _as_array(part: object) -> np.ndarray | None:
+    try:
+        array = np.array(part)
+    except Exception:  # a ragged list, or an object that refuses
+        return None
+    return array if array.dtype.kind in "biufc" else None
+
+
+def _kind(result: object) -> str:
+    if result is None:
+        return "nothing (None): is the `return` missing?"
+    if isinstance(result, list):
+        return "a list that is no rectangular array of numbers"
+    return f"an object of type {type(result).__name__}"
+
+
+def _same(now: Any, before: Any) -> bool:
+    if isinstance(before, np.ndarray):
+        return bool(np.array_equal(now, before, equal_nan=before.dtype.kind in "fc"))
+    return bool(now == before)
+
+
+def _in_words(error: BaseException) -> str:
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def own_line(error: BaseException, function: Callable[..., Any]) -> str:
+    """Return the line of the student's code in which an error arose.
+
+    The innermost frame counts whose code is in the file, or cell, of the function or of another
+    cell; frames of libraries do not.
+    """
+    code = getattr(function, "__code__", None)
+    frames = traceback.extract_tb(error.__traceback__)
+    for frame in reversed(frames):
+        if _is_own(frame.filename, code):
+            text = f": {frame.line}" if frame.line else ""
+            return f"line {frame.lineno} of {frame.name}{text}"
+    return ""
+
+
+def _is_own(filename: str, code: CodeType | None) -> bool:
+    if code is not None and filename == code.co_filename:
+        return True
+    return "ipykernel" in filename or filename.startswith("<ipython-input")
+
+
+@contextmanager
+def _deadline(limit: float) -> Iterator[None]:
+    """Interrupt what takes longer than `limit` seconds, where the system has such an alarm.
+
+    Only the main thread can be interrupted, and not on Windows; elsewhere the time is merely told.
+    """
+    if not hasattr(signal, "setitimer") or threading.current_thread() != threading.main_thread():
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise OutOfTime
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, limit)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

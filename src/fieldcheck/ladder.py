@@ -1,0 +1,173 @@
+"""The judge: the rungs of the ladder in order, and the sentence at the first that fails.
+
+It sees calls and outcomes, arrays and words, and nothing of the function that was called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from fieldcheck.answers import Answers
+from fieldcheck.calls import Call, Outcome, Values
+from fieldcheck.question import Question, scale
+from fieldcheck.shapes import fitted, in_words, shape_in_words
+from fieldcheck.verdict import LADDER, Rung, Verdict
+
+PATIENCE = 4.0
+"""A call is stopped after so many times the seconds it may take."""
+
+NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified")
+
+
+def judge(
+    question: Question,
+    calls: Sequence[Call],
+    outcomes: Sequence[Outcome],
+    answers: Answers | None = None,
+) -> Verdict:
+    """Return how far up the ladder the outcomes of the calls come.
+
+    Parameters
+    ----------
+    question : Question
+        What was asked.
+    calls : sequence of Call
+        ``question.inputs(seed)``.
+    outcomes : sequence of Outcome
+        What came of each.
+    answers : Answers, optional
+        The known answers to these calls. Without them the laws of the question judge alone.
+    """
+    faults = list(_faults(question, calls, outcomes, answers))
+    if not faults:
+        return Verdict(question.name, "right", "")
+    rung, sentence, call = min(faults, key=lambda fault: LADDER.index(fault[0]))
+    if answers and rung not in NOT_RECOGNISABLE:
+        mistake = answers.recognise(question, calls, outcomes)
+        if mistake:
+            return Verdict(question.name, "misconception", mistake.sentence, mistake.name, call)
+    return Verdict(question.name, rung, sentence, call=call)
+
+
+Fault = tuple[Rung, str, int | None]
+
+
+def _faults(
+    question: Question,
+    calls: Sequence[Call],
+    outcomes: Sequence[Outcome],
+    answers: Answers | None,
+) -> Iterator[Fault]:
+    """Yield what is wrong with the calls one by one, then what only all of them together show."""
+    found = False
+    for index, (call, outcome) in enumerate(zip(calls, outcomes, strict=True)):
+        for rung, sentence in _form(question, call, outcome):
+            found = True
+            yield rung, sentence, index
+    if found:
+        return
+    values = [fitted(o.values, question.shapes(c)) for c, o in zip(calls, outcomes, strict=True) if o.values]
+    yield from _wrong(question, calls, values, answers)
+    slowest = int(np.argmax([outcome.seconds for outcome in outcomes]))
+    if outcomes[slowest].seconds > question.limit:
+        yield "slow", _slow(question, calls[slowest], outcomes[slowest]), slowest
+
+
+def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Rung, str]]:
+    """Yield what is wrong with an outcome before its numbers are looked at."""
+    name = question.function
+    if outcome.status == "missing":
+        yield "missing", f"There is no function {name}. Run the cell that defines it."
+    elif outcome.status == "unwritten":
+        yield "unwritten", f"Write {name}, run its cell, and then this one again."
+    elif outcome.status == "raised":
+        place = f" It arises in {outcome.line}." if outcome.line else ""
+        yield "exception", f"For {call.case}, {name} stops with {outcome.error}.{place}"
+    elif outcome.status == "timed out":
+        yield "endless", f"For {call.case}, {name} was stopped after {outcome.seconds:.0f} seconds."
+    elif outcome.values is None:
+        wanted = " and ".join(map(shape_in_words, question.shapes(call)))
+        yield "type", f"For {call.case}, {name} returns {outcome.returned}. It should be {wanted}."
+    else:
+        yield from _array_form(question, call, outcome, outcome.values)
+
+
+def _array_form(
+    question: Question, call: Call, outcome: Outcome, returned: Values
+) -> Iterator[tuple[Rung, str]]:
+    shapes = question.shapes(call)
+    values = fitted(returned, shapes)
+    wanted = " and ".join(map(shape_in_words, shapes))
+    if any(v.dtype.kind == "c" for v in values):
+        yield "type", f"For {call.case}, {question.function} returns complex numbers."
+    elif [v.shape for v in values] != list(shapes):
+        yield "shape", (
+            f"For {call.case}, {question.function} returns {in_words(returned)}. "
+            f"It should be {wanted}."
+        )
+    elif not all(np.isfinite(v).all() for v in values):
+        bad = sum(int((~np.isfinite(v)).sum()) for v in values)
+        yield "not finite", (
+            f"For {call.case}, {bad} of {sum(v.size for v in values)} values are NaN or infinite: "
+            "look for a division by zero, or a logarithm of zero."
+        )
+    if outcome.modified:
+        which = ", ".join(str(i + 1) for i in outcome.modified)
+        yield "modified", (
+            f"{question.function} changes its argument number {which}, which belongs to the caller. "
+            "Operators such as += work in place: take a copy first."
+        )
+
+
+def _wrong(
+    question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
+) -> Iterator[Fault]:
+    """Yield the first law that is broken, with the greatest difference from the right answer."""
+    place, told = _difference(question, calls, values, answers)
+    for law in question.laws:
+        deviation = float(law.deviation(calls, values))
+        if not deviation <= law.tolerance:
+            off = f"It is off by {deviation:.2g}; rounding explains {law.tolerance:.0e}."
+            yield "wrong", f"{law.sentence} {told or off}", place
+            return
+    if told:
+        yield "wrong", told, place
+
+
+def _difference(
+    question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
+) -> tuple[int | None, str]:
+    """Return the call with the greatest difference from the right answer, and it in words."""
+    if answers is None:
+        return None, ""
+    triples = zip(calls, values, answers.right, strict=True)
+    differences = [question.differences(*triple) for triple in triples]
+    worst = int(np.argmax([max(d.max(initial=0.0) for d in parts) for parts in differences]))
+    part = int(np.argmax([d.max(initial=0.0) for d in differences[worst]]))
+    units = differences[worst][part]
+    if units.max(initial=0.0) <= 1:
+        return None, ""
+    call, wanted = calls[worst], answers.right[worst][part]
+    tolerance = max(question.tolerance(call), 1e-9) * scale(wanted)
+    return worst, (
+        f"For {call.case}, {_entry(units, part, len(differences[worst]))} is off by "
+        f"{units.max() * tolerance:.2g}, where the largest right value is {scale(wanted):.2g}; "
+        f"rounding explains {tolerance:.0e}."
+    )
+
+
+def _entry(units: np.ndarray, part: int, parts: int) -> str:
+    of = f" of array {part + 1}" if parts > 1 else ""
+    if units.ndim == 0:
+        return f"the number{of}" if not of else f"number {part + 1}"
+    index = np.unravel_index(int(np.argmax(units)), units.shape)
+    return f"entry [{', '.join(str(int(i)) for i in index)}]{of}"
+
+
+def _slow(question: Question, call: Call, outcome: Outcome) -> str:
+    return (
+        f"The numbers are right, but for {call.case} {question.function} took "
+        f"{outcome.seconds:.1f} seconds; {question.limit:.0f} should do. Let NumPy work on whole arrays."
+    )

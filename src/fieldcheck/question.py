@@ -1,0 +1,105 @@
+"""A question: which function is asked for, what it is called with, and what must hold of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+
+LEAST_TOLERANCE = 1e-9
+"""No answer has to be better than this: reference numbers are kept with twelve digits."""
+
+Shape = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Law:
+    """A statement that every right answer obeys, whatever the inputs: it needs no reference.
+
+    Parameters
+    ----------
+    sentence : str
+        What must hold, and what it means that it does not.
+    deviation : callable
+        ``deviation(calls, values) -> float``, relative; zero where the law holds exactly.
+    tolerance : float
+        The largest deviation that rounding explains.
+    """
+
+    sentence: str
+    deviation: Callable[[Sequence[Call], Sequence[Values]], float]
+    tolerance: float = LEAST_TOLERANCE
+
+
+def unchanged(call: Call, values: Values) -> Values:
+    """Return the values as they are."""
+    return values
+
+
+def least_tolerance(call: Call) -> float:
+    """Return the tolerance of a well-conditioned question."""
+    return LEAST_TOLERANCE
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked, and how an answer is tried.
+
+    Parameters
+    ----------
+    name : str
+        ``"02.3"``: notebook and number.
+    function : str
+        The function that the student writes.
+    points : int
+        What a right answer earns.
+    inputs : callable
+        ``inputs(seed) -> calls``; calls of other seeds have the same cases with other numbers.
+    shapes : callable
+        ``shapes(call)``: the shape of each array that is to be returned.
+    laws : sequence of Law
+        What must hold for every input.
+    tolerance : callable
+        ``tolerance(call)``: relative to the largest entry, from the condition of the problem.
+    normal_form : callable
+        ``normal_form(call, values) -> values`` takes away what the question leaves open, such as a
+        sign or an order, before answers are compared.
+    limit : float
+        Seconds that one call may take.
+    """
+
+    name: str
+    function: str
+    points: int
+    inputs: Callable[[int], tuple[Call, ...]]
+    shapes: Callable[[Call], tuple[Shape, ...]]
+    laws: tuple[Law, ...] = field(default=())
+    tolerance: Callable[[Call], float] = least_tolerance
+    normal_form: Callable[[Call, Values], Values] = unchanged
+    limit: float = 5.0
+
+    @property
+    def notebook(self) -> str:
+        """The number of its notebook: ``"02"``."""
+        return self.name.partition(".")[0]
+
+    def differences(self, call: Call, values: Values, others: Values) -> list[np.ndarray]:
+        """Return |values − others| in normal form, in units of the tolerance, array by array."""
+        pairs = zip(self.normal_form(call, values), self.normal_form(call, others), strict=True)
+        unit = max(self.tolerance(call), LEAST_TOLERANCE)
+        return [np.abs(a - b) / (unit * scale(b)) for a, b in pairs]
+
+
+def scale(values: np.ndarray) -> float:
+    """Return the largest absolute entry, or one if there is none but zero."""
+    largest = float(np.abs(values).max(initial=0.0))
+    return largest if largest > 0 else 1.0
+
+
+def relative(deviation: Any, reference: Any) -> float:
+    """Return the largest entry of `deviation` as a part of the largest of `reference`."""
+    return float(np.abs(deviation).max(initial=0.0)) / scale(np.asarray(reference))

@@ -1,0 +1,36 @@
+"""The questions of the course, a module for each notebook.
+
+A module holds ``QUESTIONS``. There is no solution here, nor anything near one: inputs, shapes, and
+laws that a right answer obeys.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+
+from fieldcheck.question import Question
+
+
+@cache
+def questions() -> Mapping[str, Question]:
+    """Return all questions by name, in the order of the notebooks."""
+    modules = [import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__)]
+    found = [question for module in modules for question in module.QUESTIONS]
+    return {question.name: question for question in sorted(found, key=lambda q: q.name)}
+
+
+def get(name: str) -> Question:
+    """Return a question.
+
+    Raises
+    ------
+    ValueError
+        There is none of this name; the sentence names those that there are.
+    """
+    known = questions()
+    if name not in known:
+        raise ValueError(f"there is no question {name!r}; there are {', '.join(known)}")
+    return known[name]

@@ -1,0 +1,143 @@
+"""Questions of notebook 01, least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question, relative
+
+EPS = float(np.finfo(float).eps)
+
+
+def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return n random points in the unit square, or cube."""
+    return random.random((n, d))
+
+
+# 01.1 The matrix B
+
+
+def matrix_inputs(seed: int) -> tuple[Call, ...]:
+    """Return points in the plane, in space, and on the line."""
+    random = np.random.default_rng(seed)
+    sizes = ((7, 2, "seven points in the plane"), (5, 3, "five points in space"), (3, 1, "three points on the line"))
+    return tuple(Call("basis_matrix", (cloud(random, n, d),), case) for n, d, case in sizes)
+
+
+def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far differences of rows are from differences of points."""
+    return max(
+        relative(np.diff(b, axis=0) @ np.r_[1.0, np.ones(d)] - np.diff(p.sum(axis=1)), p)
+        for (p,), (b,), d in ((c.arguments, v, c.arguments[0].shape[1]) for c, v in zip(calls, values, strict=True))
+    )
+
+
+# 01.2 and 01.6 The fit, and what it minimises
+
+
+def fit_inputs(seed: int) -> tuple[Call, ...]:
+    """Return scattered values, values of an affine field, and as many points as coefficients."""
+    random = np.random.default_rng(seed)
+    scattered, corner = cloud(random, 12, 2), cloud(random, 3, 2) + np.array([[0, 0], [2, 0], [0, 2]])
+    space = cloud(random, 20, 3)
+    c = random.normal(size=4)
+    return (
+        Call("fit", (scattered, random.normal(size=12)), "twelve points in the plane with random values"),
+        Call("fit", (space, c[0] + space @ c[1:]), "an affine field at twenty points in space"),
+        Call("fit", (corner, random.normal(size=3)), "three points in the plane"),
+    )
+
+
+def fit_tolerance(call: Call) -> float:
+    """Return what rounding does to the normal equations: eps times the condition of B squared."""
+    points = call.arguments[0]
+    return 100 * EPS * float(np.linalg.cond(np.insert(points, 0, 1.0, axis=1))) ** 2
+
+
+def residual_is_orthogonal(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest sum of residuals, plain and weighted by coordinates."""
+    worst = 0.0
+    for call, (c,) in zip(calls, values, strict=True):
+        points, data = call.arguments
+        residual = c[0] - data + sum(points[:, k] * c[k + 1] for k in range(points.shape[1]))
+        moments = [residual.sum(), *(residual * points[:, k] for k in range(points.shape[1]))]
+        worst = max(worst, max(relative(np.sum(m), np.abs(data).sum()) for m in moments))
+    return worst
+
+
+# 01.3 and 01.5 The field and its gradient
+
+
+def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
+    """Return coefficients and places in the plane and in space."""
+    random = np.random.default_rng(seed)
+    return tuple(
+        Call(name, (random.normal(size=d + 1), random.normal(size=(m, d))), case)
+        for m, d, case in ((6, 2, "six places in the plane"), (4, 3, "four places in space"))
+    )
+
+
+def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much differences of values depend on the constant."""
+    return max(
+        relative(np.diff(v) - [(b - a) @ c.arguments[0][1:] for a, b in zip(c.arguments[1], c.arguments[1][1:])], v)
+        for c, (v,) in zip(calls, values, strict=True)
+    )
+
+
+# 01.4 The rank
+
+
+def rank_inputs(seed: int) -> tuple[Call, ...]:
+    """Return points that span the plane, a line, a single point; and far from the origin."""
+    random = np.random.default_rng(seed)
+    along, line = random.normal(size=(9, 1)), random.normal(size=(2, 2))
+    plane = random.normal(size=(10, 2)) @ random.normal(size=(2, 3)) + random.normal(size=3)
+    return (
+        Call("rank", (random.random((9, 2)),), "nine points in the plane"),
+        Call("rank", (line[0] + along * line[1],), "nine points on one line of the plane"),
+        Call("rank", (np.tile(random.random((1, 2)), (4, 1)),), "one point of the plane four times"),
+        Call("rank", (plane,), "ten points in one plane of space"),
+        Call("rank", (random.random((2, 3)),), "two points in space"),
+        Call("rank", (1000.0 + random.random((8, 2)),), "eight points in the plane at an offset of 1000"),
+    )
+
+
+def objective_inputs(seed: int) -> tuple[Call, ...]:
+    """Return points, values and coefficients that are not the best."""
+    random = np.random.default_rng(seed)
+    return tuple(
+        Call("objective", (cloud(random, n, d), random.normal(size=n), random.normal(size=d + 1)), case)
+        for n, d, case in ((9, 2, "nine points in the plane"), (6, 3, "six points in space"))
+    )
+
+
+QUESTIONS = (
+    Question(
+        "01.1", "basis_matrix", 2, matrix_inputs,
+        lambda call: ((call.arguments[0].shape[0], call.arguments[0].shape[1] + 1),),
+        (Law("Applied to the coefficients of a field, B must give the field at the points, so that "
+             "two rows differ as their points do.", spans_affine_fields),),
+    ),
+    Question(
+        "01.2", "fit", 3, fit_inputs, lambda call: ((call.arguments[0].shape[1] + 1,),),
+        (Law("The residual of the best fit is orthogonal to the columns of B: it sums to zero, also "
+             "when weighted by a coordinate.", residual_is_orthogonal),),
+        fit_tolerance,
+    ),
+    Question(
+        "01.3", "evaluate", 1, lambda seed: field_inputs("evaluate", seed),
+        lambda call: ((len(call.arguments[1]),),),
+        (Law("From one place to another the field changes by the slope times the way.",
+             moves_by_the_gradient),),
+    ),
+    Question("01.4", "rank", 2, rank_inputs, lambda call: ((),)),
+    Question(
+        "01.5", "gradient", 1, lambda seed: field_inputs("gradient", seed),
+        lambda call: (call.arguments[1].shape,),
+    ),
+    Question("01.6", "objective", 1, objective_inputs, lambda call: ((),)),
+)  # fmt: skip

@@ -1,0 +1,89 @@
+"""What is said of an answer, on the screen of a notebook and in the files of a grader."""
+
+from __future__ import annotations
+
+import html
+from dataclasses import dataclass
+from typing import Literal
+
+Rung = Literal[
+    "missing", "unwritten", "exception", "endless", "type", "shape", "not finite", "modified",
+    "misconception", "wrong", "slow", "right",
+]  # fmt: skip
+
+LADDER: tuple[Rung, ...] = (
+    "missing", "unwritten", "exception", "endless", "type", "shape", "not finite", "modified",
+    "misconception", "wrong", "slow", "right",
+)  # fmt: skip
+"""The rungs in the order in which they are tried; the first that fails is told."""
+
+CREDIT = {"right": 1.0, "slow": 0.5}
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How far up the ladder an answer came, and the sentence for it.
+
+    Parameters
+    ----------
+    question : str
+        Its name.
+    rung : str
+        The first rung that failed, or ``"right"``.
+    sentence : str
+        What the student is told.
+    mistake : str
+        Name of the recognised misconception.
+    call : int, optional
+        Which of the calls shows it best.
+    picture : str
+        A small drawing of the difference, as SVG; may be empty.
+    """
+
+    question: str
+    rung: Rung
+    sentence: str
+    mistake: str = ""
+    call: int | None = None
+    picture: str = ""
+
+    @property
+    def credit(self) -> float:
+        """The part of the points that the answer earns."""
+        return CREDIT.get(self.rung, 0.0)
+
+    @property
+    def right(self) -> bool:
+        """Whether nothing is left to do."""
+        return self.rung == "right"
+
+    def __str__(self) -> str:
+        return f"{self.question} {TITLES[self.rung]}. {self.sentence}".rstrip()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        color = "#2a6428" if self.right else "#6b6b6b" if self.rung == "unwritten" else "#a33b00"
+        text = html.escape(self.sentence)
+        return (
+            f'<div style="border-left:4px solid {color};padding:.3em .8em;margin:.3em 0;'
+            f'max-width:46em"><b style="color:{color}">{self.question} {TITLES[self.rung]}</b>'
+            f"<div>{text}</div>{self.picture}</div>"
+        )
+
+
+TITLES: dict[str, str] = {
+    "missing": "— the function is not there",
+    "unwritten": "— not written yet",
+    "exception": "— stops with an error",
+    "endless": "— does not come to an end",
+    "type": "— returns the wrong kind of thing",
+    "shape": "— returns the wrong shape",
+    "not finite": "— returns values that are not finite",
+    "modified": "— changes its input",
+    "misconception": "— not right, and this mistake is a known one",
+    "wrong": "— not right yet",
+    "slow": "— right, but slow",
+    "right": "— right",
+}

@@ -1,0 +1,138 @@
+"""From the sources to all that is made of them, and back: whether that is up to date."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import nbformat
+
+from fieldcheck.questions import questions
+from fieldrecon.course.bundle import student_tree
+from fieldrecon.course.catalogue import entries
+from fieldrecon.course.hidden import hidden_cases
+from fieldrecon.course.known import answers_file
+from fieldrecon.course.leaks import code_leaks, number_leaks
+from fieldrecon.course.notebooks import (
+    execute,
+    solved_notebook,
+    student_notebook,
+    stub,
+    to_text,
+)
+from fieldrecon.course.sources import Source, sources
+from fieldrecon.course.trials import trials
+
+Each = Callable[[Callable[[Source], None], list[Source]], Iterator[None]]
+
+
+def all_sources(root: Path) -> list[Source]:
+    """Return the sources of a checkout.
+
+    Raises
+    ------
+    ValueError
+        There are none.
+    """
+    found = list(sources(root / "solutions"))
+    if not found:
+        raise ValueError(f"there is no notebook in {root / 'solutions'}; run this in a checkout")
+    return found
+
+
+def build(root: Path, chosen: list[Source], each: Each = map) -> None:  # type: ignore[assignment]
+    """Write exercises, known answers, stubs, and the executed solutions that are out of date.
+
+    Raises
+    ------
+    ValueError
+        Something of a solution would reach the students.
+    """
+    for source in chosen:
+        for file, text in student_files(root, source).items():
+            _write(file, text)
+    _write(root / "src/fieldcheck/stubs.json", stubs_file(root))
+    problems = list(leaks(root, "fieldrecon"))
+    if problems:
+        raise ValueError("students would be told too much: " + "; ".join(problems))
+    list(each(lambda source: _solve(root, source), chosen))
+
+
+def student_files(root: Path, source: Source) -> dict[Path, str]:
+    """Return the files that a source makes for students, and what is in them."""
+    return {
+        root / "exercises" / f"{source.name}.ipynb": to_text(student_notebook(source)),
+        root / "src/fieldcheck/answers" / f"{source.number}.json": answers_file(source),
+    }
+
+
+def stubs_file(root: Path) -> str:
+    """Return the text of ``fieldcheck/stubs.json``: the cells as they are handed out."""
+    cells = {
+        name: stub(cell)
+        for source in all_sources(root)
+        for name, cell in source.answer_cells().items()
+    }
+    return json.dumps(cells, indent=0, ensure_ascii=False) + "\n"
+
+
+def solved_file(root: Path, source: Source) -> Path:
+    """Return the place of the executed solution."""
+    return root / "solutions" / f"{source.name}.ipynb"
+
+
+def is_solved(root: Path, source: Source) -> bool:
+    """Whether the executed solution on disk was made of what is there now."""
+    file = solved_file(root, source)
+    if not file.is_file():
+        return False
+    executed = nbformat.reads(file.read_text(encoding="utf-8"), as_version=4)
+    return bool(executed["metadata"]["course"].get("made_of") == ingredients(root, source))
+
+
+def ingredients(root: Path, source: Source) -> str:
+    """Return a digest of all that an executed solution depends on: its source, and the checks."""
+    package = root / "src/fieldcheck"
+    files = [*sorted(package.glob("*.py")), package / "answers" / f"{source.number}.json"]
+    files += sorted((package / "questions").glob(f"q{source.number}_*.py"))
+    digest = hashlib.sha256()
+    for file in [source.path, *files]:
+        digest.update(hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def solve(root: Path, source: Source) -> str:
+    """Return the text of the executed solution."""
+    notebook = execute(solved_notebook(source))
+    notebook["metadata"]["course"]["made_of"] = ingredients(root, source)
+    return to_text(notebook)
+
+
+def _solve(root: Path, source: Source) -> None:
+    if not is_solved(root, source):
+        _write(solved_file(root, source), solve(root, source))
+
+
+def leaks(root: Path, salt: str) -> Iterator[str]:
+    """Yield what students would be told too much."""
+    tree = [path for _, path in student_tree(root) if path.is_file()]
+    for source in all_sources(root):
+        yield from code_leaks(source, tree)
+        functions, hidden = source.functions(), hidden_cases(source)
+        mistakes = entries(source, "misconceptions")
+        for question in questions().values():
+            if question.notebook == source.number:
+                tried = trials(question, functions, mistakes, hidden, "leak", salt)
+                for trial in tried[1:]:
+                    yield from number_leaks(trial.calls, trial.answers.right, tree)
+
+
+def _write(file: Path, text: str) -> None:
+    if file.is_file() and file.read_text(encoding="utf-8") == text:
+        return
+    file.parent.mkdir(parents=True, exist_ok=True)
+    part = file.with_name(file.name + ".part")
+    part.write_text(text, encoding="utf-8")
+    part.replace(file)

@@ -1,0 +1,43 @@
+"""The student's bundle: notebooks, the self-check package, what to install. The same bytes each time."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+FOLDER = "field-reconstruction"
+REQUIREMENTS = "numpy>=2.1\nmatplotlib>=3.10\nipywidgets>=8.1\njupyterlab>=4.3\n"
+STUDENT = "# Write your student number in the next line, as it stands on the list of the course.\n"
+FIXED = (1980, 1, 1, 0, 0, 0)
+
+
+def student_tree(root: Path) -> Iterator[tuple[str, Path]]:
+    """Yield the name in the bundle, and the place, of each file that students get."""
+    for path in sorted((root / "exercises").glob("*.ipynb")):
+        yield path.name, path
+    package = root / "src" / "fieldcheck"
+    for path in sorted(package.rglob("*")):
+        if path.suffix in (".py", ".json", ".typed"):
+            yield f"fieldcheck/{path.relative_to(package).as_posix()}", path
+    yield "README.md", root / "docs" / "students.md"
+    yield "LICENSE", root / "LICENSE"
+
+
+def write_bundle(root: Path, file: Path) -> Path:
+    """Write the zip file for students, and return it."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    made = file.with_suffix(".part")
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as bundle:
+        for name, path in student_tree(root):
+            _add(bundle, name, path.read_bytes())
+        _add(bundle, "requirements.txt", REQUIREMENTS.encode())
+        _add(bundle, "student.txt", STUDENT.encode())
+    return made.replace(file)
+
+
+def _add(bundle: zipfile.ZipFile, name: str, content: bytes) -> None:
+    entry = zipfile.ZipInfo(f"{FOLDER}/{name}", date_time=FIXED)
+    entry.external_attr = 0o644 << 16
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    bundle.writestr(entry, content)

@@ -1,0 +1,94 @@
+"""``fieldrecon course``: build the notebooks, prove the graders, make the students' bundle."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from datetime import date
+from functools import partial
+from itertools import chain
+from os import cpu_count
+from pathlib import Path
+
+from fieldrecon.course import build as building
+from fieldrecon.course.bundle import write_bundle
+from fieldrecon.course.proof import Proof, prove
+from fieldrecon.course.secret import MISSING, make_salt, read_salt
+from fieldrecon.course.sources import Source
+from fieldrecon.reporting.terminal import print_table, progress
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the subcommands of ``fieldrecon course``."""
+    parser.add_argument(
+        "--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)"
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    build = commands.add_parser("build", help="write the notebooks of students and solutions")
+    build.set_defaults(command=_build)
+    check = commands.add_parser("check", help="prove that the graders are right")
+    check.set_defaults(command=_check)
+    check.add_argument("--question", default="", metavar="02.3", help="only this question")
+    for command in (build, check):
+        command.add_argument("--only", nargs="+", default=[], metavar="02", help="these notebooks")
+    init = commands.add_parser("init", help="make the secret salt, outside version control")
+    init.add_argument("--renew", action="store_true", help="replace it, as each year")
+    init.set_defaults(command=_init)
+    bundle = commands.add_parser("bundle", help="write the zip file for students")
+    bundle.add_argument("--out", type=Path, default=Path("dist/student-bundle.zip"), metavar="FILE")
+    bundle.set_defaults(command=_bundle)
+
+
+def _build(options: argparse.Namespace) -> None:
+    chosen = _chosen(options)
+    with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "notebooks") as each:
+        building.build(options.root, chosen, each)
+    print(f"{len(chosen)} notebooks are up to date, for students and solved")
+
+
+def _check(options: argparse.Namespace) -> int:
+    salt = read_salt(options.root)
+    _banner(salt.secret)
+    todo = partial(_proofs, salt=salt.text, only=options.question)
+    with ProcessPoolExecutor(cpu_count()) as pool, progress(pool.map, "graders") as each:
+        proofs = list(chain.from_iterable(each(todo, _chosen(options, options.question[:2]))))
+    print_table(
+        ("question", "mistakes", "other right answers", "mutants", "caught", "problems"),
+        [(p.question, p.mistakes, p.alternatives, p.mutants, p.caught, len(p.problems)) for p in proofs],
+        title="What the graders say of answers whose worth is known",
+    )
+    for proof in proofs:
+        for problem in proof.problems:
+            print(f"{proof.question}: {problem}", file=sys.stderr)
+    return int(any(proof.problems for proof in proofs) or not proofs)
+
+
+def _proofs(source: Source, salt: str, only: str) -> list[Proof]:
+    return list(prove(source, salt, only))
+
+
+def _init(options: argparse.Namespace) -> None:
+    salt = make_salt(options.root, date.today().year, options.renew)
+    print(f"the inputs of {salt.year} are drawn from a new secret salt; keep the file to regrade")
+
+
+def _bundle(options: argparse.Namespace) -> None:
+    for problem in building.leaks(options.root, read_salt(options.root).text):
+        raise ValueError(f"students would be told too much: {problem}")
+    print(write_bundle(options.root, options.out))
+
+
+def _banner(secret: bool) -> None:
+    if not secret:
+        line = "!" * 72
+        print(f"{line}\n{MISSING}\n{line}", file=sys.stderr)
+
+
+def _chosen(options: argparse.Namespace, number: str = "") -> list[Source]:
+    wanted = options.only or ([number] if number else [])
+    found = building.all_sources(options.root)
+    unknown = set(wanted) - {source.number for source in found}
+    if unknown:
+        raise ValueError(f"there is no notebook {', '.join(sorted(unknown))}")
+    return [source for source in found if not wanted or source.number in wanted]

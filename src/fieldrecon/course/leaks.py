@@ -1,0 +1,135 @@
+"""The guard: nothing of a solution, a hidden case or its answers reaches what students get."""
+
+from __future__ import annotations
+
+import io
+import json
+import keyword
+import re
+import tokenize
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldrecon.course.sources import REGION, Source
+
+RUN = 8
+"""So many tokens in a row, names with their dots as one, are nobody's accident."""
+SIGNIFICANT = 9
+"""Numbers that agree in so many digits are the same."""
+LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
+
+
+def code_leaks(source: Source, tree: Iterable[Path]) -> Iterator[str]:
+    """Yield each run of tokens of a solution that stands in a file for students."""
+    solutions = [body for cell in source.cells for body in cell.solutions]
+    runs = {run for body in solutions for run in token_runs(body)}
+    words = [_words(cell.text) for cell in source.cells if cell.answer or cell.rubric]
+    for path in tree:
+        for text in _texts(path):
+            for run in sorted(runs.intersection(token_runs(text))):
+                yield f"{path.name} holds a part of a solution of {source.name}: {' '.join(run)}"
+            told = _words(text)
+            if any(answer and answer in told for answer in words):
+                yield f"{path.name} holds a model answer or a rubric of {source.name}"
+
+
+def number_leaks(
+    calls: Sequence[Call], answers: Sequence[Values], tree: Iterable[Path]
+) -> Iterator[str]:
+    """Yield each file for students with a number of a hidden input, or of the answer to one."""
+    arrays = [np.asarray(a, dtype=float) for call in calls for a in call.arguments]
+    secret = _long([*arrays, *(v for values in answers for v in values)])
+    for path in tree:
+        found = {_digits(float(n)) for n in LONG_NUMBER.findall(_all_text(path)) if len(n) > SIGNIFICANT}
+        if found & secret:
+            yield f"{path.name} holds a number of a hidden case: {min(found & secret)}"
+
+
+def token_runs(text: str) -> set[tuple[str, ...]]:
+    """Return all runs of so many tokens; comments, line ends and indents do not count.
+
+    Examples
+    --------
+    >>> token_runs("x = np.linalg.solve(a + b, c)")
+    {('x', '=', 'np.linalg.solve', '(', 'a', '+', 'b', ','), ...}
+    """
+    tokens = list(_tokens(text))
+    return {tuple(tokens[i : i + RUN]) for i in range(len(tokens) - RUN + 1)}
+
+
+SPACE = {
+    tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT,
+    tokenize.ENCODING, tokenize.ENDMARKER, tokenize.STRING,
+}  # fmt: skip
+
+
+def _tokens(text: str) -> Iterator[str]:
+    """Yield the tokens of code, as far as it is code; names and their attributes as one."""
+    name = ""
+    try:
+        for token in tokenize.generate_tokens(io.StringIO(_dedented(text)).readline):
+            part = token.string
+            joins = part == "." or (part.isidentifier() and not keyword.iskeyword(part))
+            if name and joins and (part == "." or name.endswith(".")):
+                name += part
+                continue
+            if name:
+                yield name
+                name = ""
+            if part.isidentifier() and not keyword.iskeyword(part):
+                name = part
+            elif token.type not in SPACE:
+                yield part
+    except (tokenize.TokenError, IndentationError, SyntaxError):
+        return
+
+
+def _dedented(text: str) -> str:
+    lines = text.splitlines()
+    indents = [len(line) - len(line.lstrip()) for line in lines if line.strip()]
+    return "\n".join(line[min(indents, default=0) :] for line in lines) + "\n"
+
+
+def _texts(path: Path) -> Iterator[str]:
+    """Yield the texts of a file: the cells of a notebook, the strings of JSON, or all of it."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".ipynb":
+        for cell in json.loads(text)["cells"]:
+            yield "".join(cell["source"])
+            yield json.dumps(cell.get("outputs", []))
+    elif path.suffix == ".json":
+        yield from _strings(json.loads(text))
+    else:
+        yield text
+
+
+def _strings(data: object) -> Iterator[str]:
+    if isinstance(data, str):
+        yield data
+    elif isinstance(data, dict):
+        for value in data.values():
+            yield from _strings(value)
+    elif isinstance(data, list):
+        for value in data:
+            yield from _strings(value)
+
+
+def _words(text: str) -> str:
+    return " ".join(REGION.sub("", text).split())
+
+
+def _all_text(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+def _long(arrays: Iterable[np.ndarray]) -> set[str]:
+    """Return the numbers that need all of the digits; short ones, as 0.5, are no secret."""
+    numbers = {float(x) for array in arrays for x in np.ravel(array)}
+    return {_digits(x) for x in numbers if np.isfinite(x) and float(f"{x:.6g}") != x}
+
+
+def _digits(x: float) -> str:
+    return f"{x:.{SIGNIFICANT}g}"

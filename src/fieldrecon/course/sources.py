@@ -1,0 +1,122 @@
+"""The one source of a notebook: a Python file in percent format, with the solutions in it.
+
+A cell says in its header what it is::
+
+    # %% tags=["setup"]                     imports, run wherever the answers are run
+    # %% question="02.3"                    a function that the student writes
+    # %% [markdown] answer="02.7" points=2  a model answer in words
+    # %% [markdown] rubric="02.7"           how it is graded; for instructors
+
+All other cells are the same for everybody. Between ``# BEGIN SOLUTION`` and ``# END SOLUTION``
+stands what the student has to find.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+BEGIN, END = "# BEGIN SOLUTION", "# END SOLUTION"
+REGION = re.compile(rf"^(?P<indent> *){BEGIN}\n(?P<body>.*?)^ *{END}\n?", re.MULTILINE | re.DOTALL)
+NAME = re.compile(r"\d\d_\w+\.py")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a source.
+
+    Parameters
+    ----------
+    kind : str
+        ``"markdown"`` or ``"code"``.
+    text : str
+        Its content.
+    metadata : dict
+        What its header says.
+    """
+
+    kind: str
+    text: str
+    metadata: dict[str, Any]
+
+    @property
+    def question(self) -> str:
+        """The question that it answers in code, or nothing."""
+        return str(self.metadata.get("question", ""))
+
+    @property
+    def answer(self) -> str:
+        """The question that it answers in words, or nothing."""
+        return str(self.metadata.get("answer", ""))
+
+    @property
+    def rubric(self) -> str:
+        """The question whose grading it explains, or nothing."""
+        return str(self.metadata.get("rubric", ""))
+
+    @property
+    def is_setup(self) -> bool:
+        """Whether it is needed wherever the answers are run."""
+        return "setup" in self.metadata.get("tags", ())
+
+    @property
+    def solutions(self) -> list[str]:
+        """What stands between the markers."""
+        return [region["body"] for region in REGION.finditer(self.text + "\n")]
+
+
+@dataclass(frozen=True)
+class Source:
+    """The source of a notebook."""
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """``"02_moving_least_squares"``."""
+        return self.path.stem
+
+    @property
+    def number(self) -> str:
+        """``"02"``."""
+        return self.name.partition("_")[0]
+
+    @cached_property
+    def cells(self) -> tuple[Cell, ...]:
+        """All cells in order."""
+        import jupytext
+
+        notebook = jupytext.read(self.path, fmt="py:percent")
+        return tuple(Cell(c.cell_type, c.source, dict(c.metadata)) for c in notebook.cells)
+
+    @property
+    def title(self) -> str:
+        """The first heading."""
+        return self.cells[0].text.partition("\n")[0].lstrip("# ")
+
+    def answer_cells(self) -> dict[str, Cell]:
+        """Return the cells with the functions that are asked for, by question."""
+        return {cell.question: cell for cell in self.cells if cell.question}
+
+    def setup(self) -> str:
+        """Return the code that the answers need."""
+        return "\n\n".join(cell.text for cell in self.cells if cell.kind == "code" and cell.is_setup)
+
+    def functions(self) -> dict[str, Any]:
+        """Return what the set-up and the answers define, without running checks or pictures."""
+        namespace: dict[str, Any] = {"__name__": self.name}
+        for number, cell in enumerate(self.cells):
+            if cell.question or (cell.is_setup and cell.kind == "code"):
+                exec(compile(cell.text, f"{self.path.name}, cell {number}", "exec"), namespace)
+        return namespace
+
+
+def sources(folder: Path) -> Iterator[Source]:
+    """Yield the sources in a folder in the order of their numbers."""
+    for path in sorted(folder.glob("*.py")):
+        if NAME.fullmatch(path.name):
+            yield Source(path)

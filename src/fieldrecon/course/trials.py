@@ -1,0 +1,81 @@
+"""What an answer goes through to be graded: public cases, the student's own, hidden ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from fieldcheck.answers import Answers
+from fieldcheck.calls import Call, perform
+from fieldcheck.ladder import PATIENCE, judge
+from fieldcheck.question import Question
+from fieldcheck.seeds import seed
+from fieldcheck.verdict import Verdict
+from fieldrecon.course.catalogue import Entry
+from fieldrecon.course.hidden import Hidden
+from fieldrecon.course.known import known_answers, public_calls
+
+NOT_TOLD = ("exception", "endless", "type", "shape", "not finite", "wrong", "slow")
+"""Rungs whose sentence would tell a hidden input."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Calls, the known answers to them, and what is said if they are hidden."""
+
+    question: Question
+    calls: tuple[Call, ...]
+    answers: Answers
+    sentence: str = ""
+
+    def verdict(self, functions: dict[str, Any]) -> Verdict:
+        """Judge the functions, called in this process: for code that is trusted."""
+        question = self.question
+        outcomes = perform(functions, self.calls, PATIENCE * question.limit)
+        verdict = judge(question, self.calls, outcomes, self.answers)
+        return self.told(verdict)
+
+    def told(self, verdict: Verdict) -> Verdict:
+        """Return a verdict without what would give a hidden input away."""
+        if self.sentence and verdict.rung in NOT_TOLD:
+            return replace(verdict, sentence=self.sentence, call=None)
+        return verdict
+
+
+def trials(
+    question: Question,
+    functions: dict[str, Any],
+    mistakes: Sequence[Entry],
+    hidden: Sequence[Hidden],
+    student: str,
+    salt: str,
+) -> tuple[Trial, ...]:
+    """Return the trials of a student's answer, the known answers computed by the solution."""
+
+    def trial(question: Question, calls: tuple[Call, ...], sentence: str) -> Trial:
+        known = known_answers(question, calls, functions, mistakes)
+        return Trial(question, calls, known, sentence)
+
+    number = seed(student, question.name, salt)
+    lawless = replace(question, laws=())
+    return (
+        trial(question, public_calls(question), ""),
+        trial(question, question.inputs(number), "It is right on the public cases, not on others."),
+        *(
+            trial(lawless, h.inputs(number), h.sentence)
+            for h in hidden if h.question == question.name
+        ),
+    )  # fmt: skip
+
+
+def grade(trials: Sequence[Trial], functions: dict[str, Any]) -> Verdict:
+    """Return the first verdict that is not right, or the last that is."""
+    verdict = None
+    for trial in trials:
+        verdict = trial.verdict(functions)
+        if not verdict.right:
+            break
+    if verdict is None:
+        raise ValueError("an answer without trials cannot be graded")
+    return verdict
