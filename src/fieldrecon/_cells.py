@@ -43,7 +43,7 @@ def as_cells(cells: ArrayLike, n: int, d: int) -> np.ndarray:
 def positive(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """The cells, the last two vertices exchanged where the orientation is negative."""
     with np.errstate(over="ignore", invalid="ignore"):
-        volumes, _, flat = simplices.signed_volumes(points[cells])
+        volumes, _, flat = simplices.signed_volumes(points.take(cells, axis=0))
     if not np.isfinite(volumes).all():
         i = int(np.argmin(np.isfinite(volumes)))
         raise OverflowError(f"the size of cell {i} exceeds the range of floating-point numbers")

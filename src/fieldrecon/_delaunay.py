@@ -76,7 +76,7 @@ def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarra
 def _flat_within_rounding(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Whether moving each coordinate by its rounding could turn a cell over."""
     rounding = np.finfo(float).eps * np.abs(points).max()
-    return simplices.signed_volumes(points[cells], rounding)[2]
+    return simplices.signed_volumes(points.take(cells, axis=0), rounding)[2]
 
 
 def _outer(neighbors: np.ndarray, flat: np.ndarray) -> np.ndarray:

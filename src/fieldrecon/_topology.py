@@ -50,9 +50,10 @@ def topology(cells: np.ndarray, n: int) -> Topology:
     even = _sorted_by_even_permutation(sides)
     sides = np.sort(sides, axis=1)
     order = _lexicographic_order(sides, n)
-    start = np.flatnonzero(_first_of_equals(sides[order]))
+    sides = sides.take(order, axis=0)
+    start = np.flatnonzero(_first_of_equals(sides))
     count = np.diff(start, append=len(order))
-    faces = sides[order[start]]
+    faces = sides.take(start, axis=0)
     _refuse_crowded(faces, count, order // (d + 1), start)
 
     cell_faces = np.empty(len(order), dtype=np.intp)

@@ -132,7 +132,7 @@ class SimplexMesh:
     def cell_face_signs(self) -> np.ndarray:
         """1 where the normal of the k-th face leaves the cell, -1 where it enters, (c, d + 1)."""
         cell = np.arange(len(self.cells))[:, None]
-        return _read_only(np.where(self.face_cells[self.cell_faces, 0] == cell, 1, -1))
+        return _read_only(np.where(self.face_cells[:, 0].take(self.cell_faces) == cell, 1, -1))
 
     @cached_property
     def boundary_faces(self) -> np.ndarray:
@@ -218,32 +218,32 @@ class SimplexMesh:
     @cached_property
     def cell_measures(self) -> np.ndarray:
         """Area or volume (c,) of each cell."""
-        volume, unit, _ = simplices.signed_volumes(self.points[self.cells])
+        volume, unit, _ = simplices.signed_volumes(self.points.take(self.cells, axis=0))
         return _read_only(_in_range(volume, unit, self.points.shape[1]))
 
     @cached_property
     def cell_centers(self) -> np.ndarray:
         """Centroid (c, d) of each cell."""
-        return _read_only(simplices.centroids(self.points[self.cells]))
+        return _read_only(simplices.centroids(self.points.take(self.cells, axis=0)))
 
     @cached_property
     def circumcenters(self) -> np.ndarray:
         """Centre (c, d) of the circle or sphere through the vertices of each cell."""
-        return _read_only(simplices.circumcenters(self.points[self.cells]))
+        return _read_only(simplices.circumcenters(self.points.take(self.cells, axis=0)))
 
     @cached_property
     def face_centers(self) -> np.ndarray:
         """Centroid (f, d) of each face."""
-        return _read_only(simplices.centroids(self.points[self.faces]))
+        return _read_only(simplices.centroids(self.points.take(self.faces, axis=0)))
 
     @cached_property
     def face_circumcenters(self) -> np.ndarray:
         """Centre (f, d) of the circle through the vertices of each face; its middle in 2-D."""
-        return _read_only(simplices.circumcenters(self.points[self.faces]))
+        return _read_only(simplices.circumcenters(self.points.take(self.faces, axis=0)))
 
     @cached_property
     def _face_vectors(self) -> tuple[np.ndarray, np.ndarray]:
-        normals, areas, unit = simplices.normals(self.points[self.faces])
+        normals, areas, unit = simplices.normals(self.points.take(self.faces, axis=0))
         normals *= self._topology.signs[:, None]
         return _read_only(normals), _read_only(_in_range(areas, unit, self.points.shape[1] - 1))
 

@@ -242,7 +242,8 @@ class _AffineVelocity:
         m, k, d = normals.shape
         b = np.empty((m, k, 1 + d, d))  # rows n, y_1 n, ..., y_d n
         b[:, :, 0] = normals
-        np.multiply(y[..., None], normals[:, :, None], out=b[:, :, 1:])
+        for i, j in np.ndindex(d, d):  # numpy's loop over an axis of two or three is slow
+            np.multiply(y[..., i], normals[..., j], out=b[:, :, 1 + i, j])
         c = estimable_weights(b.reshape(m, k, d + d * d), w, d)
         amplification = np.sqrt(np.einsum("mdk,mdk->md", c, c).max(axis=1))
         return LocalWeights(c, amplification, number_that_count(w))
