@@ -36,7 +36,6 @@ from fieldcheck import (
     progress,
 )
 
-
 # %% [markdown]
 # ## The problem in a picture
 #

@@ -19,6 +19,6 @@ from fieldcheck.notebook import Progress, check, data, progress, reset
 from fieldcheck.verdict import Verdict
 
 __all__ = [
-    "BLUE", "GREEN", "GREY", "ORANGE", "PURPLE", "Picture", "Progress", "Slider", "Verdict", "check",
-    "data", "draw", "figure", "progress", "reset", "svg",
+    "BLUE", "GREEN", "GREY", "ORANGE", "PURPLE", "Picture", "Progress", "Slider", "Verdict",
+    "check", "data", "draw", "figure", "progress", "reset", "svg",
 ]  # fmt: skip

@@ -54,7 +54,8 @@ class Outcome:
         ``"returned"``, ``"raised"``, ``"unwritten"`` (NotImplementedError), ``"missing"`` (there is
         no such function), ``"timed out"``.
     values : tuple of ndarray, optional
-        What was returned, a tuple as several arrays, anything else as one; None if it is no numbers.
+        What was returned, a tuple as several arrays, anything else as one; None for what is no
+        numbers.
     returned : str
         What was returned instead of numbers, in words.
     error : str

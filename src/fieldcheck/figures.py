@@ -22,7 +22,7 @@ STATIC = "FIELDCHECK_STATIC"
 BLUE, ORANGE, PURPLE, GREEN, GREY = "#2a78bb", "#c48600", "#5f1049", "#2a6428", "#8a8a8a"
 """Colours that are told apart by the colour-blind, and in grey by their lightness."""
 
-STYLE: dict[str, Any] = {
+STYLE: Any = {
     "font.size": 10,
     "axes.titlesize": 10,
     "axes.spines.top": False,

@@ -68,7 +68,9 @@ def _faults(
             yield rung, sentence, index
     if found:
         return
-    values = [fitted(o.values, question.shapes(c)) for c, o in zip(calls, outcomes, strict=True) if o.values]
+    values = [
+        fitted(o.values or (), question.shapes(c)) for c, o in zip(calls, outcomes, strict=True)
+    ]
     yield from _wrong(question, calls, values, answers)
     slowest = int(np.argmax([outcome.seconds for outcome in outcomes]))
     if outcomes[slowest].seconds > question.limit:
@@ -116,8 +118,8 @@ def _array_form(
     if outcome.modified:
         which = ", ".join(str(i + 1) for i in outcome.modified)
         yield "modified", (
-            f"{question.function} changes its argument number {which}, which belongs to the caller. "
-            "Operators such as += work in place: take a copy first."
+            f"{question.function} changes its argument number {which}, which belongs to the "
+            "caller. Operators such as += work in place: take a copy first."
         )
 
 
@@ -169,5 +171,6 @@ def _entry(units: np.ndarray, part: int, parts: int) -> str:
 def _slow(question: Question, call: Call, outcome: Outcome) -> str:
     return (
         f"The numbers are right, but for {call.case} {question.function} took "
-        f"{outcome.seconds:.1f} seconds; {question.limit:.0f} should do. Let NumPy work on whole arrays."
+        f"{outcome.seconds:.1f} seconds; {question.limit:.0f} should do. "
+        "Let NumPy work on whole arrays."
     )

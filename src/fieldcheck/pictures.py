@@ -25,7 +25,7 @@ def picture_of_difference(
     outcomes: Sequence[Outcome],
     answers: Answers | None,
 ) -> Verdict:
-    """Return the verdict with a picture, where there are right numbers to show beside the others."""
+    """Return the verdict with a picture, where there are right numbers to show beside it."""
     if answers is None or verdict.call is None or verdict.rung not in ("wrong", "misconception"):
         return verdict
     call, right = calls[verdict.call], answers.right[verdict.call]

@@ -35,12 +35,12 @@ class Law:
     tolerance: float = LEAST_TOLERANCE
 
 
-def unchanged(call: Call, values: Values) -> Values:
+def unchanged(_: Call, values: Values) -> Values:
     """Return the values as they are."""
     return values
 
 
-def least_tolerance(call: Call) -> float:
+def least_tolerance(_: Call) -> float:
     """Return the tolerance of a well-conditioned question."""
     return LEAST_TOLERANCE
 

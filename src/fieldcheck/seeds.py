@@ -31,7 +31,7 @@ def seed(student: str, question: str, salt: str = PUBLIC_SALT) -> int:
 
 
 def student(folder: Path | None = None) -> str:
-    """Return what ``student.txt`` says: its first line that is no comment; empty if there is none."""
+    """Return the first line of ``student.txt`` that is no comment; empty if there is none."""
     file = (Path.cwd() if folder is None else folder) / FILE
     lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
     told = (line.strip() for line in lines)

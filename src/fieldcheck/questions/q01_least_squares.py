@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -83,7 +84,7 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
 def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much differences of values depend on the constant."""
     return max(
-        relative(np.diff(v) - [(b - a) @ c.arguments[0][1:] for a, b in zip(c.arguments[1], c.arguments[1][1:])], v)
+        relative(np.diff(v) - [(b - a) @ c.arguments[0][1:] for a, b in pairwise(c.arguments[1])], v)
         for c, (v,) in zip(calls, values, strict=True)
     )
 
@@ -134,10 +135,10 @@ QUESTIONS = (
         (Law("From one place to another the field changes by the slope times the way.",
              moves_by_the_gradient),),
     ),
-    Question("01.4", "rank", 2, rank_inputs, lambda call: ((),)),
+    Question("01.4", "rank", 2, rank_inputs, lambda _: ((),)),
     Question(
         "01.5", "gradient", 1, lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[1].shape,),
     ),
-    Question("01.6", "objective", 1, objective_inputs, lambda call: ((),)),
+    Question("01.6", "objective", 1, objective_inputs, lambda _: ((),)),
 )  # fmt: skip

@@ -1,1 +1,1 @@
-"""The instructor's side of the course: notebooks from their sources, the bundle, the graders' proof."""
+"""The instructor's side of the course: notebooks, the bundle, the proof of the graders."""

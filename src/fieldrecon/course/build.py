@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import nbformat
@@ -18,14 +18,14 @@ from fieldrecon.course.leaks import code_leaks, number_leaks
 from fieldrecon.course.notebooks import (
     execute,
     solved_notebook,
-    student_notebook,
     stub,
+    student_notebook,
     to_text,
 )
 from fieldrecon.course.sources import Source, sources
 from fieldrecon.course.trials import trials
 
-Each = Callable[[Callable[[Source], None], list[Source]], Iterator[None]]
+Each = Callable[[Callable[[Source], None], list[Source]], Iterable[None]]
 
 
 def all_sources(root: Path) -> list[Source]:
@@ -42,7 +42,7 @@ def all_sources(root: Path) -> list[Source]:
     return found
 
 
-def build(root: Path, chosen: list[Source], each: Each = map) -> None:  # type: ignore[assignment]
+def build(root: Path, chosen: list[Source], each: Each = map) -> None:
     """Write exercises, known answers, stubs, and the executed solutions that are out of date.
 
     Raises

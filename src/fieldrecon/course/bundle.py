@@ -1,4 +1,4 @@
-"""The student's bundle: notebooks, the self-check package, what to install. The same bytes each time."""
+"""The students' bundle: notebooks, the self-check package, and what to install."""
 
 from __future__ import annotations
 

@@ -7,8 +7,7 @@ notebook. An answer is a function under a name of its own that stands in for the
     def weights_not_squared(points, values, x, epsilon):
         '''What the student is told: what is wrong, why it matters, where to look.'''
 
-What else the answer needs of the notebook (its set-up, earlier answers) it finds by name, as the
-student's would.
+Each stands for itself: it imports what it needs, and calls nothing of the notebook.
 """
 
 from __future__ import annotations
@@ -79,6 +78,7 @@ def _sentence(function: Function) -> str:
 
 
 def load(path: Path) -> Any:
+    """Return the module in a file beside the sources."""
     name = f"_course_{path.parent.name}_{path.stem}"
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:

@@ -55,7 +55,10 @@ def _check(options: argparse.Namespace) -> int:
         proofs = list(chain.from_iterable(each(todo, _chosen(options, options.question[:2]))))
     print_table(
         ("question", "mistakes", "other right answers", "mutants", "caught", "problems"),
-        [(p.question, p.mistakes, p.alternatives, p.mutants, p.caught, len(p.problems)) for p in proofs],
+        [
+            (p.question, p.mistakes, p.alternatives, p.mutants, p.caught, len(p.problems))
+            for p in proofs
+        ],
         title="What the graders say of answers whose worth is known",
     )
     for proof in proofs:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import io
 import json
 import keyword
@@ -13,10 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldrecon.course.sources import REGION, Source
+from fieldrecon.course.sources import Source
 
 RUN = 8
 """So many tokens in a row, names with their dots as one, are nobody's accident."""
+WORDS = 12
+"""The same of the words of a model answer, or of a rubric."""
 SIGNIFICANT = 9
 """Numbers that agree in so many digits are the same."""
 LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
@@ -26,14 +29,13 @@ def code_leaks(source: Source, tree: Iterable[Path]) -> Iterator[str]:
     """Yield each run of tokens of a solution that stands in a file for students."""
     solutions = [body for cell in source.cells for body in cell.solutions]
     runs = {run for body in solutions for run in token_runs(body)}
-    words = [_words(cell.text) for cell in source.cells if cell.answer or cell.rubric]
+    told = {r for cell in source.cells if cell.answer or cell.rubric for r in word_runs(cell.text)}
     for path in tree:
         for text in _texts(path):
             for run in sorted(runs.intersection(token_runs(text))):
                 yield f"{path.name} holds a part of a solution of {source.name}: {' '.join(run)}"
-            told = _words(text)
-            if any(answer and answer in told for answer in words):
-                yield f"{path.name} holds a model answer or a rubric of {source.name}"
+            for run in sorted(told.intersection(word_runs(text))):
+                yield f"{path.name} holds a part of a model answer of {source.name}: {' '.join(run)}"
 
 
 def number_leaks(
@@ -43,7 +45,8 @@ def number_leaks(
     arrays = [np.asarray(a, dtype=float) for call in calls for a in call.arguments]
     secret = _long([*arrays, *(v for values in answers for v in values)])
     for path in tree:
-        found = {_digits(float(n)) for n in LONG_NUMBER.findall(_all_text(path)) if len(n) > SIGNIFICANT}
+        numbers = LONG_NUMBER.findall(path.read_text(encoding="utf-8"))
+        found = {_digits(float(n)) for n in numbers if len(n) > SIGNIFICANT}
         if found & secret:
             yield f"{path.name} holds a number of a hidden case: {min(found & secret)}"
 
@@ -94,14 +97,18 @@ def _dedented(text: str) -> str:
 
 
 def _texts(path: Path) -> Iterator[str]:
-    """Yield the texts of a file: the cells of a notebook, the strings of JSON, or all of it."""
+    """Yield the texts of a file: cells and outputs of a notebook, strings of code and of JSON."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".ipynb":
         for cell in json.loads(text)["cells"]:
             yield "".join(cell["source"])
-            yield json.dumps(cell.get("outputs", []))
+            yield from _strings(cell.get("outputs", []))
     elif path.suffix == ".json":
         yield from _strings(json.loads(text))
+    elif path.suffix == ".py":
+        yield text
+        constants = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant))
+        yield from (node.value for node in constants if isinstance(node.value, str))
     else:
         yield text
 
@@ -117,12 +124,10 @@ def _strings(data: object) -> Iterator[str]:
             yield from _strings(value)
 
 
-def _words(text: str) -> str:
-    return " ".join(REGION.sub("", text).split())
-
-
-def _all_text(path: Path) -> str:
-    return path.read_text(encoding="utf-8")
+def word_runs(text: str) -> set[tuple[str, ...]]:
+    """Return all runs of so many words."""
+    words = text.split()
+    return {tuple(words[i : i + WORDS]) for i in range(len(words) - WORDS + 1)}
 
 
 def _long(arrays: Iterable[np.ndarray]) -> set[str]:

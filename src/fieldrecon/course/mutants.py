@@ -25,11 +25,11 @@ Change = Callable[[ast.AST], Iterator[ast.AST]]
 
 
 def mutants(function: str) -> Iterator[tuple[str, str]]:
-    """Yield what was changed, and the changed code, of a function given by its code.
+    r"""Yield what was changed, and the changed code, of a function given by its code.
 
     Examples
     --------
-    >>> for change, code in mutants("def f(x):\\n    return x + 1"):
+    >>> for change, code in mutants("def f(x):\n    return x + 1"):
     ...     print(change, "->", code.splitlines()[1].strip())
     line 2: x + 1 becomes x - 1 -> return x - 1
     line 2: 1 becomes 2 -> return x + 2
@@ -63,11 +63,11 @@ def _changes(node: ast.AST) -> Iterator[ast.AST]:
         yield node.operand
     elif isinstance(node, ast.Compare) and type(node.ops[0]) in COMPARISON:
         yield ast.Compare(node.left, [COMPARISON[type(node.ops[0])]()], node.comparators)
-    elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
-        yield ast.Constant(node.value + 1)
-        yield ast.Constant(node.value - 1)
     elif isinstance(node, ast.Constant) and isinstance(node.value, bool):
         yield ast.Constant(not node.value)
+    elif isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+        yield ast.Constant(node.value + 1)
+        yield ast.Constant(node.value - 1)
     elif isinstance(node, ast.Attribute) and node.attr == "T":
         yield node.value
     elif isinstance(node, ast.Call):

@@ -83,7 +83,8 @@ def _student_cells(source: Source) -> Iterator[tuple[Cell, str]]:
 
 def _notebook(source: Source, cells: Any) -> nbformat.NotebookNode:
     make = {"markdown": nbformat.v4.new_markdown_cell, "code": nbformat.v4.new_code_cell}
-    made, seen = [], set()
+    made: list[nbformat.NotebookNode] = []
+    seen: set[str] = set()
     for cell, text in cells:
         node = make[cell.kind](text)
         node["id"] = _identifier(source, cell, text, seen)

@@ -11,6 +11,7 @@ from typing import Any
 
 from fieldcheck.answers import distance
 from fieldcheck.calls import Outcome
+from fieldcheck.ladder import PATIENCE
 from fieldcheck.question import Question
 from fieldcheck.questions import questions
 from fieldrecon.course.catalogue import Entry, entries
@@ -89,7 +90,7 @@ def _prove(
         *_apart(tried[0]),
         *_alternatives(tried, functions, others),
         *(f"no reason is given why this survives: {s}" for s in survivors if s not in reasons),
-        *(f"a reason is given for what does not survive: {s}" for s in reasons if s not in survivors),
+        *(f"a reason is given, but this is caught: {s}" for s in reasons if s not in survivors),
     ]  # fmt: skip
     if total == 0:
         problems.append("its solution cannot be changed: there is nothing between the markers")
@@ -150,7 +151,8 @@ def _survivors(
     tried: Sequence[Trial], functions: dict[str, Any], code: str
 ) -> tuple[int, list[str]]:
     """Return how many mutants there are, and those that lose no points."""
-    hurried = [replace(t, question=replace(t.question, limit=SECONDS_FOR_A_MUTANT / 4)) for t in tried]
+    limit = SECONDS_FOR_A_MUTANT / PATIENCE
+    hurried = [replace(t, question=replace(t.question, limit=limit)) for t in tried]
     total, survivors = 0, []
     for change, changed in mutants(code):
         total += 1

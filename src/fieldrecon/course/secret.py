@@ -76,7 +76,7 @@ def _require_untracked(file: Path) -> None:
     if _git(file.parent, "rev-parse", "--is-inside-work-tree"):
         return
     if _git(file.parent, "ls-files", "--error-unmatch", file.name) == 0:
-        raise ValueError(f"git tracks {file.name}, so it is no secret: git rm --cached it, and renew")
+        raise ValueError(f"git tracks {file.name}, so it is no secret: remove it there, and renew")
     if _git(file.parent, "check-ignore", "--quiet", file.name) != 0:
         raise ValueError(f"git does not ignore {file.name}: add it to .gitignore first")
 

@@ -102,10 +102,6 @@ class Source:
         """Return the cells with the functions that are asked for, by question."""
         return {cell.question: cell for cell in self.cells if cell.question}
 
-    def setup(self) -> str:
-        """Return the code that the answers need."""
-        return "\n\n".join(cell.text for cell in self.cells if cell.kind == "code" and cell.is_setup)
-
     def functions(self) -> dict[str, Any]:
         """Return what the set-up and the answers define, without running checks or pictures."""
         namespace: dict[str, Any] = {"__name__": self.name}

@@ -1,0 +1,367 @@
+"""The ladder stops at the first rung that fails, and says what is wrong in words."""
+
+import json
+import re
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fieldcheck
+from fieldcheck import answers, calls, figures, notebook, seeds
+from fieldcheck.answers import Answers, Mistake
+from fieldcheck.calls import Call, Outcome, perform
+from fieldcheck.ladder import judge
+from fieldcheck.question import Law, Question, relative
+from fieldcheck.questions import get, questions
+from fieldcheck.shapes import fitted
+from fieldcheck.verdict import LADDER, TITLES, Verdict
+
+
+def inputs(seed):
+    random = np.random.default_rng(seed)
+    return tuple(Call("twice", (random.normal(size=n),), f"{n} numbers") for n in (5, 3))
+
+
+def is_linear(made, values):
+    pairs = zip(made, values, strict=True)
+    return max(relative(v.sum() - 2 * call.arguments[0].sum(), v) for call, (v,) in pairs)
+
+
+TWICE = Question(
+    "99.1", "twice", 1, inputs, lambda call: (call.arguments[0].shape,),
+    (Law("Twice the numbers have twice the sum.", is_linear),), limit=0.25,
+)  # fmt: skip
+CALLS = inputs(0)
+
+
+def known():
+    """The right numbers, and those of one mistake."""
+    squares = perform({"twice": lambda x: x**2}, CALLS, 1)
+    return Answers(
+        tuple((2 * call.arguments[0],) for call in CALLS),
+        (Mistake("squared", "These are the squares.", squares),),
+    )
+
+
+def verdict_of(function, known=None):
+    return judge(TWICE, CALLS, perform({"twice": function}, CALLS, 1), known)
+
+
+def raises(_):
+    raise ValueError("no   such\nthing")
+
+
+def unwritten(_):
+    raise NotImplementedError
+
+
+def in_place(x):
+    x *= 2
+    return x
+
+
+def last_wrong(x):
+    y = 2 * x
+    y[-1] += 1
+    return y
+
+
+@pytest.mark.parametrize(
+    ("function", "rung", "words"),
+    [
+        (None, "missing", "There is no function twice"),
+        (unwritten, "unwritten", "Write twice"),
+        (raises, "exception", "twice stops with ValueError: no such thing. It arises in line"),
+        (lambda _: None, "type", "nothing \\(None\\): is the `return` missing"),
+        (lambda _: "two", "type", "an object of type str"),
+        (lambda _: [[1], [1, 2]], "type", "no rectangular array"),
+        (lambda x: 1j * x, "type", "complex"),
+        (lambda x: x[:-1], "shape", r"of shape \(4,\)\. It should be an array of shape \(5,\)"),
+        (lambda x: x[:, None], "shape", r"shape \(5, 1\)"),
+        (lambda x: 2 * x / (x - x[0]), "not finite", "1 of 5 values are NaN or infinite"),
+        (in_place, "modified", "changes its argument number 1"),
+        (lambda x: x**2, "misconception", "These are the squares"),
+        (last_wrong, "wrong", r"twice the sum\. For \d numbers, entry \[\d\] is off by 1, where"),
+        (lambda x: 2 * x, "right", ""),
+        (lambda x: [2 * float(t) for t in x], "right", ""),
+        (lambda x: tuple(2 * x), "right", ""),
+        (lambda x: 2 * x + 0j, "right", ""),
+    ],
+)  # fmt: skip
+def test_the_ladder(function, rung, words):
+    """Each kind of answer stops at its rung, and is told so."""
+    verdict = verdict_of(function, known())
+    assert verdict.rung == rung
+    assert re.search(words, verdict.sentence) if words else not verdict.sentence
+    assert verdict.credit == (1.0 if rung == "right" else 0.0)
+
+
+def test_slow_and_endless_answers():
+    """A slow answer loses half, one that does not end loses all, and waiting for it has an end."""
+
+    def slow(x):
+        time.sleep(0.3)
+        return 2 * x
+
+    assert verdict_of(slow, known()).rung == "slow"
+    assert verdict_of(slow, known()).credit == 0.5
+
+    def endless(_):
+        while True:
+            try:
+                time.sleep(1)
+            except Exception:
+                continue
+
+    start = time.perf_counter()
+    verdict = verdict_of(endless)
+    assert verdict.rung == "endless"
+    assert time.perf_counter() - start < 3
+
+
+def test_laws_judge_where_no_answer_is_known():
+    """Without known answers a law is what an answer is held against."""
+    assert verdict_of(lambda x: 2 * x).right
+    verdict = verdict_of(lambda x: 2.001 * x)
+    assert verdict.rung == "wrong"
+    assert verdict.sentence.startswith("Twice the numbers have twice the sum. It is off by")
+    assert verdict_of(lambda x: x**2).rung == "wrong"
+
+
+def test_a_mistake_is_its_own_and_no_other():
+    """Numbers near a known mistake, but not its, are not taken for it."""
+    assert verdict_of(lambda x: x**2 * (1 + 1e-6), known()).rung == "wrong"
+    assert verdict_of(lambda x: x**2 * (1 + 1e-12), known()).mistake == "squared"
+
+
+def test_a_mistake_of_another_shape_is_recognised():
+    """A mistake may have a shape of its own, and is still told its own sentence."""
+    columns = perform({"twice": lambda x: 3 * x[:, None]}, CALLS, 1)
+    transposed = Mistake("columns", "These are columns.", columns)
+    both = replace(known(), mistakes=(*known().mistakes, transposed))
+    assert verdict_of(lambda x: 3 * x[:, None], both).mistake == "columns"
+    assert verdict_of(lambda x: 4 * x[:, None], both).rung == "shape"
+
+
+def test_an_error_alone_is_no_fingerprint():
+    """Two functions that stop with the same kind of error need not share a mistake."""
+    stops = Mistake("stops", "It stops.", perform({"twice": raises}, CALLS, 1))
+    assert verdict_of(raises, replace(known(), mistakes=(stops,))).rung == "exception"
+
+
+def test_the_arguments_are_copies():
+    """What a call changes does not reach the next call, nor the inputs."""
+    before = [call.arguments[0].copy() for call in CALLS]
+    verdict_of(in_place)
+    for call, was in zip(CALLS, before, strict=True):
+        assert np.array_equal(call.arguments[0], was)
+
+
+def test_the_line_of_the_student():
+    """An error inside NumPy is told with the student's own line, not NumPy's."""
+
+    def solve(x):
+        return np.linalg.solve(np.zeros((2, 2)), np.ones(2)) + x
+
+    (outcome, _) = perform({"twice": solve}, CALLS, 1)
+    assert outcome.error == "LinAlgError: Singular matrix"
+    assert "of solve" in outcome.line
+    assert "np.linalg.solve(np.zeros" in outcome.line
+
+
+def test_system_exit_is_an_error():
+    """A function that ends the program is told so, and the program goes on."""
+    verdict = verdict_of(lambda _: sys.exit(3))
+    assert verdict.rung == "exception"
+    assert "SystemExit" in verdict.sentence
+
+
+@pytest.mark.filterwarnings("error")
+def test_warnings_change_nothing():
+    """A division by zero that is put right again is no fault."""
+    verdict = verdict_of(lambda x: np.where(x == x, 2 * x, x / 0), known())
+    assert verdict.right
+
+
+def test_what_is_packed_otherwise_is_the_same():
+    """Rows as a tuple, several arrays as one, a number in an array: the packing does not count."""
+    assert fitted((np.array([[1, 2], [3, 4]]),), [(2,), (2,)])[1].tolist() == [3, 4]
+    assert fitted((np.array([7]),), [()])[0] == 7
+    assert [v.shape for v in fitted((np.ones((3, 1)),), [(3,)])] == [(3, 1)]
+
+
+def test_known_answers_survive_the_file():
+    """Numbers, shapes, errors and values that are not finite come back from JSON."""
+    strange = (
+        Outcome("returned", values=(np.array([[1 / 3, np.nan]]), np.array(np.inf))),
+        Outcome("raised", error="ValueError: long story"),
+    )
+    there = Answers(known().right, (Mistake("a", "b", strange),))
+    back = answers.from_json(json.loads(json.dumps(answers.to_json(there))))
+    for one, other in zip(there.right, back.right, strict=True):
+        np.testing.assert_allclose(one[0], other[0], rtol=1e-11)
+    outcome, error = back.mistakes[0].outcomes
+    np.testing.assert_allclose(outcome.values[0], strange[0].values[0], rtol=1e-11)
+    assert outcome.values[1] == np.inf
+    assert error.error == "ValueError"
+
+
+def test_every_rung_has_its_title():
+    """And the ladder names each rung once."""
+    assert set(TITLES) == set(LADDER)
+    assert len(set(LADDER)) == len(LADDER)
+
+
+@pytest.mark.parametrize("name", questions())
+def test_inputs_depend_on_the_seed_alone(name):
+    """The same seed gives the same calls, another seed other numbers in the same cases."""
+    question = get(name)
+    one, again, other = question.inputs(5), question.inputs(5), question.inputs(6)
+    assert [c.case for c in one] == [c.case for c in other]
+    assert [question.shapes(c) for c in one] == [question.shapes(c) for c in other]
+    changed = False
+    for a, b, c in zip(one, again, other, strict=True):
+        for x, y, z in zip(a.arguments, b.arguments, c.arguments, strict=True):
+            assert np.array_equal(x, y)
+            changed = changed or not np.array_equal(x, z)
+    assert changed, "nobody has inputs of their own"
+
+
+def test_there_is_no_such_question():
+    """The message names those that there are."""
+    with pytest.raises(ValueError, match=r"no question '77.1'; there are 01.1, 01.2"):
+        get("77.1")
+
+
+def test_seeds_differ_by_student_question_and_salt():
+    """And do not by the case of letters, or spaces around the name."""
+    numbers = {
+        seeds.seed(student, question, salt)
+        for student in ("ada", "bob") for question in ("01.1", "01.2") for salt in ("a", "b")
+    }  # fmt: skip
+    assert len(numbers) == 8
+    assert seeds.seed(" Ada ", "01.1") == seeds.seed("ada", "01.1")
+
+
+def test_the_student_is_whom_the_file_names(tmp_path, monkeypatch):
+    """The file beside the notebooks decides; comments and empty lines do not count."""
+    monkeypatch.chdir(tmp_path)
+    assert seeds.student() == seeds.EVERYBODY
+    (tmp_path / "student.txt").write_text("# your number\n\n  s1234 \n")
+    assert seeds.student() == "s1234"
+    mine = fieldcheck.data("01.1")[0]
+    (tmp_path / "student.txt").write_text("s1235\n")
+    assert not np.array_equal(mine, fieldcheck.data("01.1")[0])
+
+
+@pytest.fixture
+def first_notebook(tmp_path, monkeypatch):
+    """A folder to work in, and a right answer to a question."""
+    monkeypatch.chdir(tmp_path)
+    return {"basis_matrix": lambda points: np.insert(points, 0, 1.0, axis=1)}
+
+
+def test_progress_remembers(first_notebook):
+    """What was checked is shown, also after the kernel was restarted; the points add up."""
+    assert fieldcheck.check("01.1", first_notebook).right
+    assert fieldcheck.check("01.2", first_notebook).rung == "missing"
+    shown = fieldcheck.progress()
+    assert shown.earned == get("01.1").points
+    assert "✓ right" in repr(shown)
+    assert "basis_matrix" in shown._repr_html_()
+    assert shown.possible == sum(question.points for question in questions().values())
+
+
+def test_a_check_draws_the_difference(first_notebook):
+    """Where numbers differ, a picture shows yours beside the right ones; without, there is none."""
+    wrong = {"basis_matrix": lambda points: np.insert(points, 0, 1.5, axis=1)}
+    verdict = fieldcheck.check("01.1", wrong)
+    assert verdict.picture.startswith("<svg")
+    assert verdict.picture in verdict._repr_html_()
+    assert not fieldcheck.check("01.1", first_notebook).picture
+
+
+def test_a_damaged_record_only_forgets(tmp_path, monkeypatch):
+    """Progress starts anew where its file cannot be read."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / notebook.RECORD).write_text("{")
+    assert fieldcheck.progress().earned == 0
+
+
+def test_reset_gives_the_stub_back(capsys):
+    """Outside a notebook it is printed."""
+    fieldcheck.reset("01.1")
+    printed = capsys.readouterr().out
+    assert "def basis_matrix(points):" in printed
+    assert "NotImplementedError" in printed
+
+
+def test_html_is_escaped():
+    """What an exception says cannot become part of the page."""
+    shown = Verdict("01.1", "exception", "<script>alert(1)</script>")._repr_html_()
+    assert "<script>" not in shown
+
+
+def test_pictures_have_the_same_bytes():
+    """A picture drawn twice is the same file."""
+
+    def drawn():
+        with figures.figure(3, 2) as page:
+            page.subplots().plot([0, 1], [1, 0])
+        return figures.svg(page)
+
+    assert drawn() == drawn()
+
+
+@pytest.mark.parametrize(
+    ("picture", "words"),
+    [
+        (lambda: unwritten(1), "The picture waits for unwritten, not written yet."),
+        (lambda: raises(1), "The picture cannot be drawn: ValueError: no such thing."),
+    ],
+)
+def test_a_picture_that_cannot_be_drawn_says_why(picture, words):
+    """Nothing crashes where a function is missing or wrong."""
+    assert repr(figures._drawn(picture, {})) == words
+
+
+def test_sliders_move(monkeypatch):
+    """With ipywidgets a picture is drawn again as the slider moves; the value is the slider's."""
+    shown, seen = [], []
+    monkeypatch.setattr("IPython.display.display", shown.append)
+
+    def picture(epsilon, n):
+        seen.append((epsilon, n))
+        return unwritten(1)
+
+    sliders = {
+        "epsilon": figures.Slider(0.01, 1, 0.1, "ε", logarithmic=True),
+        "n": figures.Slider(1, 9, 3, "n", whole=True),
+    }
+    figures._show_moving(picture, sliders)
+    controls = shown[0].children
+    controls[1].value = 5
+    assert seen == [(pytest.approx(0.1), 3), (pytest.approx(0.1), 5)]
+    assert "waits for unwritten" in controls[2].value
+
+
+def test_without_a_notebook_nothing_is_shown():
+    """Drawing outside of a notebook runs, and shows nothing."""
+
+    @figures.draw()
+    def nothing():
+        with figures.figure(2, 2) as page:
+            page.subplots()
+        return page
+
+    assert callable(nothing)
+
+
+def test_performing_stops_at_what_is_not_there():
+    """One call is enough to see that there is nothing to call."""
+    made = perform({}, CALLS, 1)
+    assert [outcome.status for outcome in made] == ["missing", "missing"]
+    assert calls.as_arrays(()) is None
