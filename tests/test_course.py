@@ -256,9 +256,7 @@ def test_nothing_hidden_is_in_what_students_get():
     ],
 )  # fmt: skip
 def test_the_guard_finds_a_part_of_a_solution(tmp_path, name, text):
-    file.write_text(
-        nbformat.writes(nbformat.v4.new_notebook(cells=[cell])), encoding="utf-8"
-    )
+    """Wherever it is: in code, in a string, in prose; spaces and comments do not hide it."""
     file = tmp_path / name
     if name.endswith(".md"):
         answer = next(cell.text for cell in SOURCES[0].cells if cell.answer).split()
