@@ -166,21 +166,33 @@ class MatrixOfWeights:
 
     def __init__(self, results: int, shape: tuple[int, int]) -> None:
         self.results, self.shape = results, shape
+        self.counts = np.zeros(shape[0], dtype=np.intp)
         self.parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
     def __call__(self, places: np.ndarray, stars: Stars, weights: np.ndarray) -> None:
         """Take a batch."""
-        row = np.broadcast_to(places[:, None], stars.there.shape)[stars.there]
+        self.counts[places] = np.count_nonzero(stars.there, axis=1)
         data = np.moveaxis(weights, 1, 0)[:, stars.there]
-        self.parts.append((row, stars.index[stars.there], data))
+        self.parts.append((places, stars.index[stars.there], data))
 
     def matrices(self) -> tuple[sparse.csr_array, ...]:
-        """The matrices."""
-        if not self.parts:
-            return tuple(sparse.csr_array(self.shape) for _ in range(self.results))
-        row, column = (np.concatenate([part[k] for part in self.parts]) for k in (0, 1))
-        data = np.concatenate([part[2] for part in self.parts], axis=1)
-        return tuple(sparse.csr_array((d, (row, column)), shape=self.shape) for d in data)
+        """The matrices; the batches are let go one by one, so that no weight is held twice."""
+        pointer = np.concatenate([[0], np.cumsum(self.counts)])
+        columns = np.empty(pointer[-1], dtype=np.int32 if self.shape[1] < 2**31 else np.int64)
+        data = [np.empty(pointer[-1]) for _ in range(self.results)]
+        while self.parts:
+            places, index, weights = self.parts.pop()
+            count = self.counts[places]
+            first = np.cumsum(count) - count
+            at = np.arange(len(index)) + np.repeat(pointer[places] - first, count)
+            columns[at] = index
+            for of_result, w in zip(data, weights, strict=True):
+                of_result[at] = w
+        parts = ((d, columns.copy(), pointer.copy()) for d in data)
+        result = tuple(sparse.csr_array(part, shape=self.shape) for part in parts)
+        for matrix in result:
+            matrix.sort_indices()
+        return result
 
 
 class ValuesOfWeights:

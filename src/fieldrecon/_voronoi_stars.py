@@ -40,11 +40,11 @@ def weights_of_cells(
     cell, as on the edges of a Voronoi cell between cocircular points, or where the sum does.
     """
     g, k = cells.shape
-    around = mesh.cells[cells]
+    around = mesh.cells.take(cells, axis=0)
     opposite = around[around != vertices[:, None, None]].reshape(g, -1)
     neighbors, present, faces = _ranked(opposite)
     center = mesh.points[vertices]
-    edges = mesh.points[neighbors] - center[:, None]
+    edges = mesh.points.take(neighbors, axis=0) - center[:, None]
     unit = np.exp2(np.frexp(np.abs(edges).max(axis=(1, 2)))[1])
     edges /= unit[:, None, None]
     normals = edges / np.einsum("gfd,gfd->gf", edges, edges)[..., None]

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from fieldrecon import _simplices as simplices
 from fieldrecon import _validation as valid
 from fieldrecon import _voronoi_stars as stars
-from fieldrecon._chunks import rows_of
+from fieldrecon._chunks import chunked, rows_of
 from fieldrecon._convex_coordinates import ConvexCoordinates
 from fieldrecon._polytope import in_order
 from fieldrecon._product_form import ProductForm
@@ -171,14 +171,17 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
         )
     vertex = np.broadcast_to(given, queries.shape[:-1]).ravel()
     rows, (weights, cells, pointer) = queries.reshape(-1, queries.shape[-1]), _empty(mesh, vertex)
-    lost = []
-    for part in _of_equal_valence(pointer):
+    parts = list(_of_equal_valence(pointer))
+
+    def work(which: np.ndarray) -> np.ndarray:
+        part = parts[which[0]]
         places = pointer[part, None] + np.arange(pointer[part[0] + 1] - pointer[part[0]])
-        w, bad = valid.without_warnings(
+        weights[places], lost = valid.without_warnings(
             stars.weights_of_cells, mesh, vertex[part], rows[part], cells[places]
         )
-        weights[places] = w
-        lost.append(part[bad])
+        return part[lost]
+
+    lost = [pairs for _, pairs in chunked(work, np.arange(len(parts)), 1)]
     _alone(mesh, vertex, rows, np.concatenate([*lost, np.zeros(0, np.intp)]), weights, pointer)
     h = sparse.csr_array((weights, cells, pointer), shape=(len(rows), len(mesh.cells)))
     return valid.finite_rows(h, rows)
