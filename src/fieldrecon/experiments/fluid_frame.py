@@ -88,14 +88,15 @@ def run(params: Params, each: Map = map) -> Result:
     jobs: list[tuple[int, float]] = [(2, n) for n in params.around]
     jobs += [(3, step) for step in params.steps_3d]
     found = dict(zip(jobs, each(partial(errors_on_mesh, params), jobs), strict=True))
+    shown = _shown(params)
     return Result(
         params=params,
         tables={
             "plane": _plane_table(params, found),
             "space": _space_table(params, found),
         },
-        facts=_facts(params, found),
-        arrays=_shown(params)
+        facts=_facts(params, found, shown),
+        arrays=shown
         | {
             "errors": np.array([found[2, n]["errors"] for n in params.around]),
             "steps": np.array([2 * np.pi / n for n in params.around]),
@@ -207,21 +208,30 @@ def _space_table(params: Params, found: dict[tuple[int, float], dict[str, np.nda
 
 
 def _facts(
-    params: Params, found: dict[tuple[int, float], dict[str, np.ndarray]]
+    params: Params,
+    found: dict[tuple[int, float], dict[str, np.ndarray]],
+    shown: dict[str, np.ndarray],
 ) -> dict[str, Cell]:
+    errors = {
+        d: {
+            name.replace(" ", "_"): np.array([found[d, size]["errors"][k] for size in sizes])
+            for k, name in enumerate(MEASURES)
+        }
+        for d, sizes in ((2, params.around), (3, params.steps_3d))
+    }
+    steps = {2: 2 * np.pi / np.array(params.around), 3: np.array(params.steps_3d)}
+    angle, pressure, closed = shown["surface_coarse"]
+    top = np.argmin(np.abs(angle - np.pi / 2))
     facts: dict[str, Cell] = {
         "divergence": order_of_magnitude(max(f["divergence"] for f in found.values())),
-        "order_drift": order(
-            1 / np.array(params.around), [float(found[2, n]["drift"]) for n in params.around]
-        ),
+        "order_drift": order(steps[2], [float(found[2, n]["drift"]) for n in params.around]),
+        "surface_over_inner": errors[2]["surface"][-1] / errors[2]["inner_vertices"][-1],
+        "suction_missed_percent": 100 * abs(pressure[top] / closed[top] - 1),
     }
-    for d, sizes in ((2, 1 / np.array(params.around)), (3, np.array(params.steps_3d))):
-        keys = params.around if d == 2 else params.steps_3d
-        errors = np.array([found[d, key]["errors"] for key in keys])
-        for measure, error in zip(MEASURES, errors.T, strict=True):
-            name = measure.replace(" ", "_")
-            facts[f"order_{name}_{d}d"] = order(sizes, error)
-            facts[f"error_{name}_{d}d"] = error[-1]
+    for name in ("inner_vertices", "surface", "cells"):
+        facts |= {f"order_{name}_{d}d": order(steps[d], errors[d][name]) for d in (2, 3)}
+    for name in ("inner_vertices", "cells", "vertices_from_cells"):
+        facts[f"error_{name}"] = errors[2][name][-1]
     return facts
 
 
