@@ -48,8 +48,8 @@ class Outside:
         the grid, relative to the adjoint.
     poles : (k, 2) ndarray
         Places where the adjoint is zero to rounding.
-    refused : tuple of int
-        How many of the crossings, and of the poles, the coordinates refuse.
+    refused : int
+        How many of the poles the coordinates refuse.
     """
 
     corners: np.ndarray
@@ -59,7 +59,7 @@ class Outside:
     denominator: np.ndarray
     difference: float
     poles: np.ndarray
-    refused: tuple[int, int]
+    refused: int
 
     @classmethod
     def of(cls, corners: np.ndarray, directions: int, side: int) -> Outside:
@@ -84,7 +84,7 @@ class Outside:
             denominator.reshape(side, side),
             np.abs(difference).max() / np.abs(denominator).max(),
             poles,
-            (_refused(method, crossings), _refused(method, poles)),
+            _refused(method, poles),
         )
 
     def arrays(self) -> dict[str, np.ndarray]:

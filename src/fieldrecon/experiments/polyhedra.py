@@ -237,9 +237,8 @@ def _facts_outside(outside: list[Outside]) -> dict[str, Cell]:
     return {
         "adjoint_difference": order_of_magnitude(max(seen.difference for seen in outside)),
         "crossings": sum(len(seen.crossings) for seen in outside),
-        "crossings_refused": sum(seen.refused[0] for seen in outside),
         "poles": sum(len(seen.poles) for seen in outside),
-        "poles_refused": sum(seen.refused[1] for seen in outside),
+        "poles_refused": sum(seen.refused for seen in outside),
     }
 
 
