@@ -162,7 +162,13 @@ def test_one_ring_does_not_converge(refined):
     one, ls = (rows[:, table.columns.index(f"{name} rms")] for name in ("one ring", "LS"))
     assert one[0] > one[-1] > 0.2 * one[0]
     assert one[-1] > 5 * ls[-1]
-    assert refined.facts["largest_one_ring_2d"] > 0.3
+    assert refined.facts["undetermined_2d"] > 0.05
+
+
+def test_weights_help_where_two_rings_are_needed(refined):
+    """The far edges of the second ring then count little."""
+    assert refined.facts["gain_2"] > 1.5
+    assert 0.8 < refined.facts["gain_1"] < 1.2
 
 
 def test_narrow_weights_cost_noise(refined):

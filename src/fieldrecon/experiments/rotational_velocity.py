@@ -110,7 +110,7 @@ def run(params: Params, each: Map = map) -> Result:
             "weights": Table(WEIGHTS, tuple(_compared_weights(params))),
             "space": Table(("side", *SPACE), tuple((side, *row) for side, row in space)),
         },
-        facts=facts | facts_of_counts(counted) | _orders(convergence),
+        facts=facts | facts_of_counts(counted) | _orders(convergence) | _gain_by_rings(params),
         arrays=arrays | _stars(meshes),
     )
 
@@ -191,7 +191,10 @@ def _star(kind: str, y: np.ndarray) -> dict[str, np.ndarray]:
 
 # --- refined ------------------------------------------------------------------------------------
 
-ERRORS = ("h", "one ring rms", "one ring max", "LS rms", "LS max", "MLS rms", "MLS max")
+ERRORS = (
+    "h", "one ring rms", "one ring max", "LS rms", "LS max", "MLS rms", "MLS max",
+    "one ring rms, undetermined", "one ring max, determined",
+)  # fmt: skip
 WEIGHTS = ("weight", "error", "error / LS", "noise", "noise / LS")
 
 
@@ -202,10 +205,12 @@ def errors_on_grid(params: Params, job: tuple[int, int]) -> np.ndarray:
     u = FLOWS[d](mesh.points)
     v = normal_velocities(mesh, u)
     weight = inverse_square(params.epsilon / side)
-    fits = [one_ring(mesh, v).values]
-    fits += [vertex_velocities(mesh, v, w).values for w in (None, weight)]
+    first = one_ring(mesh, v)
+    fits = [first.values, *(vertex_velocities(mesh, v, w).values for w in (None, weight))]
     lengths = [np.linalg.norm(fit - u, axis=1) for fit in fits]
-    return np.array([1 / side, *(x for e in lengths for x in (_rms(e), e.max()))])
+    measured = [x for e in lengths for x in (_rms(e), e.max())]
+    left, right = lengths[0][~first.determined], lengths[0][first.determined]
+    return np.array([1 / side, *measured, _rms(left), right.max()])
 
 
 def _compared_weights(params: Params) -> Iterator[tuple[Cell, ...]]:
@@ -224,6 +229,17 @@ def _compared_weights(params: Params) -> Iterator[tuple[Cell, ...]]:
         yield name, error, error / plain[0], noise, noise / plain[1]
 
 
+def _gain_by_rings(params: Params) -> dict[str, Cell]:
+    """Error of least squares over that with weights, at vertices of one and of two rings."""
+    mesh = jittered_cube(params.weights_side, 2, params.jitter, params.seed)
+    u = taylor_green(mesh.points)
+    v = normal_velocities(mesh, u)
+    weights = (None, inverse_square(params.epsilon / params.weights_side))
+    plain, weighted = (vertex_velocities(mesh, v, w) for w in weights)
+    ls, mls = (np.linalg.norm(found.values - u, axis=1) for found in (plain, weighted))
+    return {f"gain_{r}": _rms(ls[plain.rings == r]) / _rms(mls[plain.rings == r]) for r in (1, 2)}
+
+
 def _rms(lengths: np.ndarray) -> float:
     return float(np.sqrt(np.mean(lengths**2)))
 
@@ -236,7 +252,9 @@ def _orders(convergence: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
         slope = np.log(rows[-2] / rows[-1])[2:]
         for k, name in ((1, "one_ring"), (3, "ls"), (5, "mls")):
             facts[f"order_{name}_{d}d"] = float(slope[k] / slope[0])
-        facts[f"largest_one_ring_{d}d"] = float(rows[-1, 4])
+        facts[f"undetermined_{d}d"] = float(rows[-1, 9])
+    facts["largest_one_ring_3d"] = convergence[-1][4]
+    facts["largest_determined_2d"] = [row[10] for row in convergence if row[0] == 2][-1]
     return facts
 
 
