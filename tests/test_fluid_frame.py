@@ -1,6 +1,8 @@
 """The flow past a cylinder and a ball: that it is one, its fluxes, its meshes and streamlines."""
 
+import re
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -196,8 +198,9 @@ def test_the_surface_is_worse_than_the_inside(found):
     """There the faces lie on one side; the order is the same."""
     errors = dict(zip(fluid_frame.MEASURES, found.arrays["errors"].T, strict=True))
     assert np.all(errors["surface"] > 10 * errors["inner vertices"])
+    assert np.all(errors["surface by LS"] > 1.5 * errors["surface"])
     assert order(found.arrays["steps"], errors["pressure on surface"]) > 1.5
-    assert 10 < found.facts["suction_missed_percent"] < 20
+    assert 3 < found.facts["suction_missed_percent"] < 15
 
 
 def test_streamlines_of_the_velocities_found_stay_on_theirs(found):
@@ -228,3 +231,19 @@ def test_a_wrong_sign_of_one_flux_is_seen():
     assert np.count_nonzero(np.abs(divergence(mesh, wrong)) > 1e-6) == 2
     change = vertex_velocities(mesh, wrong).values - vertex_velocities(mesh, v).values
     assert np.linalg.norm(change[mesh.faces[inner]], axis=1).min() > 0.02
+
+
+def test_the_listing_of_the_chapter_runs():
+    """As it stands there, on a mesh and with fluxes; both ways give the velocities of vertices."""
+    text = (Path(__file__).parents[1] / "report" / "chapters" / "11-flow.md").read_text("utf-8")
+    mesh = MESHES[2]()
+    names = {
+        "points": mesh.points,
+        "triangles": mesh.cells,
+        "flux": mean_normal_velocities(mesh) * mesh.face_measures,
+        "half_a_step": np.pi / 16,
+    }
+    exec(re.search(r"^```\{\.python.*?\n(.*?)^```", text, re.S | re.M).group(1), names)
+    along = names["W"][0] @ names["v"]
+    np.testing.assert_allclose(along, names["at_vertices"].values[:, 0], atol=1e-12)
+    assert np.linalg.norm(names["again"] - names["at_vertices"].values, axis=1).max() < 1

@@ -41,9 +41,17 @@ from fieldrecon.experiments.fluid_frame_figures import draw_data, draw_flow, dra
 from fieldrecon.experiments.meshes import order, rms
 from fieldrecon.experiments.streamlines import exact_streamline, traced_streamlines
 from fieldrecon.mesh import SimplexMesh
+from fieldrecon.radial import inverse_square
 from fieldrecon.velocity import divergence, vertex_velocities
 
-MEASURES = ("inner vertices", "surface", "cells", "vertices from cells", "pressure on surface")
+MEASURES = (
+    "inner vertices",
+    "surface",
+    "surface by LS",
+    "cells",
+    "vertices from cells",
+    "pressure on surface",
+)
 LEFT = 3.3
 """Where streamlines begin, left of the cylinder, in its radii."""
 
@@ -59,6 +67,7 @@ class Params:
         (0.5, 0.35, 0.25, 0.18), "distance of neighbours on the ball, by mesh, in radii"
     )
     outer_3d: float = parameter(4.0, "radius of the mesh in space, in radii of the ball")
+    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps on the surface")
     shown: int = parameter(48, "vertices on the cylinder of the mesh that is drawn")
     heights: tuple[float, ...] = parameter(
         (0.03, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0),
@@ -69,7 +78,7 @@ class Params:
 
     def __post_init__(self) -> None:
         require_at_least(self, around=12, outer=2, relaxations=0, steps_3d=0.05, outer_3d=1.5)
-        require_at_least(self, shown=12, heights=1e-3, arc=1e-4, seed=0)
+        require_at_least(self, shown=12, epsilon=1e-3, heights=1e-3, arc=1e-4, seed=0)
 
 
 QUICK = Params(
@@ -110,19 +119,22 @@ def errors_on_mesh(params: Params, job: tuple[int, float]) -> dict[str, np.ndarr
     d, size = job
     mesh = _disc(params, int(size)) if d == 2 else ball_mesh(size, params.outer_3d, params.seed)
     v = mean_normal_velocities(mesh)
-    at_vertices = vertex_velocities(mesh, v)
+    step = 2 * np.pi / size if d == 2 else size
+    at_vertices = _at_vertices(params, mesh, v, step)
     of_cells = cell_velocities(mesh, v).values
     back = vertex_velocities_from_cells(mesh, of_cells)
-    inner, surface = ~mesh.boundary_vertices, on_ball(mesh)
+    inner, surface = ~mesh.boundary_vertices, np.flatnonzero(on_ball(mesh))
+    alike = vertex_velocities(mesh, v, vertices=surface).values
     true = velocity(mesh.points)
-    pressure = surface_pressure(mesh, at_vertices.values)
-    drift = drift_of_streamlines(params, mesh, at_vertices.values) if d == 2 else 0.0
+    pressure = surface_pressure(mesh, at_vertices)
+    drift = drift_of_streamlines(params, mesh, at_vertices) if d == 2 else 0.0
     return {
         "counts": np.array([len(mesh.points), len(mesh.cells)]),
         "errors": np.array(
             [
-                rms((at_vertices.values - true)[inner]),
-                rms((at_vertices.values - true)[surface]),
+                rms((at_vertices - true)[inner]),
+                rms((at_vertices - true)[surface]),
+                rms(alike - true[surface]),
                 rms(of_cells - velocity(mesh.circumcenters)),
                 rms((back - true)[inner]),
                 float(np.sqrt(np.mean((pressure[1] - pressure[2]) ** 2))),
@@ -132,6 +144,11 @@ def errors_on_mesh(params: Params, job: tuple[int, float]) -> dict[str, np.ndarr
         "divergence": np.abs(divergence(mesh, v)).max(),
         "surface": pressure,
     }
+
+
+def _at_vertices(params: Params, mesh: SimplexMesh, v: np.ndarray, step: float) -> np.ndarray:
+    """Return velocities by moving least squares, its weight suited to the cells at the surface."""
+    return vertex_velocities(mesh, v, inverse_square(params.epsilon * step)).values
 
 
 def on_ball(mesh: SimplexMesh) -> np.ndarray:
@@ -172,7 +189,7 @@ def _disc(params: Params, around: int) -> SimplexMesh:
 def _shown(params: Params) -> dict[str, np.ndarray]:
     mesh = _disc(params, params.shown)
     v = mean_normal_velocities(mesh)
-    u, of_cells = vertex_velocities(mesh, v).values, cell_velocities(mesh, v).values
+    u = _at_vertices(params, mesh, v, 2 * np.pi / params.shown)
     x = np.linspace(-LEFT, LEFT, 300)
     heights = np.array(params.heights)[:, None]
     return {
@@ -182,7 +199,7 @@ def _shown(params: Params) -> dict[str, np.ndarray]:
         "normal_velocities": v[:, None] * mesh.face_normals,
         "velocities": u,
         "circumcenters": mesh.circumcenters,
-        "cell_velocities": of_cells,
+        "cell_velocities": cell_velocities(mesh, v).values,
         "traced": _traced(params, mesh, u),
         "exact": exact_streamline(heights, np.broadcast_to(x, (len(heights), len(x)))),
         "surface_coarse": surface_pressure(mesh, u),
@@ -226,6 +243,7 @@ def _facts(
         "divergence": order_of_magnitude(max(f["divergence"] for f in found.values())),
         "order_drift": order(steps[2], [float(found[2, n]["drift"]) for n in params.around]),
         "surface_over_inner": errors[2]["surface"][-1] / errors[2]["inner_vertices"][-1],
+        "surface_ls_over_mls": errors[2]["surface_by_LS"][-1] / errors[2]["surface"][-1],
         "suction_missed_percent": 100 * abs(pressure[top] / closed[top] - 1),
     }
     for name in ("inner_vertices", "surface", "cells"):

@@ -81,7 +81,7 @@ def draw_data(arrays: Mapping[str, np.ndarray]) -> Figure:
 
 def draw_surface(arrays: Mapping[str, np.ndarray], measures: tuple[str, ...]) -> Figure:
     """Pressure coefficient on the cylinder, and errors against the step."""
-    with figure(FULL_WIDTH, height=2.6, columns=2) as (page, (left, right)):
+    with figure(FULL_WIDTH, height=2.9, columns=2) as (page, (left, right)):
         theta = np.linspace(0, 360, 361)
         closed = 1 - 4 * np.sin(np.radians(theta)) ** 2
         left.plot(theta, closed, **line("truth", label=r"$1 - 4\,\sin^2\theta$"))
@@ -97,7 +97,13 @@ def draw_surface(arrays: Mapping[str, np.ndarray], measures: tuple[str, ...]) ->
         left.set_ylim(-3.3, 3.6)
         left.set_yticks([-3, -2, -1, 0, 1])
         left.legend(loc="upper center", ncols=1)
-        looks = [line("MLS"), line("RBF"), line("LS"), line("PU")]
+        looks = [
+            line("MLS"),
+            line("RBF"),
+            line("RBF", markerfacecolor="white", linewidth=0.7),
+            line("LS"),
+            line("PU"),
+        ]
         for k, look in enumerate(looks):
             right.plot(arrays["steps"], arrays["errors"][:, k], **look | {"label": measures[k]})
         right.set(xscale="log", yscale="log", xlabel="step on the cylinder, in radii")
@@ -108,7 +114,7 @@ def draw_surface(arrays: Mapping[str, np.ndarray], measures: tuple[str, ...]) ->
         right.annotate("$h^2$", (h[-1], 0.5 * lowest), (6, -5), textcoords="offset points")
         right.set_xticks(h, [f"2π/{round(2 * np.pi / step)}" for step in h])
         right.minorticks_off()
-        right.set_ylim(top=50 * arrays["errors"][0, 1])
+        right.set_ylim(top=200 * arrays["errors"][0, 1])
         right.legend(loc="upper left", ncols=2, columnspacing=1.0)
     return page
 
