@@ -9,7 +9,7 @@ python := $(VENV)/bin/python
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help test test-slow test-all lint report check-reproducible bench notebooks check-graders \
-  bundle lab lock clean distclean FORCE
+  publish bundle lab lock clean distclean FORCE
 
 # The packages are those of the lock files, whatever else this shell can import.
 unexport PYTHONHOME PYTHONPATH
@@ -88,6 +88,9 @@ notebooks: $(ready) ## make exercises/ and the executed solutions from solutions
 
 check-graders: $(ready) ## prove the graders: right answers, mistakes, mutants; ONLY=02 for one notebook
 	@$(VENV)/bin/fieldrecon course check $(if $(ONLY),--only $(ONLY))
+
+publish: $(ready) ## write the solved notebooks as HTML and PDF to dist/solutions/
+	@$(VENV)/bin/fieldrecon course publish
 
 bundle: $(ready) ## write dist/student-bundle.zip
 	@$(VENV)/bin/fieldrecon course bundle

@@ -2,6 +2,7 @@
 
 import ast
 import json
+import re
 import subprocess
 import sys
 import zipfile
@@ -18,6 +19,7 @@ from fieldcheck.seeds import PUBLIC_SALT
 from fieldrecon.cli import main
 from fieldrecon.course import build, bundle, catalogue, leaks, mutants, notebooks, proof, secret
 from fieldrecon.course.known import answers_file, public_calls
+from fieldrecon.course.publish import publish
 from fieldrecon.course.sources import Source
 from fieldrecon.course.trials import trials
 
@@ -351,6 +353,30 @@ def imports(path):
             yield node.module or ""
         elif isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
+
+
+# Pages
+
+
+def test_the_first_solution_is_published(tmp_path):
+    """As a page and on paper, the same bytes each time, without a word that calls a network."""
+    page, paper = publish(ROOT, SOURCES[0], tmp_path / "one")
+    again = publish(ROOT, SOURCES[0], tmp_path / "two")
+    assert [p.read_bytes() for p in again] == [page.read_bytes(), paper.read_bytes()]
+    text = page.read_text(encoding="utf-8")
+    assert not re.findall(r'(?:src|href)="https?://', text)
+    assert "(1.4)" in text
+    assert "How it is graded" in text
+    assert text.count("<img") == text.count('src="data:image/svg+xml;base64,') > 2
+
+
+@pytest.mark.slow
+@each_source
+def test_every_solution_can_be_published(source, tmp_path):
+    """No formula of a notebook is spoilt on its way to page and paper."""
+    page, paper = publish(ROOT, source, tmp_path)
+    assert page.stat().st_size > 1e5
+    assert paper.read_bytes().startswith(b"%PDF")
 
 
 # The secret

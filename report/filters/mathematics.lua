@@ -73,7 +73,7 @@ local function typst(math, id, number)
   if math.mathtype == 'DisplayMath' then options = 'block: true, ' .. options end
   if number then options = options .. 'numbering: (..n) => [(' .. number .. ')], ' end
   return pandoc.RawInline('typst',
-    '#math.equation(' .. options .. written .. ')' .. (id and '<' .. id .. '>' or ''))
+    '#math.equation(' .. options .. written .. ')' .. ((id or '') ~= '' and '<' .. id .. '>' or ''))
 end
 
 -- the number stands beside the formula; without a number the formula stands alone

@@ -93,10 +93,11 @@ def is_solved(root: Path, source: Source) -> bool:
 
 
 def ingredients(root: Path, source: Source) -> str:
-    """Return a digest of all that an executed solution depends on: its source, and the checks."""
+    """Return a digest of what an executed solution depends on: source, checks, and the maker."""
     package = root / "src/fieldcheck"
     files = [*sorted(package.glob("*.py")), package / "answers" / f"{source.number}.json"]
     files += sorted((package / "questions").glob(f"q{source.number}_*.py"))
+    files += [Path(__file__).with_name("notebooks.py")]
     digest = hashlib.sha256()
     for file in [source.path, *files]:
         digest.update(hashlib.sha256(file.read_bytes()).digest())

@@ -14,9 +14,10 @@ from pathlib import Path
 from fieldrecon.course import build as building
 from fieldrecon.course.bundle import write_bundle
 from fieldrecon.course.proof import Proof, prove
+from fieldrecon.course.publish import publish
 from fieldrecon.course.secret import MISSING, make_salt, read_salt
 from fieldrecon.course.sources import Source
-from fieldrecon.reporting.terminal import print_table, progress
+from fieldrecon.reporting.terminal import print_files, print_table, progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,7 +31,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     check = commands.add_parser("check", help="prove that the graders are right")
     check.set_defaults(command=_check)
     check.add_argument("--question", default="", metavar="02.3", help="only this question")
-    for command in (build, check):
+    pages = commands.add_parser("publish", help="write the solved notebooks as HTML and PDF")
+    pages.add_argument("--out", type=Path, default=Path("dist/solutions"), metavar="DIR")
+    pages.set_defaults(command=_publish)
+    for command in (build, check, pages):
         command.add_argument("--only", nargs="+", default=[], metavar="02", help="these notebooks")
     init = commands.add_parser("init", help="make the secret salt, outside version control")
     init.add_argument("--renew", action="store_true", help="replace it, as each year")
@@ -80,6 +84,16 @@ def _bundle(options: argparse.Namespace) -> None:
     for problem in building.leaks(options.root, read_salt(options.root).text):
         raise ValueError(f"students would be told too much: {problem}")
     print(write_bundle(options.root, options.out))
+
+
+def _publish(options: argparse.Namespace) -> None:
+    todo = partial(_pages, root=options.root, out=options.out)
+    with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "pages") as each:
+        print_files(chain.from_iterable(each(todo, _chosen(options))))
+
+
+def _pages(source: Source, root: Path, out: Path) -> list[Path]:
+    return list(publish(root, source, out))
 
 
 def _banner(secret: bool) -> None:

@@ -28,14 +28,15 @@ LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
 def code_leaks(source: Source, tree: Iterable[Path]) -> Iterator[str]:
     """Yield each run of tokens of a solution that stands in a file for students."""
     solutions = [body for cell in source.cells for body in cell.solutions]
-    runs = {run for body in solutions for run in token_runs(body)}
+    runs = {run for body in solutions for run in token_runs(body)} - _signatures(source)
     told = {r for cell in source.cells if cell.answer or cell.rubric for r in word_runs(cell.text)}
     for path in tree:
         for text in _texts(path):
             for run in sorted(runs.intersection(token_runs(text))):
                 yield f"{path.name} holds a part of a solution of {source.name}: {' '.join(run)}"
             for run in sorted(told.intersection(word_runs(text))):
-                yield f"{path.name} holds a part of a model answer of {source.name}: {' '.join(run)}"
+                part = " ".join(run)
+                yield f"{path.name} holds a part of a model answer of {source.name}: {part}"
 
 
 def number_leaks(
@@ -49,6 +50,13 @@ def number_leaks(
         found = {_digits(float(n)) for n in numbers if len(n) > SIGNIFICANT}
         if found & secret:
             yield f"{path.name} holds a number of a hidden case: {min(found & secret)}"
+
+
+def _signatures(source: Source) -> set[tuple[str, ...]]:
+    """Return the runs in the first lines of the functions asked for, which everybody may call."""
+    cells = source.answer_cells().values()
+    lines = (line for cell in cells for line in cell.text.splitlines() if line.startswith("def "))
+    return {run for line in lines for run in token_runs(line)}
 
 
 def token_runs(text: str) -> set[tuple[str, ...]]:

@@ -17,6 +17,7 @@ import nbformat
 from fieldrecon.course.sources import REGION, Cell, Source
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
+TOLD = ("question", "answer", "rubric")
 YOUR_WORDS = "*Write your answer here.*"
 SECONDS_PER_CELL = 120
 """After so long a cell of a solution has failed; the text promises less than ten."""
@@ -102,8 +103,8 @@ def _metadata(name: str) -> nbformat.NotebookNode:
 
 
 def _told(cell: Cell) -> dict[str, Any]:
-    """Return what a notebook says of a cell: which question it answers."""
-    return {key: value for key, value in cell.metadata.items() if key in ("question", "answer")}
+    """Return what a notebook says of a cell: which question it is about."""
+    return {key: value for key, value in cell.metadata.items() if key in TOLD}
 
 
 def _identifier(source: Source, cell: Cell, text: str, seen: set[str]) -> str:
