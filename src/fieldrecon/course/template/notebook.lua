@@ -1,0 +1,49 @@
+--[[ notebook.lua: a notebook's Markdown for Pandoc. A formula's \tag becomes its number, on the page
+and on paper; the rest is that of the report, whose filters lie in the folder named by `filters`. ]]
+
+local modules = {}
+
+local function load(doc)
+  local folder = pandoc.utils.stringify(doc.meta.filters)
+  package.path = pandoc.path.join { folder, '?.lua' } .. ';' .. package.path
+  modules.problems, modules.mathematics = require 'problems', require 'mathematics'
+end
+
+-- $$ … \tag{2.1} $$ is the numbered formula of the report.
+local function numbered(math)
+  local number = math.text:match '\\tag%s*{([^}]*)}'
+  if math.mathtype ~= 'DisplayMath' or not number then return nil end
+  math.text = math.text:gsub('%s*\\tag%s*{[^}]*}', '')
+  return pandoc.Span({ math }, { '', { 'equation' }, { number = number } }), false
+end
+
+-- In print nothing unfolds: a hint stands there with its heading.
+local function unfolded(raw)
+  if not FORMAT:match 'typst' then return nil end
+  local summary = raw.text:match '<summary>(.-)</summary>'
+  if summary then return pandoc.Para { pandoc.Strong { pandoc.Str(summary .. '.') } } end
+  return {}
+end
+
+local function picture(image)
+  local alt = image.attributes.alt
+  if FORMAT:match 'typst' then
+    return pandoc.RawInline('typst', ('#image("/%s", alt: "%s", width: 85%%)'):format(image.src, alt))
+  end
+  return image
+end
+
+-- The first heading is the title, which stands above already.
+local function untitled(doc)
+  if doc.blocks[1] and doc.blocks[1].t == 'Header' then doc.blocks:remove(1) end
+  return doc
+end
+
+return {
+  { Pandoc = load },
+  { Pandoc = untitled },
+  { traverse = 'topdown', Math = numbered },
+  { Pandoc = function(doc) return modules.mathematics(doc) end },
+  { RawBlock = unfolded, Image = picture },
+  { Pandoc = function() modules.problems.stop_if_any() end },
+}
