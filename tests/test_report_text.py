@@ -5,6 +5,7 @@ import re
 import shutil
 
 import pytest
+import typst
 
 from fieldrecon.reporting.document import Document, unquoted_facts
 from fieldrecon.reporting.failure import BuildError
@@ -321,6 +322,23 @@ def test_repairs_of_what_pandoc_writes_for_typst(typ):
         r'"[^"]*"', "", re.search(r"#math.equation\(block.*bigcap.*", typ).group(0)
     )
     assert 'alt: "\\\\mathbf{B} \\\\mathbf{c} = \\\\nabla \\\\phi"' in typ
+
+
+def means_something(name):
+    """Tell whether a name stands for something in a formula of Typst; one with a hyphen cannot."""
+    try:
+        typst.compile(f"$ {name} $".encode())
+    except typst.TypstError as error:
+        return "unknown variable" not in str(error)
+    return "-" not in name
+
+
+def test_the_template_takes_no_name_that_formulas_use():
+    """A colour named as an accent would stand in every formula with a wide hat."""
+    assert means_something("accent")
+    names = re.findall(r"^#let ([\w-]+)", (REPORT / "template.typ").read_text(), re.M)
+    assert len(names) > 3
+    assert [name for name in names if means_something(name)] == []
 
 
 def test_document_as_a_whole_is_sound(problems):
