@@ -107,13 +107,38 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+def counts_what_can_be_told(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far a rank is from a whole number, or above the numbers of rows and columns."""
+    told = ((float(r), min(c.arguments[0].shape[0], c.arguments[0].shape[1] + 1)) for c, (r,) in zip(calls, values, strict=True))
+    return max(max(abs(r - round(r)), 1 - r, r - most) for r, most in told)
+
+
+def is_the_same_everywhere(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much the gradient differs from place to place."""
+    return max(relative(np.ptp(g, axis=0), g) for (g,) in values)
+
+
+# 01.6 What is minimised
+
+
 def objective_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points, values and coefficients that are not the best."""
+    """Return coefficients that are not the best, the same with other data, and such as fit exactly."""
     random = np.random.default_rng(seed)
-    return tuple(
-        Call("objective", (cloud(random, n, d), random.normal(size=n), random.normal(size=d + 1)), case)
-        for n, d, case in ((9, 2, "nine points in the plane"), (6, 3, "six points in space"))
+    plane, space = cloud(random, 9, 2), cloud(random, 6, 3)
+    c, data = random.normal(size=3), random.normal(size=9)
+    exact = c[0] + plane @ c[1:]
+    return (
+        Call("objective", (plane, data, c), "nine points in the plane"),
+        Call("objective", (plane, 2 * exact - data, c), "nine points with the residual turned round"),
+        Call("objective", (plane, exact + 3 * (data - exact), c), "nine points with three times the residual"),
+        Call("objective", (space, random.normal(size=6), random.normal(size=4)), "six points in space"),
     )
+
+
+def is_a_square(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far ψ is from even, and from quadratic, in the residual."""
+    once, turned, thrice, _space = (float(v) for (v,) in values)
+    return max(relative(turned - once, once), relative(thrice - 9 * once, thrice))
 
 
 QUESTIONS = (
@@ -135,10 +160,19 @@ QUESTIONS = (
         (Law("From one place to another the field changes by the slope times the way.",
              moves_by_the_gradient),),
     ),
-    Question("01.4", "rank", 2, rank_inputs, lambda _: ((),)),
+    Question(
+        "01.4", "rank", 2, rank_inputs, lambda _: ((),),
+        (Law("A rank is a whole number from 1 to the number of rows, or of columns if these are fewer.",
+             counts_what_can_be_told),),
+    ),
     Question(
         "01.5", "gradient", 1, lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[1].shape,),
+        (Law("An affine field has the same gradient at every place.", is_the_same_everywhere),),
     ),
-    Question("01.6", "objective", 1, objective_inputs, lambda _: ((),)),
+    Question(
+        "01.6", "objective", 1, objective_inputs, lambda _: ((),),
+        (Law("ψ is a square: the same for the opposite residual, nine times as large for three times "
+             "the residual.", is_a_square),),
+    ),
 )  # fmt: skip

@@ -18,7 +18,7 @@ def student_tree(root: Path) -> Iterator[tuple[str, Path]]:
         yield path.name, path
     package = root / "src" / "fieldcheck"
     for path in sorted(package.rglob("*")):
-        if path.suffix in (".py", ".json", ".typed"):
+        if path.suffix in (".py", ".js", ".json", ".typed"):
             yield f"fieldcheck/{path.relative_to(package).as_posix()}", path
     yield "README.md", root / "docs" / "students.md"
     yield "LICENSE", root / "LICENSE"

@@ -92,6 +92,8 @@ def _prove(
         *(f"no reason is given why this survives: {s}" for s in survivors if s not in reasons),
         *(f"a reason is given, but this is caught: {s}" for s in reasons if s not in survivors),
     ]  # fmt: skip
+    if not question.laws:
+        problems.append("it has no law, so nothing can be said of a student's own inputs")
     if total == 0:
         problems.append("its solution cannot be changed: there is nothing between the markers")
     elif caught < FEWEST_CAUGHT * total:
