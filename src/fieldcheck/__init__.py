@@ -3,6 +3,7 @@
 It needs NumPy and matplotlib, and holds no solutions.
 """
 
+from fieldcheck.drag import drag
 from fieldcheck.figures import (
     BLUE,
     GREEN,
@@ -20,5 +21,5 @@ from fieldcheck.verdict import Verdict
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "ORANGE", "PURPLE", "Picture", "Progress", "Slider", "Verdict",
-    "check", "data", "draw", "figure", "progress", "reset", "svg",
+    "check", "data", "drag", "draw", "figure", "progress", "reset", "svg",
 ]  # fmt: skip

@@ -112,7 +112,7 @@ def draw(**sliders: Slider) -> Callable[[Callable[..., Figure]], Callable[..., F
         if sliders and _can_move():
             _show_moving(picture, sliders)
         else:
-            _display(_drawn(picture, {name: s.start for name, s in sliders.items()}))
+            display(_drawn(picture, {name: s.start for name, s in sliders.items()}))
         return picture
 
     return show
@@ -120,8 +120,13 @@ def draw(**sliders: Slider) -> Callable[[Callable[..., Figure]], Callable[..., F
 
 def _drawn(picture: Callable[..., Figure], values: dict[str, float]) -> Any:
     """Return the picture, or the sentence that stands for it."""
+    return attempt(lambda: Picture(svg(picture(**values))))
+
+
+def attempt(make: Callable[[], Any]) -> Any:
+    """Return what is made, or the sentence that stands for it while a function is not written."""
     try:
-        return Picture(svg(picture(**values)))
+        return make()
     except NotImplementedError:
         return Sentence(f"The picture waits for {_asked()}, not written yet.")
     except Exception as error:
@@ -156,13 +161,14 @@ class Sentence:
         return self.text
 
 
-def _display(thing: Any) -> None:
+def display(thing: Any) -> None:
+    """Show a thing below the cell, in a notebook; elsewhere do nothing."""
     module = sys.modules.get("IPython")
     if module is None or module.get_ipython() is None:
         return
-    from IPython.display import display
+    from IPython import display as screen
 
-    display(thing)
+    screen.display(thing)
 
 
 def _can_move() -> bool:

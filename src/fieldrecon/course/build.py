@@ -95,7 +95,8 @@ def is_solved(root: Path, source: Source) -> bool:
 def ingredients(root: Path, source: Source) -> str:
     """Return a digest of what an executed solution depends on: source, checks, and the maker."""
     package = root / "src/fieldcheck"
-    files = [*sorted(package.glob("*.py")), package / "drag.js", package / "answers" / f"{source.number}.json"]
+    files = [*sorted(package.glob("*.py")), *sorted(package.glob("*.js"))]
+    files += [package / "answers" / f"{source.number}.json"]
     files += sorted((package / "questions").glob(f"q{source.number}_*.py"))
     files += [Path(__file__).with_name("notebooks.py")]
     digest = hashlib.sha256()
