@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fieldrecon.datasets import jittered_grid, uniform
+from fieldrecon.datasets import uniform
 from fieldrecon.mesh import SimplexMesh
 
 
@@ -24,13 +24,13 @@ def random_square(inside: int, side: int, seed: int | tuple[int, ...]) -> Simple
 def jittered_cube(side: int, d: int, jitter: float, seed: int) -> SimplexMesh:
     """Delaunay mesh of the unit cube in d dimensions, of edges about 1/side.
 
-    Of the points of a grid those inside are moved, by up to half of `jitter` times the spacing.
+    The points of a grid, moved at random by up to half of `jitter` times the spacing, those on the
+    boundary within it: no more than d + 1 of them lie on an empty sphere.
     """
     grid = np.indices((side + 1,) * d).reshape(d, -1).T / side
-    inside = ((grid > 0) & (grid < 1)).all(axis=1)
-    # the middles of the cells of a grid of side - 1 are, moved and scaled, those points
-    moved = jittered_grid(side - 1, d, jitter, seed) * (side - 1) / side + 0.5 / side
-    return SimplexMesh.delaunay(np.vstack([grid[~inside], moved]))
+    free = (grid > 0) & (grid < 1)
+    offset = jitter * (uniform(len(grid), d, seed) - 0.5) / side
+    return SimplexMesh.delaunay(grid + free * offset)
 
 
 def rotation(x: np.ndarray, about: np.ndarray) -> np.ndarray:

@@ -186,7 +186,9 @@ def _star(kind: str, y: np.ndarray) -> dict[str, np.ndarray]:
     y = y / np.abs(y).max()
     conics = conics_through(y)
     steepest = np.linalg.svd(conics[1:3])[2][0]
-    return {f"{kind}_points": y, f"{kind}_conic": conics @ steepest}
+    conic = conics @ steepest
+    conic *= np.sign(conic[np.abs(conic).argmax()])  # a flow has no direction of its own
+    return {f"{kind}_points": y, f"{kind}_conic": conic}
 
 
 # --- refined ------------------------------------------------------------------------------------
@@ -254,7 +256,7 @@ def _orders(convergence: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
             facts[f"order_{name}_{d}d"] = float(slope[k] / slope[0])
         facts[f"undetermined_{d}d"] = float(rows[-1, 9])
     facts["largest_one_ring_3d"] = convergence[-1][4]
-    facts["largest_determined_2d"] = [row[10] for row in convergence if row[0] == 2][-1]
+    facts["determined_over_ls"] = max(float(row[10]) / float(row[6]) for row in convergence)
     return facts
 
 
