@@ -104,7 +104,7 @@ def run(params: Params, each: Map = map) -> Result:
         facts=_facts(compared)
         | {"gradient_error": order_of_magnitude(gradient_error(params))}
         | _split_facts(params, split)
-        | _facts_beside(beside)
+        | _facts_beside(distances, beside)
         | _facts_outside(outside),
         arrays={"distances": distances, "beside": np.where(beside < 0, 1, beside).max(axis=0)}
         | {"shifts": shifts(params), "splits": np.stack([*split.values()])}
@@ -225,9 +225,12 @@ def _split_facts(params: Params, split: dict[str, np.ndarray]) -> dict[str, Cell
     }
 
 
-def _facts_beside(beside: np.ndarray) -> dict[str, Cell]:
+def _facts_beside(distances: np.ndarray, beside: np.ndarray) -> dict[str, Cell]:
     quotient, products = beside[:, :, 0], beside[:, :, 1]
+    half = int(np.abs(np.log10(distances) + 8).argmin())
     return {
+        "half_way": distances[half],
+        "quotient_half_way": order_of_magnitude(np.abs(quotient[:, 0, half]).max()),
         "products_beside_error": order_of_magnitude(products.max()),
         "quotient_digits_lost": np.log10(np.abs(quotient[:, :, -1]).max() / products.max()),
     }
