@@ -17,7 +17,9 @@ ROUNDING = 1e-12
 
 @pytest.fixture(scope="module")
 def found():
-    return experiments.get("cell_velocity").run(cell_velocity.Params(sides=(8, 32), sides_3d=(3, 9)))
+    return experiments.get("cell_velocity").run(
+        cell_velocity.Params(sides=(8, 32), sides_3d=(3, 9))
+    )
 
 
 def row(found, d, field):
@@ -176,3 +178,13 @@ def test_a_jittered_mesh_fills_the_cube_and_is_delaunay():
         radius = np.linalg.norm(mesh.points[mesh.cells[:, 0]] - mesh.circumcenters, axis=1)
         distance = np.linalg.norm(mesh.points - mesh.circumcenters[:, None], axis=2).min(axis=1)
         assert np.all(distance > radius * (1 - 1e-6) - 1e-9)
+
+
+def test_at_the_vertices_the_comparison_measures_the_circumradius(found):
+    """Of a rotation of rate one the apparent error is R at a vertex and |h|/3 at the centroid."""
+    mesh = jittered_mesh(32, 2, found.params.jitter, found.params.seed)
+    radius = np.linalg.norm(mesh.points[mesh.cells[:, 0]] - mesh.circumcenters, axis=1)
+    offset = (mesh.points[mesh.cells] - mesh.circumcenters[:, None]).sum(axis=1) / 3
+    rotation = row(found, 2, "rotation")
+    assert rotation["vertices"] == pytest.approx(np.sqrt(np.mean(radius**2)))
+    assert rotation["centroid"] == pytest.approx(np.sqrt(np.mean((offset**2).sum(axis=1))))

@@ -199,6 +199,7 @@ def test_the_surface_is_worse_than_the_inside(found):
     errors = dict(zip(fluid_frame.MEASURES, found.arrays["errors"].T, strict=True))
     assert np.all(errors["surface"] > 10 * errors["inner vertices"])
     assert np.all(errors["surface by LS"] > 1.5 * errors["surface"])
+    assert found.facts["error_surface_from_cells"] > 5 * found.facts["error_surface"]
     assert order(found.arrays["steps"], errors["pressure on surface"]) > 1.5
     assert 3 < found.facts["suction_missed_percent"] < 15
 
@@ -246,4 +247,5 @@ def test_the_listing_of_the_chapter_runs():
     exec(re.search(r"^```\{\.python.*?\n(.*?)^```", text, re.S | re.M).group(1), names)
     along = names["W"][0] @ names["v"]
     np.testing.assert_allclose(along, names["at_vertices"].values[:, 0], atol=1e-12)
-    assert np.linalg.norm(names["again"] - names["at_vertices"].values, axis=1).max() < 1
+    gap = np.linalg.norm(names["again"] - names["at_vertices"].values, axis=1)
+    assert gap[~mesh.boundary_vertices].max() < 0.2

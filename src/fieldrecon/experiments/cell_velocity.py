@@ -12,7 +12,7 @@ Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenh
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -116,6 +116,7 @@ def errors_on_mesh(params: Params, job: tuple[int, int]) -> dict[str, np.ndarray
     d, side = job
     mesh = jittered_mesh(side, d, params.jitter, params.seed)
     errors = {}
+    u: Velocity
     for name, g in GRADIENTS[d].items():
         u = partial(_affine, g)
         v = normal_velocities(mesh, u(mesh.points))
@@ -186,7 +187,7 @@ def _told(error: float) -> float:
 
 
 def _table(finest: dict[int, dict[str, np.ndarray]]) -> Table:
-    rows = (
+    rows: Iterable[tuple[Cell, ...]] = (
         (d, name, *map(_told, errors[: len(PLACES) + 1]))
         for d, of_fields in finest.items()
         for name, errors in of_fields.items()

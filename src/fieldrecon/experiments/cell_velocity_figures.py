@@ -18,7 +18,7 @@ TRUE, FOUND = "#b4b4b4", METHOD_COLORS["RBF"]
 
 def draw_fields(arrays: Mapping[str, np.ndarray], names: tuple[str, ...]) -> Figure:
     """The velocities found, thin, over the true ones at the circumcentres, thick."""
-    triangles = Triangulation(*arrays["points"].T, arrays["cells"])
+    triangles = Triangulation(arrays["points"][:, 0], arrays["points"][:, 1], arrays["cells"])
     with figure(FULL_WIDTH, height=2.35, columns=len(names)) as (page, axes):
         for panel, name, found, true in zip(
             axes, names, arrays["found"], arrays["truth"], strict=True

@@ -140,6 +140,7 @@ def errors_on_mesh(params: Params, job: tuple[int, float]) -> dict[str, np.ndarr
                 float(np.sqrt(np.mean((pressure[1] - pressure[2]) ** 2))),
             ]
         ),
+        "surface_from_cells": np.array(rms((back - true)[surface])),
         "drift": np.array(drift),
         "divergence": np.abs(divergence(mesh, v)).max(),
         "surface": pressure,
@@ -240,10 +241,12 @@ def _facts(
     angle, pressure, closed = shown["surface_coarse"]
     top = np.argmin(np.abs(angle - np.pi / 2))
     facts: dict[str, Cell] = {
-        "divergence": order_of_magnitude(max(f["divergence"] for f in found.values())),
+        "divergence": order_of_magnitude(max(float(f["divergence"]) for f in found.values())),
         "order_drift": order(steps[2], [float(found[2, n]["drift"]) for n in params.around]),
         "surface_over_inner": errors[2]["surface"][-1] / errors[2]["inner_vertices"][-1],
         "surface_ls_over_mls": errors[2]["surface_by_LS"][-1] / errors[2]["surface"][-1],
+        "error_surface": errors[2]["surface"][-1],
+        "error_surface_from_cells": float(found[2, params.around[-1]]["surface_from_cells"]),
         "suction_missed_percent": 100 * abs(pressure[top] / closed[top] - 1),
     }
     for name in ("inner_vertices", "surface", "cells"):

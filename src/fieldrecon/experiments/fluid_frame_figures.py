@@ -23,7 +23,7 @@ CLOSE = (-1.75, -0.25, 0.15, 1.65)
 def draw_flow(arrays: Mapping[str, np.ndarray]) -> Figure:
     """Speed and streamlines above the axis, mesh and velocities below."""
     points, u = arrays["points"], arrays["velocities"]
-    triangles = Triangulation(*points.T, arrays["cells"])
+    triangles = Triangulation(points[:, 0], points[:, 1], arrays["cells"])
     speed = np.linalg.norm(u, axis=1)
     with figure(FULL_WIDTH, height=4.0) as (page, panel):
         levels = np.linspace(0, 2.1, 43)
@@ -56,7 +56,7 @@ def draw_flow(arrays: Mapping[str, np.ndarray]) -> Figure:
 
 def draw_data(arrays: Mapping[str, np.ndarray]) -> Figure:
     """Normal velocities of faces; velocities of cells; velocities of vertices."""
-    triangles = Triangulation(*arrays["points"].T, arrays["cells"])
+    triangles = Triangulation(arrays["points"][:, 0], arrays["points"][:, 1], arrays["cells"])
     panels = {
         "in: normal velocities of faces": ("middles", "normal_velocities", METHOD_COLORS["LS"]),
         "out: velocities of cells": ("circumcenters", "cell_velocities", METHOD_COLORS["MLS"]),

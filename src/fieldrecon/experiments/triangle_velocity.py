@@ -46,7 +46,7 @@ def places_on_triangle(corners: np.ndarray, strains: int) -> dict[str, np.ndarra
         The corners, circumcentre, centroid, symmedian point, the centre and radius of the
         nine-point circle, and the places: of the rotation, the expansion, and of strains.
     """
-    mesh = SimplexMesh(corners, [[0, 1, 2]])
+    mesh = SimplexMesh(corners, np.array([[0, 1, 2]]))
     center, sides = mesh.circumcenters[0], mesh.face_measures[mesh.cell_faces[0]]
     angle = np.arange(strains) * np.pi / strains  # of σ; that of the axis is half of it
     cos, sin = np.cos(angle), np.sin(angle)
