@@ -62,7 +62,7 @@ def _arrows(axes: Axes, start: np.ndarray, u: np.ndarray, scale: float, **look: 
 def plot_unseen(result: Result) -> Figure:
     """Conics through the vertices of four stars, and the flows along their level lines."""
     kinds = [kind for kind in KINDS if f"{kind}_points" in result.arrays]
-    with figure(FULL_WIDTH, 1.85, columns=len(kinds), squeeze=False) as (page, axes):
+    with figure(FULL_WIDTH, 1.68, columns=len(kinds), squeeze=False) as (page, axes):
         for panel, kind in zip(axes[0], kinds, strict=True):
             y, conic = result.arrays[f"{kind}_points"], result.arrays[f"{kind}_conic"]
             draw_flow_along(panel, y, conic)
