@@ -101,9 +101,10 @@ class Flow:
         weights, centers = self.voronoi(), self.mesh.circumcenters
         at_vertices = vertex_velocities(self.mesh, self.v).values - rotation(self.points)
         at_centers = cell_velocities(self.mesh, self.v).values - rotation(centers)
+        at_centers /= 1 + np.abs(centers)  # some lie far outside, and turn as fast
         rows = {
             "velocities of vertices, of a rotation": at_vertices,
-            "velocities of cells, of a rotation, at the circumcentres": at_centers,
+            "velocities of cells, of a rotation, at the circumcentres, relative": at_centers,
             "Voronoi weights of a pair: their sum less one": weights.sum(axis=1) - 1,
             "Voronoi weights times circumcentres, less the point": weights @ centers - self.x,
             "Voronoi weights: the negative ones": np.minimum(weights.data, 0),
