@@ -9,6 +9,7 @@ import pytest
 
 from fieldrecon import experiments
 from fieldrecon.experiments import fluid_frame
+from fieldrecon.experiments.convergence import order
 from fieldrecon.experiments.flow_past_ball import (
     ball_mesh,
     disc_mesh,
@@ -18,7 +19,6 @@ from fieldrecon.experiments.flow_past_ball import (
     vector_potential,
     velocity,
 )
-from fieldrecon.experiments.meshes import order
 from fieldrecon.experiments.streamlines import exact_streamline, traced_streamlines
 from fieldrecon.velocity import divergence, normal_velocities, vertex_velocities
 

@@ -5,7 +5,8 @@ import pytest
 
 from fieldrecon import experiments
 from fieldrecon.experiments import pressure_gradients
-from fieldrecon.experiments.meshes import equilateral_mesh, jittered_mesh, order, rms
+from fieldrecon.experiments.convergence import order, rms
+from fieldrecon.experiments.meshed_flows import equilateral_mesh, jittered_cube
 from fieldrecon.experiments.pressure_gradients import METHODS, diffuse, pressure, pressure_gradient
 from fieldrecon.local_gradients import local_moving_least_squares
 from fieldrecon.mesh_gradients import vertex_gradients
@@ -74,7 +75,7 @@ def test_the_diffuse_derivative_is_not_the_gradient_of_the_field(found):
 
 def test_the_diffuse_derivative_is_the_slope_of_the_local_fit():
     """As numpy finds it about the vertex; the full one is the gradient of the library's field."""
-    mesh = jittered_mesh(8, 2, 0.3, 1)
+    mesh = jittered_cube(8, 2, 0.6, 1)
     weight, p = inverse_square(0.05), pressure(mesh.circumcenters)
     inner = np.flatnonzero(~mesh.boundary_vertices)[::7]
     slopes = vertex_gradients(mesh, p, diffuse(weight), vertices=inner)
@@ -101,7 +102,7 @@ def test_means_of_cells_are_no_values_at_circumcentres(found):
 @pytest.mark.parametrize("d", [2, 3])
 def test_the_means_are_means(d):
     """Against the mean over many points drawn uniformly in each cell, to its standard error."""
-    mesh = jittered_mesh(6, d, 0.3, 2)
+    mesh = jittered_cube(6, d, 0.6, 2)
     shares = np.random.default_rng(3).dirichlet(np.ones(d + 1), 40000)
     for c in range(0, len(mesh.cells), len(mesh.cells) // 4):
         values = pressure(shares @ mesh.points[mesh.cells[c]])

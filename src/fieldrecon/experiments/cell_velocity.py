@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.experiments.cell_velocity_figures import draw_fields, draw_orders, draw_places
+from fieldrecon.experiments.convergence import middle, order, rms
 from fieldrecon.experiments.experiment import (
     Cell,
     Map,
@@ -31,7 +32,7 @@ from fieldrecon.experiments.experiment import (
     parameter,
     require_at_least,
 )
-from fieldrecon.experiments.meshes import jittered_mesh, order, rms
+from fieldrecon.experiments.meshed_flows import abc_flow, jittered_cube, taylor_green
 from fieldrecon.experiments.triangle_velocity import (
     ROTATION,
     STRAIN,
@@ -68,16 +69,19 @@ class Params:
     sides: tuple[int, ...] = parameter((8, 16, 32, 64), "steps along a side of the unit square")
     sides_3d: tuple[int, ...] = parameter((4, 6, 9, 13), "steps along a side of the unit cube")
     shown_side: int = parameter(4, "steps along a side of the mesh that is drawn")
-    jitter: float = parameter(0.3, "how far a vertex is moved at most, in steps")
+    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
     triangle: tuple[float, ...] = parameter(
         (0.0, 0.0, 4.0, 0.0, 1.0, 2.6), "coordinates of the corners of the triangle that is drawn"
     )
     strains: int = parameter(24, "axes of the strains of that triangle")
+    draws: int = parameter(100, "how often noise is drawn")
     disturbance: float = parameter(0.1, "standard deviation of the noise; a rotation has rate 1")
     seed: int = parameter(0, "seed of meshes and noise")
 
     def __post_init__(self) -> None:
-        require_at_least(self, sides=2, sides_3d=2, shown_side=2, jitter=0, strains=3, seed=0)
+        require_at_least(
+            self, sides=2, sides_3d=2, shown_side=2, jitter=0, strains=3, draws=1, seed=0
+        )
         require_at_least(self, disturbance=1e-9)
 
 
@@ -109,12 +113,12 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def errors_on_mesh(params: Params, job: tuple[int, int]) -> dict[str, np.ndarray]:
-    """Return for each field the rms errors at PLACES and the rms defect.
+    """Return for each field the rms errors at PLACES and the rms defect; of vortices, medians.
 
     For affine fields the largest distance from the closed form follows, in space NaN.
     """
     d, side = job
-    mesh = jittered_mesh(side, d, params.jitter, params.seed)
+    mesh = jittered_cube(side, d, params.jitter, params.seed)
     errors = {}
     u: Velocity
     for name, g in GRADIENTS[d].items():
@@ -126,38 +130,29 @@ def errors_on_mesh(params: Params, job: tuple[int, int]) -> dict[str, np.ndarray
         u = partial(_affine, GRADIENTS[3]["rotation"])
         v = np.einsum("fd,fd->f", mesh.face_normals, u(mesh.face_circumcenters))
         errors["rotation, v at circumcentres"] = np.array([*_errors(mesh, u, v), np.nan])
-    u = vortices if d == 2 else abc_flow
-    errors["vortices"] = np.array([*_errors(mesh, u, normal_velocities(mesh, u(mesh.points)))])
+    u = taylor_green if d == 2 else abc_flow
+    v = normal_velocities(mesh, u(mesh.points))
+    errors["vortices"] = np.array(_errors(mesh, u, v, middle))
     return errors
-
-
-def vortices(x: np.ndarray) -> np.ndarray:
-    """Return the vortices (sin a cos b, −cos a sin b) of Taylor and Green, with a, b = 2π x."""
-    s, c = np.sin(2 * np.pi * x), np.cos(2 * np.pi * x)
-    return np.stack([s[..., 0] * c[..., 1], -c[..., 0] * s[..., 1]], axis=-1)
-
-
-def abc_flow(x: np.ndarray) -> np.ndarray:
-    """Return the flow of Arnold, Beltrami and Childress, which is free of divergence."""
-    s, c = np.sin(2 * np.pi * x), np.cos(2 * np.pi * x)
-    return s[..., [2, 0, 1]] + c[..., [1, 2, 0]]
 
 
 def _affine(g: np.ndarray, x: np.ndarray) -> np.ndarray:
     return (x - 0.5) @ g.T
 
 
-def _errors(mesh: SimplexMesh, u: Velocity, v: np.ndarray) -> list[float]:
+def _errors(
+    mesh: SimplexMesh, u: Velocity, v: np.ndarray, size: Callable[[np.ndarray], float] = rms
+) -> list[float]:
     found = cell_velocities(mesh, v)
     corners = found.values[:, None] - u(mesh.points[mesh.cells])
     inner = np.flatnonzero(~mesh.boundary_vertices)
     back = vertex_velocities_from_cells(mesh, found.values, inner) - u(mesh.points[inner])
     return [
-        rms(found.values - u(mesh.circumcenters)),
-        rms(found.values - u(mesh.cell_centers)),
-        rms(corners),
-        rms(raviart_thomas(mesh, v) - u(mesh.circumcenters)),
-        rms(back),
+        size(found.values - u(mesh.circumcenters)),
+        size(found.values - u(mesh.cell_centers)),
+        size(corners),
+        size(raviart_thomas(mesh, v) - u(mesh.circumcenters)),
+        size(back),
         float(np.sqrt(np.mean(found.defect**2))),
     ]
 
@@ -169,8 +164,9 @@ def _gap_from_closed_form(mesh: SimplexMesh, g: np.ndarray, v: np.ndarray) -> fl
 
 def _disturbed(params: Params, side: int, d: int) -> tuple[float, float, float]:
     """Return the rms change of velocities by noise on the faces, that by numpy, and the defect."""
-    mesh = jittered_mesh(side, d, params.jitter, params.seed)
-    noise = np.random.default_rng(params.seed).normal(0, params.disturbance, len(mesh.faces))
+    mesh = jittered_cube(side, d, params.jitter, params.seed)
+    shape = (len(mesh.faces), params.draws)
+    noise = np.random.default_rng(params.seed).normal(0, params.disturbance, shape)
     found = cell_velocities(mesh, noise)
     inverse = np.linalg.pinv(mesh.face_normals[mesh.cell_faces])
     predicted = params.disturbance * np.sqrt((inverse**2).sum(axis=(1, 2)).mean())
@@ -191,6 +187,7 @@ def _table(finest: dict[int, dict[str, np.ndarray]]) -> Table:
         (d, name, *map(_told, errors[: len(PLACES) + 1]))
         for d, of_fields in finest.items()
         for name, errors in of_fields.items()
+        if name != "vortices"
     )
     return Table(("dimension", "field", *PLACES, "defect"), tuple(rows))
 
@@ -206,7 +203,7 @@ def _curves(
 
 
 def _shown(params: Params) -> dict[str, np.ndarray]:
-    mesh = jittered_mesh(params.shown_side, 2, params.jitter, params.seed)
+    mesh = jittered_cube(params.shown_side, 2, params.jitter, params.seed)
     fields = [partial(_affine, g) for g in GRADIENTS[2].values()]
     found = [cell_velocities(mesh, normal_velocities(mesh, u(mesh.points))).values for u in fields]
     return {

@@ -86,7 +86,7 @@ def draw_orders(arrays: Mapping[str, np.ndarray], params: Any) -> Figure:
             panel.set_title("vortices in the plane" if d == 2 else "ABC flow in space")
             panel.set_xticks(h, [f"1/{side}" for side in sides], minor=False)
             panel.minorticks_off()
-        axes[0].set_ylabel("root mean square error")
+        axes[0].set_ylabel("median error")
         handles, labels = axes[0].get_legend_handles_labels()
         page.legend(handles, labels, loc="outside upper center", ncols=len(looks))
     return page

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon.cell_velocity import cell_velocities
 from fieldrecon.cells_to_vertices import vertex_velocities_from_cells
+from fieldrecon.experiments.convergence import order, rms
 from fieldrecon.experiments.experiment import (
     Cell,
     Map,
@@ -38,7 +39,6 @@ from fieldrecon.experiments.flow_past_ball import (
     velocity,
 )
 from fieldrecon.experiments.fluid_frame_figures import draw_data, draw_flow, draw_surface
-from fieldrecon.experiments.meshes import order, rms
 from fieldrecon.experiments.streamlines import exact_streamline, traced_streamlines
 from fieldrecon.mesh import SimplexMesh
 from fieldrecon.radial import inverse_square

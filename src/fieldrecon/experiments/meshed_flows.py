@@ -33,6 +33,24 @@ def jittered_cube(side: int, d: int, jitter: float, seed: int) -> SimplexMesh:
     return SimplexMesh.delaunay(grid + free * offset)
 
 
+def equilateral_mesh(side: int) -> SimplexMesh:
+    """Equilateral triangles of side 1/side, as many as cover the unit square.
+
+    Examples
+    --------
+    >>> mesh = equilateral_mesh(4)
+    >>> bool(abs(mesh.face_measures - 0.25).max() < 1e-12)
+    True
+    """
+    rows = int(np.ceil(side / np.sqrt(0.75)))
+    i, j = np.meshgrid(np.arange(side + 2), np.arange(rows + 1), indexing="ij")
+    points = np.stack([i - j % 2 / 2, j * np.sqrt(0.75)], axis=-1).reshape(-1, 2) / side
+    mesh = SimplexMesh.delaunay(points)
+    # the hull closes the notches of its left and right side with triangles that are longer
+    longest = mesh.face_measures[mesh.cell_faces].max(axis=1)
+    return SimplexMesh(points, mesh.cells[longest < 1.5 / side])
+
+
 def rotation(x: np.ndarray, about: np.ndarray) -> np.ndarray:
     """The field of the exercise, u = J(x - m); in space, about the axis (1, 1, 1) through m."""
     if x.shape[1] == 2:
@@ -43,10 +61,10 @@ def rotation(x: np.ndarray, about: np.ndarray) -> np.ndarray:
 def taylor_green(x: np.ndarray) -> np.ndarray:
     """Vortices (sin a cos b, -cos a sin b) with a, b = 2π(x, y); free of divergence."""
     s, c = np.sin(2 * np.pi * x), np.cos(2 * np.pi * x)
-    return np.stack([s[:, 0] * c[:, 1], -c[:, 0] * s[:, 1]], axis=1)
+    return np.stack([s[..., 0] * c[..., 1], -c[..., 0] * s[..., 1]], axis=-1)
 
 
 def abc_flow(x: np.ndarray) -> np.ndarray:
     """The flow of Arnold, Beltrami and Childress, with all three constants one."""
     s, c = np.sin(2 * np.pi * x), np.cos(2 * np.pi * x)
-    return s[:, [2, 0, 1]] + c[:, [1, 2, 0]]
+    return s[..., [2, 0, 1]] + c[..., [1, 2, 0]]

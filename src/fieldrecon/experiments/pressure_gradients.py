@@ -19,6 +19,7 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
+from fieldrecon.experiments.convergence import order, rms
 from fieldrecon.experiments.experiment import (
     Cell,
     Map,
@@ -29,7 +30,7 @@ from fieldrecon.experiments.experiment import (
     require_at_least,
 )
 from fieldrecon.experiments.gradients_by_others import gradients_by_others
-from fieldrecon.experiments.meshes import equilateral_mesh, jittered_mesh, order, rms
+from fieldrecon.experiments.meshed_flows import equilateral_mesh, jittered_cube
 from fieldrecon.local_gradients import (
     CellStars,
     LocalGradient,
@@ -54,7 +55,7 @@ class Params:
 
     sides: tuple[int, ...] = parameter((8, 16, 32, 64), "steps along a side of the unit square")
     sides_3d: tuple[int, ...] = parameter((4, 6, 9, 13), "steps along a side of the unit cube")
-    jitter: float = parameter(0.3, "how far a vertex is moved at most, in steps")
+    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
     epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps")
     smallest: float = parameter(0.03, "smallest ε of the sweep, in steps")
     largest: float = parameter(10.0, "largest ε of the sweep, in steps")
@@ -134,7 +135,7 @@ def errors_on_mesh(params: Params, job: tuple[str, int]) -> np.ndarray:
 def errors_of_epsilon(params: Params, ratio: float) -> np.ndarray:
     """Return inner rms errors of the full and the diffuse derivative, and their rms difference."""
     side = params.sweep_side
-    mesh = jittered_mesh(side, 2, params.jitter, params.seed)
+    mesh = jittered_cube(side, 2, params.jitter, params.seed)
     inner = np.flatnonzero(~mesh.boundary_vertices)
     p, weight = pressure(mesh.circumcenters), inverse_square(ratio / side)
     full, slope = (
@@ -156,13 +157,13 @@ def _methods(epsilon: float) -> tuple[LocalGradient, ...]:
 def _mesh(params: Params, name: str, side: int) -> SimplexMesh:
     if name.startswith("equilateral"):
         return equilateral_mesh(side)
-    return jittered_mesh(side, MESHES[name], params.jitter, params.seed)
+    return jittered_cube(side, MESHES[name], params.jitter, params.seed)
 
 
 def differences_from_others(params: Params) -> dict[str, float]:
     """Return how far each method is from NumPy and SciPy, relative to the largest gradient."""
     side, epsilon = params.sweep_side, params.epsilon / params.sweep_side
-    mesh = jittered_mesh(side, 2, params.jitter, params.seed)
+    mesh = jittered_cube(side, 2, params.jitter, params.seed)
     inner = np.flatnonzero(~mesh.boundary_vertices)
     vertices = inner[np.linspace(0, len(inner) - 1, params.compared).astype(int)]
     p = pressure(mesh.circumcenters)
