@@ -1,0 +1,61 @@
+"""What only a grader tries in notebook 03."""
+
+import numpy as np
+
+from fieldcheck.calls import Call
+from fieldcheck.questions.q03_radial_basis_functions import cloud
+from fieldrecon.course.hidden import hidden
+
+
+@hidden("03.1", "A single vector is an array of vectors too, and the dimension may be any.")
+def one_vector(seed):
+    random = np.random.default_rng(seed + 1)
+    return (
+        Call("kernel", (random.normal(size=5),), "one vector in five dimensions"),
+        Call("kernel", (random.normal(size=(4, 1)),), "four vectors on the line"),
+        Call("kernel", (1e-9 * random.normal(size=(3, 2)),), "very short vectors"),
+    )
+
+
+@hidden("03.2", "It must hold in every dimension.")
+def in_four_dimensions(seed):
+    points = cloud(np.random.default_rng(seed + 2), 9, 4)
+    return (Call("system_matrix", (points,), "nine points in four dimensions"),)
+
+
+@hidden("03.3", "It must hold for other numbers of points and other dimensions than the shown.")
+def on_the_line(seed):
+    random = np.random.default_rng(seed + 3)
+    return (
+        Call("coefficients", (cloud(random, 9, 1), random.normal(size=9)), "nine points on the line"),
+        Call("coefficients", (cloud(random, 40, 2), random.normal(size=40)), "forty points"),
+    )
+
+
+@hidden("03.4", "Places may coincide with all points of the data, and there may be one place only.")
+def at_the_points_themselves(seed):
+    random = np.random.default_rng(seed + 4)
+    points, c = cloud(random, 7, 2), random.normal(size=3)
+    lam = random.normal(size=7)
+    return (
+        Call("evaluate", (points, lam, c, points), "the points themselves"),
+        Call("evaluate", (points, lam, c, random.random((1, 2))), "one place"),
+    )
+
+
+@hidden("03.6", "Places may coincide with all points of the data, and there may be one place only.")
+def gradient_at_the_points_themselves(seed):
+    random = np.random.default_rng(seed + 5)
+    points, c = cloud(random, 7, 2), random.normal(size=3)
+    lam = random.normal(size=7)
+    return (
+        Call("gradient", (points, lam, c, points), "the points themselves"),
+        Call("gradient", (points, lam, c, random.random((1, 2))), "one place"),
+    )
+
+
+@hidden("03.5", "Points of space may lie in one plane.")
+def in_one_plane_of_space(seed):
+    random = np.random.default_rng(seed + 6)
+    flat = cloud(random, 8, 2) @ np.linalg.qr(random.normal(size=(3, 3)))[0][:2]
+    return (Call("inertia", (flat,), "eight points in one plane of space"),)
