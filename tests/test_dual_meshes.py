@@ -8,7 +8,7 @@ import pytest
 
 from fieldrecon import SimplexMesh, barycentric_dual, circumcentric_dual, experiments
 from fieldrecon.experiments import dual_meshes as duals
-from fieldrecon.experiments.meshes import jittered_mesh
+from fieldrecon.experiments.meshed_flows import jittered_cube
 
 SQUARE = [[0.0, 0], [2, 0], [2, 2], [0, 2]]
 
@@ -20,7 +20,7 @@ def result():
 
 @pytest.fixture(scope="module", params=[2, 3])
 def delaunay(request):
-    return jittered_mesh({2: 8, 3: 4}[request.param], request.param, 0.3, 3)
+    return jittered_cube({2: 8, 3: 4}[request.param], request.param, 0.6, 3)
 
 
 def cotangents(mesh):
@@ -54,7 +54,7 @@ def test_circumcentric_dual_edges_are_as_far_from_all_corners_of_their_face(dela
 
 def test_the_length_of_a_dual_edge_is_its_cotangents():
     """l* = l (cot α + cot β) / 2, with its sign."""
-    for mesh in (jittered_mesh(8, 2, 0.3, 3), duals.stretched(jittered_mesh(8, 2, 0.3, 3), 2.0)):
+    for mesh in (jittered_cube(8, 2, 0.6, 3), duals.stretched(jittered_cube(8, 2, 0.6, 3), 2.0)):
         inner = mesh.face_cells[:, 1] >= 0
         expected = mesh.face_measures * cotangents(mesh) / 2
         np.testing.assert_allclose(duals.dual_lengths(mesh)[inner], expected[inner], atol=1e-12)
@@ -132,5 +132,5 @@ def test_the_table_tells_the_slides_figure(result):
 
 def test_parameters_that_make_no_sense_are_refused():
     """With the name of the parameter and what is wanted."""
-    with pytest.raises(ValueError, match=r"jitter must be below 0\.5; got 0\.5"):
-        replace(duals.QUICK, jitter=0.5)
+    with pytest.raises(ValueError, match=r"jitter must be below 1; got 1"):
+        replace(duals.QUICK, jitter=1.0)

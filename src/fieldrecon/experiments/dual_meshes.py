@@ -32,7 +32,7 @@ from fieldrecon.experiments.experiment import (
     parameter,
     require_at_least,
 )
-from fieldrecon.experiments.meshes import jittered_mesh
+from fieldrecon.experiments.meshed_flows import jittered_cube
 from fieldrecon.mesh import SimplexMesh
 from fieldrecon.reporting.style import FULL_WIDTH, METHOD_COLORS, figure
 
@@ -55,14 +55,14 @@ class Params:
 
     side: int = parameter(5, "steps of the grid along the unit square")
     side_3d: int = parameter(6, "steps of the grid along the unit cube")
-    jitter: float = parameter(0.3, "how far a point is moved at most, in steps, along each axis")
+    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
     stretch: float = parameter(2.0, "by how much the first coordinate is stretched")
     seed: int = parameter(1, "seed of the moves")
 
     def __post_init__(self) -> None:
         require_at_least(self, side=3, side_3d=3, jitter=0, stretch=1, seed=0)
-        if self.jitter >= 0.5:
-            raise ValueError(f"parameter jitter must be below 0.5; got {self.jitter:g}")
+        if self.jitter >= 1:
+            raise ValueError(f"parameter jitter must be below 1; got {self.jitter:g}")
 
 
 QUICK = Params(side=4, side_3d=3)
@@ -91,7 +91,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def _both_meshes(params: Params, d: int, side: int) -> dict[str, SimplexMesh]:
-    delaunay = jittered_mesh(side, d, params.jitter, params.seed)
+    delaunay = jittered_cube(side, d, params.jitter, params.seed)
     return {"Delaunay": delaunay, "not Delaunay": stretched(delaunay, params.stretch)}
 
 
