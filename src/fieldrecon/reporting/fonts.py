@@ -7,6 +7,7 @@ them from there: all three are set in the same faces on every machine, with no s
 from __future__ import annotations
 
 import os
+import shutil
 import struct
 import tempfile
 from collections.abc import Iterator
@@ -133,3 +134,14 @@ def _write_whole(path: Path, content: bytes) -> None:
     with os.fdopen(handle, "wb") as file:
         file.write(content)
     Path(name).replace(path)
+
+
+def copy_font_list(folder: Path) -> None:
+    """Copy matplotlib's list of fonts, which takes it longer to make than all else to start."""
+    import matplotlib as mpl
+    from matplotlib import font_manager
+
+    _ = font_manager.fontManager  # makes the list, if there is none yet
+    folder.mkdir()
+    for path in Path(mpl.get_cachedir()).glob("fontlist-*.json"):
+        shutil.copy(path, folder)
