@@ -40,7 +40,6 @@ from fieldcheck import (
     progress,
 )
 
-
 # %% [markdown]
 # ## The problem in a picture
 #
@@ -50,32 +49,45 @@ from fieldcheck import (
 
 
 # %%
+BESIDE = {"loc": "center left", "bbox_to_anchor": (1, 0.5)}
+VALUES = {"ylabel": r"value $\phi$", "ylim": (-0.8, 1.7)}
+UNIT = {"xlabel": "place $x$", "xlim": (-0.02, 1.02)}
+TRUTH = {"color": GREY, "lw": 4, "alpha": 0.4}
+SQUARE = {"xlabel": "$x_1$", "ylabel": "$x_2$", "aspect": "equal"}
+
+
 def wave(t):
     return np.sin(6 * t) + t
 
 
 def measured(number, noise=0.0):
-    """Places of shape (number, 1) on the unit interval, and the values of the wave there."""
+    """Places of shape (number, 1) on the unit interval, and values there."""
     random = np.random.default_rng(7)
     t = random.random(number)
     return t[:, np.newaxis], wave(t) + noise * random.normal(size=number)
 
 
-@draw(place=Slider(0, 1, 0.3, "place"))
+@draw(place=Slider(0, 1, 0.45, "place"))
 def the_problem(place):
     points, values = measured(40, 0.05)
     t = points[:, 0]
     near = np.argsort(np.abs(t - place))[:8]
-    side, short = np.linspace(0, 1, 2), place + np.linspace(-0.15, 0.15, 2)
+    side, short = np.array([0, 1]), place + np.array([-0.15, 0.15])
+    everywhere = np.polyfit(t, values, 1)
+    nearby = np.polyfit(t[near], values[near], 1)
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
         axes.axvline(place, color="black", ls=":", lw=1)
         axes.plot(t, values, "o", ms=4, color=BLUE, label="measured")
-        axes.plot(t[near], values[near], "o", color=ORANGE, label="the eight nearest")
-        axes.plot(side, np.polyval(np.polyfit(t, values, 1), side), color=GREY, label="one line for all")
-        axes.plot(short, np.polyval(np.polyfit(t[near], values[near], 1), short), color=ORANGE)
-        axes.set(xlabel="place $x$", ylabel=r"value $\phi$", xlim=(0, 1), ylim=(-0.8, 1.7))
-        axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
+        axes.plot(
+            t[near], values[near], "o", color=ORANGE, label="the eight nearest"
+        )
+        axes.plot(
+            side, np.polyval(everywhere, side), color=GREY, label="one line for all"
+        )
+        axes.plot(short, np.polyval(nearby, short), color=ORANGE)
+        axes.set(**UNIT, **VALUES)
+        axes.legend(**BESIDE)
     return page
 
 
@@ -117,9 +129,13 @@ def the_problem(place):
 #
 # Write the weights of all points at one place.
 
+
 # %% question="02.1"
 def weights(points, x, epsilon):
-    """Return w_1 … w_N of (2.3), of shape (N,), for points (N, D), one place x (D,), a number ε."""
+    """Return w_1 … w_N of (2.3), of shape (N,).
+
+    The points have the shape (N, D), the place x has (D,), and ε is a number.
+    """
     # BEGIN SOLUTION
     return 1 / (np.sum((points - x) ** 2, axis=1) + epsilon**2)
     # END SOLUTION
@@ -147,14 +163,22 @@ def who_counts(epsilon, x1, x2):
     with figure(6.4, 2.9) as page:
         left, right = page.subplots(1, 2)
         left.plot(r, along / along[0], color=BLUE, label="$w(r)/w(0)$")
-        left.plot(r, (along / along[0]) ** 2, color=ORANGE, ls="--", label="its square")
+        left.plot(
+            r, (along / along[0]) ** 2, color=ORANGE, ls="--", label="its square"
+        )
         left.axvline(epsilon, color="black", ls=":", lw=1)
-        left.set(xlabel="distance $r$", title=rf"$\varepsilon = {epsilon:.2g}$", ylim=(0, 1.05))
+        left.set(
+            xlabel="distance $r$",
+            title=rf"$\varepsilon = {epsilon:.2g}$",
+            ylim=(0, 1.05),
+        )
         left.legend()
         right.scatter(*points.T, s=2, color=GREY)
-        right.scatter(*points.T, s=150 * here / here.max(), color=BLUE, alpha=0.6, lw=0)
+        right.scatter(
+            *points.T, s=150 * here / here.max(), color=BLUE, alpha=0.6, lw=0
+        )
         right.plot(x1, x2, "+", ms=12, color="black")
-        right.set(aspect="equal", xlabel="$x_1$", ylabel="$x_2$", xlim=(0, 1), ylim=(0, 1))
+        right.set(**SQUARE)
     return page
 
 
@@ -189,9 +213,13 @@ def who_counts(epsilon, x1, x2):
 #
 # </details>
 
+
 # %% question="02.2"
 def weighted_fit(points, values, w):
-    """Return c of (2.5), of shape (D + 1,), for points (N, D), values (N,) and weights w (N,)."""
+    """Return c of (2.5), of shape (D + 1,).
+
+    The points have the shape (N, D), the values (N,) and the weights w (N,).
+    """
     # BEGIN SOLUTION
     b = np.column_stack([np.ones(len(points)), points])
     h = b.T @ (w[:, np.newaxis] ** 2 * b)
@@ -208,22 +236,30 @@ check("02.2")
 
 
 # %%
-@draw(place=Slider(0, 1, 0.3, "place"), epsilon=Slider(0.02, 2, 0.1, "ε", logarithmic=True))
+@draw(
+    place=Slider(0, 1, 0.45, "place"),
+    epsilon=Slider(0.01, 2, 0.05, "ε", logarithmic=True),
+)
 def line_at_a_place(place, epsilon):
     points, v = measured(40, 0.05)
     here = weights(points, np.array([place]), epsilon)
     plain, local = (weighted_fit(points, v, w) for w in (np.ones(40), here))
-    side = np.linspace(0, 1, 2)
+    side, value = np.array([0, 1]), local[0] + local[1] * place
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
         axes.axvline(place, color="black", ls=":", lw=1)
         axes.scatter(points[:, 0], v, s=8, color=BLUE)
-        axes.scatter(points[:, 0], v, s=120 * (here / here.max()) ** 2, color=BLUE, alpha=0.5, lw=0)
-        axes.plot(side, plain[0] + plain[1] * side, color=GREY, label="all weights equal")
-        axes.plot(side, local[0] + local[1] * side, color=ORANGE, label="yours, at $x$")
-        axes.plot(place, local[0] + local[1] * place, "o", ms=8, color=ORANGE, label=r"$f(x)$")
-        axes.set(xlabel="place $x$", ylabel=r"value $\phi$", xlim=(0, 1), ylim=(-0.8, 1.7))
-        axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
+        area = 120 * (here / here.max()) ** 2
+        axes.scatter(points[:, 0], v, s=area, color=BLUE, alpha=0.5, lw=0)
+        axes.plot(
+            side, plain[0] + plain[1] * side, color=GREY, label="all weights equal"
+        )
+        axes.plot(
+            side, local[0] + local[1] * side, color=ORANGE, label="yours, at $x$"
+        )
+        axes.plot(place, value, "o", ms=8, color=ORANGE, label=r"$f(x)$")
+        axes.set(**UNIT, **VALUES)
+        axes.legend(**BESIDE)
     return page
 
 
@@ -290,9 +326,13 @@ def line_at_a_place(place, epsilon):
 #
 # Write a function that evaluates (2.6) at $M$ places. A loop over the places is fine.
 
+
 # %% question="02.4"
 def field(points, values, x, epsilon):
-    """Return f of (2.6) at places x (M, D), of shape (M,), for points (N, D) and values (N,)."""
+    """Return f of (2.6) at M places x, of shape (M,).
+
+    The places have the shape (M, D), the points (N, D) and the values (N,).
+    """
     # BEGIN SOLUTION
     result = []
     for place in x:
@@ -315,14 +355,15 @@ check("02.4")
 def curve(epsilon, number, noise):
     points, v = measured(number, noise)
     side = np.linspace(0, 1, 301)
+    yours = field(points, v, side[:, np.newaxis], epsilon)
     with figure(6.4, 3.0) as page:
         axes = page.subplots()
-        axes.plot(side, wave(side), color=GREY, lw=4, alpha=0.4, label=r"$\phi$, the truth")
+        axes.plot(side, wave(side), **TRUTH, label=r"$\phi$, the truth")
         axes.plot(points[:, 0], v, "o", ms=5, color=BLUE, label="measured")
-        axes.plot(side, field(points, v, side[:, np.newaxis], epsilon), color=ORANGE, label="your field")
-        axes.set(xlabel="place $x$", ylabel=r"value $\phi$", xlim=(0, 1), ylim=(-1.2, 2.2))
+        axes.plot(side, yours, color=ORANGE, label="your field")
+        axes.set(**UNIT, **VALUES | {"ylim": (-1.2, 2.2)})
         axes.set_title(rf"{number} points, $\varepsilon$ = {epsilon:.2g}")
-        axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
+        axes.legend(**BESIDE)
     return page
 
 
@@ -339,7 +380,10 @@ def curve(epsilon, number, noise):
 
 
 # %%
-@draw(n=Slider(1, 6, 3, "power n", whole=True), epsilon=Slider(0.01, 3, 0.1, "ε", logarithmic=True))
+@draw(
+    n=Slider(1, 6, 3, "power n", whole=True),
+    epsilon=Slider(0.01, 3, 0.1, "ε", logarithmic=True),
+)
 def maps(n, epsilon):
     points = data("02.8")[0]
     v = points.sum(axis=1) ** n
@@ -358,8 +402,8 @@ def maps(n, epsilon):
             levels = np.linspace(0, 2**n, 17)
             image = axes.contourf(side, side, heights, levels, extend="both")
             axes.plot(*points.T, ".", ms=3, color="white", mec="black", mew=0.3)
-            axes.set(title=title, aspect="equal", xlabel="$x_1$", xticks=[0, 1], yticks=[0, 1])
-        panels[0].set_ylabel("$x_2$")
+            axes.set(title=title, **SQUARE, xticks=[0, 1], yticks=[0, 1])
+            axes.label_outer()
         page.colorbar(image, ax=list(panels))
     return page
 
@@ -380,9 +424,13 @@ def maps(n, epsilon):
 #
 # Write $\psi$ for any coefficients, not only the best ones.
 
+
 # %% question="02.5"
 def objective(points, values, x, epsilon, coefficients):
-    """Return ψ(c; x) of (2.7), a number, for one place x (D,) and coefficients c (D + 1,)."""
+    """Return ψ(c; x) of (2.7), a number.
+
+    The place x has the shape (D,), the coefficients c have (D + 1,).
+    """
     # BEGIN SOLUTION
     residual = coefficients[0] + points @ coefficients[1:] - values
     return 0.5 * np.sum((weights(points, x, epsilon) * residual) ** 2)
@@ -394,12 +442,16 @@ check("02.5")
 
 # %% [markdown]
 # On a line there are two coefficients, so $\psi$ is a landscape over a plane. Below, the left picture
-# shows its level lines; the dot is what your `weighted_fit` returns, and the thin curve is the way
-# that the dot takes as the place goes from 0 to 1. Move the place.
+# shows its level lines. A straight line is told there by its value at $x$, which is
+# $c_0 + c_1 x$, and its slope $c_1$. The dot is what your `weighted_fit` returns, and the thin curve is
+# the way that the dot takes as the place goes from 0 to 1. Move the place.
 
 
 # %%
-@draw(place=Slider(0, 1, 0.3, "place"), epsilon=Slider(0.03, 2, 0.1, "ε", logarithmic=True))
+@draw(
+    place=Slider(0, 1, 0.45, "place"),
+    epsilon=Slider(0.01, 2, 0.05, "ε", logarithmic=True),
+)
 def valley(place, epsilon):
     points, v = measured(40, 0.05)
     x = np.array([place])
@@ -407,27 +459,36 @@ def valley(place, epsilon):
     def best(at):
         return weighted_fit(points, v, weights(points, np.array([at]), epsilon))
 
-    lowest, way = best(place), np.array([best(at) for at in np.linspace(0, 1, 101)])
-    c0, c1 = np.linspace(-8, 8, 49), np.linspace(-8, 10, 49)
-    heights = [[objective(points, v, x, epsilon, np.array([a, b])) for a in c0] for b in c1]
+    lowest = best(place)
+    places = np.linspace(0, 1, 101)
+    lines = np.array([best(at) for at in places])
+
+    def height(value, slope):
+        line = np.array([value - slope * place, slope])
+        return objective(points, v, x, epsilon, line)
+
+    value, slope = np.linspace(-1, 2, 121), np.linspace(-12, 12, 61)
+    heights = [[height(a, b) for a in value] for b in slope]
     side = np.linspace(0, 1, 2)
     with figure(6.4, 3.0) as page:
         left, right = page.subplots(1, 2)
-        left.contour(c0, c1, np.log10(heights), 14, linewidths=0.9)
-        left.plot(*way.T, color=GREY, lw=1)
-        left.plot(*lowest, "o", ms=8, color=ORANGE)
-        left.set(xlabel="$c_0$", ylabel="$c_1$", title=r"$\psi(\mathbf{c}; x)$, level lines")
+        levels = np.min(heights) * 2.0 ** np.arange(1, 16)
+        left.contour(value, slope, heights, levels, norm="log", linewidths=0.9)
+        left.plot(lines[:, 0] + places * lines[:, 1], lines[:, 1], color=GREY, lw=1)
+        left.plot(lowest[0] + place * lowest[1], lowest[1], "o", ms=8, color=ORANGE)
+        left.set(xlabel="value at $x$", ylabel="slope $c_1$")
+        left.set_title(r"$\psi(\mathbf{c}; x)$, level lines")
         right.axvline(place, color="black", ls=":", lw=1)
         right.plot(points[:, 0], v, ".", color=BLUE)
         right.plot(side, lowest[0] + lowest[1] * side, color=ORANGE)
-        right.set(xlabel="place $x$", ylabel=r"value $\phi$", ylim=(-0.8, 1.7), title="its lowest point")
+        right.set(**UNIT, **VALUES, title="its lowest point")
     return page
 
 
 # %% [markdown]
 # **What to look at.** There is one valley and one lowest point, wherever the place is. The valley
 # is long in one direction: lines with the same value at $x$ and another slope are nearly as good,
-# since only what happens close to $x$ counts.
+# since only what happens close to $x$ counts. What does the valley look like for a large $\varepsilon$?
 #
 # ### In words
 #
@@ -503,9 +564,13 @@ def valley(place, epsilon):
 #
 # </details>
 
+
 # %% question="02.7"
 def gradient(points, values, x, epsilon):
-    """Return the gradient of f at places x (M, D), of shape (M, D): all of (2.8)."""
+    """Return the gradient of f at places x, all of (2.8), of shape (M, D).
+
+    The places have the shape (M, D), the points (N, D) and the values (N,).
+    """
     # BEGIN SOLUTION
     result = np.empty(x.shape)
     for j, place in enumerate(x):
@@ -513,7 +578,8 @@ def gradient(points, values, x, epsilon):
         c = weighted_fit(points, values, w)
         residual = values - c[0] - points @ c[1:]
         for k in range(len(place)):
-            dc = weighted_fit(points, -4 * w * (place[k] - points[:, k]) * residual, w)
+            g = -4 * w * (place[k] - points[:, k]) * residual
+            dc = weighted_fit(points, g, w)
             result[j, k] = c[1 + k] + dc[0] + dc[1:] @ place
     return result
     # END SOLUTION
@@ -533,31 +599,35 @@ def slopes(epsilon):
     points, v = measured(20)
     side = np.linspace(0, 1, 201)
     heights = field(points, v, side[:, np.newaxis], epsilon)
-    tilts = [weighted_fit(points, v, weights(points, np.array([at]), epsilon))[1] for at in side]
-    between = (side[1:] + side[:-1]) / 2
+    around = [weights(points, np.array([at]), epsilon) for at in side]
+    tilts = [weighted_fit(points, v, w)[1] for w in around]
+    between, differences = (
+        (side[1:] + side[:-1]) / 2,
+        np.diff(heights) / np.diff(side),
+    )
     with figure(6.4, 4.2) as page:
         top, bottom = page.subplots(2, 1, sharex=True)
-        top.plot(side, wave(side), color=GREY, lw=4, alpha=0.4, label=r"$\phi$")
+        top.plot(side, wave(side), **TRUTH, label=r"$\phi$")
         top.plot(points[:, 0], v, "o", ms=4, color=BLUE, label="measured")
         top.plot(side, heights, color=ORANGE, label="your field")
-        bottom.plot(side, 6 * np.cos(6 * side) + 1, color=GREY, lw=4, alpha=0.4, label=r"$\phi'$")
+        bottom.plot(side, 6 * np.cos(6 * side) + 1, **TRUTH, label=r"$\phi'$")
         bottom.plot(side, tilts, "--", color=PURPLE, label="slope of the fit")
         yours = gradient(points, v, side[:, np.newaxis], epsilon)
         bottom.plot(side, yours, color=ORANGE, label="your gradient")
-        bottom.plot(between[::5], (np.diff(heights) / np.diff(side))[::5], ".", color="black", label="differences")
+        bottom.plot(between[::5], differences[::5], "k.", label="differences")
         top.set(ylabel="value")
-        bottom.set(xlabel="place $x$", ylabel="slope", xlim=(0, 1))
+        bottom.set(**UNIT, ylabel="slope")
         for axes in (top, bottom):
-            axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
+            axes.legend(**BESIDE)
     return page
 
 
 # %% [markdown]
 # **What to look at.** The differences lie on your gradient, not on the dashed line. Which of the two
-# is closer to the slope of the truth? Often it is the dashed one, for a small $\varepsilon$: it does
-# not follow the small waves of $f$. It is a good estimate of $\nabla\phi$, but it is *not* the
-# gradient of $f$. Whoever needs both to agree, because a force must do the work that the potential
-# says, needs the full gradient.
+# is closer to the slope of the truth? For a very small $\varepsilon$ it is the dashed one, which does
+# not follow the small waves of $f$; from about the spacing of the points on it is your gradient. So the
+# dashed line may be a fair estimate of $\phi'$, but it is *not* the derivative of $f$. Who needs the
+# two to agree, because a force must do the work that the potential says, needs the full gradient.
 
 # %% [markdown]
 # ## How good is it?
@@ -581,11 +651,13 @@ def slopes(epsilon):
 #
 # </details>
 
+
 # %% question="02.8"
 def errors(points, places, n, epsilon):
-    """Return E of (2.9) for least squares and for moving least squares, of shape (2,).
+    """Return E of (2.9) for least and for moving least squares, of shape (2,).
 
-    The field (x_1 + x_2)ⁿ is measured at points (N, 2), and both are asked at places (M, 2).
+    The field (x_1 + x_2)ⁿ is measured at points (N, 2). Both methods are asked at
+    places (M, 2).
     """
     # BEGIN SOLUTION
     values, truth = np.sum(points, axis=1) ** n, np.sum(places, axis=1) ** n
@@ -613,14 +685,28 @@ def comparison(epsilon):
         left, right = page.subplots(1, 2, width_ratios=(1, 1.5))
         left.plot(*points.T, ".", ms=4, color=BLUE, label="measured")
         left.plot(*places.T, "x", color=ORANGE, label="asked for")
-        left.set(aspect="equal", xlabel="$x_1$", ylabel="$x_2$", xlim=(0, 1), ylim=(0, 1))
-        left.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, columnspacing=1)
-        right.semilogy(powers[1:], both[1:, 0], "s--", color=GREY, label="least squares")
-        right.semilogy(powers[1:], both[1:, 1], "o-", color=ORANGE, label="moving least squares")
+        left.set(**SQUARE)
+        left.legend(
+            loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, columnspacing=1
+        )
+        right.semilogy(
+            powers[1:], both[1:, 0], "s--", color=GREY, label="least squares"
+        )
+        right.semilogy(
+            powers[1:],
+            both[1:, 1],
+            "o-",
+            color=ORANGE,
+            label="moving least squares",
+        )
         exact = both[0].max() < 1e-10
-        right.set(xlabel="power $n$", ylabel="error $E$", xlim=(0.5, 8.5))
-        right.set_title(f"$n = 1$: {'both exact, to rounding' if exact else both[0]}")
-        right.legend()
+        right.set(
+            xlabel="power $n$", ylabel="error $E$", ylim=(None, 12 * both.max())
+        )
+        right.set_title(
+            f"$n = 1$: {'both exact, to rounding' if exact else both[0]}"
+        )
+        right.legend(loc="upper left")
     return page
 
 
@@ -642,14 +728,16 @@ WIDTHS = np.geomspace(0.01, 3, 16)
 
 
 def noisy(n, noise):
-    """Your points, values of (x_1 + x_2)ⁿ there with noise, and three hundred places."""
+    """Your points, (x_1 + x_2)ⁿ there with noise, and three hundred places."""
     points, random = data("02.8")[0], np.random.default_rng(3)
-    return points, points.sum(axis=1) ** n + noise * random.normal(size=len(points)), random.random((300, 2))
+    v = points.sum(axis=1) ** n + noise * random.normal(size=len(points))
+    return points, v, random.random((300, 2))
 
 
 def true_errors(n, noise):
     points, v, many = noisy(n, noise)
-    missed = [field(points, v, many, width) - many.sum(axis=1) ** n for width in WIDTHS]
+    truth = many.sum(axis=1) ** n
+    missed = [field(points, v, many, width) - truth for width in WIDTHS]
     return np.sqrt(np.mean(np.square(missed), axis=1))
 
 
@@ -659,12 +747,13 @@ def error_against_width(n, noise):
         axes = page.subplots()
         for sigma, color in ((0.0, BLUE), (noise, ORANGE)):
             missed = true_errors(n, sigma)
-            axes.loglog(WIDTHS, missed, color=color, label=f"noise {sigma:.2g}")
+            axes.semilogx(WIDTHS, missed, color=color, label=f"noise {sigma:.2g}")
             axes.plot(WIDTHS[missed.argmin()], missed.min(), "o", color=color)
         axes.axvline(0.1, color="black", ls=":", lw=1)
-        axes.annotate("spacing of\nthe points", (0.1, 0.98), (4, 0), xycoords=axes.get_xaxis_transform(), textcoords="offset points", va="top")
-        axes.set(xlabel=r"$\varepsilon$", ylabel="error $E$")
-        axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
+        top = max(axes.get_ylim()[1], 1e-3)
+        axes.text(0.105, top, "spacing of\nthe points", va="top")
+        axes.set(xlabel=r"$\varepsilon$", ylabel="error $E$", ylim=(0, top))
+        axes.legend(**BESIDE)
     return page
 
 
@@ -688,14 +777,15 @@ def tempting(noise):
     points, v, _ = noisy(3, noise)
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
-        for place, color in zip(data("02.8")[1][:3], (BLUE, ORANGE, GREEN), strict=True):
-            lowest = []
+        places = data("02.8")[1][:3]
+        for place, color in zip(places, (BLUE, ORANGE, GREEN), strict=True):
+            lowest, label = [], f"({place[0]:.2f}, {place[1]:.2f})"
             for width in WIDTHS:
                 c = weighted_fit(points, v, weights(points, place, width))
                 lowest.append(objective(points, v, place, width, c))
-            axes.loglog(WIDTHS, lowest, color=color, label=f"x = ({place[0]:.2f}, {place[1]:.2f})")
+            axes.loglog(WIDTHS, lowest, color=color, label=label)
         axes.set(xlabel=r"$\varepsilon$", ylabel=r"least value of $\psi$")
-        axes.legend()
+        axes.legend(title=r"at $\mathbf{x} =$")
     return page
 
 
@@ -723,14 +813,19 @@ def tempting(noise):
 #
 # </details>
 
+
 # %% question="02.9"
 def leave_one_out(points, values, epsilon):
-    """Return e_1 … e_N of (2.10), of shape (N,), for points (N, D) and values (N,)."""
+    """Return e_1 … e_N of (2.10), of shape (N,).
+
+    The points have the shape (N, D) and the values (N,).
+    """
     # BEGIN SOLUTION
     result = np.empty(len(points))
     for i in range(len(points)):
-        kept = np.arange(len(points)) != i
-        result[i] = values[i] - field(points[kept], values[kept], points[[i]], epsilon).item()
+        others = np.arange(len(values)) != i
+        f = field(points[others], values[others], points[[i]], epsilon)
+        result[i] = values[i] - f.item()
     return result
     # END SOLUTION
 
@@ -751,15 +846,17 @@ check("02.9")
 def judges(n, noise):
     points, v, _ = noisy(n, noise)
     truth = true_errors(n, noise)
-    unseen = [np.sqrt(np.mean(leave_one_out(points, v, width) ** 2)) for width in WIDTHS]
-    sums, means = [], []
+    unseen, sums, means = [], [], []
     for width in WIDTHS:
-        at = [weights(points, place, width) for place in data("02.8")[1]]
-        fits = [weighted_fit(points, v, w) for w in at]
-        there = zip(data("02.8")[1], fits, strict=True)
-        low = np.array([objective(points, v, place, width, c) for place, c in there])
-        sums.append(low.sum())
-        means.append((low / [w @ w for w in at]).sum())
+        unseen.append(np.sqrt(np.mean(leave_one_out(points, v, width) ** 2)))
+        lowest, total = [], []
+        for place in data("02.8")[1]:
+            there = weights(points, place, width)
+            best = weighted_fit(points, v, there)
+            lowest.append(objective(points, v, place, width, best))
+            total.append(np.sum(there**2))
+        sums.append(np.sum(lowest))
+        means.append(np.sum(np.divide(lowest, total)))
     verdicts = (
         ("true error", truth, GREY, "-"),
         ("leave one out", unseen, GREEN, "--"),
@@ -769,17 +866,24 @@ def judges(n, noise):
     with figure(6.8, 3.2) as page:
         axes = page.subplots()
         for name, told, color, line in verdicts:
-            told = np.array(told) / np.min(told)
+            told = np.maximum(told, 1e-9) / max(np.min(told), 1e-9)
             choice = told.argmin()
-            regret = truth[choice] / truth.min()
-            axes.loglog(WIDTHS, told, line, color=color, label=f"{name} (×{regret:.2f})")
-            axes.plot(WIDTHS[choice], 1, "o", color=color, ms=9 - 2 * (color != GREY))
-        axes.set(xlabel=r"$\varepsilon$", ylabel="each divided by its least", ylim=(0.8, 40))
-        axes.legend(loc="center left", bbox_to_anchor=(1, 0.5), title="judge (regret)")
+            regret = max(truth[choice], 1e-9) / max(truth.min(), 1e-9)
+            axes.loglog(
+                WIDTHS, told, line, color=color, label=f"{name} (×{regret:.2f})"
+            )
+            axes.plot(
+                WIDTHS[choice], 1, "o", color=color, ms=9 - 2 * (color != GREY)
+            )
+        axes.set(xlabel=r"$\varepsilon$", ylabel="over its least", ylim=(0.8, 40))
+        axes.legend(**BESIDE, title="judge (regret)")
     return page
 
 
 # %% [markdown]
+# **What to look at.** Set the noise to zero, then to 0.3, then to 1. Which judges change their mind,
+# and which never do? Then set $n = 1$ with noise: now $\psi$ is right. Does that make it a good judge?
+#
 # ### In words
 #
 # **02.10** For which $\varepsilon$ does moving least squares work best, without noise and with it? A hint
@@ -814,7 +918,7 @@ def judges(n, noise):
 # For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 + \varepsilon^2)$ falls as $\varepsilon$ grows, so each
 # term of (2.7) falls; minimising over $\mathbf{c}$ makes the sum only smaller. In formulas: with $\varepsilon_1 < \varepsilon_2$ and
 # minimisers $\mathbf{c}_1, \mathbf{c}_2$, $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1) \le \psi_1(\mathbf{c}_1)$. So the least value of $\psi$
-# falls for *all* data, to zero as $\varepsilon^{-4}$: it always chooses $\varepsilon = \infty$,
+# falls for *all* data (unless it is zero from the start, for an affine field), in the end as $\varepsilon^{-4}$: it always chooses $\varepsilon = \infty$,
 # which is least squares, on noise-free data the worst choice of all. That $\mathbf{c}$ minimises $\psi$
 # is no reason: $\psi$ with another $\varepsilon$ is another function, measured in other units.
 #

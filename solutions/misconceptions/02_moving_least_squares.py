@@ -60,6 +60,22 @@ def differences_added_before_squaring(points, x, epsilon):
 
 
 @answers("02.1")
+def sum_of_the_lengths_squared(points, x, epsilon):
+    """The distance and ε are added first, and their sum is squared. That has a mixed term, and the
+    weight has a kink at the point itself. In (2.3) each of the two is squared by itself.
+    """
+    return (distances(points, x) + epsilon) ** -2
+
+
+@answers("02.1")
+def one_sum_over_everything(points, x, epsilon):
+    """All squares are added up, those of all points together, so that one number comes out. Each
+    point has a distance of its own: along which axis of the array must the sum go?
+    """
+    return 1 / (np.linalg.norm(points - x) ** 2 + epsilon**2)
+
+
+@answers("02.1")
 def squared_already(points, x, epsilon):
     """This is the square of the weight. It does enter squared, but in (2.5), where you would then
     have its fourth power. Here w itself of (2.3) is asked for.
@@ -377,6 +393,18 @@ def weight_lost_in_the_chain_rule(points, values, x, epsilon):
 
 
 @answers("02.7")
+def squared_weight_twice_in_the_chain_rule(points, values, x, epsilon):
+    """The squared weight is in the second term of (2.8) twice. The derivative of w² contains it,
+    and the weighted fit multiplies what it is given by w² once more. What must it be given, so that
+    the product is the derivative?
+    """
+    def data(w, away, c):
+        return -4 * (w**3 * (values - value_at(c, points)))[:, None] * away
+
+    return with_second_term(points, values, x, epsilon, data)
+
+
+@answers("02.7")
 def right_side_alone_differentiated(points, values, x, epsilon):
     """Only the right side of (2.5) has been differentiated. The matrix H on the left depends on x as
     well, and the product rule has a term for it. A sign that it is missing: even an affine field
@@ -457,6 +485,15 @@ def mean_without_squares(points, places, n, epsilon):
     have none. In (2.9) each error is squared before the mean is taken.
     """
     return np.abs(misses(points, places, n, epsilon).mean(axis=1))
+
+
+@answers("02.8")
+def spread_about_the_mean(points, places, n, epsilon):
+    """This is the standard deviation of the errors, how far they are from their own mean. A field
+    that is too high everywhere by the same amount would seem perfect. (2.9) measures how far
+    they are from zero.
+    """
+    return misses(points, places, n, epsilon).std(axis=1)
 
 
 @answers("02.8")

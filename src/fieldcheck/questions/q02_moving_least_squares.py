@@ -151,8 +151,8 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
     """Return places on a circle; the same with an affine field on top; space."""
     random = np.random.default_rng(seed)
     p, v = random.random((20, 2)), random.normal(size=20)
-    angle = 2 * np.pi * np.arange(CIRCLE) / CIRCLE
-    x = 0.5 + 0.1 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    circle = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
+    x = 0.5 + 0.1 * np.column_stack([circle.real, circle.imag])
     slopes = np.array([1.5, -2.0])
     return (
         Call("gradient", (p, v, x, 0.3), "places on a circle"),
@@ -263,7 +263,7 @@ QUESTIONS = (
         lambda call: local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
     Question(
-        "02.5", "objective", 2, objective_inputs, lambda call: ((),),
+        "02.5", "objective", 2, objective_inputs, lambda _: ((),),
         (
             Law("ψ is a sum of squares: doubling the values and the coefficients must make it four times "
                 "as large.", is_quadratic),
@@ -282,7 +282,7 @@ QUESTIONS = (
         lambda call: 10 * local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
     Question(
-        "02.8", "errors", 3, errors_inputs, lambda call: ((2,),),
+        "02.8", "errors", 3, errors_inputs, lambda _: ((2,),),
         (Law("In a square twice as large (x₁ + x₂)² is four times as large, and so must both errors be.",
              grows_with_the_field, LOCAL),),
         lambda call: local_rounding(call.arguments[0], call.arguments[1], call.arguments[3]),
