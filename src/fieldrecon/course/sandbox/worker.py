@@ -8,8 +8,7 @@ import re
 from typing import Any
 
 from fieldcheck.calls import Call, perform
-
-from . import frames
+from fieldrecon.course.sandbox import frames
 
 MAGIC = re.compile(r"^(\s*)[%!?].*$", re.MULTILINE)
 MOST_TEXT = 2000
