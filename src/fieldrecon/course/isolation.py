@@ -104,7 +104,8 @@ class Server:
             command = self._command(stage, homes, theirs.fileno())
             with ours, subprocess.Popen(
                 command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, cwd=stage,
-                env={"PATH": os.defpath, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+                env={"PATH": os.defpath, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
+                     "MPLBACKEND": "Agg"},
             ) as process:  # fmt: skip
                 theirs.close()
                 self._control = ours
@@ -142,7 +143,7 @@ class Server:
             "locks": [] if self.tier == "none" else ["landlock", "seccomp"],
         }  # fmt: skip
         start = f"import sys; sys.path.insert(0, {str(stage)!r}); "
-        start += "from sandbox.server import main; main()"
+        start += "from fieldrecon.course.sandbox.server import main; main()"
         python = [sys.executable, "-I", "-S", "-c", start, str(control)]
         walls = ["bwrap", *_walls(readable, (str(homes),))] if self.tier == "bubblewrap" else []
         return [*walls, *python, json.dumps(settings)]
@@ -161,6 +162,7 @@ def _walls(readable: Sequence[str], writable: Sequence[str]) -> list[str]:
     options = [
         "--unshare-all", "--die-with-parent", "--new-session", "--clearenv", "--tmpfs", "/tmp",
         "--dev", "/dev", "--proc", "/proc", "--setenv", "OPENBLAS_NUM_THREADS", "1",
+        "--setenv", "MPLBACKEND", "Agg",
     ]  # fmt: skip
     for path in ("/usr", "/bin", "/lib", "/lib64", *readable):
         if Path(path).exists() and not path.startswith("/dev"):
@@ -172,7 +174,10 @@ def _walls(readable: Sequence[str], writable: Sequence[str]) -> list[str]:
 
 def _fill(stage: Path) -> None:
     """Copy what runs on the students' side: the locks, the calls, and no answers."""
-    shutil.copytree(str(files("fieldrecon.course.sandbox")), stage / "sandbox", ignore=_compiled)
+    package = stage / "fieldrecon" / "course"
+    shutil.copytree(str(files("fieldrecon.course.sandbox")), package / "sandbox", ignore=_compiled)
+    for empty in (package, package.parent):
+        (empty / "__init__.py").touch()
     shutil.copytree(str(files("fieldcheck")), stage / "fieldcheck", ignore=_answers)
 
 

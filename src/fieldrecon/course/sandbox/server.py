@@ -1,8 +1,8 @@
 """The forking server: it imports NumPy once, and makes a locked-in process for each submission.
 
-Its arguments are the number of a socket and a JSON object of settings. The server runs no code of a student: it
-forks, the child locks itself in and runs it. Commands are a byte each: ``r`` (with two pipes) to
-run, ``e`` to end what runs and be told how it ended.
+Its arguments are the number of a socket and a JSON object of settings. It runs no code of a
+student: it forks, and the child locks itself in before it does. Commands are a byte each: ``r``,
+with two pipes, to run, and ``e`` to end what runs and be told how it ended.
 """
 
 from __future__ import annotations
@@ -15,7 +15,11 @@ import socket
 import sys
 import tempfile
 from contextlib import suppress
+from importlib import import_module
 from typing import Any
+
+PRELOADED = ("numpy", "matplotlib.pyplot")
+"""What notebooks import anyway; the processes that are forked have it already."""
 
 
 def main() -> None:
@@ -24,14 +28,10 @@ def main() -> None:
     settings = json.loads(sys.argv[2])
     sys.path.append(settings["packages"])
     os.environ["MPLCONFIGDIR"] = settings["homes"] + "/matplotlib"
-    import matplotlib as mpl
-
-    mpl.use("Agg")
-    import matplotlib.pyplot  # noqa: F401
-
+    for name in PRELOADED:
+        import_module(name)
     from fieldcheck.questions import questions
-
-    from . import worker
+    from fieldrecon.course.sandbox import worker
 
     questions()
     worker.quiet_fieldcheck()
@@ -77,7 +77,7 @@ def _end(child: int, home: str) -> dict[str, Any]:
 
 def _child(settings: dict[str, Any], home: str, pipes: list[int]) -> None:
     """Lock this process in and run what comes; it never returns."""
-    from . import confine, worker
+    from fieldrecon.course.sandbox import confine, worker
 
     code = 1
     try:
