@@ -7,6 +7,7 @@ the first ring that determines it, for each vertex.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -87,16 +88,30 @@ def fit_on_rings(
     numpy.linalg.LinAlgError
         If all the rings there are do not determine a result.
     """
+    touching = mesh.vertex_cell_incidence.astype(bool)
+    incidences = _Incidences(
+        touching,
+        touching.T.tocsr(),
+        None if sites_of_cells is None else sites_of_cells.astype(bool),
+    )
     rings = np.zeros(len(vertices), dtype=int)
     for start in range(0, len(vertices), BLOCK):
         places = np.arange(start, min(start + BLOCK, len(vertices)))
-        _fit_block(mesh, sites_of_cells, vertices, places, rings, fit, take, what)
+        _fit_block(incidences, vertices, places, rings, fit, take, what)
     return rings
 
 
+@dataclass(frozen=True)
+class _Incidences:
+    """Cells of vertices, vertices of cells, and sites of cells unless the cells are the sites."""
+
+    cells: sparse.csr_array
+    vertices: sparse.csr_array
+    sites: sparse.csr_array | None
+
+
 def _fit_block(
-    mesh: SimplexMesh,
-    sites_of_cells: sparse.csr_array | None,
+    of: _Incidences,
     vertices: np.ndarray,
     pending: np.ndarray,
     rings: np.ndarray,
@@ -104,13 +119,11 @@ def _fit_block(
     take: Take,
     what: tuple[str, str],
 ) -> None:
-    touching = mesh.vertex_cell_incidence.astype(bool)
-    of_cells = None if sites_of_cells is None else sites_of_cells.astype(bool)
-    cells = touching[vertices[pending]]
+    cells = of.cells[vertices[pending]]
     before = np.zeros(len(pending), dtype=int)
     while len(pending):
         rings[pending] += 1
-        sites = cells if of_cells is None else cells @ of_cells
+        sites = cells if of.sites is None else cells @ of.sites
         done, counted = _fit_ring(sites, vertices, pending, before, fit, take)
         exhausted = counted == before
         rings[pending[done & exhausted]] -= 1  # the ring before had the same sites
@@ -121,7 +134,7 @@ def _fit_block(
                 f"determine {what[1]}, and wider rings have no more"
             )
         pending, before, cells = pending[~done], counted[~done], cells[~done]
-        cells = (cells @ touching.T) @ touching
+        cells = (cells @ of.vertices) @ of.cells
 
 
 def _fit_ring(
