@@ -142,7 +142,7 @@ def charts(vertices: tuple[int, ...], costs: dict[str, list[Cost]]) -> list[Char
         name = f"{what}: p = {exponent(vertices, of):.2f}"
         seconds[name], memory[name] = [c.seconds for c in of], [c.gigabytes for c in of]
     return [
-        Chart("Time, growing like n^p", "vertices n", "seconds", vertices, seconds),
+        Chart("Time, and exponents p of its growth", "vertices n", "seconds", vertices, seconds),
         Chart("Largest memory of the process", "vertices n", "gigabytes", vertices, memory),
     ]
 
