@@ -79,12 +79,8 @@ def the_problem(place):
         axes = page.subplots()
         axes.axvline(place, color="black", ls=":", lw=1)
         axes.plot(t, values, "o", ms=4, color=BLUE, label="measured")
-        axes.plot(
-            t[near], values[near], "o", color=ORANGE, label="the eight nearest"
-        )
-        axes.plot(
-            side, np.polyval(everywhere, side), color=GREY, label="one line for all"
-        )
+        axes.plot(t[near], values[near], "o", color=ORANGE, label="eight nearest")
+        axes.plot(side, np.polyval(everywhere, side), color=GREY, label="line for all")
         axes.plot(short, np.polyval(nearby, short), color=ORANGE)
         axes.set(**UNIT, **VALUES)
         axes.legend(**BESIDE)
@@ -157,15 +153,14 @@ check("02.1")
 )
 def who_counts(epsilon, x1, x2):
     r = np.linspace(0, 1, 201)
-    along = weights(r[:, np.newaxis], np.zeros(1), epsilon)
+    along = weights(r[:, np.newaxis], np.zeros(1), epsilon) * epsilon**2
     points = data("02.8")[0]
     here = weights(points, np.array([x1, x2]), epsilon)
+    area = 150 * here / here.max()
     with figure(6.4, 2.9) as page:
         left, right = page.subplots(1, 2)
-        left.plot(r, along / along[0], color=BLUE, label="$w(r)/w(0)$")
-        left.plot(
-            r, (along / along[0]) ** 2, color=ORANGE, ls="--", label="its square"
-        )
+        left.plot(r, along, color=BLUE, label="$w(r)/w(0)$")
+        left.plot(r, along**2, "--", color=ORANGE, label="its square")
         left.axvline(epsilon, color="black", ls=":", lw=1)
         left.set(
             xlabel="distance $r$",
@@ -174,9 +169,7 @@ def who_counts(epsilon, x1, x2):
         )
         left.legend()
         right.scatter(*points.T, s=2, color=GREY)
-        right.scatter(
-            *points.T, s=150 * here / here.max(), color=BLUE, alpha=0.6, lw=0
-        )
+        right.scatter(*points.T, s=area, color=BLUE, alpha=0.6, lw=0)
         right.plot(x1, x2, "+", ms=12, color="black")
         right.set(**SQUARE)
     return page
@@ -251,12 +244,8 @@ def line_at_a_place(place, epsilon):
         axes.scatter(points[:, 0], v, s=8, color=BLUE)
         area = 120 * (here / here.max()) ** 2
         axes.scatter(points[:, 0], v, s=area, color=BLUE, alpha=0.5, lw=0)
-        axes.plot(
-            side, plain[0] + plain[1] * side, color=GREY, label="all weights equal"
-        )
-        axes.plot(
-            side, local[0] + local[1] * side, color=ORANGE, label="yours, at $x$"
-        )
+        axes.plot(side, plain[0] + plain[1] * side, color=GREY, label="equal weights")
+        axes.plot(side, local[0] + local[1] * side, color=ORANGE, label="yours, at $x$")
         axes.plot(place, value, "o", ms=8, color=ORANGE, label=r"$f(x)$")
         axes.set(**UNIT, **VALUES)
         axes.legend(**BESIDE)
@@ -601,10 +590,8 @@ def slopes(epsilon):
     heights = field(points, v, side[:, np.newaxis], epsilon)
     around = [weights(points, np.array([at]), epsilon) for at in side]
     tilts = [weighted_fit(points, v, w)[1] for w in around]
-    between, differences = (
-        (side[1:] + side[:-1]) / 2,
-        np.diff(heights) / np.diff(side),
-    )
+    middles = (side[1:] + side[:-1]) / 2
+    differences = np.diff(heights) / np.diff(side)
     with figure(6.4, 4.2) as page:
         top, bottom = page.subplots(2, 1, sharex=True)
         top.plot(side, wave(side), **TRUTH, label=r"$\phi$")
@@ -614,7 +601,7 @@ def slopes(epsilon):
         bottom.plot(side, tilts, "--", color=PURPLE, label="slope of the fit")
         yours = gradient(points, v, side[:, np.newaxis], epsilon)
         bottom.plot(side, yours, color=ORANGE, label="your gradient")
-        bottom.plot(between[::5], differences[::5], "k.", label="differences")
+        bottom.plot(middles[::5], differences[::5], "k.", label="differences")
         top.set(ylabel="value")
         bottom.set(**UNIT, ylabel="slope")
         for axes in (top, bottom):
@@ -679,33 +666,21 @@ check("02.8")
 @draw(epsilon=Slider(0.01, 3, 0.05, "ε", logarithmic=True))
 def comparison(epsilon):
     points, places = data("02.8")[:2]
-    powers = np.arange(1, 9)
-    both = np.array([errors(points, places, int(n), epsilon) for n in powers])
+    powers = range(2, 9)
+    both = np.array([errors(points, places, n, epsilon) for n in powers])
+    first = max(errors(points, places, 1, epsilon))
     with figure(6.4, 3.0) as page:
         left, right = page.subplots(1, 2, width_ratios=(1, 1.5))
         left.plot(*points.T, ".", ms=4, color=BLUE, label="measured")
         left.plot(*places.T, "x", color=ORANGE, label="asked for")
         left.set(**SQUARE)
-        left.legend(
-            loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, columnspacing=1
-        )
-        right.semilogy(
-            powers[1:], both[1:, 0], "s--", color=GREY, label="least squares"
-        )
-        right.semilogy(
-            powers[1:],
-            both[1:, 1],
-            "o-",
-            color=ORANGE,
-            label="moving least squares",
-        )
-        exact = both[0].max() < 1e-10
-        right.set(
-            xlabel="power $n$", ylabel="error $E$", ylim=(None, 12 * both.max())
-        )
-        right.set_title(
-            f"$n = 1$: {'both exact, to rounding' if exact else both[0]}"
-        )
+        left.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
+        names = ("least squares", "moving least squares")
+        for name, line, color, told in zip(names, ("s--", "o-"), (GREY, ORANGE), both.T):
+            right.semilogy(powers, told, line, color=color, label=name)
+        exact = "both exact, to rounding" if first < 1e-10 else f"error {first:.1g}"
+        right.set(xlabel="power $n$", ylabel="error $E$", title=f"$n = 1$: {exact}")
+        right.set_ylim(top=12 * both.max())
         right.legend(loc="upper left")
     return page
 
@@ -869,12 +844,9 @@ def judges(n, noise):
             told = np.maximum(told, 1e-9) / max(np.min(told), 1e-9)
             choice = told.argmin()
             regret = max(truth[choice], 1e-9) / max(truth.min(), 1e-9)
-            axes.loglog(
-                WIDTHS, told, line, color=color, label=f"{name} (×{regret:.2f})"
-            )
-            axes.plot(
-                WIDTHS[choice], 1, "o", color=color, ms=9 - 2 * (color != GREY)
-            )
+            label, size = f"{name} (×{regret:.2f})", 9 if color == GREY else 7
+            axes.loglog(WIDTHS, told, line, color=color, label=label)
+            axes.plot(WIDTHS[choice], 1, "o", color=color, ms=size)
         axes.set(xlabel=r"$\varepsilon$", ylabel="over its least", ylim=(0.8, 40))
         axes.legend(**BESIDE, title="judge (regret)")
     return page
