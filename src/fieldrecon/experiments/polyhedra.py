@@ -8,7 +8,7 @@ poles, on the curve through the points where its edges would cross.
 
 References
 ----------
-Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 27-33);
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 27-31);
 Wachspress, A Rational Finite Element Basis (1975); Warren, Schaefer, Hirani and Desbrun,
 Barycentric coordinates for convex sets (2007).
 """

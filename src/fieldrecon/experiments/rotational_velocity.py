@@ -8,7 +8,7 @@ vertices of so few triangles lie on a conic, and the field along it crosses no e
 
 References
 ----------
-Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 19-23
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 18-22
 and 43).
 """
 
