@@ -68,7 +68,7 @@ def data(name: str) -> tuple[Any, ...]:
 
 
 def progress() -> Progress:
-    """Return how far you are: every question with its last verdict and its points."""
+    """Return how far you are: the questions of the notebooks begun, with verdicts and points."""
     return Progress(_record())
 
 
@@ -91,9 +91,11 @@ class Progress:
     """A table of the questions and how they stand; notebooks show it as one."""
 
     def __init__(self, record: dict[str, str]) -> None:
+        begun = {name.partition(".")[0] for name in record}
         self.rows = [
             (q.name, q.function, record.get(q.name, "unwritten"), q.points)
             for q in questions().values()
+            if q.notebook in begun or not begun
         ]
 
     @property
