@@ -18,11 +18,11 @@ import numpy as np
 
 from fieldcheck.figures import BLUE, GREY, ORANGE, PURPLE, attempt, display
 
-NODES = 44
+NODES = 36
 """Nodes of the lattice along the longer side of the cell."""
 UNIT = 1e-4
 """Weights are kept as multiples of this."""
-SIDE, WIDTH, MARGIN = 300.0, 640, 42.0
+SIDE, WIDTH, MARGIN = 300.0, 640, 48.0
 """The cell is drawn in a square of this side, in a picture of this width; in pixels."""
 
 Weights = Callable[[np.ndarray], np.ndarray]
@@ -46,7 +46,7 @@ def drag(corners: Any, values: Any, start: Any) -> Callable[[Weights], Weights]:
 
         @drag(corners, values, start=(0.2, 0.1))
         def weights(x):
-            return coordinates(center, rim, corners, x)
+            return ...
     """
 
     def show(weights: Weights) -> Weights:
@@ -116,8 +116,8 @@ def lattice(weights: Weights, corners: np.ndarray) -> dict[str, Any]:
 
 def walls(corners: np.ndarray) -> np.ndarray:
     """Return rows (a, b, c) of the half-planes a x + b y ≤ c, with (a, b) of length one."""
-    ahead = np.roll(corners, -1, axis=0) - corners
-    normal = np.stack([ahead[:, 1], -ahead[:, 0]], axis=1) / np.hypot(*ahead.T)[:, None]
+    ahead = np.array([*corners[1:], corners[0]]) - corners
+    normal = ahead @ [[0, -1], [1, 0]] / np.hypot(*ahead.T)[:, None]
     outward = np.sign(np.einsum("ak,ak->a", normal, corners - corners.mean(axis=0)))
     normal *= outward[:, None]
     return np.column_stack([normal, np.einsum("ak,ak->a", normal, corners)])
@@ -138,7 +138,8 @@ def _svg(p: np.ndarray, f: np.ndarray, x: np.ndarray, w: np.ndarray) -> str:
     at = np.stack([scale * p[:, 0] + u, v - scale * p[:, 1]], axis=1)
     px, py = scale * x[0] + u, v - scale * x[1]
     mx, my = w @ at
-    outward = at + 26 * (at - at.mean(axis=0)) / np.hypot(*(at - at.mean(axis=0)).T)[:, None]
+    away = at - at.mean(axis=0)
+    outward = at + 35 * away / np.hypot(*away.T)[:, None]
     height = SIDE + 2 * MARGIN
     outline = " ".join(f"{a:.1f},{b:.1f}" for a, b in at)
     lines = [

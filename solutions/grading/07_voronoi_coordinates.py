@@ -1,0 +1,58 @@
+"""What only a grader tries in notebook 07."""
+
+import numpy as np
+
+from fieldcheck.calls import Call
+from fieldcheck.questions.q07_voronoi_coordinates import (
+    mirror_images,
+    on_edges,
+    places_inside,
+    star,
+)
+from fieldrecon.course.hidden import hidden
+
+
+@hidden("07.2", "It must hold far from the origin, and for flat triangles.")
+def far_and_flat(seed):
+    random = np.random.default_rng(seed + 1)
+    far = random.random((3, 2)) * [1.0, 0.2] + [300.0, -200.0] + np.array([[0, 0], [2, 0], [1, 0.4]])
+    return (Call("circumcenter", tuple(far), "a flat triangle far from the origin"),)
+
+
+@hidden("07.4", "It must hold for three neighbours and for ten.")
+def few_and_many(seed):
+    random = np.random.default_rng(seed + 2)
+    calls = []
+    for n in (3, 10):
+        center, rim, corners = star(random, n)
+        (x,) = places_inside(random, center, corners, 1)
+        calls.append(Call("weights", (center, rim, corners, x), f"{n} neighbours"))
+    return tuple(calls)
+
+
+@hidden("07.5", "A single place must do.")
+def one_place(seed):
+    random = np.random.default_rng(seed + 3)
+    center, rim, corners = star(random, 5)
+    x = places_inside(random, center, corners, 1)
+    return (Call("coordinates", (center, rim, corners, x), "one place among five neighbours"),)
+
+
+@hidden("07.6", "It must hold for other numbers of points.")
+def few_points(seed):
+    random = np.random.default_rng(seed + 4)
+    center, _, corners = star(random, 5)
+    return (Call("spiral", (center, corners, 3), "three points among five neighbours"),)
+
+
+@hidden("07.8", "The edges of any cell count, not of a square one only, and so do its corners.")
+def on_other_edges(seed):
+    random = np.random.default_rng(seed + 5)
+    center, rim, corners = star(random, 7)
+    at = np.vstack([on_edges(corners), corners])
+    square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    at_corners = (np.zeros(2), mirror_images(np.zeros(2), square), square)
+    return (
+        Call("safe_coordinates", (center, rim, at), "the edges and corners of an uneven cell"),
+        Call("safe_coordinates", at_corners, "the corners of a square cell"),
+    )

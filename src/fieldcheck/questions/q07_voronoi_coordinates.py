@@ -1,0 +1,303 @@
+"""Questions of notebook 07, Voronoi coordinates.
+
+A star is made from its cell: the neighbours of a point are its mirror images in the edges of a
+convex polygon round it. So the circumcentres are known, and nothing here computes one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question, relative
+
+Star = tuple[np.ndarray, np.ndarray, np.ndarray]
+SLOPES = np.array([2.0, -1.0])
+
+
+def star(random: np.random.Generator, n: int, clockwise: bool = False) -> Star:
+    """Return a vertex, its n neighbours in order, and the corners of its Voronoi cell."""
+    angle = (np.arange(n) + random.uniform(0.1, 0.9, n)) * (-1 if clockwise else 1) * 2 * np.pi / n
+    tilt = random.uniform(0, np.pi)
+    turned = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    corners = np.column_stack([1.3 * np.cos(angle), np.sin(angle)]) @ turned + random.normal(size=2)
+    center = corners.mean(axis=0) + random.uniform(-0.1, 0.1, 2)
+    return center, mirror_images(center, corners), corners
+
+
+def mirror_images(center: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Return the images of a point in the lines from each corner of a polygon back to the one before."""
+    back = np.array([corners[-1], *corners[:-1]]) - corners
+    across = back @ [[0, -1], [1, 0]]
+    part = np.einsum("ak,ak->a", corners - center, across) / np.einsum("ak,ak->a", across, across)
+    return center + 2 * part[:, None] * across
+
+
+def places_inside(random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int) -> np.ndarray:
+    """Return m places well inside a cell."""
+    return center + 0.8 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
+
+
+def misses_the_place(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) -> float:
+    """Return how far the mean of the corners is from the place, where each row has the sum one."""
+    return relative(omega @ corners - x, corners - x.mean(axis=0))
+
+
+# 07.1 The hexagon
+
+
+def hexagon_inputs(seed: int) -> tuple[Call, ...]:
+    """Return two centres, radii and angles."""
+    random = np.random.default_rng(seed)
+    return tuple(
+        Call("hexagon", (random.uniform(1, 2, 2) * [1, -1], random.uniform(*radius), random.uniform(0.2, 0.9)), case)
+        for radius, case in (((0.6, 0.9), "a small hexagon"), ((1.5, 2.5), "a large hexagon"))
+    )
+
+
+def has_equal_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far spokes and sides are from the radius, and the sum of spokes from zero."""
+    worst = 0.0
+    for call, (rim,) in zip(calls, values, strict=True):
+        center, radius, _ = call.arguments
+        lengths = [*np.hypot(*(rim - center).T), *np.hypot(*(rim - np.array([*rim[1:], rim[0]])).T)]
+        worst = max(worst, relative(np.array(lengths) - radius, radius), relative(rim.sum(axis=0) - 6 * center, rim))
+    return worst
+
+
+# 07.2 and 07.3 Circumcentre and area
+
+
+def triangles(name: str, seed: int) -> tuple[Call, ...]:
+    """Return a triangle, the same with two corners exchanged, half of it, an obtuse one."""
+    random = np.random.default_rng(seed)
+    a, b, c = np.array([[0.0, 0.0], [2.0, 0.3], [0.7, 1.6]]) + random.uniform(-0.3, 0.3, (3, 2)) + [1.5, -2.5]
+    far = a + (b - a) * 2.5 + 0.4 * (c - a)
+    return (
+        Call(name, (a, b, c), "a triangle"),
+        Call(name, (a, c, b), "the same triangle, listed the other way round"),
+        Call(name, (a, b, (b + c) / 2), "half of the triangle"),
+        Call(name, (a, b, far), "an obtuse triangle"),
+    )
+
+
+def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much the distances to the three corners differ."""
+    worst = 0.0
+    for call, (p,) in zip(calls, values, strict=True):
+        distances = np.array([np.hypot(*(p - corner)) for corner in call.arguments])
+        worst = max(worst, relative(distances - distances.mean(), distances))
+    return worst
+
+
+def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the area is from the same both ways round, from twice its half, from positive."""
+    whole, turned, half, other = (float(v) for (v,) in values)
+    return max(relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -other))
+
+
+# 07.4 Weights
+
+
+def weights_inputs(seed: int) -> tuple[Call, ...]:
+    """Return stars of six and five neighbours, one of them clockwise, and one twice as large."""
+    random = np.random.default_rng(seed)
+    calls = []
+    for n, clockwise, case in ((6, False, "six neighbours"), (5, True, "five neighbours, listed clockwise")):
+        center, rim, corners = star(random, n, clockwise)
+        (x,) = places_inside(random, center, corners, 1)
+        calls.append(Call("weights", (center, rim, corners, x), case))
+    double = tuple(2 * part for part in calls[0].arguments)
+    return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
+
+
+def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the weighted sum of the ways to the corners, which vanishes."""
+    worst = 0.0
+    for call, (w,) in zip(calls, values, strict=True):
+        _, _, corners, x = call.arguments
+        pulls = w[:, None] * (corners - x)
+        worst = max(worst, relative(pulls.sum(axis=0), pulls))
+    return worst
+
+
+def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the weights are from a quarter of themselves at twice the size."""
+    (here,), _other, (double,) = values
+    return relative(4 * double - here, here)
+
+
+# 07.5 Coordinates
+
+
+def coordinates_inputs(seed: int) -> tuple[Call, ...]:
+    """Return a few places in stars of six, of three and of seven neighbours."""
+    random = np.random.default_rng(seed)
+    calls = []
+    for n, m, clockwise, case in (
+        (6, 4, False, "four places among six neighbours"),
+        (3, 2, False, "two places among three neighbours"),
+        (7, 5, True, "five places among seven neighbours, listed clockwise"),
+    ):
+        center, rim, corners = star(random, n, clockwise)
+        calls.append(Call("coordinates", (center, rim, corners, places_inside(random, center, corners, m)), case))
+    return tuple(calls)
+
+
+def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far sums of rows are from one."""
+    return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
+
+
+def finds_the_place(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the weighted means of the corners are from the places."""
+    return max(misses_the_place(omega, c.arguments[2], c.arguments[3]) for c, (omega,) in zip(calls, values, strict=True))
+
+
+# 07.6 The spiral
+
+
+def spiral_inputs(seed: int) -> tuple[Call, ...]:
+    """Return an uneven cell and a hexagon."""
+    random = np.random.default_rng(seed)
+    center, _, corners = star(random, 6)
+    turns = np.exp(1j * (random.uniform(0, 1) + np.pi * np.arange(6) / 3))
+    middle = random.normal(size=2)
+    regular = middle + 0.7 * np.column_stack([turns.real, turns.imag])
+    return (
+        Call("spiral", (center, corners, 12), "twelve points in an uneven cell"),
+        Call("spiral", (middle, regular, 50), "fifty points in a regular hexagon"),
+    )
+
+
+def winds_inwards(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far n (s_n − x_i) is from going round once at one distance, ending to the right."""
+    worst = 0.0
+    for call, (s,) in zip(calls, values, strict=True):
+        center, _, steps = call.arguments
+        away = (s - center) @ [1, 1j] * (1 + np.arange(steps))
+        with np.errstate(all="ignore"):
+            turn = away / np.array([away[-1], *away[:-1]])
+        worst = max(worst, relative(turn - np.exp(2j * np.pi / steps), 1.0), relative(np.angle(away[-1]), 1.0))
+    return worst
+
+
+# 07.7 The field
+
+
+def interpolate_inputs(seed: int) -> tuple[Call, ...]:
+    """Return a constant, a linear field, and values at random."""
+    random = np.random.default_rng(seed)
+    calls = []
+    for n, values, case in (
+        (6, lambda p: np.full(len(p), 3.0), "the constant 3"),
+        (6, lambda p: 1.0 + p @ SLOPES, "a linear field"),
+        (5, lambda p: random.normal(size=len(p)), "values at random"),
+    ):
+        center, rim, corners = star(random, n)
+        x = places_inside(random, center, corners, 4)
+        calls.append(Call("interpolate", (center, rim, corners, values(corners), x), case))
+    return tuple(calls)
+
+
+def gives_constants_back(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the first field is from three."""
+    return relative(values[0][0] - 3.0, 3.0)
+
+
+def gives_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the second field is from the linear one."""
+    return relative(values[1][0] - 1.0 - calls[1].arguments[4] @ SLOPES, calls[1].arguments[3])
+
+
+# 07.8 Coordinates without division
+
+
+def safe_inputs(seed: int) -> tuple[Call, ...]:
+    """Return places inside, the same after a quarter turn, and places on the edges of a square cell.
+
+    The square has sides and corners that floating-point numbers hold exactly, so that a quotient is
+    zero by zero there, on every machine.
+    """
+    random = np.random.default_rng(seed)
+    center, rim, corners = star(random, 6)
+    x = places_inside(random, center, corners, 4)
+    quarter = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    other, other_rim, other_corners = star(random, 5, clockwise=True)
+    side = 2.0 ** int(random.integers(-2, 3))
+    middle = side * random.integers(-9, 9, 2).astype(float)
+    square = middle + side * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    name = "safe_coordinates"
+    return (
+        Call(name, (center, rim, x), "four places inside a cell"),
+        Call(name, (center @ quarter, rim @ quarter, x @ quarter), "the same after a quarter turn"),
+        Call(name, (other, other_rim, places_inside(random, other, other_corners, 3)), "neighbours listed clockwise"),
+        Call(name, (middle, mirror_images(middle, square), on_edges(square)), "places on the edges of a square cell"),
+    )
+
+
+def on_edges(corners: np.ndarray) -> np.ndarray:
+    """Return one place on each edge, a quarter of the way from each corner to the next."""
+    return 0.75 * corners + 0.25 * np.array([*corners[1:], corners[0]])
+
+
+def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much a quarter turn changes the coordinates."""
+    return relative(values[1][0] - values[0][0], values[0][0])
+
+
+def is_linear_on_edges(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far a quarter of the way along an edge the weights are from three quarters and one."""
+    wanted = 0.75 * np.eye(4) + 0.25 * np.eye(4)[[1, 2, 3, 0]]
+    return relative(values[3][0] - wanted, 1.0)
+
+
+def per_place(call: Call, x: int) -> tuple[tuple[int, ...], ...]:
+    return ((len(call.arguments[x]), len(call.arguments[1])),)
+
+
+ONE = Law("Coordinates have the sum one at every place, so that a constant comes back.", sums_to_one)
+
+QUESTIONS = (
+    Question(
+        "07.1", "hexagon", 1, hexagon_inputs, lambda _: ((6, 2),),
+        (Law("All sides and spokes of a regular hexagon are as long as its radius, and it lies evenly "
+             "round its centre.", has_equal_sides),),
+    ),
+    Question(
+        "07.2", "circumcenter", 2, lambda seed: triangles("circumcenter", seed), lambda _: ((2,),),
+        (Law("A circumcentre is equally far from all three corners.", is_equally_far),),
+    ),
+    Question(
+        "07.3", "area", 1, lambda seed: triangles("area", seed), lambda _: ((),),
+        (Law("An area is positive, does not depend on the order of the corners, and a line from a "
+             "corner to the middle of the other side cuts it in half.", halves_with_the_triangle),),
+    ),
+    Question(
+        "07.4", "weights", 3, weights_inputs, lambda call: ((len(call.arguments[1]),),),
+        (Law("If everything is twice as large, (7.5) has four times the area above and sixteen times as "
+             "much below: a quarter is left.", scales),
+         Law("The weights pull the place towards the corners in such a way that it stays where it is.", balances)),
+    ),
+    Question(
+        "07.5", "coordinates", 2, coordinates_inputs, lambda call: per_place(call, 3),
+        (ONE, Law("The mean of the corners with these weights is the place itself.", finds_the_place)),
+    ),
+    Question(
+        "07.6", "spiral", 2, spiral_inputs, lambda call: ((call.arguments[2], 2),),
+        (Law("Seen from the centre, n times the way to the nth point goes round once with steps of one "
+             "angle, at one distance, and ends to the right.", winds_inwards),),
+    ),
+    Question(
+        "07.7", "interpolate", 1, interpolate_inputs, lambda call: ((len(call.arguments[4]),),),
+        (Law("A constant comes back.", gives_constants_back),
+         Law("A linear field comes back.", gives_linear_fields_back)),
+    ),
+    Question(
+        "07.8", "safe_coordinates", 3, safe_inputs, lambda call: per_place(call, 2),
+        (ONE, Law("Turning everything changes nothing.", turns_along),
+         Law("On an edge only its two corners have a weight, in the ratio of the distances.", is_linear_on_edges)),
+    ),
+)  # fmt: skip
