@@ -1,0 +1,66 @@
+"""What only a grader tries in notebook 05."""
+
+import numpy as np
+
+from fieldcheck.calls import Call
+from fieldrecon.course.hidden import hidden
+
+
+def fan(random, number):
+    """Return a vertex with so many triangles around it, numbered at random, in random directions."""
+    angle = 2 * np.pi * (np.arange(number) + random.uniform(-0.3, 0.3, number)) / number
+    rim = random.uniform(0.7, 1.1, (number, 1)) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    place = random.permutation(number + 1)
+    k = np.arange(number)
+    triangles = place[np.stack([0 * k, k + 1, (k + 1) % number + 1], axis=1)]
+    return np.vstack([[[0.0, 0.0]], rim])[np.argsort(place)], random.permuted(triangles, axis=1)
+
+
+def sides(triangles):
+    return np.array(sorted({(min(t[k], t[k - 1]), max(t[k], t[k - 1])) for t in triangles.tolist() for k in range(3)}))
+
+
+@hidden("05.1", "It must hold for every mesh, whichever way the corners of its triangles are listed.")
+def fans(seed):
+    random = np.random.default_rng(seed + 1)
+    return tuple(Call("edges_of", (fan(random, n)[1],), f"{n} triangles around a vertex") for n in (4, 7))
+
+
+@hidden("05.2", "It must hold for edges of every length and direction.")
+def short_and_long(seed):
+    random = np.random.default_rng(seed + 2)
+    points, triangles = fan(random, 5)
+    return (
+        Call("midpoints_and_normals", (1e-5 * points, sides(triangles)), "a small mesh"),
+        Call("midpoints_and_normals", (1e4 * points, sides(triangles)), "a large mesh"),
+    )
+
+
+@hidden("05.4", "It must hold for any velocities, not only for those of a rotation.")
+def one_edge(seed):
+    random = np.random.default_rng(seed + 3)
+    return (Call("normal_velocities", (np.array([[2, 0]]), random.normal(size=(1, 2)), random.normal(size=(3, 2))), "one edge"),)
+
+
+@hidden("05.6", "It must hold for every vertex and every mesh, also where a ring takes in all of it.")
+def whole_mesh(seed):
+    triangles = fan(np.random.default_rng(seed + 4), 6)[1]
+    edges = sides(triangles)
+    return tuple(Call("ring", (triangles, edges, vertex, rings), "a fan") for vertex, rings in ((0, 1), (3, 2), (5, 1)))
+
+
+@hidden("05.8", "An affine field must come back exactly, for any positive weights.")
+def exact_data(seed):
+    random = np.random.default_rng(seed + 5)
+    points, triangles = fan(random, 7)
+    a, b = np.moveaxis(points[sides(triangles)], 1, 0)
+    n = np.stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]], axis=1) / np.hypot(*(b - a).T)[:, None]
+    flow = random.normal(size=2) + (a + b) / 2 @ random.normal(size=(2, 2))
+    x, w = points[triangles[0, 0]], random.uniform(0.5, 2, len(a))
+    return (Call("velocity", ((a + b) / 2, n, (flow * n).sum(axis=1), x, w), "an affine field around a vertex"),)
+
+
+@hidden("05.9", "It must hold for every mesh; the rank knows neither where it lies nor the unit of length.")
+def of_fans(seed):
+    random = np.random.default_rng(seed + 6)
+    return tuple(Call("ranks", (size * p, t, 1), f"{n} triangles") for n, size in ((3, 1e-8), (4, 1e5), (5, 1.0)) for p, t in [fan(random, n)])
