@@ -208,7 +208,10 @@ def _control(widgets: Any, slider: Slider) -> Any:
     """Return the slider of ipywidgets; it tells its value when it is let go."""
     from math import log10
 
-    look = {"description": slider.label, "continuous_update": False}
+    look = {
+        "description": slider.label, "continuous_update": False,
+        "style": {"description_width": "initial"},
+    }  # fmt: skip
     if slider.whole:
         return widgets.IntSlider(int(slider.start), int(slider.low), int(slider.high), **look)
     if slider.logarithmic:

@@ -19,7 +19,11 @@ def questions() -> Mapping[str, Question]:
     """Return all questions by name, in the order of the notebooks."""
     modules = [import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__)]
     found = [question for module in modules for question in module.QUESTIONS]
-    return {question.name: question for question in sorted(found, key=lambda q: q.name)}
+    return {question.name: question for question in sorted(found, key=_order)}
+
+
+def _order(question: Question) -> tuple[int, ...]:
+    return tuple(map(int, question.name.split(".")))
 
 
 def get(name: str) -> Question:

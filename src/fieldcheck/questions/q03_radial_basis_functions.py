@@ -198,6 +198,17 @@ def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -
     return float(max(lacking))
 
 
+def is_singular_where_it_must(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest difference of the zeros from the changes that the field at the points does not show."""
+    worst = 0.0
+    for call, (counts,) in zip(calls, values, strict=True):
+        (points,) = call.arguments
+        repeated = len(points) - len(np.unique(points, axis=0))
+        flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=1e-9)
+        worst = max(worst, abs(float(counts[2]) - repeated - flat))
+    return worst
+
+
 # 03.7 The energy
 
 
@@ -247,7 +258,9 @@ QUESTIONS = (
     Question(
         "03.5", "inertia", 2, inertia_inputs, lambda _: ((3,),),
         (Law("The three numbers add up to the rows of the matrix; and since its diagonal is zero, so "
-             "is the sum of the eigenvalues, and both signs occur.", counts_all_and_both_signs),),
+             "is the sum of the eigenvalues, and both signs occur.", counts_all_and_both_signs),
+         Law("An eigenvalue is zero for each affine field that vanishes at all points, and for each "
+             "point that comes a second time: then the solution is not unique.", is_singular_where_it_must)),
     ),
     Question(
         "03.6", "gradient", 3, lambda seed: field_inputs("gradient", seed),
