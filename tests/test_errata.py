@@ -477,6 +477,20 @@ def test_vertices_on_a_conic_take_a_rank_from_every_patch():
         assert rank(velocity_matrix(points, fan)) == wanted
 
 
+def test_some_points_allow_no_normals_at_all():
+    """p. 42: full rank of B is not enough of a premise: five of six points in line always fail."""
+    points = [[k, 0] for k in range(5)] + [[1, 1]]
+    assert rank([[1, x, y] for x, y in points]) == 3
+    numbers = np.random.default_rng(4).integers(-9, 10, (50, 6, 2)).tolist()
+    for normals in numbers:
+        pairs = zip(points, normals, strict=True)
+        assert rank([[a * b for b in (1, *p) for a in n] for p, n in pairs]) <= 5
+    spread = [[0, 0], [1, 0], [0, 1], [0, 0], [1, 0], [0, 1]]  # two directions at three corners
+    axes = [[1, 0]] * 3 + [[0, 1]] * 3
+    pairs = zip(spread, axes, strict=True)
+    assert rank([[a * b for b in (1, *p) for a in n] for p, n in pairs]) == 6
+
+
 def test_least_norm_misses_a_rotation_in_silence():
     """p. 22: least norm on too few edges misses a rotation; the library takes another ring."""
     mesh = SimplexMesh.delaunay(np.random.default_rng(6).random((80, 2)))
