@@ -96,6 +96,14 @@ def side_from_a_corner_to_itself(triangles):
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
+@answers("05.1")
+def directions_told_apart(triangles):
+    """An edge between two triangles that list it in opposite directions is there twice, as (i, j) and as (j, i). Which of the two you
+    write is up to you, but it must be the same for both triangles.
+    """
+    return np.unique(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=0)
+
+
 # 05.2 midpoints_and_normals
 
 
@@ -278,6 +286,14 @@ def without_its_sign(edges, normals, u):
     return np.abs(np.einsum("ak,ak->a", normals, u[edges].mean(axis=1)))
 
 
+@answers("05.4")
+def every_normal_with_every_edge(edges, normals, u):
+    """There is a number for each normal *and* each edge: every normal has met every velocity. The right numbers are on the diagonal. You want
+    the scalar products row by row.
+    """
+    return normals @ u[edges].mean(axis=1).T
+
+
 # 05.6 ring
 
 
@@ -332,6 +348,14 @@ def across_sides_only(triangles, edges, vertex, rings):
     for _ in range(rings - 1):
         near = [set(t) for t in triangles.tolist() if any(len(set(t) & s) >= 2 for s in near)]
     return np.array([any(set(e) <= t for t in near) for e in edges.tolist()])
+
+
+@answers("05.6")
+def numbers_of_the_edges(triangles, edges, vertex, rings):
+    """These are the numbers of the edges in the ring. Asked for is True or False for each edge of the mesh; start from an array of False as long as
+    the list of edges.
+    """
+    return np.flatnonzero(edges_in_ring(triangles, edges, vertex, rings))
 
 
 # 05.7 system
@@ -400,6 +424,14 @@ def coordinates_exchanged(midpoints, normals, x):
     c₁ belongs to the first coordinate.
     """
     return rows(midpoints, normals, x)[:, [0, 1, 4, 5, 2, 3]]
+
+
+@answers("05.7")
+def normals_and_places_side_by_side(midpoints, normals, x):
+    """There are four columns, the normals and the places side by side. In (5.6) the places *multiply* the normals, once y₁ and once y₂; a sum
+    of unknowns times these columns would be no scalar product with a normal.
+    """
+    return np.hstack([normals, midpoints - x])
 
 
 # 05.8 velocity
