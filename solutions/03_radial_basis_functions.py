@@ -46,7 +46,7 @@ from fieldcheck import (
 
 
 # %%
-@draw(degree=Slider(1, 11, 11, "degree", whole=True))
+@draw(degree=Slider(2, 11, 11, "degree", whole=True))
 def the_problem(degree):
     random = np.random.default_rng(3)
     x = (np.arange(12) + 0.7 * random.random(12)) / 12
@@ -88,6 +88,7 @@ def the_problem(degree):
 # compute. A condition such as `squared > 0` is an array, and an array can be indexed by it.
 #
 # </details>
+
 
 # %% question="03.1"
 def kernel(y):
@@ -164,6 +165,7 @@ def one_bump():
 #
 # </details>
 
+
 # %% question="03.2"
 def system_matrix(points):
     """Return H_RBF of (3.5) for points of shape (N, D)."""
@@ -204,6 +206,7 @@ def the_matrix(number):
 #
 # Solve (3.5). Return the two parts of the unknown one by one.
 
+
 # %% question="03.3"
 def coefficients(points, values):
     """Return (λ, c) of (3.5), of shapes (N,) and (D + 1,), for points (N, D) and values (N,)."""
@@ -222,6 +225,7 @@ check("03.3")
 # ### 03.4 The field
 #
 # Evaluate (3.2) at many places at once. Some of them may be points of the data.
+
 
 # %% question="03.4"
 def evaluate(points, lam, c, x):
@@ -259,11 +263,13 @@ def through_all_points(height, number):
         for color, style in ((GREY, "--"), (BLUE, "-")):
             lam, c = coefficients(x[:, None], values)
             label = "your field" if style == "-" else "as measured"
-            axes.plot(side, evaluate(x[:, None], lam, c, side[:, None]), style, color=color, label=label)
+            axes.plot(
+                side, evaluate(x[:, None], lam, c, side[:, None]), style, color=color, label=label
+            )
             values[moved] = height
         axes.plot(x, values, "o", color=BLUE)
         axes.plot(x[moved], height, "o", ms=9, color=ORANGE, label="moved")
-        axes.set(xlabel="place $x$", ylabel=r"value $\phi$", xlim=(-0.2, 1.2), ylim=(-2, 3))
+        axes.set(xlabel="place $x$", ylabel=r"value $\phi$", xlim=(-0.2, 1.2), ylim=(-2.6, 3))
         axes.legend(loc="lower left", ncols=3)
     return page
 
@@ -288,7 +294,12 @@ def surface():
         axes = page.subplots()
         image = axes.contourf(side, side, field, levels=20)
         axes.scatter(*points.T, c=values, norm=image.norm, ec="white", s=70)
-        axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal", title="dots: the data, in the same colours")
+        axes.set(
+            xlabel="$x_1$",
+            ylabel="$x_2$",
+            aspect="equal",
+            title="dots: the data, in the same colours",
+        )
         page.colorbar(image, ax=axes, label="$f$")
     return page
 
@@ -347,6 +358,7 @@ def far_away(reach):
 #
 # </details>
 
+
 # %% question="03.5"
 def inertia(points):
     """Return the numbers of positive, negative and zero eigenvalues of H_RBF, for points (N, D)."""
@@ -372,9 +384,14 @@ def flattened(height):
     told = "{} positive, {} negative, {} zero".format(*(int(k) for k in inertia(points)))
     with figure(6.4, 3.0) as page:
         axes = page.subplots()
-        for sign, color, marker, label in ((1, BLUE, "o", "positive"), (-1, ORANGE, "v", "negative")):
+        for sign, color, marker, label in (
+            (1, BLUE, "o", "positive"),
+            (-1, ORANGE, "v", "negative"),
+        ):
             chosen = sign * spectrum > 0
-            axes.semilogy(number[chosen], np.abs(spectrum[chosen]), marker, color=color, label=label)
+            axes.semilogy(
+                number[chosen], np.abs(spectrum[chosen]), marker, color=color, label=label
+            )
         axes.set(xlabel="number of the eigenvalue", ylabel="size", ylim=(1e-18, 1e2), title=told)
         axes.legend(loc="lower right")
     return page
@@ -405,6 +422,7 @@ def flattened(height):
 #
 # </details>
 
+
 # %% question="03.6"
 def gradient(points, lam, c, x):
     """Return the gradient (3.6) at places x of shape (M, D), as an array of shape (M, D)."""
@@ -434,9 +452,18 @@ def arrows():
         axes = page.subplots()
         field = evaluate(points, lam, c, grid).reshape(81, 81)
         axes.contour(side, side, field, levels=16, cmap="viridis", linewidths=1.2)
-        axes.quiver(*places.T, *gradient(points, lam, c, places).T, color=GREY, width=0.005, scale=120)
+        axes.quiver(
+            *places.T, *gradient(points, lam, c, places).T, color=GREY, width=0.005, scale=120
+        )
         axes.plot(*points.T, "o", color=ORANGE)
-        axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal", xlim=(0, 1), ylim=(0, 1), title="dots: the data")
+        axes.set(
+            xlabel="$x_1$",
+            ylabel="$x_2$",
+            aspect="equal",
+            xlim=(0, 1),
+            ylim=(0, 1),
+            title="dots: the data",
+        )
     return page
 
 
@@ -459,6 +486,7 @@ def arrows():
 # ### 03.7 The energy
 #
 # Write $E$ for points of the plane and their values.
+
 
 # %% question="03.7"
 def energy(points, values):

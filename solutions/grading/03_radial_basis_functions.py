@@ -27,7 +27,9 @@ def in_four_dimensions(seed):
 def on_the_line(seed):
     random = np.random.default_rng(seed + 3)
     return (
-        Call("coefficients", (cloud(random, 9, 1), random.normal(size=9)), "nine points on the line"),
+        Call(
+            "coefficients", (cloud(random, 9, 1), random.normal(size=9)), "nine points on the line"
+        ),
         Call("coefficients", (cloud(random, 40, 2), random.normal(size=40)), "forty points"),
     )
 

@@ -143,7 +143,9 @@ def constant_last(points):
     """The column of ones stands after the coordinates. Then c₀ would be a slope, and the last
     coefficient the constant. Compare the order in b(x) of (3.2).
     """
-    return bordered(w(offsets(points, points)), np.append(points, np.ones((len(points), 1)), axis=1))
+    return bordered(
+        w(offsets(points, points)), np.append(points, np.ones((len(points), 1)), axis=1)
+    )
 
 
 @answers("03.2")
@@ -164,6 +166,15 @@ def identity_in_the_corner(points):
     n = len(points)
     h[n:, n:] = np.eye(len(h) - n)
     return h
+
+
+@answers("03.2")
+def undefined_on_the_diagonal(points):
+    """The diagonal of A is no number: it was computed as zero times minus infinity, and it makes all
+    coefficients NaN. What is the difference of a point and itself, and what is w of it?
+    """
+    s = squares(offsets(points, points))
+    return bordered(s * np.log(s), basis(points))
 
 
 @answers("03.2")
@@ -327,20 +338,29 @@ def of_the_block(points):
     matrix of (3.5): their numbers must add up to N + D + 1.
     """
     eigenvalues = np.linalg.eigvalsh(w(offsets(points, points)))
-    return np.sum(eigenvalues > 1e-9), np.sum(eigenvalues < -1e-9), np.sum(np.abs(eigenvalues) < 1e-9)
+    return (
+        np.sum(eigenvalues > 1e-9),
+        np.sum(eigenvalues < -1e-9),
+        np.sum(np.abs(eigenvalues) < 1e-9),
+    )
 
 
 @answers("03.5")
 def signs_exchanged(points):
     """Positive and negative are exchanged. Is the order of the three numbers that which is asked for?"""
     eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
-    return np.sum(eigenvalues < -1e-9), np.sum(eigenvalues > 1e-9), np.sum(np.abs(eigenvalues) < 1e-9)
+    return (
+        np.sum(eigenvalues < -1e-9),
+        np.sum(eigenvalues > 1e-9),
+        np.sum(np.abs(eigenvalues) < 1e-9),
+    )
 
 
 @answers("03.5")
-def in_general_position(points):
-    """This holds for points in general position, and only for them. Points on one line, or two at the
-    same place, make an eigenvalue zero: then there are many solutions, or none. Count what is there.
+def none_found_zero(points):
+    """No eigenvalue is counted as zero. Points on one line, or two at the same place, make one zero,
+    and then (3.5) has many solutions, or none. Computed, it is a tiny number of either sign: was it
+    compared with zero exactly?
     """
     n, d = points.shape
     return n, d + 1, 0

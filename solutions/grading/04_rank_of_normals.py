@@ -1,0 +1,78 @@
+"""What only a grader tries in notebook 04."""
+
+import numpy as np
+
+from fieldcheck.calls import Call
+from fieldcheck.questions.q03_radial_basis_functions import cloud
+from fieldcheck.questions.q04_rank_of_normals import directions, flow, hiding
+from fieldrecon.course.hidden import hidden
+
+
+@hidden("04.1", "It must hold in every dimension, and for any number of samples.")
+def in_four_dimensions(seed):
+    random = np.random.default_rng(seed + 1)
+    return (
+        Call(
+            "velocity_matrix",
+            (random.normal(size=(3, 4)), random.normal(size=(3, 4))),
+            "four dimensions",
+        ),
+        Call(
+            "velocity_matrix",
+            (random.normal(size=(1, 2)), random.normal(size=(1, 2))),
+            "one sample",
+        ),
+    )
+
+
+@hidden("04.2", "Any affine flow may be the one that is not seen, near the origin and far from it.")
+def hidden_flows(seed):
+    random = np.random.default_rng(seed + 2)
+    points = cloud(random, 20, 2)
+    c = flow(random)
+    return (
+        Call("velocity_rank", (points, hiding(points, c)), "twenty samples that hide a flow"),
+        Call("velocity_rank", (50 + 1e3 * points, hiding(points, c)), "the same in millimetres"),
+    )
+
+
+@hidden("04.3", "Any affine flow may be the one that is not seen.")
+def many_samples(seed):
+    random = np.random.default_rng(seed + 3)
+    points = cloud(random, 40, 2)
+    return (Call("tangent_field", (points, hiding(points, flow(random))), "forty samples"),)
+
+
+@hidden("04.5", "The directions may be any, and the normals of either sign.")
+def turned_as_a_whole(seed):
+    random = np.random.default_rng(seed + 4)
+    points = cloud(random, 8, 2)
+    one, two, *_ = directions(random, 8)
+    signs = random.choice([-1, 1], (8, 1))
+    return (
+        Call(
+            "obvious",
+            (points, signs * np.array([one] * 4 + [two] * 4)),
+            "two directions, four samples each",
+        ),
+        Call(
+            "obvious",
+            (points, signs * np.array([one] * 6 + [two] * 2)),
+            "two directions, six and two",
+        ),
+    )
+
+
+@hidden("04.7", "The conic may be any, and the points may be few.")
+def parabola(seed):
+    random = np.random.default_rng(seed + 5)
+    t = np.arange(8) - 3.5 + random.uniform(-0.3, 0.3, 8)
+    turn = np.array([[0.8, 0.6], [-0.6, 0.8]])
+    return (
+        Call(
+            "conic_rank",
+            (np.column_stack([t, 0.4 * t**2]) @ turn + 5,),
+            "eight points on a parabola",
+        ),
+        Call("conic_rank", (random.random((2, 2)),), "two points"),
+    )

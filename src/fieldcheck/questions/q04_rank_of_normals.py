@@ -1,0 +1,342 @@
+"""Questions of notebook 04, the rank of a velocity system."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question, relative
+from fieldcheck.questions.q03_radial_basis_functions import cloud
+
+MAP = np.array([1e7, -4e6])
+"""Where on a map, in metres, whose origin is far away."""
+
+
+def directions(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n unit vectors of the plane, no two of them nearly parallel."""
+    angles = np.pi * (random.permutation(n) + random.uniform(0.2, 0.8, n)) / n
+    return random.choice([-1, 1], (n, 1)) * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def sphere(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n random unit vectors of space."""
+    v = random.normal(size=(n, 3))
+    return v / np.sqrt((v * v).sum(axis=1))[:, None]
+
+
+def parallel_but(random: np.random.Generator, n: int, others: Sequence[int]) -> np.ndarray:
+    """Return normals that are parallel, with either sign, but for some."""
+    all_directions = directions(random, n)
+    same = random.choice([-1, 1], (n, 1)) * all_directions[0]
+    same[list(others)] = all_directions[1 : 1 + len(others)]
+    return same
+
+
+def towards(points: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Return unit vectors from a place to the points."""
+    offset = points - place
+    return offset / np.hypot(*offset.T)[:, None]
+
+
+def in_line(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n points on one line across the unit square, and one beside it."""
+    along = (np.arange(n) + random.uniform(0.2, 0.8, n)) / n
+    line = np.column_stack([along, 0.1 + 0.4 * along])
+    return np.append(line, [[random.uniform(0.1, 0.5), 0.9]], axis=0)
+
+
+# 04.1 The matrix
+
+
+def matrix_inputs(seed: int) -> tuple[Call, ...]:
+    """Return samples in the plane and in space; vectors that are no unit vectors."""
+    random = np.random.default_rng(seed)
+    plane, space = cloud(random, 7, 2), cloud(random, 5, 3)
+    return (
+        Call("velocity_matrix", (plane, directions(random, 7)), "seven samples in the plane"),
+        Call("velocity_matrix", (space - 0.3, sphere(random, 5)), "five samples in space"),
+        Call("velocity_matrix", (plane[:3] + 1, random.normal(size=(3, 2))), "three samples with other vectors for normals"),
+    )
+
+
+def matrix_shape(call: Call) -> tuple[tuple[int, ...], ...]:
+    n, d = call.arguments[0].shape
+    return ((n, d + d**2),)
+
+
+def gives_what_flows_across(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far B' c is from the normal component of that flow."""
+    worst = 0.0
+    for call, (b,) in zip(calls, values, strict=True):
+        points, normals = call.arguments
+        d = points.shape[1]
+        c = np.cos(np.arange(d + d * d) + 1.0)
+        u = c[:d] + points.dot(c[d:].reshape(d, d))
+        wanted = (u * normals).sum(axis=1)
+        worst = max(worst, relative(b.dot(c) - wanted, wanted))
+    return worst
+
+
+# 04.2 The rank
+
+
+def rank_inputs(seed: int) -> tuple[Call, ...]:
+    """Return samples of known rank, near the origin and far from it, in large and small units."""
+    random = np.random.default_rng(seed)
+    points, nine = cloud(random, 8, 2), cloud(random, 9, 2)
+    flat = sphere(random, 14)
+    flat[:, 2] = 0
+    space = cloud(random, 14, 3)
+    name = "velocity_rank"
+    return (
+        Call(name, (points, directions(random, 8)), "eight samples in the plane"),
+        Call(name, (points, parallel_but(random, 8, ())), "eight samples with parallel normals"),
+        Call(name, (points, parallel_but(random, 8, (2, 5))), "parallel normals but for two of eight"),
+        Call(name, (points, towards(points, np.array([0.47, 0.52]))), "eight normals through one place"),
+        Call(name, (points[:5], directions(random, 5)), "five samples"),
+        Call(name, (1e-6 * nine, directions(random, 9)), "nine samples a thousandth of a millimetre apart, in metres"),
+        Call(name, (MAP + 0.01 * nine, directions(random, 9)), "nine samples on a map whose origin is far away"),
+        Call(name, (space, sphere(random, 14)), "fourteen samples in space"),
+        Call(name, (space, flat / np.sqrt((flat * flat).sum(axis=1))[:, None]), "fourteen samples in space with horizontal normals"),
+    )
+
+
+RANKS = (6, 3, 5, 5, 5, 6, 6, 12, 8)
+
+
+def is_the_rank_of_construction(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest difference from the ranks that theory gives for these cases."""
+    return max(abs(float(v) - r) for (v,), r in zip(values, RANKS, strict=True))
+
+
+# 04.3 and 04.4 Tangent flows and the normals that hide them
+
+
+def flow(random: np.random.Generator) -> np.ndarray:
+    """Return the coefficients of a flow that vanishes at a place outside the unit square."""
+    gradient = random.normal(size=(2, 2)) + 2 * np.array([[0, 1], [-1, 0]])
+    return np.concatenate([-np.array([-0.6, 1.7]).dot(gradient), gradient.ravel()])
+
+
+def hiding(points: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Return vectors at right angles to the flow: its values times the imaginary unit."""
+    u = c[:2] + points.dot(c[2:].reshape(2, 2))
+    across = 1j * (u[:, 0] + 1j * u[:, 1])
+    across /= np.abs(across)
+    return np.column_stack([across.real, across.imag])
+
+
+def tangent_inputs(seed: int) -> tuple[Call, ...]:
+    """Return samples of rank five: that hide a flow, on one place, and five of them."""
+    random = np.random.default_rng(seed)
+    twelve, nine = cloud(random, 12, 2), cloud(random, 9, 2)
+    place = 0.5 + random.uniform(-0.02, 0.02, 2)
+    return (
+        Call("tangent_field", (twelve, hiding(twelve, flow(random))), "twelve samples that do not see some flow"),
+        Call("tangent_field", (nine, towards(nine, place)), "nine normals through one place"),
+        Call("tangent_field", (nine + 1, parallel_but(random, 9, (3, 6))), "parallel normals but for two of nine"),
+        Call("tangent_field", (cloud(random, 5, 2), directions(random, 5)), "five samples"),
+    )
+
+
+def runs_along_the_edges(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest velocity across an edge, relative to the size of the coefficients."""
+    worst = 0.0
+    for call, (c,) in zip(calls, values, strict=True):
+        points, normals = call.arguments
+        u = c[:2] + points.dot(c[2:].reshape(2, 2))
+        worst = max(worst, float(not c.any()), relative((u * normals).sum(axis=1), c))
+    return worst
+
+
+def up_to_a_factor(_: Call, values: Values) -> Values:
+    """Return coefficients with length one, and with one sign."""
+    (c,) = values
+    size = float(np.sqrt(c.dot(c))) or 1.0
+    return (c / (size if c.dot(np.sin(np.arange(1.0, 1 + c.size))) >= 0 else -size),)
+
+
+def normals_inputs(seed: int) -> tuple[Call, ...]:
+    """Return flows and points."""
+    random = np.random.default_rng(seed)
+    seven, five = cloud(random, 7, 2), cloud(random, 5, 2)
+    return (
+        Call("crossing_normals", (seven, flow(random)), "seven points"),
+        Call("crossing_normals", (five - 0.5, np.append(random.normal(size=2) + 3, np.zeros(4))), "a constant flow"),
+        Call("crossing_normals", (five + 1, 100 * random.normal(size=6)), "a fast flow"),
+    )
+
+
+def are_unit_and_across(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the normals are from length one, and from right angles to the flow."""
+    worst = 0.0
+    for call, (normals,) in zip(calls, values, strict=True):
+        points, c = call.arguments
+        u = c[:2] + points.dot(c[2:].reshape(2, 2))
+        worst = max(worst, relative((u * normals).sum(axis=1), u), relative(np.hypot(*normals.T) - 1, 1.0))
+    return worst
+
+
+def with_one_sign(_: Call, values: Values) -> Values:
+    """Return the last array with each row turned to one side."""
+    *others, normals = values
+    side = np.where(normals.dot(np.array([0.8, 0.6])) < 0, -1.0, 1.0)
+    return (*others, side[:, None] * normals)
+
+
+# 04.5 The obvious conditions
+
+
+def obvious_inputs(seed: int) -> tuple[Call, ...]:
+    """Return samples that fulfil the conditions, or do not, in several ways."""
+    random = np.random.default_rng(seed)
+    points, line = cloud(random, 7, 2), in_line(random, 5)
+    three_in_line = cloud(random, 7, 2)
+    three_in_line[2] = 0.3 * three_in_line[0] + 0.7 * three_in_line[1]
+    name = "obvious"
+    upright = np.where(np.arange(7) % 2, 0, np.pi / 2)
+    staggered = np.column_stack([np.cos(upright), np.sin(upright)]).round()
+    two_places = np.column_stack([np.sqrt(0.5) * np.ones(7), random.choice([-1, 1], 7) * np.sqrt(0.5)])
+    two_places[:5, 1] = two_places[0, 1]
+    two_places[5:, 1] = -two_places[0, 1]
+    return (
+        Call(name, (points, directions(random, 7)), "seven samples"),
+        Call(name, (points, parallel_but(random, 7, ())), "parallel normals"),
+        Call(name, (points, parallel_but(random, 7, (1, 4))), "parallel normals but for two of seven"),
+        Call(name, (in_triangle(points), parallel_but(random, 7, (0, 1, 2))), "parallel normals but for three of seven"),
+        Call(name, (three_in_line, parallel_but(random, 7, (0, 1, 2))), "parallel normals but for three that are on one line"),
+        Call(name, (line, directions(random, 6)), "five points on a line and one beside it"),
+        Call(name, (points, towards(points, np.array([0.47, 0.52]))), "normals through one place"),
+        Call(name, (in_triangle(points), staggered), "normals along the axes, by turns"),
+        Call(name, (points, two_places), "diagonal normals, only two of them in one of the directions"),
+    )
+
+
+HOLDS = (1, 0, 0, 1, 0, 0, 1, 1, 0)
+
+
+def in_triangle(points: np.ndarray) -> np.ndarray:
+    """Return points with the even and the odd ones spread, far from one line."""
+    spread = points.copy()
+    spread[:3] = points[:3] / 10 + np.array([[0, 0], [0.9, 0.1], [0.2, 0.9]])
+    spread[3:6] = points[3:6] / 10 + np.array([[0.1, 0.5], [0.8, 0.8], [0.6, 0.1]])
+    return spread
+
+
+def is_as_constructed(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return one if a case is judged otherwise than it was made."""
+    return max(abs(float(v) - h) for (v,), h in zip(values, HOLDS, strict=True))
+
+
+# 04.6 and 04.7 Stars and conics
+
+
+def star_inputs(seed: int) -> tuple[Call, ...]:
+    """Return stars of five and of three triangles, and one far from the origin."""
+    random = np.random.default_rng(seed)
+    calls = []
+    for k, center, case in ((5, (0.1, -0.2), "five triangles"), (3, (0, 0), "three triangles"), (6, (4, 7), "six triangles")):
+        angles = 2 * np.pi * (np.arange(k) + random.uniform(-0.2, 0.2, k)) / k
+        rays = random.uniform(0.5, 1.5, (k, 1)) * np.column_stack([np.cos(angles), np.sin(angles)])
+        calls.append(Call("star_samples", (np.array(center, dtype=float), rays + center), case))
+    return tuple(calls)
+
+
+def star_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
+    k = len(call.arguments[1])
+    return ((2 * k, 2), (2 * k, 2))
+
+
+def belong_to_the_edges(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far points are from the middle of the edges, and normals from unit ones across."""
+    worst = 0.0
+    for call, (points, normals) in zip(calls, values, strict=True):
+        center, ring = call.arguments
+        k = len(ring)
+        following = ring[np.r_[1:k, 0]]
+        twice = np.append(ring + center, ring + following, axis=0)
+        edges = np.append(ring - center, ring - following, axis=0)
+        across = relative((edges * normals).sum(axis=1), edges)
+        worst = max(worst, relative(2 * points - twice, twice), across, relative(np.hypot(*normals.T) - 1, 1.0))
+    return worst
+
+
+def conic_inputs(seed: int) -> tuple[Call, ...]:
+    """Return points at random, on conics and on lines, near and far, in several units."""
+    random = np.random.default_rng(seed)
+    eight, five = cloud(random, 8, 2), cloud(random, 5, 2)
+    angles = 2 * np.pi * (np.arange(9) + random.uniform(-0.3, 0.3, 9)) / 9
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    shear = np.array([[2.0, 0.7], [0.3, 1.0]])
+    t = np.array([0.3, 0.5, 0.8, 1.3, 2.0, 2.9, 4.1]) * random.uniform(0.95, 1.05, 7)
+    cross = np.append(np.outer(eight[:, 0] - 0.4, [1, 0.3]), np.outer(eight[:, 1] - 0.6, [-0.2, 1]), axis=0)
+    name = "conic_rank"
+    return (
+        Call(name, (eight,), "eight points"),
+        Call(name, (five,), "five points"),
+        Call(name, (circle,), "nine points on a circle"),
+        Call(name, (circle.dot(shear) + 1,), "nine points on an oblique ellipse"),
+        Call(name, (np.column_stack([t, 1 / t]),), "seven points on a hyperbola"),
+        Call(name, (cross,), "points on two lines"),
+        Call(name, (in_line(random, 7)[:7],), "seven points on one line"),
+        Call(name, (1e-6 * eight,), "eight points a thousandth of a millimetre apart, in metres"),
+        Call(name, (MAP + eight,), "eight points on a map whose origin is far away"),
+    )
+
+
+CONIC_RANKS = (6, 5, 5, 5, 5, 5, 3, 6, 6)
+
+
+def is_the_known_conic_rank(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest difference from the ranks that theory gives for these points."""
+    return max(abs(float(v) - r) for (v,), r in zip(values, CONIC_RANKS, strict=True))
+
+
+def number(_: Call) -> tuple[tuple[int, ...], ...]:
+    return ((),)
+
+
+def loose(_: Call) -> float:
+    """Return what rounding does to null vectors of a matrix whose gap is not small."""
+    return 1e-8
+
+
+QUESTIONS = (
+    Question(
+        "04.1", "velocity_matrix", 2, matrix_inputs, matrix_shape,
+        (Law("B' times the coefficients of a flow must be what flows across the samples.",
+             gives_what_flows_across),),
+    ),
+    Question(
+        "04.2", "velocity_rank", 3, rank_inputs, number,
+        (Law("Theory knows the rank of each of these cases.", is_the_rank_of_construction),),
+    ),
+    Question(
+        "04.3", "tangent_field", 2, tangent_inputs, lambda _: ((6,),),
+        (Law("The flow must not be zero, and at each sample it must run along the edge.",
+             runs_along_the_edges),),
+        loose, up_to_a_factor,
+    ),
+    Question(
+        "04.4", "crossing_normals", 2, normals_inputs, lambda call: (call.arguments[0].shape,),
+        (Law("Normals have the length one, and stand at right angles to the flow.",
+             are_unit_and_across),),
+        normal_form=with_one_sign,
+    ),
+    Question(
+        "04.5", "obvious", 3, obvious_inputs, number,
+        (Law("For each of these cases it is known whether (4.5) holds.", is_as_constructed),),
+    ),
+    Question(
+        "04.6", "star_samples", 2, star_inputs, star_shapes,
+        (Law("Points are in the middle of the edges; normals have the length one and stand at right "
+             "angles to the edge.", belong_to_the_edges),),
+        normal_form=with_one_sign,
+    ),
+    Question(
+        "04.7", "conic_rank", 2, conic_inputs, number,
+        (Law("Theory knows the rank of each of these cases.", is_the_known_conic_rank),),
+    ),
+)  # fmt: skip
