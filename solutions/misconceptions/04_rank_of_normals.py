@@ -190,8 +190,9 @@ def solved_for_zero(points, normals):
 
 @answers("04.3")
 def reduced_decomposition(points, normals):
-    """With five samples the reduced decomposition has only five rows, and the one that is wanted is
-    the sixth. For more samples it is right. Look at the option of `svd` that decides.
+    """For more samples this is right. Five have only five singular values, all above zero, and the flow
+    that is wanted is a sixth row, which belongs to none of them: a reduced decomposition leaves it out,
+    and the place of the smallest singular value does not lead to it.
     """
     return np.linalg.svd(rows(points, normals), full_matrices=False)[2][-1]
 
@@ -298,6 +299,15 @@ def three_are_enough(points, normals):
 
 
 @answers("04.5")
+def directions_counted(points, normals):
+    """This counts how many different directions the normals have. Two may be enough, and many may not
+    be: it matters how many samples have each, and where they are.
+    """
+    tensors = np.einsum("ni,nj->nij", normals, normals).round(8)
+    return len(np.unique(tensors.reshape(len(normals), 4), axis=0)) > 2
+
+
+@answers("04.5")
 def the_whole_truth(points, normals):
     """This is whether B' has full rank, and that is more than was asked: (4.5) speaks only of flows of
     one fixed direction. If all normals go through one place it holds, and a rotation is lost all the same.
@@ -355,6 +365,15 @@ def as_long_as_the_edges(center, ring):
     """
     start, end = star(center, ring, shifted(ring))
     return (start + end) / 2, turn(end - start)
+
+
+@answers("04.6")
+def divided_by_one_number(center, ring):
+    """All normals were divided by one number, the size of the whole array, so none has the length one.
+    Each row has a length of its own: along which axis are the squares summed?
+    """
+    start, end = star(center, ring, shifted(ring))
+    return (start + end) / 2, turn(end - start) / np.linalg.norm(end - start)
 
 
 @answers("04.6")
@@ -447,6 +466,15 @@ def in_these_units(vertices):
     are formed.
     """
     return np.linalg.matrix_rank(conic(vertices))
+
+
+@answers("04.7")
+def tolerance_for_metres(vertices):
+    """The tolerance is a fixed number, and the points are in whatever unit they come. A small length has
+    a square that is much smaller still: for points close together those columns count as zero. Bring
+    the points to the size one first.
+    """
+    return np.linalg.matrix_rank(conic(vertices - vertices.mean(axis=0)), tol=1e-9)
 
 
 @answers("04.7")
