@@ -111,7 +111,8 @@ def of_the_edges(
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
     """Yield both ends of the edges of a call, the midpoints and the normals."""
     for call, (midpoints, normals) in zip(calls, values, strict=True):
-        one, other = np.moveaxis(np.take(*call.arguments, axis=0), 1, 0)
+        points, edges = call.arguments
+        one, other = np.moveaxis(np.take(points, edges, axis=0), 1, 0)
         yield one, other, midpoints, normals
 
 
