@@ -14,7 +14,7 @@
 # # Radial basis functions
 #
 # A fit by least squares misses the data. Sometimes the data are exact, and the field should go
-# *through* every value. In this notebook you write the method that does it best known: a bump on
+# *through* every value. In this notebook you write the best known method that does it: a bump on
 # each point, and a plane below them all. You also find out that two things which are often said
 # about its system of equations are not true.
 #
@@ -41,8 +41,8 @@ from fieldcheck import (
 # ## The problem in a picture
 #
 # Twelve values were measured without error. A straight line misses most of them. A polynomial of
-# higher degree comes closer, and with as many coefficients as values it goes through all: move the
-# slider up to eleven, and see what it does between them.
+# higher degree comes closer, and with as many coefficients as values it goes through all. See what
+# it does between them, and move the slider down.
 
 
 # %%
@@ -134,8 +134,8 @@ def one_bump():
 # Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the places and $\phi_1, \dots, \phi_N$
 # the values. The field is a bump on each place, with a factor of its own, and an affine field:
 #
-# $$ f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T\mathbf{c}
-#    + \sum_{j=1}^N \lambda_j\, w(\mathbf{x} - \mathbf{p}_j), \qquad
+# $$ f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T\mathbf{c} +
+#    \sum_{j=1}^N \lambda_j\, w(\mathbf{x} - \mathbf{p}_j), \qquad
 #    \mathbf{b}(\mathbf{x}) = (1, x_1, \dots, x_D)^T . \tag{3.2} $$
 #
 # There are $N$ unknown $\lambda_j$ and $D + 1$ unknown $c_k$. It shall go through the values,
@@ -407,8 +407,8 @@ def flattened(height):
 #
 # Fields are reconstructed to be differentiated: a force is the gradient of a pressure. From (3.2)
 #
-# $$ \nabla f(\mathbf{x}) = (c_1, \dots, c_D)^T
-#    + \sum_{j=1}^N \lambda_j\, \nabla w(\mathbf{x} - \mathbf{p}_j) . \tag{3.6} $$
+# $$ \nabla f(\mathbf{x}) = (c_1, \dots, c_D)^T +
+#    \sum_{j=1}^N \lambda_j\, \nabla w(\mathbf{x} - \mathbf{p}_j) . \tag{3.6} $$
 #
 # ### 03.6 The gradient
 #
@@ -476,10 +476,10 @@ def arrows():
 # Why this kernel, of all? In the plane, among all functions that go through the values, (3.2) is the
 # one that bends least: its *bending energy*
 #
-# $$ E = \int_{\mathbb{R}^2} \Bigl( \frac{\partial^2 f}{\partial x_1^2} \Bigr)^2
-#    + 2 \Bigl( \frac{\partial^2 f}{\partial x_1 \partial x_2} \Bigr)^2
-#    + \Bigl( \frac{\partial^2 f}{\partial x_2^2} \Bigr)^2 \, d\mathbf{x}
-#    = 16\pi\, \boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} \tag{3.7} $$
+# $$ E = \int_{\mathbb{R}^2} \Bigl( \frac{\partial^2 f}{\partial x_1^2} \Bigr)^2 +
+#    2 \Bigl( \frac{\partial^2 f}{\partial x_1 \partial x_2} \Bigr)^2 +
+#    \Bigl( \frac{\partial^2 f}{\partial x_2^2} \Bigr)^2 \, d\mathbf{x} =
+#    16\pi\, \boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} \tag{3.7} $$
 #
 # is the smallest possible. The integral over the whole plane is finite only because of (3.4).
 #

@@ -370,7 +370,7 @@ def turning(one, together):
 # <details><summary>Hint</summary>
 #
 # A sample is left out for exactly one direction and its opposite. So there are at most $N$ directions to
-# try. Points are not on one line if $\mathbf{B}$ for them has rank three; that also holds for no points at all.
+# try. Points are not on one line if $\mathbf{B}$, made of them, has rank three. The same test does for few points, and for none.
 #
 # </details>
 
@@ -566,7 +566,7 @@ def star(neighbours, shift):
 # </details>
 
 # %% [markdown] answer="04.9" points=3
-# Unique is the solution if the *rank* is six; more rows than columns are necessary for that and not sufficient,
+# Unique is the solution if the *rank* is six; as many rows as columns are necessary for that and not sufficient,
 # for rows may depend on each other. The star of four triangles has eight equations of rank five: by (4.6) the rank is at
 # most the number of vertices, $k + 1$, since they are the rows on the right. (For an affine flow the eight fluxes obey
 # relations: what flows out of each triangle, divided by its area, is the same for all triangles.) So $k \ge 5$ is needed, and it
