@@ -60,12 +60,14 @@ def _signatures(source: Source) -> set[tuple[str, ...]]:
 
 
 def token_runs(text: str) -> set[tuple[str, ...]]:
-    """Return all runs of so many tokens; comments, line ends and indents do not count.
+    r"""Return all runs of so many tokens; comments, line ends and indents do not count.
 
     Examples
     --------
-    >>> token_runs("x = np.linalg.solve(a + b, c)")
-    {('x', '=', 'np.linalg.solve', '(', 'a', '+', 'b', ','), ...}
+    >>> min(len(run) for run in token_runs("x = np.linalg.solve(a + b, c)"))
+    8
+    >>> " ".join(min(token_runs("f(np.linalg.solve(a, b),  # so\n  c)")))
+    '( a , b ) , c )'
     """
     tokens = list(_tokens(text))
     return {tuple(tokens[i : i + RUN]) for i in range(len(tokens) - RUN + 1)}
