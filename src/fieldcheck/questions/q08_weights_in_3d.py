@@ -1,0 +1,230 @@
+"""Questions of notebook 08, the weights in three dimensions.
+
+A star is made from its cell, a pyramid without its top over a convex polygon: the neighbours of a
+point are its mirror images in the faces. So the circumcentres are known, and nothing here computes one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question, relative
+
+Star = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def star(random: np.random.Generator, n: int) -> Star:
+    """Return a vertex, its n + 2 neighbours, the tetrahedra by their numbers, and the circumcentres.
+
+    Tetrahedra are listed in no particular orientation, as in most meshes.
+    """
+    turns = np.exp(2j * np.pi * (np.arange(n) + random.uniform(0.1, 0.7, n)) / n)
+    base = np.column_stack([1.3 * turns.real, turns.imag, np.full(n, -0.8)])
+    top = np.array([0.2, -0.1, 2.5]) + random.uniform(-0.2, 0.2, 3)
+    corners = np.vstack([base, top + random.uniform(0.4, 0.6) * (base - top)])
+    corners = corners @ np.linalg.qr(random.normal(size=(3, 3)))[0] + random.normal(size=3)
+    center = corners.mean(axis=0) + random.uniform(-0.1, 0.1, 3)
+    sides = [corners[[b - 1, b, n + b]] for b in range(n)]
+    faces = [*sides, corners[:3], corners[n : n + 3]]
+    cells = np.array([random.permutation([a % n, (a % n + 1) % n, n + a // n]) for a in range(2 * n)])
+    return center, np.array([mirror_image(center, face) for face in faces]), cells, corners
+
+
+def mirror_image(place: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Return the image of a place in the plane through three points."""
+    across = np.cross(face[1] - face[0], face[2] - face[0])
+    return place + 2 * ((face[0] - place) @ across) / (across @ across) * across
+
+
+def places_inside(random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int) -> np.ndarray:
+    """Return m places well inside a cell."""
+    return center + 0.7 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
+
+
+# 08.1 and 08.2 Tetrahedra
+
+
+def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
+    """Return a tetrahedron, the same in another order, half of it, and a flat one."""
+    random = np.random.default_rng(seed)
+    corner = np.array([[0.0, 0, 0], [2, 0.3, 0.1], [0.7, 1.6, -0.2], [0.6, 0.5, 1.9]]) + random.uniform(-0.3, 0.3, (4, 3))
+    a, b, c, d = corner + np.array([1.5, -2.5, 0.8])
+    low = (a + 2 * b + 2 * c) / 5 + 0.25 * (d - a)
+    return (
+        Call(name, (a, b, c, d), "a tetrahedron"),
+        Call(name, (a, c, b, d), "the same tetrahedron, listed the other way round"),
+        Call(name, (a, b, c, (c + d) / 2), "half of the tetrahedron"),
+        Call(name, (a, b, c, low), "a flat tetrahedron"),
+    )
+
+
+def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the volume is from the same in both orders, from twice its half, from positive."""
+    whole, turned, half, flat = (float(v) for (v,) in values)
+    return max(relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -flat))
+
+
+def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much the distances to the four corners differ."""
+    worst = 0.0
+    for call, (p,) in zip(calls, values, strict=True):
+        distances = np.array([np.sqrt((p - corner) @ (p - corner)) for corner in call.arguments])
+        worst = max(worst, relative(distances - distances.mean(), distances))
+    return worst
+
+
+# 08.4 The volume of the normals
+
+
+def normals_inputs(seed: int) -> tuple[Call, ...]:
+    """Return three tips, the same with longer edges and in another order, and perpendicular edges."""
+    random = np.random.default_rng(seed)
+    center = random.normal(size=3)
+    edges = np.array([[1.4, 0.2, 0.1], [0.3, 0.9, -0.2], [0.2, 0.4, 1.7]]) + random.uniform(-0.15, 0.15, (3, 3))
+    frame = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    name = "volume_of_normals"
+    return (
+        Call(name, (center, center + edges), "a tetrahedron"),
+        Call(name, (center, center + np.array([[2.0], [0.5], [1.5]]) * edges), "the same directions, other lengths"),
+        Call(name, (center, center + edges[[1, 0, 2]]), "the same tips in another order"),
+        Call(name, (center, center + random.uniform(1, 2, (3, 1)) * frame), "perpendicular edges"),
+    )
+
+
+def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much lengths and orders matter, and how far perpendicular directions are from one."""
+    here, longer, turned, one = (float(v) for (v,) in values)
+    return max(relative(longer - here, here), relative(turned - here, here), abs(one - 1))
+
+
+# 08.7 Weights
+
+
+def weights_inputs(seed: int) -> tuple[Call, ...]:
+    """Return stars of six and seven neighbours, and the first twice as large."""
+    random = np.random.default_rng(seed)
+    calls = []
+    for n, case in ((4, "six neighbours"), (5, "seven neighbours")):
+        center, neighbors, cells, corners = star(random, n)
+        (x,) = places_inside(random, center, corners, 1)
+        calls.append(Call("weights", (center, neighbors, cells, corners, x), case))
+    center, neighbors, cells, corners, x = calls[0].arguments
+    double = (2 * center, 2 * neighbors, cells, 2 * corners, 2 * x)
+    return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
+
+
+def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the weighted sum of the ways to the corners, which vanishes."""
+    worst = 0.0
+    for call, (w,) in zip(calls, values, strict=True):
+        pulls = w[:, None] * (call.arguments[3] - call.arguments[4])
+        worst = max(worst, relative(pulls.sum(axis=0), pulls))
+    return worst
+
+
+def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the weights are from an eighth of themselves at twice the size."""
+    return relative(8 * values[2][0] - values[0][0], values[0][0])
+
+
+# 08.8 Heights
+
+
+def heights_inputs(seed: int) -> tuple[Call, ...]:
+    """Return places inside, the vertex itself with its neighbours, and the points half-way."""
+    random = np.random.default_rng(seed)
+    center, neighbors, _, corners = star(random, 4)
+    return (
+        Call("heights", (center, neighbors, places_inside(random, center, corners, 4)), "four places in a cell"),
+        Call("heights", (center, neighbors, np.vstack([center, neighbors])), "the vertex and its neighbours"),
+        Call("heights", (center, neighbors, (center + neighbors) / 2), "points half-way to the neighbours"),
+    )
+
+
+def vanishes_half_way(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far h is from zero half-way, and from opposite at the two ends."""
+    ends, middles = values[1][0], values[2][0]
+    return max(relative(np.diag(middles), ends), relative(ends[:, 0] + np.diag(ends[:, 1:]), ends))
+
+
+# 08.10 Coordinates
+
+
+def coordinates_inputs(seed: int) -> tuple[Call, ...]:
+    """Return places inside, the same turned over, and the corners and middles of a cubic cell.
+
+    The cube has corners that floating-point numbers hold exactly, so that a quotient is zero by zero
+    there, on every machine.
+    """
+    random = np.random.default_rng(seed)
+    center, neighbors, cells, corners = star(random, 4)
+    x = places_inside(random, center, corners, 3)
+    over = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
+    other, tips, more, ends = star(random, 5)
+    side = 2.0 ** int(random.integers(-2, 3))
+    middle = side * random.integers(-9, 9, 3).astype(float)
+    signs = np.array(list(product((-1, 1), repeat=3)))
+    cube = middle + side * signs
+    around = middle + 2 * side * np.vstack([np.eye(3), -np.eye(3)])
+    eight = np.array([[k if s > 0 else 3 + k for k, s in enumerate(row)] for row in signs])
+    name = "coordinates"
+    return (
+        Call(name, (center, neighbors, cells, x), "three places in a cell"),
+        Call(name, (center @ over, neighbors @ over, cells, x @ over), "the same turned over"),
+        Call(name, (other, tips, more, places_inside(random, other, ends, 2)), "two places among seven neighbours"),
+        Call(name, (middle, around, eight, np.vstack([cube, (cube[:4] + cube[4:]) / 2])), "corners and edges of a cubic cell"),
+    )
+
+
+def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far sums of rows are from one."""
+    return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
+
+
+def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much turning everything over changes."""
+    return relative(values[1][0] - values[0][0], values[0][0])
+
+
+def is_right_on_the_cube(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far corners are from one weight, and middles of edges from two halves."""
+    return relative(values[3][0] - np.vstack([np.eye(8), (np.eye(8)[:4] + np.eye(8)[4:]) / 2]), 1.0)
+
+
+QUESTIONS = (
+    Question(
+        "08.1", "volume", 1, lambda seed: tetrahedra("volume", seed), lambda _: ((),),
+        (Law("A volume is positive, does not depend on the order of the corners, and a plane through one "
+             "edge and the middle of the opposite one cuts it in half.", halves_with_the_tetrahedron),),
+    ),
+    Question(
+        "08.2", "circumcenter", 2, lambda seed: tetrahedra("circumcenter", seed), lambda _: ((3,),),
+        (Law("A circumcentre is equally far from all four corners.", is_equally_far),),
+    ),
+    Question(
+        "08.4", "volume_of_normals", 2, normals_inputs, lambda _: ((),),
+        (Law("Normals have directions only: the lengths of the edges and their order do not matter, and "
+             "perpendicular normals span the volume one.", depends_on_directions),),
+    ),
+    Question(
+        "08.7", "weights", 3, weights_inputs, lambda call: ((len(call.arguments[2]),),),
+        (Law("If everything is twice as large, (8.2) has eight times the volume above and 64 times as much "
+             "below: an eighth is left.", scales),
+         Law("The weights pull the place towards the corners in such a way that it stays where it is.", balances)),
+    ),
+    Question(
+        "08.8", "heights", 1, heights_inputs, lambda call: ((len(call.arguments[1]), len(call.arguments[2])),),
+        (Law("Half-way to a neighbour its height is zero, and at the two ends it is opposite.", vanishes_half_way),),
+    ),
+    Question(
+        "08.10", "coordinates", 3, coordinates_inputs, lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
+        (Law("Coordinates have the sum one at every place, so that a constant comes back.", sums_to_one),
+         Law("Turning everything changes nothing.", turns_along),
+         Law("At a corner it alone has a weight, and half-way along an edge its two ends have a half each.",
+             is_right_on_the_cube)),
+    ),
+)  # fmt: skip
