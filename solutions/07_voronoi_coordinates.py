@@ -196,7 +196,7 @@ def two_duals(distance):
 # The determinant is the sine of the angle of the triangle at $\mathbf{x}_i$. With the area $A_a$ of the triangle,
 #
 # $$ \lvert \det(\mathbf{n}_j, \mathbf{n}_k) \rvert = \frac{2 A_a}{l_j\, l_k}, \qquad
-#    A_a = \tfrac12 \bigl\lvert \det(\mathbf{x}_j - \mathbf{x}_i,\; \mathbf{x}_k - \mathbf{x}_i) \bigr\rvert , \tag{7.4} $$
+#    A_a = \tfrac12 \lvert \det(\mathbf{x}_j - \mathbf{x}_i,\; \mathbf{x}_k - \mathbf{x}_i) \rvert , \tag{7.4} $$
 #
 # and the lengths cancel. What is left needs no square root:
 #
@@ -326,7 +326,7 @@ def one_coordinate(a):
 #
 # $$ \mathbf{s}_n = \mathbf{x}_i + \frac{r}{n} \begin{bmatrix} \cos(n\,\Delta\theta) \\ \sin(n\,\Delta\theta) \end{bmatrix},
 #    \quad n = 1, \dots, S, \qquad
-#    r = \Bigl\lVert \frac{\mathbf{p}_a + \mathbf{p}_b}{2} - \mathbf{x}_i \Bigr\rVert, \quad
+#    r = \lVert \frac{\mathbf{p}_a + \mathbf{p}_b}{2} - \mathbf{x}_i \rVert, \quad
 #    \Delta\theta = \frac{2\pi}{S} . \tag{7.7} $$
 #
 # In a regular hexagon $r$ is the distance from $\mathbf{x}_i$ to an edge of the cell, the same for all edges.
