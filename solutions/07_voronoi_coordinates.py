@@ -60,13 +60,31 @@ def the_problem():
         for tip in rim[1:]:
             axes.plot([0, tip.real], [0, tip.imag], color=GREY, lw=1)
         axes.plot(rim.real, rim.imag, color=GREY, lw=1, label="mesh")
-        axes.fill(dots.real, dots.imag, fc="#e8eef5", ec=BLUE, lw=2, label="Voronoi cell")
-        axes.plot(dots.real, dots.imag, "o", color=BLUE, label="circumcentres: a value each")
+        axes.fill(
+            dots.real, dots.imag, fc="#e8eef5", ec=BLUE, lw=2, label="Voronoi cell"
+        )
+        axes.plot(
+            dots.real,
+            dots.imag,
+            "o",
+            color=BLUE,
+            label="circumcentres: a value each",
+        )
         for dot in dots:
             label = f"{dot.real + dot.imag:.2f}"
-            axes.annotate(label, (1.22 * dot.real, 1.22 * dot.imag), ha="center", va="center")
+            axes.annotate(
+                label, (1.22 * dot.real, 1.22 * dot.imag), ha="center", va="center"
+            )
         axes.annotate(r"$\mathbf{x}_i$", (0.04, -0.13))
-        axes.plot([0.16], [0.24], marker="$?$", ms=13, color=ORANGE, ls="none", label="asked for")
+        axes.plot(
+            [0.16],
+            [0.24],
+            marker="$?$",
+            ms=13,
+            color=ORANGE,
+            ls="none",
+            label="asked for",
+        )
         axes.set_aspect("equal")
         axes.axis("off")
         axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
@@ -87,12 +105,17 @@ def the_problem():
 #
 # Your hexagon will not be centred at the origin. Much that goes wrong in geometry goes wrong only then.
 
+
 # %% question="07.1"
 def hexagon(center, radius, turn):
-    """Return x_0 … x_5 of (7.1), of shape (6, 2), for x_i = center (2,), R = radius, α = turn."""
+    """Return x_0 … x_5 of (7.1), of shape (6, 2).
+
+    center (2,) is x_i, radius is R, and turn is the angle α.
+    """
     # BEGIN SOLUTION
     directions = [turn + b * np.pi / 3 for b in range(6)]
-    return np.array([center + radius * np.array([np.cos(way), np.sin(way)]) for way in directions])
+    circle = np.array([[np.cos(way), np.sin(way)] for way in directions])
+    return center + radius * circle
     # END SOLUTION
 
 
@@ -122,9 +145,10 @@ check("07.1")
 #
 # </details>
 
+
 # %% question="07.2"
 def circumcenter(a, b, c):
-    """Return p of (7.2), of shape (2,), for a triangle with corners a, b, c, each of shape (2,)."""
+    """Return p of (7.2), of shape (2,), for a triangle with corners a, b, c, each (2,)."""
     # BEGIN SOLUTION
     edges = np.array([b - a, c - a])
     return a + np.linalg.solve(edges, [e @ e / 2 for e in edges])
@@ -137,11 +161,14 @@ check("07.2")
 # %% [markdown]
 # All circumcentres round a vertex, with your function:
 
+
 # %%
 def circumcenters(center, rim):
-    """Return p_0 … p_{N−1} for neighbours rim (N, 2) of the vertex center (2,)."""
+    """Return all p_a, of shape (N, 2), with your function."""
     following = [*rim[1:], rim[0]]
-    return np.array([circumcenter(center, one, other) for one, other in zip(rim, following)])
+    return np.array(
+        [circumcenter(center, one, other) for one, other in zip(rim, following)]
+    )
 
 
 # %% [markdown]
@@ -157,16 +184,26 @@ def two_duals(distance):
     ahead = np.array([*rim[1:], rim[0]])
     with figure(6.6, 2.2) as page:
         panels = page.subplots(1, 2)
-        duals = {"circumcentres": circumcenters(np.zeros(2), rim), "centroids": (rim + ahead) / 3}
+        duals = {
+            "circumcentres": circumcenters(np.zeros(2), rim),
+            "centroids": (rim + ahead) / 3,
+        }
         for axes, (name, dual) in zip(panels, duals.items()):
             for tip, next_tip in zip(rim, ahead):
-                axes.plot([0, tip[0], next_tip[0]], [0, tip[1], next_tip[1]], color=GREY, lw=1)
+                axes.plot(
+                    [0, tip[0], next_tip[0]],
+                    [0, tip[1], next_tip[1]],
+                    color=GREY,
+                    lw=1,
+                )
             closed = np.array([*dual, dual[0]])
             axes.fill(*closed.T, fc="#e8eef5", ec=BLUE, lw=2)
             axes.plot(*dual.T, "o", color=BLUE, ms=4)
             way = dual - np.array([dual[-1], *dual[:-1]])
             lengths = np.hypot(*way.T) * np.hypot(*rim.T)
-            off = np.degrees(np.arcsin(np.max(abs(np.einsum("bk,bk->b", way, rim)) / lengths)))
+            off = np.degrees(
+                np.arcsin(np.max(abs(np.einsum("bk,bk->b", way, rim)) / lengths))
+            )
             axes.set_title(f"{name}: off a right angle by {off:.0f}°")
             axes.set_aspect("equal")
             axes.set(xlim=(-1.05, 2.65), ylim=(-0.95, 0.95))
@@ -208,9 +245,10 @@ def two_duals(distance):
 #
 # An area is positive, whichever way round the corners are listed.
 
+
 # %% question="07.3"
 def area(a, b, c):
-    """Return A of (7.4), a number, for a triangle with corners a, b, c, each of shape (2,)."""
+    """Return A of (7.4), a number, for a triangle with corners a, b, c, each (2,)."""
     # BEGIN SOLUTION
     return 0.5 * abs(np.linalg.det([b - a, c - a]))
     # END SOLUTION
@@ -233,18 +271,21 @@ check("07.3")
 #
 # </details>
 
+
 # %% question="07.4"
 def weights(center, rim, corners, x):
     """Return w_0 … w_{N−1} of (7.5), of shape (N,), at one place x (2,).
 
-    center (2,) is x_i, rim (N, 2) are its neighbours x_0 … in order, and corners (N, 2) are p_0 … .
+    center (2,) is x_i, rim (N, 2) are its neighbours x_0, x_1 … in order, and
+    corners (N, 2) are the circumcentres p_0, p_1 … .
     """
     # BEGIN SOLUTION
     w = np.empty(len(rim))
     for a in range(len(rim)):
         j, k = rim[a], rim[(a + 1) % len(rim)]
         to_corner = corners[a] - x
-        w[a] = 2 * area(center, j, k) / (((j - center) @ to_corner) * ((k - center) @ to_corner))
+        below = ((j - center) @ to_corner) * ((k - center) @ to_corner)
+        w[a] = 2 * area(center, j, k) / below
     return w
     # END SOLUTION
 
@@ -263,9 +304,10 @@ check("07.4")
 # $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$, which is why they may be called coordinates.
 # The check tries both.
 
+
 # %% question="07.5"
 def coordinates(center, rim, corners, x):
-    """Return ω_a of (7.6) at places x (M, 2), as an array of shape (M, N): a row for each place."""
+    """Return ω_a of (7.6) at places x (M, 2), of shape (M, N): a row for each place."""
     # BEGIN SOLUTION
     w = [weights(center, rim, corners, place) for place in x]
     return np.array([row / row.sum() for row in w])
@@ -284,7 +326,7 @@ check("07.5")
 
 # %%
 def over_the_cell(corners):
-    """Return places all over a convex cell, in rings from its middle out to just before the edge."""
+    """Return places all over a convex cell, in rings that end just before its edge."""
     sides = zip(corners, [*corners[1:], corners[0]])
     edge = np.concatenate([np.linspace(p, q, 20) for p, q in sides])
     middle = corners.mean(axis=0)
@@ -296,7 +338,9 @@ def one_coordinate(a):
     center, radius, turn = data("07.1")
     random = np.random.default_rng(5)
     angle = np.linspace(0, 2 * np.pi, 7)[:-1] + random.uniform(0, 0.7, 6)
-    uneven = random.uniform(0.8, 1.3, (6, 1)) * np.column_stack([np.cos(angle), np.sin(angle)])
+    uneven = random.uniform(0.8, 1.3, (6, 1)) * np.column_stack(
+        [np.cos(angle), np.sin(angle)]
+    )
     stars = ((center, hexagon(center, radius, turn)), (np.zeros(2), uneven))
     with figure(6.4, 3.2) as page:
         panels = page.subplots(1, 2)
@@ -305,7 +349,9 @@ def one_coordinate(a):
             places = over_the_cell(corners)
             omega = coordinates(middle, rim, corners, places.reshape(-1, 2))
             heights = omega[:, a].reshape(places.shape[:2])
-            levels = axes.contourf(*places.T, heights.T, levels=np.linspace(0, 1, 11))
+            levels = axes.contourf(
+                *places.T, heights.T, levels=np.linspace(0, 1, 11)
+            )
             axes.plot(*np.array([*corners, corners[0]]).T, color=GREY)
             axes.plot(*corners[a], "o", color=ORANGE, ms=8)
             axes.plot(*middle, "+", color="black")
@@ -333,6 +379,7 @@ def one_coordinate(a):
 #
 # ### 07.6 The points of the spiral
 
+
 # %% question="07.6"
 def spiral(center, corners, steps):
     """Return s_1 … s_S of (7.7), of shape (S, 2), with S = steps.
@@ -359,9 +406,10 @@ check("07.6")
 #
 # $$ f(\mathbf{x}) = \sum_a \omega_a(\mathbf{x})\, \phi_a . \tag{7.8} $$
 
+
 # %% question="07.7"
 def interpolate(center, rim, corners, values, x):
-    """Return f of (7.8) at places x (M, 2), of shape (M,), for values φ of shape (N,)."""
+    """Return f of (7.8) at places x (M, 2), of shape (M,), for values φ (N,)."""
     # BEGIN SOLUTION
     return coordinates(center, rim, corners, x) @ values
     # END SOLUTION
@@ -392,7 +440,7 @@ def on_the_spiral(n):
         cell, left, right = page.subplots(1, 3, width_ratios=(1.1, 1, 1))
         cell.fill(*corners.T, fc="#e8eef5", ec=BLUE)
         cell.plot(*places.T, ".-", color=ORANGE, ms=4, lw=0.8)
-        cell.set(aspect="equal", title=r"$\mathbf{s}_1, \dots, \mathbf{s}_{50}$ in your cell")
+        cell.set(aspect="equal", title="the spiral in your cell")
         cell.axis("off")
         looks = ((PURPLE, "-"), (BLUE, "--"), (ORANGE, ":"))
         for (name, field), (color, dashes) in zip(fields(n).items(), looks):
@@ -403,7 +451,9 @@ def on_the_spiral(n):
             right.loglog(number, miss, color=color, ls=dashes, label=name)
         left.set(xlabel="$n$", xscale="log", title="true (grey), and yours")
         right.set(xlabel="$n$", ylim=(1e-18, 1e2), title="error")
-        page.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        page.legend(
+            *left.get_legend_handles_labels(), loc="outside lower center", ncols=3
+        )
     return page
 
 
@@ -465,15 +515,17 @@ def under_the_pointer(x):
 #
 # </details>
 
+
 # %% question="07.8"
 def safe_coordinates(center, rim, x):
-    """Return ω_a of (7.10) at places x (M, 2), of shape (M, N), on the edges as well."""
+    """Return ω_a of (7.10) at places x (M, 2), of shape (M, N), on edges as well."""
     # BEGIN SOLUTION
     h = np.array([s @ s / 2 - (x - center) @ s for s in rim - center])
     c = np.empty(h.shape)
     for a in range(len(rim)):
         b = (a + 1) % len(rim)
-        c[a] = area(center, rim[a], rim[b]) * np.delete(h, [a, b], axis=0).prod(axis=0)
+        others = np.delete(h, [a, b], axis=0)
+        c[a] = area(center, rim[a], rim[b]) * others.prod(axis=0)
     return (c / c.sum(axis=0)).T
     # END SOLUTION
 
@@ -494,14 +546,26 @@ def towards_the_edge(along):
     with figure(6.4, 3.1) as page, np.errstate(all="ignore"):
         axes = page.subplots()
         ways = (
-            (coordinates(center, rim, corners, places), "quotients (7.5)", ORANGE, "o"),
+            (
+                coordinates(center, rim, corners, places),
+                "quotients (7.5)",
+                ORANGE,
+                "o",
+            ),
             (safe_coordinates(center, rim, places), "products (7.10)", BLUE, "."),
         )
         for omega, name, color, marker in ways:
             miss = np.linalg.norm(omega @ corners - places, axis=1) / radius
             lost = int((~np.isfinite(miss)).sum())
             name += f", {lost} without a value" if lost else ""
-            axes.loglog(steps, np.maximum(miss, 1e-17), marker, ms=4, color=color, label=name)
+            axes.loglog(
+                steps,
+                np.maximum(miss, 1e-17),
+                marker,
+                ms=4,
+                color=color,
+                label=name,
+            )
         axes.set(
             xlabel="distance from the edge, in parts of the way to the centre",
             ylabel=r"$\Vert\sum_a \omega_a \mathbf{p}_a - \mathbf{x}\Vert \;/\; R$",

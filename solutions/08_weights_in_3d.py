@@ -49,7 +49,9 @@ def icosahedron():
     """Return the 12 corners of an icosahedron of radius 1, and its 20 triangles."""
     golden = (1 + np.sqrt(5)) / 2
     signs = [(s, t) for s in (-1, 1) for t in (-1, 1)]
-    ring = np.array([np.roll([0, s, t * golden], k) for k in range(3) for s, t in signs])
+    ring = np.array(
+        [np.roll([0, s, t * golden], k) for k in range(3) for s, t in signs]
+    )
     touch = np.linalg.norm(ring[:, None] - ring, axis=2) < 2.1
     triples = [(i, j, k) for i in range(12) for j in range(i) for k in range(j)]
     faces = [t for t in triples if touch[np.ix_(t, t)].all()]
@@ -57,11 +59,19 @@ def icosahedron():
 
 
 def seen_from(places, angle):
-    """Return where places (M, 3) appear on paper, and how near they are, turned by degrees."""
+    """Return where places (M, 3), turned by degrees, appear on paper, and how near."""
     t, tilt = np.radians(angle), np.radians(20)
-    turned = places @ [[np.cos(t), np.sin(t), 0], [-np.sin(t), np.cos(t), 0], [0, 0, 1]]
+    turned = places @ [
+        [np.cos(t), np.sin(t), 0],
+        [-np.sin(t), np.cos(t), 0],
+        [0, 0, 1],
+    ]
     depth = np.sin(tilt) * turned[:, 2] - np.cos(tilt) * turned[:, 1]
-    return turned[:, 0], np.cos(tilt) * turned[:, 2] + np.sin(tilt) * turned[:, 1], depth
+    return (
+        turned[:, 0],
+        np.cos(tilt) * turned[:, 2] + np.sin(tilt) * turned[:, 1],
+        depth,
+    )
 
 
 def draw_edges(axes, places, pairs, angle, color):
@@ -70,11 +80,13 @@ def draw_edges(axes, places, pairs, angle, color):
     near = (depth - depth.min()) / np.ptp(depth)
     for i, j in pairs:
         strength = 0.15 + 0.85 * min(1, (near[i] + near[j]) / 2 + 0.1)
-        axes.plot(across[[i, j]], up[[i, j]], color=color, alpha=strength, lw=1 + strength)
+        axes.plot(
+            across[[i, j]], up[[i, j]], color=color, alpha=strength, lw=1 + strength
+        )
 
 
 def sharing(cells):
-    """Return the pairs of cells with a common face: between their corners runs an edge."""
+    """Return pairs of cells with a common face: between their corners runs an edge."""
     common = (cells[:, None, :, None] == cells[:, None]).sum(axis=(2, 3))
     return np.argwhere(np.triu(common == 2))
 
@@ -86,12 +98,23 @@ def the_problem(angle):
     dots = outward / (2 * (outward * tips[cells[:, 0]]).sum(axis=1)[:, None])
     with figure(6.4, 3.8) as page:
         axes = page.subplots()
-        sides = np.unique(np.vstack([cells[:, :2], cells[:, 1:], cells[:, ::2]]), axis=0)
+        sides = np.unique(
+            np.vstack([cells[:, :2], cells[:, 1:], cells[:, ::2]]), axis=0
+        )
         draw_edges(axes, tips, sides, angle, GREY)
         draw_edges(axes, dots, sharing(cells), angle, BLUE)
         across, up, _ = seen_from(dots, angle)
-        axes.plot(across, up, "o", color=BLUE, ms=4, label="circumcentres, on the Voronoi cell")
-        axes.plot(*seen_from(tips, angle)[:2], "o", color=GREY, ms=4, label="neighbours")
+        axes.plot(
+            across,
+            up,
+            "o",
+            color=BLUE,
+            ms=4,
+            label="circumcentres, on the Voronoi cell",
+        )
+        axes.plot(
+            *seen_from(tips, angle)[:2], "o", color=GREY, ms=4, label="neighbours"
+        )
         axes.plot(0, 0, "o", color=ORANGE, label=r"the vertex $\mathbf{x}_i$")
         axes.set_aspect("equal")
         axes.axis("off")
@@ -126,9 +149,10 @@ def the_problem(angle):
 #
 # ### 08.1 The volume
 
+
 # %% question="08.1"
 def volume(a, b, c, d):
-    """Return V of (8.3), a number, for a tetrahedron with corners a, b, c, d, each of shape (3,)."""
+    """Return V of (8.3), a number, for corners a, b, c, d, each of shape (3,)."""
     # BEGIN SOLUTION
     return abs(np.linalg.det([b - a, c - a, d - a])) / 6
     # END SOLUTION
@@ -140,9 +164,10 @@ check("08.1")
 # %% [markdown]
 # ### 08.2 The circumcentre
 
+
 # %% question="08.2"
 def circumcenter(a, b, c, d):
-    """Return p of (8.4), of shape (3,), for a tetrahedron with corners a, b, c, d, each (3,)."""
+    """Return p of (8.4), of shape (3,), for corners a, b, c, d, each of shape (3,)."""
     # BEGIN SOLUTION
     edges = np.array([b - a, c - a, d - a])
     return a + np.linalg.solve(edges, [e @ e / 2 for e in edges])
@@ -155,10 +180,10 @@ check("08.2")
 # %% [markdown]
 # ## Step 1: the normals
 #
-# **08.3** Fill in. The face $b$ of the Voronoi cell separates the places nearer to $\mathbf{x}_i$ from those nearer to …, so it lies in the plane
-# $\{\mathbf{y} : \lVert\mathbf{y} - \mathbf{x}_i\rVert = \;…\;\}$. Squared and expanded, this says
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \;…$, which is a plane perpendicular to … through the point …. With
-# $l_b = \lVert \mathbf{x}_b - \mathbf{x}_i \rVert$ the *outward unit* normal is therefore $\mathbf{n}_b = \;…$. It points outwards because ….
+# **08.3** What stands for (A) to (G)? The face $b$ of the Voronoi cell separates the places nearer to $\mathbf{x}_i$ from those nearer to **(A)**. So all its
+# points $\mathbf{y}$ have $\lVert\mathbf{y} - \mathbf{x}_i\rVert =$ **(B)**. Squared and expanded, this says
+# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) =$ **(C)**, a plane perpendicular to **(D)** through the point **(E)**. With
+# $l_b = \lVert \mathbf{x}_b - \mathbf{x}_i \rVert$ the *outward unit* normal is therefore $\mathbf{n}_b =$ **(F)**. It points outwards because **(G)**.
 #
 # <details><summary>Hint</summary>
 #
@@ -167,10 +192,9 @@ check("08.2")
 # </details>
 
 # %% [markdown] answer="08.3" points=2
-# The face $b$ separates the places nearer to $\mathbf{x}_i$ from those nearer to $\mathbf{x}_b$, in the plane of all $\mathbf{y}$ with
-# $\lVert\mathbf{y} - \mathbf{x}_i\rVert = \lVert\mathbf{y} - \mathbf{x}_b\rVert$. With $\mathbf{y} - \mathbf{x}_b = (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$ the squares of
-# $\mathbf{y} - \mathbf{x}_i$ cancel, and $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \tfrac12 l_b^2$ is left: a plane perpendicular to the edge from $\mathbf{x}_i$ to
-# $\mathbf{x}_b$ through its midpoint. The outward unit normal is $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$. It points outwards because inside the cell, at
+# (A) $\mathbf{x}_b$, (B) $\lVert\mathbf{y} - \mathbf{x}_b\rVert$. With $\mathbf{y} - \mathbf{x}_b = (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$ the squares of
+# $\mathbf{y} - \mathbf{x}_i$ cancel, and $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \tfrac12 l_b^2$ is left, so (C) $\tfrac12 l_b^2$: a plane perpendicular to (D) the edge from
+# $\mathbf{x}_i$ to $\mathbf{x}_b$ through (E) its midpoint. (F) $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$, and it points outwards because (G) inside the cell, at
 # $\mathbf{x}_i$ for instance, the left side is less than $\tfrac12 l_b^2$.
 
 # %% [markdown] rubric="08.3"
@@ -183,9 +207,13 @@ check("08.2")
 #
 # Compute $\operatorname{vol}(\mathcal{N}_a)$ as (8.1) defines it, from the normals of step 1, for one tetrahedron.
 
+
 # %% question="08.4"
 def volume_of_normals(center, tips):
-    """Return vol(N_a) of (8.1), a number, for x_i = center (3,) and x_j, x_k, x_m = tips (3, 3)."""
+    """Return vol(N_a) of (8.1), a number.
+
+    center (3,) is x_i, and the rows of tips (3, 3) are x_j, x_k, x_m.
+    """
     # BEGIN SOLUTION
     normals = [spoke / np.linalg.norm(spoke) for spoke in tips - center]
     return abs(np.linalg.det(normals))
@@ -208,7 +236,10 @@ def conjecture(power):
     with figure(5.4, 3.2) as page:
         axes = page.subplots()
         axes.plot([0, 1], [0, 1], color=GREY, lw=1, label="equal")
-        sets = (("at random", at_random, ORANGE, "."), ("your own", neighbors[cells], BLUE, "o"))
+        sets = (
+            ("at random", at_random, ORANGE, "."),
+            ("your own", neighbors[cells], BLUE, "o"),
+        )
         for name, tetrahedra, color, marker in sets:
             measured, guessed = [], []
             for tips in tetrahedra:
@@ -218,7 +249,11 @@ def conjecture(power):
                 guessed.append(sixfold / np.prod(lengths) ** power)
             axes.plot(measured, guessed, marker, color=color, label=name)
         below = r"(l_j\,l_k\,l_m)" + (f"^{{{power:g}}}" if power != 1 else "")
-        axes.set(xlabel=r"$\mathrm{vol}(\mathcal{N}_a)$", ylabel=rf"$6V_a\,/\,{below}$", xlim=(0, 1))
+        axes.set(
+            xlabel=r"$\mathrm{vol}(\mathcal{N}_a)$",
+            ylabel=rf"$6V_a\,/\,{below}$",
+            xlim=(0, 1),
+        )
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
@@ -263,18 +298,20 @@ def conjecture(power):
 # Write (8.2). The mesh is given as it usually is: an array of neighbours, and for each tetrahedron the three numbers of those that it has besides
 # $\mathbf{x}_i$, in any order.
 
+
 # %% question="08.7"
 def weights(center, neighbors, cells, corners, x):
     """Return w_a of (8.2) for all T tetrahedra, of shape (T,), at one place x (3,).
 
-    center (3,) is x_i; neighbors (N, 3); cells (T, 3) holds the numbers j, k, m of neighbours of
-    each tetrahedron; corners (T, 3) are the circumcentres p_a.
+    center (3,) is x_i, neighbors (N, 3) are all x_b, a row of cells (T, 3) holds the
+    numbers j, k, m of a tetrahedron, and corners (T, 3) are the circumcentres p_a.
     """
     # BEGIN SOLUTION
     w = np.empty(len(cells))
     for a, cell in enumerate(cells):
         spokes = neighbors[cell] - center
-        w[a] = 6 * volume(center, *neighbors[cell]) / np.prod(spokes @ (corners[a] - x))
+        below = np.prod(spokes @ (corners[a] - x))
+        w[a] = 6 * volume(center, *neighbors[cell]) / below
     return w
     # END SOLUTION
 
@@ -293,13 +330,17 @@ check("08.7")
 # %%
 def circumcenters(center, neighbors, cells):
     """Return all p_a, of shape (T, 3), with your function."""
-    return np.array([circumcenter(center, *(neighbors[int(b)] for b in cell)) for cell in cells])
+    return np.array(
+        [circumcenter(center, *(neighbors[int(b)] for b in cell)) for cell in cells]
+    )
 
 
 @draw()
 def linear_precision():
     eight = np.array([(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)])
-    axes_ends = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0), (0, -1, 0), (0, 0, -1.0)])
+    axes_ends = np.array(
+        [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0), (0, -1, 0), (0, 0, -1.0)]
+    )
     uneven, cells = icosahedron()
     uneven = uneven * (1 + 0.2 * np.sin(np.arange(12) ** 2))[:, None]
     stars = {
@@ -312,20 +353,28 @@ def linear_precision():
     for center, neighbors, cells in stars.values():
         corners = circumcenters(center, neighbors, cells)
         signs = np.sign([np.linalg.det(neighbors[cell] - center) for cell in cells])
-        sizes = np.array([volume(center, *(neighbors[int(b)] for b in cell)) for cell in cells])
+        sizes = np.array(
+            [volume(center, *(neighbors[int(b)] for b in cell)) for cell in cells]
+        )
         misses = []
         for mix in random.dirichlet(np.ones(len(cells)), 40):
             place = mix @ corners
             w = weights(center, neighbors, cells, corners, place)
             ways = (w, w / sizes, w * signs)
-            misses.append([np.linalg.norm(v @ corners / v.sum() - place) for v in ways])
+            misses.append(
+                [np.linalg.norm(v @ corners / v.sum() - place) for v in ways]
+            )
         worst.append(np.maximum(np.max(misses, axis=0), 1e-17))
     with figure(6.4, 2.9) as page:
         axes = page.subplots()
         names = ("yours", "volumes left out", "signs left in")
-        looks = zip(names, (BLUE, ORANGE, PURPLE), np.transpose(worst), (-0.12, 0, 0.12))
+        looks = zip(
+            names, (BLUE, ORANGE, PURPLE), np.transpose(worst), (-0.12, 0, 0.12)
+        )
         for name, color, misses, aside in looks:
-            axes.plot(np.arange(3) + aside, misses, "o", color=color, ms=8, label=name)
+            axes.plot(
+                np.arange(3) + aside, misses, "o", color=color, ms=8, label=name
+            )
         axes.set_yscale("log")
         axes.set_xticks(range(3), list(stars))
         axes.set(ylim=(1e-17, 1e3), xlim=(-0.5, 2.5), ylabel="largest miss")
@@ -347,9 +396,10 @@ def linear_precision():
 #
 # ### 08.8 The heights
 
+
 # %% question="08.8"
 def heights(center, neighbors, x):
-    """Return h_b of (8.5) at places x (M, 3), of shape (N, M): a row for each of the N neighbours."""
+    """Return h_b of (8.5) at places x (M, 3), of shape (N, M): a row for each neighbour."""
     # BEGIN SOLUTION
     return np.array([s @ s / 2 - (x - center) @ s for s in neighbors - center])
     # END SOLUTION
@@ -379,10 +429,15 @@ def from_every_corner(b):
             p = circumcenter(center, *(neighbors[int(k)] for k in cells[a]))
             every = slice(at_face.index(a), None, len(at_face))
             left = (p - line[every]) @ spoke
-            axes.plot(t[every], left, marker, color=ORANGE, label=f"from corner {a}")
+            axes.plot(
+                t[every], left, marker, color=ORANGE, label=f"from corner {a}"
+            )
         axes.axvline(1, color=GREY, lw=0.8, ls=":")
         axes.set_xticks([-0.5, 0, 0.5, 1])
-        axes.set(xlabel="place: vertex at 0, corner 0 at 1", ylabel=f"$h_{b}$ on the line")
+        axes.set(
+            xlabel="place: vertex at 0, corner 0 at 1",
+            ylabel=f"$h_{b}$ on the line",
+        )
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
@@ -413,6 +468,7 @@ def from_every_corner(b):
 #
 # $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = V_a \prod_{b \,\notin\, \{j, k, m\}} h_b(\mathbf{x}) . \tag{8.6} $$
 
+
 # %% question="08.10"
 def coordinates(center, neighbors, cells, x):
     """Return ω_a of (8.6) at places x (M, 3), of shape (M, T): a row for each place."""
@@ -420,7 +476,8 @@ def coordinates(center, neighbors, cells, x):
     h = heights(center, neighbors, x)
     c = np.empty((len(cells), len(x)))
     for a, cell in enumerate(cells):
-        c[a] = volume(center, *neighbors[cell]) * np.delete(h, cell, axis=0).prod(axis=0)
+        others = np.delete(h, cell, axis=0)
+        c[a] = volume(center, *neighbors[cell]) * others.prod(axis=0)
     return (c / c.sum(axis=0)).T
     # END SOLUTION
 
@@ -437,7 +494,8 @@ check("08.10")
 
 # %%
 @draw(
-    along=Slider(0, 1, 0.3, "on its way", steps=20), angle=Slider(0, 180, 30, "turned by", steps=36)
+    along=Slider(0, 1, 0.3, "on its way", steps=20),
+    angle=Slider(0, 180, 30, "turned by", steps=36),
 )
 def walk(along, angle):
     center, neighbors, cells, corners, _ = data("08.7")
@@ -450,7 +508,9 @@ def walk(along, angle):
         axes = page.subplots()
         draw_edges(axes, corners - center, sharing(cells), angle, GREY)
         across, up, _ = seen_from(corners - center, angle)
-        axes.scatter(across, up, s=900 * np.clip(omega, 0, 1), color=BLUE, alpha=0.75, lw=0)
+        axes.scatter(
+            across, up, s=900 * np.clip(omega, 0, 1), color=BLUE, alpha=0.75, lw=0
+        )
         (right,), (height,), _ = seen_from((place - center)[None], angle)
         axes.plot(right, height, "o", color=ORANGE, ms=8)
         (right,), (height,), _ = seen_from((omega @ corners - center)[None], angle)
