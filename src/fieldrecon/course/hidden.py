@@ -27,6 +27,11 @@ class Hidden:
     sentence: str
     inputs: Inputs
 
+    @property
+    def name(self) -> str:
+        """The name of the function, in words."""
+        return self.inputs.__name__.replace("_", " ")
+
 
 def hidden(question: str, sentence: str) -> Callable[[Inputs], Inputs]:
     """Mark a function from seeds to calls as hidden cases of a question."""

@@ -16,18 +16,22 @@ from fieldrecon.course.catalogue import Entry
 from fieldrecon.course.hidden import Hidden
 from fieldrecon.course.known import known_answers, public_calls
 
+PUBLIC, OWN = "public cases", "own inputs"
+"""The names of the first two checks of every question; hidden ones have names of their own."""
+
 NOT_TOLD = ("exception", "endless", "type", "shape", "not finite", "wrong", "slow")
 """Rungs whose sentence would tell a hidden input."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """Calls, the known answers to them, and what is said if they are hidden."""
+    """Calls, the known answers to them, what is said if they are hidden, and a name."""
 
     question: Question
     calls: tuple[Call, ...]
     answers: Answers
     sentence: str = ""
+    name: str = PUBLIC
 
     def verdict(self, functions: dict[str, Any]) -> Verdict:
         """Judge the functions, called in this process: for code that is trusted."""
@@ -43,6 +47,14 @@ class Trial:
         return verdict
 
 
+def public_trial(
+    question: Question, functions: dict[str, Any], mistakes: Sequence[Entry]
+) -> Trial:
+    """Return the first trial of a question, which is the same for everybody."""
+    calls = public_calls(question)
+    return Trial(question, calls, known_answers(question, calls, functions, mistakes))
+
+
 def trials(
     question: Question,
     functions: dict[str, Any],
@@ -50,20 +62,25 @@ def trials(
     hidden: Sequence[Hidden],
     student: str,
     salt: str,
+    public: Trial | None = None,
 ) -> tuple[Trial, ...]:
-    """Return the trials of a student's answer, the known answers computed by the solution."""
+    """Return the trials of a student's answer, the known answers computed by the solution.
 
-    def trial(question: Question, calls: tuple[Call, ...], sentence: str) -> Trial:
+    Whoever grades many students makes the `public` trial once, and gives it.
+    """
+
+    def trial(question: Question, calls: tuple[Call, ...], sentence: str, name: str) -> Trial:
         known = known_answers(question, calls, functions, mistakes)
-        return Trial(question, calls, known, sentence)
+        return Trial(question, calls, known, sentence, name)
 
     number = seed(student, question.name, salt)
     lawless = replace(question, laws=())
+    told = "It is right on the public cases, not on others."
     return (
-        trial(question, public_calls(question), ""),
-        trial(question, question.inputs(number), "It is right on the public cases, not on others."),
+        public or public_trial(question, functions, mistakes),
+        trial(question, question.inputs(number), told, OWN),
         *(
-            trial(lawless, h.inputs(number), h.sentence)
+            trial(lawless, h.inputs(number), h.sentence, h.name)
             for h in hidden if h.question == question.name
         ),
     )  # fmt: skip

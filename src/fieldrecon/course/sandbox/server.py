@@ -2,24 +2,39 @@
 
 Its arguments are the number of a socket and a JSON object of settings. It runs no code of a
 student: it forks, and the child locks itself in before it does. Commands are a byte each: ``r``,
-with two pipes, to run, and ``e`` to end what runs and be told how it ended.
+with two pipes, to run, and ``e`` to end what runs and be told how it ended. In between it watches
+what no limit of the kernel bounds: how many threads there are, and how full the home is.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
+import select
 import signal
 import socket
 import sys
 import tempfile
 from contextlib import suppress
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
+from fieldrecon.course.sandbox import confine, homes, landlock, seccomp
+
 PRELOADED = ("numpy", "matplotlib.pyplot")
 """What notebooks import anyway; the processes that are forked have it already."""
+SECONDS_BETWEEN_LOOKS = 0.1
+MOST_THREADS = 64
+
+
+@dataclass
+class Child:
+    """A process that runs, its home, and what it was ended for from here, if it was."""
+
+    process: int
+    home: str
+    ended_for: str = ""
 
 
 def main() -> None:
@@ -27,7 +42,7 @@ def main() -> None:
     control = socket.socket(fileno=int(sys.argv[1]))
     settings = json.loads(sys.argv[2])
     sys.path.append(settings["packages"])
-    os.environ["MPLCONFIGDIR"] = settings["homes"] + "/matplotlib"
+    os.environ["MPLCONFIGDIR"] = settings["fonts"]
     for name in PRELOADED:
         import_module(name)
     from fieldcheck.questions import questions
@@ -35,38 +50,66 @@ def main() -> None:
 
     questions()
     worker.quiet_fieldcheck()
+    confine.adopt_orphans()
+    lock = None
+    if settings["locked"]:
+        writable = [settings["homes"], os.devnull]
+        lock = landlock.ruleset(settings["readable"], settings["listed"], writable)
     control.sendall(b"+")
-    child, home = 0, ""
+    child: Child | None = None
     while True:
+        if child and not select.select([control], [], [], SECONDS_BETWEEN_LOOKS)[0]:
+            _look_after(child)
+            continue
         command, pipes, *_ = socket.recv_fds(control, 1, 2)
-        if not command:
-            _end(child, home)
-            return
         if command == b"r":
             home = tempfile.mkdtemp(dir=settings["homes"])
-            child = os.fork()
-            if child == 0:
-                control.close()
-                _child(settings, home, pipes)
+            process = os.fork()
+            if process == 0:
+                _run(settings, home, pipes, lock)
+            child = Child(process, home)
             for pipe in pipes:
                 os.close(pipe)
-        else:
-            control.sendall(json.dumps(_end(child, home)).encode() + b"\n")
-            child = 0
+            continue
+        told = _end(child) if child else {}
+        child = None
+        if not command:
+            return
+        control.sendall(json.dumps(told).encode() + b"\n")
 
 
-def _end(child: int, home: str) -> dict[str, Any]:
+def _look_after(child: Child) -> None:
+    """End a child that takes more than it may of what has no limit."""
+    if child.ended_for:
+        return
+    if _threads(child.process) > MOST_THREADS:
+        child.ended_for = "threads"
+    elif homes.is_overfull(child.home):
+        child.ended_for = "disk"
+    if child.ended_for:
+        with suppress(ProcessLookupError):
+            os.kill(child.process, signal.SIGKILL)
+
+
+def _threads(process: int) -> int:
+    try:
+        with open(f"/proc/{process}/stat", encoding="ascii", errors="replace") as file:  # noqa: PTH123
+            return int(file.read().rpartition(")")[2].split()[17])
+    except OSError:
+        return 1
+
+
+def _end(child: Child) -> dict[str, Any]:
     """End a child and all that it may have left, and tell how it ended."""
-    if not child:
-        return {}
-    ended, status, usage = os.wait4(child, os.WNOHANG)
-    told = {"killed": not ended}
+    ended, status, usage = os.wait4(child.process, os.WNOHANG)
+    told = {"killed": not ended, "ended_for": child.ended_for}
     if not ended:
-        os.kill(child, signal.SIGKILL)
-        _, status, usage = os.wait4(child, 0)
+        os.kill(child.process, signal.SIGKILL)
+        _, status, usage = os.wait4(child.process, 0)
     with suppress(ProcessLookupError, PermissionError):
-        os.killpg(child, signal.SIGKILL)
-    shutil.rmtree(home, ignore_errors=True)
+        os.killpg(child.process, signal.SIGKILL)
+    _end_orphans()
+    homes.remove(child.home)
     return told | {
         "signal": os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0,
         "exit": os.WEXITSTATUS(status) if os.WIFEXITED(status) else 0,
@@ -75,26 +118,44 @@ def _end(child: int, home: str) -> dict[str, Any]:
     }
 
 
-def _child(settings: dict[str, Any], home: str, pipes: list[int]) -> None:
+def _end_orphans() -> None:
+    """End the processes that became this one's when those that made them ended."""
+    while orphans := _children():
+        for orphan in orphans:
+            with suppress(ProcessLookupError, PermissionError):
+                os.kill(orphan, signal.SIGKILL)
+        for orphan in orphans:
+            with suppress(ChildProcessError):
+                os.waitpid(orphan, 0)
+
+
+def _children() -> list[int]:
+    try:
+        with open("/proc/thread-self/children", encoding="ascii") as file:  # noqa: PTH123
+            return [int(number) for number in file.read().split()]
+    except OSError:
+        return []
+
+
+def _run(settings: dict[str, Any], home: str, pipes: list[int], lock: int | None) -> None:
     """Lock this process in and run what comes; it never returns."""
-    from fieldrecon.course.sandbox import confine, worker
+    from fieldrecon.course.sandbox import worker
 
     code = 1
     try:
         os.setsid()
         confine.die_with_parent()
-        incoming, outgoing = pipes
         _environment(home)
         worker.silence()
         limits = settings["limits"]
-        used = confine.address_space() if sys.platform == "linux" else 0
-        confine.limit(used + limits["memory"], limits["cpu_seconds"], limits["file_size"])
-        if "landlock" in settings["locks"]:
-            confine.landlock(settings["readable"], [home, os.devnull])
-        if "seccomp" in settings["locks"]:
+        memory = confine.address_space() + limits["memory"]
+        confine.limit(memory, limits["cpu_seconds"], limits["file_size"])
+        if lock is not None:
+            landlock.restrict(lock)
             confine.drop_capabilities()
-            confine.seccomp()
-        worker.serve(incoming, outgoing)
+            seccomp.refuse()
+        confine.close_all_but(pipes)
+        worker.serve(*pipes)
         code = 0
     finally:
         os._exit(code)
@@ -107,4 +168,3 @@ def _environment(home: str) -> None:
         HOME=home, TMPDIR=home, MPLCONFIGDIR=home, MPLBACKEND="Agg", LANG="C.UTF-8",
         FIELDCHECK_STATIC="1", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1",
     )  # fmt: skip
-

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fieldcheck.calls import Call, Outcome
-from fieldrecon.course.isolation import Ended, Server
+from fieldrecon.course.grading.isolation import Ended, Server
 from fieldrecon.course.sandbox import frames
 
 SECONDS_PER_CELL = 10.0
@@ -40,6 +40,8 @@ class Log:
         How each process ended.
     killed : list of str
         Why processes had to be ended: ``"time"``, ``"memory"``, ``"output"`` or a signal.
+    broke : dict
+        The same for the tasks in which it happened, by name; the others happened in cells.
     seconds : float
         Wall time in all.
     """
@@ -47,16 +49,22 @@ class Log:
     cell_errors: dict[int, str] = field(default_factory=dict)
     processes: list[Ended] = field(default_factory=list)
     killed: list[str] = field(default_factory=list)
+    broke: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
 
 
 @dataclass(frozen=True)
 class Task:
-    """Calls to be made one after the other, each within so many seconds."""
+    """Calls to be made one after the other, each within so many seconds.
+
+    Once a task of a question has hung or broken down, its others are not tried: each would take as
+    long, and none could mend the first.
+    """
 
     name: str
     calls: tuple[Call, ...]
     seconds: float
+    question: str = ""
 
 
 class Broken(Exception):
@@ -97,19 +105,26 @@ def run(
         try:
             process.run_cells(cells, skipped)
             while todo:
-                outcomes[todo[0].name] = process.make_calls(todo[0])
-                todo.pop(0)
+                task = todo.pop(0)
+                outcomes[task.name] = process.make_calls(task)
+                if outcomes[task.name][-1].status == "timed out":
+                    todo = _without(todo, task)
         except Broken as broken:
             log.killed.append(broken.reason)
             if process.task:
+                log.broke[process.task.name] = broken.reason
                 outcomes[process.task.name] = process.salvaged(broken)
-                todo.pop(0)
+                todo = _without(todo, process.task)
         finally:
             process.end()
     given_up = Outcome("raised", error="the program broke down too often to go on")
     outcomes |= {task.name: (given_up,) * len(task.calls) for task in todo}
     log.seconds = time.monotonic() - started
     return outcomes, log
+
+
+def _without(todo: Sequence[Task], broken: Task) -> list[Task]:
+    return [task for task in todo if not broken.question or task.question != broken.question]
 
 
 class _Process:

@@ -1,0 +1,62 @@
+"""What was found before, kept by what it depends on: the answer, the check, the surroundings.
+
+A finding is a file whose name is the digest of all that it depends on. So nothing in it can be out
+of date, a run that was killed goes on where it stopped, and after a change to one check only that
+check is made again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import get_args
+
+from fieldcheck.seeds import seed
+from fieldcheck.verdict import Rung, Verdict
+from fieldrecon.course.grading.examine import Course, Finding, code_digest
+from fieldrecon.course.grading.fingerprint import environment, grader
+from fieldrecon.course.grading.isolation import Server
+from fieldrecon.course.grading.results import write_whole
+from fieldrecon.course.grading.submission import Submission
+
+
+def key(course: Course, server: Server, submission: Submission, question: str) -> str:
+    """Return the digest of all that a finding depends on."""
+    parts = (
+        code_digest(submission), question, course.made_by(question), environment(), grader(),
+        seed(submission.student, question, course.salt), server.tier, asdict(server.limits),
+    )  # fmt: skip
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Cache:
+    """Findings in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        It is made when something is kept.
+    """
+
+    folder: Path
+
+    def get(self, name: str) -> Finding | None:
+        """Return a finding; None if there is none, or what is there cannot be read."""
+        try:
+            data = json.loads(self._file(name).read_text(encoding="utf-8"))
+            verdict = Verdict(**data["verdict"])
+            errors = tuple((int(n), str(text)) for n, text in data["cell_errors"])
+            found = Finding(verdict, str(data["check"]), tuple(map(str, data["broke"])), errors)
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+        return found if verdict.rung in get_args(Rung) else None
+
+    def put(self, name: str, finding: Finding) -> None:
+        """Keep a finding."""
+        write_whole(self._file(name), json.dumps(asdict(finding)).encode())
+
+    def _file(self, name: str) -> Path:
+        return self.folder / name[:2] / f"{name}.json"

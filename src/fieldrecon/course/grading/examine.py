@@ -1,0 +1,309 @@
+"""From a submission to a record of its grades: run behind walls, judged on this side."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import threading
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fieldcheck.calls import Outcome
+from fieldcheck.ladder import PATIENCE, judge
+from fieldcheck.question import Question
+from fieldcheck.questions import questions
+from fieldcheck.verdict import Verdict
+from fieldrecon.course.catalogue import Entry, entries
+from fieldrecon.course.grading.fingerprint import fingerprint
+from fieldrecon.course.grading.isolation import Server
+from fieldrecon.course.grading.results import Grade, Record, Status
+from fieldrecon.course.grading.session import Log, Task, run
+from fieldrecon.course.grading.submission import Submission, Unreadable
+from fieldrecon.course.hidden import Hidden, hidden_cases
+from fieldrecon.course.sources import Source
+from fieldrecon.course.trials import OWN, PUBLIC, Trial, public_trial, trials
+
+__all__ = ["Course", "Examined", "Fault", "Finding", "Grade", "Record", "examine", "grade"]
+
+_TRUSTED = threading.RLock()
+"""Known answers are computed by one thread at a time: warnings are silenced for a whole process."""
+
+
+class Fault(Exception):
+    """The grader fails, not the submission."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """The trusted side: the sources, and what each question is worth.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        The notebooks.
+    salt : str
+        From which hidden inputs are drawn.
+    worth : mapping
+        Points that differ from those of the questions.
+    """
+
+    sources: Sequence[Source]
+    salt: str
+    worth: Mapping[str, float] = field(default_factory=dict)
+
+    def asked(self, number: str, only: Collection[str] = ()) -> list[Question]:
+        """Return the questions of a notebook, or those of them that are chosen."""
+        return [
+            q for q in questions().values()
+            if q.notebook == number and (not only or q.name in only)
+        ]  # fmt: skip
+
+    def functions(self) -> dict[str, list[str]]:
+        """Return which functions each notebook asks for."""
+        return {s.number: [q.function for q in self.asked(s.number)] for s in self.sources}
+
+    def source(self, number: str) -> Source:
+        """Return the source of a notebook."""
+        return next(source for source in self.sources if source.number == number)
+
+    def checks(self, name: str) -> list[str]:
+        """Return the names of the checks of a question, in the order in which they are made."""
+        hidden = _material(self.source(name.partition(".")[0]).path).hidden
+        return [PUBLIC, OWN, *(h.name for h in hidden if h.question == name)]
+
+    def made_by(self, name: str) -> str:
+        """Return the digest of what the verdict on a question depends on, but for the answer."""
+        return _made_by(self.source(name.partition(".")[0]).path, name)
+
+    def trials(
+        self, number: str, student: str, only: Collection[str] = ()
+    ) -> dict[str, tuple[Trial, ...]]:
+        """Return what the answers of a student to a notebook go through, by question."""
+        path = self.source(number).path
+        with _TRUSTED:
+            made = _material(path)
+            return {
+                q.name: trials(
+                    q, made.functions, made.mistakes, made.hidden, student, self.salt,
+                    _public(path, q.name),
+                )
+                for q in self.asked(number, only)
+            }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Material:
+    functions: dict[str, Any]
+    mistakes: list[Entry]
+    hidden: list[Hidden]
+
+
+@cache
+def _material(path: Path) -> _Material:
+    """Return what a source defines; each process reads it once."""
+    with _TRUSTED:
+        source = Source(path)
+        mistakes = entries(source, "misconceptions")
+        return _Material(source.functions(), mistakes, hidden_cases(source))
+
+
+@cache
+def _public(path: Path, name: str) -> Trial:
+    made = _material(path)
+    return public_trial(questions()[name], made.functions, made.mistakes)
+
+
+@cache
+def _made_by(path: Path, name: str) -> str:
+    made, question = _material(path), questions()[name]
+    mistakes = [m for m in made.mistakes if m.question == name]
+    hidden = [h for h in made.hidden if h.question == name]
+    return fingerprint(question, made.functions[question.function], mistakes, hidden)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is found of one answer; it can be kept, since it depends on no points.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        How far up the ladder the answer came.
+    check : str
+        The check that it did not pass.
+    broke : tuple of str
+        Why processes had to be ended, in cells or in calls of this answer.
+    cell_errors : tuple of (int, str)
+        The code cells that did not end well.
+    """
+
+    verdict: Verdict
+    check: str = ""
+    broke: tuple[str, ...] = ()
+    cell_errors: tuple[tuple[int, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Examined:
+    """The findings of one run behind the walls, by question, and what it cost."""
+
+    findings: Mapping[str, Finding]
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    peak: int = 0
+
+
+def grade(
+    course: Course, server: Server, submission: Submission, only: Collection[str] = ()
+) -> Record:
+    """Grade a submission behind the walls of a started server.
+
+    Returns
+    -------
+    Record
+        Also for what cannot be read: a batch never stops because of a submission.
+
+    Raises
+    ------
+    Fault
+        A check fails on the right answer.
+    """
+    try:
+        number = submission.notebook(course.functions())
+    except Unreadable as error:
+        return Record(
+            submission.student, submission.name, submission.digest, "", "unreadable", "",
+            notes=(str(error),),
+        )  # fmt: skip
+    examined = examine(course, server, submission, number, only)
+    return assembled(course, submission, number, server.tier, examined)
+
+
+def examine(
+    course: Course,
+    server: Server,
+    submission: Submission,
+    number: str,
+    only: Collection[str] = (),
+) -> Examined:
+    """Run a submission behind the walls of a started server, and judge what comes back.
+
+    Nothing of it is imported, executed or unpickled on this side: its code goes to the server as
+    text, and arrays come back. All public cases are tried before the first hidden one, so that no
+    error that is told to a student can speak of hidden inputs.
+    """
+    tried = course.trials(number, submission.student, only)
+    tasks = [
+        (k, Task(f"{name} {k}", trial.calls, PATIENCE * trial.question.limit, name))
+        for name, gone_through in tried.items() for k, trial in enumerate(gone_through)
+        if trial.question.function in submission.definitions
+    ]  # fmt: skip
+    ordered = [task for _, task in sorted(tasks, key=lambda pair: pair[0])]
+    outcomes, log = run(server, submission.cells, ordered)
+    return Examined(
+        {name: _finding(name, its, outcomes, log) for name, its in tried.items()},
+        log.seconds,
+        sum(p.cpu_seconds for p in log.processes),
+        max((p.peak for p in log.processes), default=0),
+    )
+
+
+def _finding(
+    name: str, tried: Sequence[Trial], outcomes: Mapping[str, tuple[Outcome, ...]], log: Log
+) -> Finding:
+    """Return what is found of an answer: the verdict of the first trial that it does not pass."""
+    verdict, check = Verdict(name, "right", ""), ""
+    for index, trial in enumerate(tried):
+        came = outcomes.get(f"{name} {index}", (Outcome("missing"),) * len(trial.calls))
+        verdict = trial.told(_judged(trial, came))
+        if not verdict.right:
+            check = trial.name
+            break
+    if check != PUBLIC:
+        verdict = replace(verdict, call=None)
+    return Finding(verdict, check, tuple(_broke(name, log)), tuple(sorted(log.cell_errors.items())))
+
+
+def _judged(trial: Trial, came: Sequence[Outcome]) -> Verdict:
+    """Judge outcomes; what no check can stand is wrong, if it stands the right answer.
+
+    Raises
+    ------
+    Fault
+        The check fails on the right answer too.
+    """
+    with np.errstate(all="ignore"):
+        try:
+            return judge(trial.question, trial.calls, came, trial.answers)
+        except Exception as error:
+            right = tuple(Outcome("returned", values=values) for values in trial.answers.right)
+            try:
+                judge(trial.question, trial.calls, right, trial.answers)
+            except Exception as fault:
+                raise Fault(f"{trial.name} of {trial.question.name}: {fault!r}") from fault
+            sentence = f"What it returns cannot be judged ({type(error).__name__})."
+            return Verdict(trial.question.name, "wrong", sentence)
+
+
+def _broke(name: str, log: Log) -> Iterator[str]:
+    """Yield why processes had to be ended, but for what happened in calls of other answers."""
+    elsewhere = list(log.broke.values())
+    for reason in log.killed:
+        if reason in elsewhere:
+            elsewhere.remove(reason)
+        else:
+            yield reason
+    yield from (reason for task, reason in log.broke.items() if task.split()[0] == name)
+
+
+def code_digest(submission: Submission) -> str:
+    """Return a digest of the code of all cells: any of them may bear on any answer."""
+    return hashlib.sha256(json.dumps(submission.cells).encode()).hexdigest()
+
+
+def assembled(
+    course: Course, submission: Submission, number: str, tier: str, examined: Examined
+) -> Record:
+    """Return the record of a submission from what was found of its answers."""
+    found = examined.findings
+    return Record(
+        submission.student, submission.name, submission.digest, number,
+        _status(found.values()), tier,  # type: ignore[arg-type]
+        grades=tuple(_grade(course, q, found[q.name]) for q in course.asked(number, tuple(found))),
+        notes=tuple(dict.fromkeys(_notes(submission, course.asked(number), found))),
+        code=code_digest(submission),
+        seconds=examined.seconds, cpu_seconds=examined.cpu_seconds, peak=examined.peak,
+    )  # fmt: skip
+
+
+def _grade(course: Course, question: Question, finding: Finding) -> Grade:
+    worth = float(course.worth.get(question.name, question.points))
+    return Grade(
+        question.name, worth * finding.verdict.credit, worth, finding.verdict, finding.check,
+        course.made_by(question.name),
+    )  # fmt: skip
+
+
+def _status(findings: Iterable[Finding]) -> Status:
+    broke = {reason for finding in findings for reason in finding.broke}
+    for reason in ("memory", "output", "time"):
+        if reason in broke:
+            return f"killed: {reason}"  # type: ignore[return-value]
+    return "partly" if broke else "graded"
+
+
+def _notes(
+    submission: Submission, asked: Iterable[Question], found: Mapping[str, Finding]
+) -> Iterator[str]:
+    """Yield what the instructor should look at."""
+    for question in asked:
+        stubs = submission.definitions.get(question.function, ())
+        if len(stubs) > 1 and stubs[-1] and not all(stubs):
+            yield f"{question.name}: a stub stands behind an answer, and takes its place"
+    for finding in found.values():
+        yield from (f"code cell {number + 1}: {error}" for number, error in finding.cell_errors)

@@ -1,0 +1,277 @@
+"""What grading found, as records in memory and as one file of JSON from which all else is made.
+
+The file holds no hidden input, no salt and no times, so that grading twice gives the same bytes.
+Its form is that of ``results.schema.json``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from fieldcheck.verdict import Verdict
+from fieldrecon.course.grading.isolation import Tier
+
+FORMAT, VERSION = "fieldrecon results", 1
+
+Status = Literal[
+    "graded", "partly", "unreadable", "killed: time", "killed: memory", "killed: output", "fault"
+]  # fmt: skip
+STATUSES: tuple[Status, ...] = get_args(Status)
+"""``fault``: the grader failed, and the submission is still to be graded."""
+
+
+@dataclass(frozen=True)
+class Grade:
+    """What an answer earns.
+
+    Parameters
+    ----------
+    question : str
+        Its name.
+    points, possible : float
+        Earned, and to be earned.
+    verdict : Verdict
+        How far up the ladder it came, and the sentence for the student.
+    check : str
+        Which check it did not pass: the public cases, the student's own inputs, or a hidden one by
+        its name, which is for instructors; empty if it passed all.
+    made_by : str
+        Digest of all that the verdict depends on, but for the answer itself.
+    """
+
+    question: str
+    points: float
+    possible: float
+    verdict: Verdict
+    check: str = ""
+    made_by: str = ""
+
+
+@dataclass(frozen=True)
+class Record:
+    """All that is known of a graded submission.
+
+    Parameters
+    ----------
+    student, file, digest : str
+        Whose, under which name it came, and the SHA-256 of its content.
+    notebook : str
+        Which notebook it is; empty if it is none.
+    status : str
+        How it went.
+    tier : str
+        Behind which walls it ran; empty if it did not run.
+    grades : tuple of Grade
+        One for each question of the notebook.
+    notes : tuple of str
+        What the instructor should know, such as a stub behind a working answer.
+    code : str
+        Digest of the code of its cells.
+    received, received_by : str
+        When it was handed in, and who says so: ``"list"``, ``"platform"``, ``"zip"``, ``"file"``.
+    late_mark : bool
+        Whether the learning platform marked it as late.
+    seconds, cpu_seconds : float
+        Time taken.
+    peak : int
+        Bytes of memory at most.
+    """
+
+    student: str
+    file: str
+    digest: str
+    notebook: str
+    status: Status
+    tier: Tier | Literal[""]
+    grades: tuple[Grade, ...] = ()
+    notes: tuple[str, ...] = ()
+    code: str = ""
+    received: str = ""
+    received_by: str = ""
+    late_mark: bool = False
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    peak: int = 0
+
+    @property
+    def points(self) -> float:
+        """The points of all questions together."""
+        return sum(grade.points for grade in self.grades)
+
+    @property
+    def possible(self) -> float:
+        """The points that could be earned."""
+        return sum(grade.possible for grade in self.grades)
+
+
+SAID = ("rung", "sentence", "mistake", "call")
+MEASURED = ("seconds", "cpu_seconds", "peak")
+"""What differs from run to run: it goes to the ledger, not to the results."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """A class, graded.
+
+    Parameters
+    ----------
+    records : tuple of Record
+        In the order of students and notebooks.
+    students : tuple of mapping
+        The roster, column by column; without one, only the names under which files came.
+    questions : tuple of mapping
+        What was asked, in code and in words, and what it is worth.
+    secret : bool
+        Whether the inputs were drawn from a secret salt.
+    environment, grader : str
+        Digests of the installed packages and of the grader.
+    """
+
+    records: tuple[Record, ...]
+    students: tuple[Mapping[str, str], ...] = ()
+    questions: tuple[Mapping[str, Any], ...] = ()
+    secret: bool = False
+    environment: str = ""
+    grader: str = ""
+
+
+PLAIN = ("secret", "environment", "grader")
+
+
+def to_json(results: Results) -> dict[str, Any]:
+    """Return results as what ``json`` can write."""
+    head = {"format": FORMAT, "version": VERSION}
+    lists = {"students": list(results.students), "questions": list(results.questions)}
+    records = [record_to_json(record) for record in results.records]
+    return head | {name: getattr(results, name) for name in PLAIN} | lists | {"records": records}
+
+
+def record_to_json(record: Record) -> dict[str, Any]:
+    """Return a record as what ``json`` can write, without what was measured."""
+    data = {k: v for k, v in asdict(replace(record, grades=())).items() if k not in MEASURED}
+    grades = [_grade_to_json(grade) for grade in record.grades]
+    sums = {"points": record.points, "possible": record.possible}
+    return data | sums | {"notes": list(record.notes), "grades": grades}
+
+
+def _grade_to_json(grade: Grade) -> dict[str, Any]:
+    verdict = {name: getattr(grade.verdict, name) for name in SAID}
+    return asdict(grade) | {"verdict": verdict}
+
+
+def from_json(data: Any) -> Results:
+    """Return the results that `to_json` wrote.
+
+    Raises
+    ------
+    ValueError
+        They are not of the form of the schema, or of a later version.
+    """
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise ValueError("this is no file of results")
+    if data.get("version") != VERSION:
+        raise ValueError(f"results of version {data.get('version')}; version {VERSION} is known")
+    problem = invalid(data)
+    if problem:
+        raise ValueError(f"the results are damaged: {problem}")
+    records = tuple(map(record_from_json, data["records"]))
+    lists = {name: tuple(data[name]) for name in ("students", "questions")}
+    return Results(records, **lists, **{name: data[name] for name in PLAIN})
+
+
+def record_from_json(data: Mapping[str, Any]) -> Record:
+    """Return the record that `record_to_json` wrote."""
+    kept = {k: v for k, v in data.items() if k not in ("points", "possible")}
+    grades = tuple(
+        Grade(**g | {"verdict": Verdict(g["question"], **g["verdict"])}) for g in data["grades"]
+    )
+    return Record(**kept | {"grades": grades, "notes": tuple(data["notes"])})
+
+
+@cache
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of the file."""
+    text = (files("fieldrecon.course.grading") / "results.schema.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
+def invalid(data: Any) -> str:
+    """Return what is wrong with data that should have the form of the schema; empty if nothing."""
+    from jsonschema import Draft202012Validator
+
+    error = next(Draft202012Validator(schema()).iter_errors(data), None)
+    return "" if error is None else f"{error.json_path}: {error.message}"
+
+
+def write_results(results: Results, file: Path) -> bool:
+    """Write results at once or not at all, and tell whether they differ from those before.
+
+    Those before are kept in ``history/`` beside the file.
+    """
+    text = json.dumps(to_json(results), indent=1, ensure_ascii=True) + "\n"
+    before = file.read_bytes() if file.is_file() else None
+    if before == text.encode():
+        return False
+    if before is not None:
+        kept = file.parent / "history"
+        write_whole(kept / f"{len(list(kept.glob('*.json'))) + 1:04}.json", before)
+    write_whole(file, text.encode())
+    return True
+
+
+def write_whole(file: Path, content: bytes) -> None:
+    """Write a file under another name and move it: it is there complete, or not there."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    part = file.with_name(file.name + ".part")
+    part.write_bytes(content)
+    part.replace(file)
+
+
+def read_results(file: Path) -> Results:
+    """Return the results in a file.
+
+    Raises
+    ------
+    ValueError
+        It holds none; the sentence names the file.
+    """
+    try:
+        return from_json(json.loads(file.read_text(encoding="utf-8")))
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from None
+
+
+def ordered(records: Iterable[Record]) -> tuple[Record, ...]:
+    """Return records in the order of students, notebooks and files."""
+    return tuple(sorted(records, key=lambda r: (r.student, r.notebook, r.file, r.digest)))
+
+
+def merged(before: Iterable[Record], now: Iterable[Record]) -> tuple[Record, ...]:
+    """Return the records of before with those of a run of a part in their place.
+
+    Where only some questions of the same file were graded, the other grades stay; they go where
+    the file is another one.
+    """
+    kept = {_whose(record): record for record in before}
+    for record in now:
+        old = kept.get(_whose(record))
+        if old is not None and old.digest == record.digest:
+            grades = {g.question: g for g in (*old.grades, *record.grades)}
+            record = replace(record, grades=tuple(grades[q] for q in sorted(grades, key=_number)))
+        kept[_whose(record)] = record
+    return ordered(kept.values())
+
+
+def _whose(record: Record) -> tuple[str, ...]:
+    own = (record.student, record.notebook)
+    return own if record.notebook else (*own, record.file)
+
+
+def _number(question: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in question.split("."))

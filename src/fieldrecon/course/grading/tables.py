@@ -1,0 +1,190 @@
+"""Tables that people and spreadsheets write and read: CSV files, with an error for each bad line."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+T = TypeVar("T")
+Row = Mapping[str, str]
+
+FORMULA = re.compile(r"'*[=+\-@\t\r\n＝＋－＠]")
+"""How a cell begins that a spreadsheet would compute; a quotation mark before it prevents that."""
+
+
+def read_table(
+    path: Path, parse: Callable[[Row], T], needed: Sequence[str], known: Sequence[str] = ()
+) -> list[T]:
+    """Return what the lines of a CSV file say.
+
+    Columns stand in any order, commas or semicolons between them. Empty lines, and lines that begin
+    with ``#``, do not count.
+
+    Parameters
+    ----------
+    path : Path
+        The file, in UTF-8.
+    parse : callable
+        From a line, as a mapping from columns to stripped cells, to what it says; it raises
+        `ValueError` with a sentence if that makes no sense.
+    needed : sequence of str
+        Columns that must be there, and filled.
+    known : sequence of str
+        Columns that may be there; any other is a mistake in the spelling.
+
+    Raises
+    ------
+    ValueError
+        All that is wrong with the file, a line each: ``roster.csv:7: the student is missing``.
+    """
+    lines = list(_lines(path))
+    if not lines:
+        raise ValueError(f"{path.name} is empty; its first line should be {', '.join(needed)}")
+    _, columns = lines[0]
+    _require_columns(path, columns, needed, (*needed, *known))
+    found: list[T] = []
+    problems: list[str] = []
+    for number, cells in lines[1:]:
+        try:
+            found.append(parse(_row(columns, cells, needed)))
+        except ValueError as error:
+            problems.append(f"{path.name}:{number}: {error}")
+    if problems:
+        raise ValueError("\n".join(problems))
+    return found
+
+
+def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    r"""Return a table as CSV whose text no spreadsheet takes for a formula.
+
+    Numbers have at most two decimals, what is not known is an empty cell.
+
+    Examples
+    --------
+    >>> to_csv(("student", "points"), [("=HYPERLINK(1)", -0.5), ("ada", None)])
+    "student,points\n'=HYPERLINK(1),-0.5\nada,\n"
+
+    References
+    ----------
+    OWASP, "CSV Injection", https://owasp.org/www-community/attacks/CSV_Injection.
+    """
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow([_safe(column) for column in columns])
+    writer.writerows([_cell(value) for value in row] for row in rows)
+    return file.getvalue()
+
+
+def points(text: str) -> float:
+    """Return points from a cell; both 1.5 and 1,5 are understood.
+
+    Examples
+    --------
+    >>> points("1,5")
+    1.5
+    """
+    if not re.fullmatch(r"\d+([.,]\d+)?", text):
+        raise ValueError(f"points are a number such as 1.5, not {text!r}")
+    return float(text.replace(",", "."))
+
+
+def question(text: str) -> str:
+    """Return the name of a question, if spreadsheets have not shortened it.
+
+    Examples
+    --------
+    >>> question("01.10")
+    '01.10'
+    """
+    if not re.fullmatch(r"\d\d\.\d+", text):
+        raise ValueError(
+            f"a question is written as 01.2, not {text!r}; spreadsheets shorten such names "
+            "unless the column is formatted as text"
+        )
+    return text
+
+
+def notebook(text: str) -> str:
+    """Return the number of a notebook, also where a spreadsheet took the zero away.
+
+    Examples
+    --------
+    >>> notebook("2")
+    '02'
+    """
+    if not re.fullmatch(r"\d{1,2}", text):
+        raise ValueError(f"a notebook is written as 02, not {text!r}")
+    return text.zfill(2)
+
+
+def short(number: float) -> str:
+    """Return points as they are written: two decimals, and no more zeros than needed.
+
+    Examples
+    --------
+    >>> short(2.0), short(1 / 3)
+    ('2', '0.33')
+    """
+    return f"{round(number, 2) + 0.0:.2f}".rstrip("0").rstrip(".")
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return short(value)
+    return str(value) if isinstance(value, int) else _safe(str(value))
+
+
+def _safe(text: str) -> str:
+    return f"'{text}" if FORMULA.match(text) else text
+
+
+def _plain(text: str) -> str:
+    """Undo what `_safe` does."""
+    return text[1:] if text.startswith("'") and FORMULA.match(text) else text
+
+
+def _lines(path: Path) -> Iterable[tuple[int, list[str]]]:
+    """Yield the lines that count, as cells, with the number of the line in which each ends."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{path.name} is not in UTF-8: save it as CSV UTF-8") from None
+    first = text.partition("\n")[0]
+    delimiter = ";" if first.count(";") > first.count(",") else ","
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    for cells in reader:
+        stripped = [_plain(cell).strip() for cell in cells]
+        if any(stripped) and not stripped[0].startswith("#"):
+            yield reader.line_num, stripped
+
+
+def _require_columns(
+    path: Path, columns: Sequence[str], needed: Sequence[str], known: Sequence[str]
+) -> None:
+    missing = [name for name in needed if name not in columns]
+    if missing:
+        raise ValueError(f"{path.name}:1: there is no column {', '.join(missing)}")
+    strange = [name for name in columns if name not in known]
+    if strange:
+        raise ValueError(
+            f"{path.name}:1: nothing is known of a column {', '.join(map(repr, strange))}; "
+            f"the columns are {', '.join(known)}"
+        )
+    if len(set(columns)) < len(columns):
+        raise ValueError(f"{path.name}:1: a column stands there twice")
+
+
+def _row(columns: Sequence[str], cells: Sequence[str], needed: Sequence[str]) -> Row:
+    if len(cells) > len(columns):
+        raise ValueError(f"there are {len(cells)} cells in the line, and {len(columns)} columns")
+    row = dict.fromkeys(columns, "") | dict(zip(columns, cells, strict=False))
+    empty = [name for name in needed if not row[name]]
+    if empty:
+        raise ValueError(f"nothing stands under {', '.join(empty)}")
+    return row
