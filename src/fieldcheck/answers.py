@@ -109,14 +109,14 @@ def _scale(array: np.ndarray) -> float:
 def to_json(answers: Answers) -> dict[str, Any]:
     """Return answers as what ``json`` can write."""
     return {
-        "right": [_numbers(values) for values in answers.right],
+        "right": [arrays_to_json(values) for values in answers.right],
         "mistakes": [
             {
                 "name": mistake.name,
                 "sentence": mistake.sentence,
                 "outcomes": [
                     {"status": o.status, "error": o.error.partition(":")[0],
-                     "values": None if o.values is None else _numbers(o.values)}
+                     "values": None if o.values is None else arrays_to_json(o.values)}
                     for o in mistake.outcomes
                 ],
             }
@@ -128,7 +128,7 @@ def to_json(answers: Answers) -> dict[str, Any]:
 def from_json(data: Mapping[str, Any]) -> Answers:
     """Return the answers that `to_json` wrote."""
     return Answers(
-        right=tuple(_arrays(values) for values in data["right"]),
+        right=tuple(arrays_from_json(values) for values in data["right"]),
         mistakes=tuple(
             Mistake(m["name"], m["sentence"], tuple(_outcome(o) for o in m["outcomes"]))
             for m in data["mistakes"]
@@ -137,18 +137,20 @@ def from_json(data: Mapping[str, Any]) -> Answers:
 
 
 def _outcome(data: Mapping[str, Any]) -> Outcome:
-    values = None if data["values"] is None else _arrays(data["values"])
+    values = None if data["values"] is None else arrays_from_json(data["values"])
     return Outcome(data["status"], values=values, error=data["error"])
 
 
-def _numbers(values: Values) -> list[dict[str, Any]]:
+def arrays_to_json(values: Values) -> list[dict[str, Any]]:
+    """Return arrays of real numbers as what ``json`` can write, with twelve digits."""
     return [
         {"shape": list(v.shape), "numbers": [float(f"{x:.{DIGITS}g}") for x in v.ravel().tolist()]}
         for v in values
     ]
 
 
-def _arrays(data: Sequence[Mapping[str, Any]]) -> Values:
+def arrays_from_json(data: Sequence[Mapping[str, Any]]) -> Values:
+    """Return the arrays that `arrays_to_json` wrote."""
     return tuple(np.array(d["numbers"], dtype=float).reshape(d["shape"]) for d in data)
 
 

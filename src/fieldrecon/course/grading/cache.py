@@ -49,7 +49,8 @@ class Cache:
             data = json.loads(self._file(name).read_text(encoding="utf-8"))
             verdict = Verdict(**data["verdict"])
             errors = tuple((int(n), str(text)) for n, text in data["cell_errors"])
-            found = Finding(verdict, str(data["check"]), tuple(map(str, data["broke"])), errors)
+            broke, returned = tuple(map(str, data["broke"])), tuple(data["returned"])
+            found = Finding(verdict, str(data["check"]), broke, errors, returned)
         except (OSError, ValueError, KeyError, TypeError):
             return None
         return found if verdict.rung in get_args(Rung) else None

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from fieldcheck.answers import arrays_to_json
 from fieldcheck.calls import Outcome
 from fieldcheck.ladder import PATIENCE, judge
 from fieldcheck.question import Question
@@ -32,6 +33,9 @@ __all__ = ["Course", "Examined", "Fault", "Finding", "Grade", "Record", "examine
 
 _TRUSTED = threading.RLock()
 """Known answers are computed by one thread at a time: warnings are silenced for a whole process."""
+
+MOST_SHOWN = 2000
+"""Numbers of a wrong answer that are kept to be drawn."""
 
 
 class Fault(Exception):
@@ -140,12 +144,15 @@ class Finding:
         Why processes had to be ended, in cells or in calls of this answer.
     cell_errors : tuple of (int, str)
         The code cells that did not end well.
+    returned : tuple of mapping
+        The wrong numbers on the public case that shows it best, for a picture.
     """
 
     verdict: Verdict
     check: str = ""
     broke: tuple[str, ...] = ()
     cell_errors: tuple[tuple[int, str], ...] = ()
+    returned: tuple[Mapping[str, Any], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -218,15 +225,30 @@ def _finding(
 ) -> Finding:
     """Return what is found of an answer: the verdict of the first trial that it does not pass."""
     verdict, check = Verdict(name, "right", ""), ""
+    returned: tuple[Mapping[str, Any], ...] = ()
     for index, trial in enumerate(tried):
         came = outcomes.get(f"{name} {index}", (Outcome("missing"),) * len(trial.calls))
         verdict = trial.told(_judged(trial, came))
         if not verdict.right:
             check = trial.name
             break
-    if check != PUBLIC:
+    if check == PUBLIC:
+        returned = _shown(verdict, came)
+    else:
         verdict = replace(verdict, call=None)
-    return Finding(verdict, check, tuple(_broke(name, log)), tuple(sorted(log.cell_errors.items())))
+    errors = tuple(sorted(log.cell_errors.items()))
+    return Finding(verdict, check, tuple(_broke(name, log)), errors, returned)
+
+
+def _shown(verdict: Verdict, came: Sequence[Outcome]) -> tuple[Mapping[str, Any], ...]:
+    """Return wrong numbers that a student may see beside the right ones, if few and finite."""
+    if verdict.rung not in ("wrong", "misconception") or verdict.call is None:
+        return ()
+    values = came[verdict.call].values or ()
+    real = all(v.dtype.kind in "biuf" and np.isfinite(v).all() for v in values)
+    if not real or sum(v.size for v in values) > MOST_SHOWN:
+        return ()
+    return tuple(arrays_to_json(values))
 
 
 def _judged(trial: Trial, came: Sequence[Outcome]) -> Verdict:
@@ -285,7 +307,7 @@ def _grade(course: Course, question: Question, finding: Finding) -> Grade:
     worth = float(course.worth.get(question.name, question.points))
     return Grade(
         question.name, worth * finding.verdict.credit, worth, finding.verdict, finding.check,
-        course.made_by(question.name),
+        course.made_by(question.name), finding.returned,
     )  # fmt: skip
 
 

@@ -43,6 +43,8 @@ class Grade:
         its name, which is for instructors; empty if it passed all.
     made_by : str
         Digest of all that the verdict depends on, but for the answer itself.
+    returned : tuple of mapping
+        Wrong numbers on a public case, to be drawn: for each array its shape and its numbers.
     """
 
     question: str
@@ -51,6 +53,7 @@ class Grade:
     verdict: Verdict
     check: str = ""
     made_by: str = ""
+    returned: tuple[Mapping[str, Any], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -162,7 +165,7 @@ def record_to_json(record: Record) -> dict[str, Any]:
 
 def _grade_to_json(grade: Grade) -> dict[str, Any]:
     verdict = {name: getattr(grade.verdict, name) for name in SAID}
-    return asdict(grade) | {"verdict": verdict}
+    return asdict(grade) | {"verdict": verdict, "returned": list(grade.returned)}
 
 
 def from_json(data: Any) -> Results:
@@ -181,17 +184,20 @@ def from_json(data: Any) -> Results:
     if problem:
         raise ValueError(f"the results are damaged: {problem}")
     records = tuple(map(record_from_json, data["records"]))
-    lists = {name: tuple(data[name]) for name in ("students", "questions")}
-    return Results(records, **lists, **{name: data[name] for name in PLAIN})
+    plain = {name: data[name] for name in PLAIN}
+    return Results(records, tuple(data["students"]), tuple(data["questions"]), **plain)
 
 
 def record_from_json(data: Mapping[str, Any]) -> Record:
     """Return the record that `record_to_json` wrote."""
     kept = {k: v for k, v in data.items() if k not in ("points", "possible")}
-    grades = tuple(
-        Grade(**g | {"verdict": Verdict(g["question"], **g["verdict"])}) for g in data["grades"]
-    )
+    grades = tuple(map(_grade_from_json, data["grades"]))
     return Record(**kept | {"grades": grades, "notes": tuple(data["notes"])})
+
+
+def _grade_from_json(data: Mapping[str, Any]) -> Grade:
+    verdict = Verdict(data["question"], **data["verdict"])
+    return Grade(**{**data, "verdict": verdict, "returned": tuple(data["returned"])})
 
 
 @cache
