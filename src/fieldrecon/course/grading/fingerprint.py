@@ -137,7 +137,7 @@ SHARED = (
     "answers", "calls", "hidden", "known", "ladder", "question", "seeds", "shapes", "trials",
     "verdict",
 )  # fmt: skip
-ENGINE = ("examine", "isolation", "session", "submission")
+ENGINE = ("definitions", "examine", "isolation", "session", "submission", "walls")
 """The modules that have a say in every verdict: those that checks share, and those of the engine;
 besides them all that runs in the sandbox."""
 

@@ -4,29 +4,26 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import socket
 import subprocess
-import sys
-import sysconfig
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
-from importlib.resources import files
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
-from fieldrecon.course.sandbox import confine
-from fieldrecon.reporting.fonts import copy_font_list
+from fieldrecon.course.grading import walls
+from fieldrecon.course.sandbox import homes, landlock, seccomp
 
 Tier = Literal["bubblewrap", "landlock", "none"]
 TIERS: tuple[Tier, ...] = ("bubblewrap", "landlock", "none")
 MEBIBYTE = 1 << 20
-SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/etc/localtime", "/dev/urandom")
+SECONDS_TO_START = 60.0
+SECONDS_TO_END = 30.0
 BANNER = (
     "NOT ISOLATED: this machine has neither bubblewrap nor Landlock, so what students wrote runs "
-    "with your rights. Grade in a container instead: see docs/instructors.md."
+    "with your rights. Grade in a container instead: see docs/threat-model.md."
 )
 
 
@@ -42,18 +39,45 @@ class Limits:
         Processor time of one process; after it was killed, the rest is tried in another.
     file_size : int
         Bytes of a file.
+    seconds_per_cell, seconds_per_call : float
+        After so many seconds a cell or a call is ended, however it holds on; calls that have a
+        limit of their own are ended by the shorter one.
+    seconds_in_all : float
+        After so many seconds what is left of a submission is given up,
+    most_starts : int
+        and after so many processes, each of which broke down.
     """
 
     memory: int = 1024 * MEBIBYTE
     cpu_seconds: int = 60
     file_size: int = 16 * MEBIBYTE
+    seconds_per_cell: float = 10.0
+    seconds_per_call: float = 60.0
+    seconds_in_all: float = 600.0
+    most_starts: int = 25
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a process ended."""
+    """How a process ended.
+
+    Parameters
+    ----------
+    killed : bool
+        It still ran when it was told to end.
+    ended_for : str
+        What it was ended for before that: ``"threads"``, ``"disk"``, or ``"server"`` if the server
+        went with it.
+    signal, exit : int
+        The signal that ended it, or its exit status.
+    cpu_seconds : float
+        Processor time.
+    peak : int
+        Bytes of memory, at most.
+    """
 
     killed: bool = False
+    ended_for: str = ""
     signal: int = 0
     exit: int = 0
     cpu_seconds: float = 0.0
@@ -61,25 +85,22 @@ class Ended:
 
 
 def tiers() -> tuple[Tier, ...]:
-    """Return the tiers that work on this machine, the safest first; each is tried."""
+    """Return the tiers that work on this machine, the safest first; bubblewrap is tried."""
+    locks = seccomp.is_known()
     found: list[Tier] = []
-    if confine.landlock_version() and confine.seccomp_is_known():
-        if _bubblewrap_works():
-            found.append("bubblewrap")
+    if locks and walls.work():
+        found.append("bubblewrap")
+    if locks and landlock.version():
         found.append("landlock")
     return (*found, "none")
-
-
-def _bubblewrap_works() -> bool:
-    if shutil.which("bwrap") is None:
-        return False
-    trial = ["bwrap", *_walls((), ()), "true"]
-    return subprocess.run(trial, capture_output=True, check=False).returncode == 0
 
 
 @dataclass
 class Server:
     """A forking server behind the walls of a tier; it serves one submission at a time.
+
+    If it ends unasked, the next submission finds a new one. The thread that starts it must outlive
+    it, since bubblewrap ends with the thread that made it.
 
     Parameters
     ----------
@@ -91,95 +112,95 @@ class Server:
 
     tier: Tier
     limits: Limits = field(default_factory=Limits)
+    _process: subprocess.Popen[bytes] | None = field(default=None, init=False, repr=False)
 
     @contextmanager
     def started(self) -> Iterator[Server]:
         """Start the server, and end it and all that it made at the end of the block."""
-        with TemporaryDirectory(prefix="grading-") as scratch:
-            stage, homes = Path(scratch) / "stage", Path(scratch) / "homes"
-            homes.mkdir()
-            _fill(stage)
-            copy_font_list(homes / "matplotlib")
-            ours, theirs = socket.socketpair()
-            command = self._command(stage, homes, theirs.fileno())
-            with ours, subprocess.Popen(
-                command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, cwd=stage,
-                env={"PATH": os.defpath, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
-                     "MPLBACKEND": "Agg"},
-            ) as process:  # fmt: skip
-                theirs.close()
-                self._control = ours
-                if ours.recv(1) != b"+":
-                    raise RuntimeError(f"the server behind {self.tier} does not start")
-                try:
-                    yield self
-                finally:
-                    ours.close()
-                    process.kill()
+        self._start()
+        try:
+            yield self
+        finally:
+            self._stop()
 
     def run(self) -> tuple[int, int]:
-        """Start a locked-in process; return the pipes to write to and to read from."""
+        """Start a locked-in process; return the pipes to write to and to read from.
+
+        The pipe to write to does not block, so that who does not read it holds up nobody.
+
+        Raises
+        ------
+        RuntimeError
+            The server does not start.
+        """
+        if self._process is not None and self._process.poll() is not None:
+            self._stop()
+        if self._process is None:
+            self._start()
         their_in, to_them = os.pipe()
         from_them, their_out = os.pipe()
-        socket.send_fds(self._control, [b"r"], [their_in, their_out])
+        os.set_blocking(to_them, False)
+        with suppress(OSError):  # its end is seen at the other end of the pipes
+            socket.send_fds(self._control, [b"r"], [their_in, their_out])
         os.close(their_in)
         os.close(their_out)
         return to_them, from_them
 
-    def end(self) -> Ended:
-        """End the process, if it has not ended yet, and tell how it did."""
-        self._control.sendall(b"e")
+    def end(self, patiently: bool = False) -> Ended:
+        """End the process, if it has not ended yet, and tell how it did.
+
+        Parameters
+        ----------
+        patiently : bool
+            Give it a moment to end by itself, so that it can be told why it does.
+        """
         answer = b""
-        while not answer.endswith(b"\n"):
-            answer += self._control.recv(4096)
+        try:
+            self._control.sendall(b"w" if patiently else b"e")
+            while not answer.endswith(b"\n"):
+                part = self._control.recv(4096)
+                if not part:
+                    raise ConnectionError
+                answer += part
+        except OSError:  # it is gone, or takes too long
+            self._stop()
+            return Ended(killed=True, ended_for="server")
         return Ended(**json.loads(answer))
 
-    def _command(self, stage: Path, homes: Path, control: int) -> list[str]:
-        packages = sysconfig.get_path("purelib")
-        readable = [str(stage), *_python(), packages, *SYSTEM]
+    def _start(self) -> None:
+        self._scratch = Path(tempfile.mkdtemp(prefix="grading-"))
+        place = walls.Place.made(self._scratch)
+        self._control, theirs = socket.socketpair()
+        self._control.settimeout(SECONDS_TO_START)
         settings: dict[str, Any] = {
-            "stage": str(stage), "homes": str(homes), "packages": packages,
-            "limits": asdict(self.limits), "readable": readable,
-            "locks": [] if self.tier == "none" else ["landlock", "seccomp"],
+            **place.told(), "limits": asdict(self.limits), "seccomp": self.tier != "none",
+            "landlock": self.tier != "none" and landlock.version() > 0,
         }  # fmt: skip
-        start = f"import sys; sys.path.insert(0, {str(stage)!r}); "
-        start += "from fieldrecon.course.sandbox.server import main; main()"
-        python = [sys.executable, "-I", "-S", "-c", start, str(control)]
-        walls = ["bwrap", *_walls(readable, (str(homes),))] if self.tier == "bubblewrap" else []
-        return [*walls, *python, json.dumps(settings)]
+        python = [*place.python(), str(theirs.fileno()), json.dumps(settings)]
+        self._process = subprocess.Popen(
+            [*place.bubblewrap(), *python] if self.tier == "bubblewrap" else python,
+            pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, cwd=place.stage,
+            env=walls.ENVIRONMENT, start_new_session=True,
+        )  # fmt: skip
+        theirs.close()
+        with suppress(OSError):
+            if self._control.recv(1) == b"+":
+                self._control.settimeout(SECONDS_TO_END)
+                return
+        self._stop()
+        raise RuntimeError(f"the server behind {self.tier} does not start")
 
-
-def _python() -> list[str]:
-    """Return the folders of this Python, and of the environment it runs in."""
-    return sorted({sys.prefix, sys.base_prefix, str(Path(sys.executable).resolve().parent.parent)})
-
-
-def _walls(readable: Sequence[str], writable: Sequence[str]) -> list[str]:
-    """Return the options of bubblewrap: nothing is shared, a few folders can be read.
-
-    The private /tmp is mounted first, since it would hide what is bound below it.
-    """
-    options = [
-        "--unshare-all", "--die-with-parent", "--new-session", "--clearenv", "--tmpfs", "/tmp",
-        "--dev", "/dev", "--proc", "/proc", "--setenv", "OPENBLAS_NUM_THREADS", "1",
-        "--setenv", "MPLBACKEND", "Agg",
-    ]  # fmt: skip
-    for path in ("/usr", "/bin", "/lib", "/lib64", *readable):
-        if Path(path).exists() and not path.startswith("/dev"):
-            options += ["--ro-bind", path, path]
-    for path in writable:
-        options += ["--bind", path, path]
-    return options
-
-
-def _fill(stage: Path) -> None:
-    """Copy what runs on the students' side: the locks, the calls, and no answers."""
-    package = stage / "fieldrecon" / "course"
-    shutil.copytree(str(files("fieldrecon.course.sandbox")), package / "sandbox", ignore=_compiled)
-    for empty in (package, package.parent):
-        (empty / "__init__.py").touch()
-    shutil.copytree(str(files("fieldcheck")), stage / "fieldcheck", ignore=_answers)
-
-
-_compiled = shutil.ignore_patterns("__pycache__")
-_answers = shutil.ignore_patterns("__pycache__", "answers", "stubs.json")
+    def _stop(self) -> None:
+        """End the server, which ends what it made; what hangs is killed."""
+        if self._process is None:
+            return
+        process, self._process = self._process, None
+        with suppress(OSError):
+            self._control.shutdown(socket.SHUT_RDWR)
+        self._control.close()
+        try:
+            process.wait(SECONDS_TO_END)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        homes.remove(str(self._scratch))

@@ -7,6 +7,7 @@ interrupted. What hangs or dies is left out, and the rest is run again in a new 
 from __future__ import annotations
 
 import os
+import secrets
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -18,12 +19,13 @@ from fieldcheck.calls import Call, Outcome
 from fieldrecon.course.grading.isolation import Ended, Server
 from fieldrecon.course.sandbox import frames
 
-SECONDS_PER_CELL = 10.0
 SECONDS_TO_START = 20.0
 GRACE = 1.0
 """A call ends itself after its limit where it can; so much later it is ended from here."""
-MOST_STARTS = 25
-"""After so many processes what is left of a submission is given up."""
+MOST_STRAYS = 100
+"""So many frames that answer something else are overlooked."""
+MOST_TEXT = 2000
+"""Characters of what a student's side tells in words."""
 
 STATUSES = ("returned", "raised", "unwritten", "missing", "timed out")
 
@@ -39,7 +41,8 @@ class Log:
     processes : list of Ended
         How each process ended.
     killed : list of str
-        Why processes had to be ended: ``"time"``, ``"memory"``, ``"output"`` or a signal.
+        Why processes had to be ended: ``"time"``, ``"memory"``, ``"output"``, ``"crash"``,
+        ``"exit"``, ``"threads"`` or ``"disk"``.
     broke : dict
         The same for the tasks in which it happened, by name; the others happened in cells.
     seconds : float
@@ -98,10 +101,11 @@ def run(
     """
     log, outcomes, skipped = Log(), dict[str, tuple[Outcome, ...]](), set[int]()
     started, todo = time.monotonic(), list(tasks)
-    for _ in range(MOST_STARTS):
-        if not todo:
+    last = started + server.limits.seconds_in_all
+    for _ in range(server.limits.most_starts):
+        if not todo or time.monotonic() > last:
             break
-        process = _Process(server, log)
+        process = _Process(server, log, last)
         try:
             process.run_cells(cells, skipped)
             while todo:
@@ -117,7 +121,7 @@ def run(
                 todo = _without(todo, process.task)
         finally:
             process.end()
-    given_up = Outcome("raised", error="the program broke down too often to go on")
+    given_up = Outcome("raised", error="the program broke down, or took long, too often to go on")
     outcomes |= {task.name: (given_up,) * len(task.calls) for task in todo}
     log.seconds = time.monotonic() - started
     return outcomes, log
@@ -130,35 +134,37 @@ def _without(todo: Sequence[Task], broken: Task) -> list[Task]:
 class _Process:
     """One process of a submission, from its start to its end."""
 
-    def __init__(self, server: Server, log: Log) -> None:
-        self.server, self.log = server, log
+    def __init__(self, server: Server, log: Log, last: float) -> None:
+        self.server, self.log, self.last = server, log, last
         self.task: Task | None = None
         self.done: list[Outcome] = []
         self.ended: Ended | None = None
-        self.ready = False
         self.to_it, self.from_it = server.run()
 
     def run_cells(self, cells: Sequence[str], skipped: set[int]) -> None:
         """Run the cells in order; remember the one that breaks the process, to leave it out."""
+        self._await_start()
         for number, code in enumerate(cells):
             if number in skipped:
                 continue
+            seconds = self.server.limits.seconds_per_cell
             try:
-                head, _ = self._ask({"cell": number, "code": code}, (), SECONDS_PER_CELL)
+                head, _ = self._ask({"cell": number, "code": code}, (), seconds)
             except Broken as broken:
                 skipped.add(number)
                 self.log.cell_errors[number] = str(broken)
                 raise
-            error = head.get("error")
-            if isinstance(error, str) and error:
+            error = _text(head.get("error"))
+            if error:
                 self.log.cell_errors[number] = error
 
     def make_calls(self, task: Task) -> tuple[Outcome, ...]:
         """Make the calls of a task; once there is nothing to call, the others are not tried."""
         self.task, self.done = task, []
+        seconds = min(task.seconds, self.server.limits.seconds_per_call)
         for call in task.calls:
             start = time.monotonic()
-            head, values = self._ask(*_told(call, task.seconds), task.seconds + GRACE)
+            head, values = self._ask(*_told(call, seconds), seconds + GRACE)
             self.done.append(_outcome(head, values, time.monotonic() - start))
             if self.done[-1].status not in ("returned", "raised"):
                 break
@@ -180,50 +186,80 @@ class _Process:
         os.close(self.from_it)
         self._ended()
 
-    def _ended(self) -> Ended:
+    def _ended(self, patiently: bool = False) -> Ended:
         if self.ended is None:
-            self.ended = self.server.end()
+            self.ended = self.server.end(patiently)
             self.log.processes.append(self.ended)
         return self.ended
+
+    def _await_start(self) -> None:
+        """Wait for what comes before any code of a student's has run; that fails is not its fault.
+
+        Raises
+        ------
+        Broken
+            The process does not start.
+        """
+        try:
+            frames.receive(self.from_it, time.monotonic() + SECONDS_TO_START)
+        except (frames.Late, frames.BadFrame, frames.Gone):
+            raise Broken("crash", "it did not start") from None
 
     def _ask(
         self, head: dict[str, Any], arrays: tuple[Any, ...], seconds: float
     ) -> tuple[dict[str, Any], list[np.ndarray]]:
-        """Send a frame and return the answer.
+        """Send a frame and return the answer, which bears its number.
+
+        A student's code can find the pipe and write to it. The number is drawn, so that no answer
+        can be given to what was not asked yet, nor one too many be taken for the next.
 
         Raises
         ------
         Broken
             There is none in time, or what comes is no answer.
         """
+        number, late = secrets.randbits(50), min(time.monotonic() + seconds, self.last)
         try:
-            if not self.ready:
-                frames.receive(self.from_it, time.monotonic() + SECONDS_TO_START)
-                self.ready = True
-            frames.send(self.to_it, head, arrays)
-            return frames.receive(self.from_it, time.monotonic() + seconds)
+            frames.send(self.to_it, head | {"frame": number}, arrays, late)
+            for _ in range(MOST_STRAYS):
+                answer, values = frames.receive(self.from_it, late)
+                if answer.get("frame") == number:
+                    return answer, values
         except frames.Late:
             raise Broken("time", f"it was stopped after {seconds:.0f} seconds") from None
         except frames.BadFrame as error:
             raise Broken("output", f"what it returns cannot be read: {error}") from None
-        except (frames.Gone, BrokenPipeError):
-            raise _death(self._ended()) from None
+        except frames.Gone:
+            limit = self.server.limits.cpu_seconds
+            raise _death(self._ended(patiently=True), limit) from None
+        raise Broken("output", "it answers what was not asked")
 
 
-def _death(ended: Ended) -> Broken:
-    """Return why a process died by itself."""
-    names = {9: "memory", 11: "crash", 24: "time", 25: "output", 31: "forbidden", 6: "crash"}
-    told = {
-        9: "it was ended by the system, as when memory runs out",
-        11: "it crashed (segmentation fault)",
-        6: "it aborted itself",
-        24: "it used up its processor time",
-        25: "it wrote a file that is too large",
-        31: "it did what is forbidden here",
+def _death(ended: Ended, cpu_seconds: float) -> Broken:
+    """Return why a process ended by itself."""
+    watched = {
+        "threads": "it started too many threads",
+        "disk": "it wrote more than it may",
+        "server": "it ended the program that runs it",
     }
+    signals = {
+        6: ("crash", "it aborted itself"),
+        9: ("memory", "it was ended by the system, as when memory runs out"),
+        11: ("crash", "it crashed (segmentation fault)"),
+        24: ("time", "it used up its processor time"),
+        25: ("output", "it wrote a file that is too large"),
+        31: ("crash", "it did what is forbidden here"),
+    }
+    if ended.ended_for:
+        reason = "crash" if ended.ended_for == "server" else ended.ended_for
+        return Broken(reason, watched.get(ended.ended_for, ended.ended_for))
+    if ended.killed:
+        return Broken("output", "it closed the pipe through which it answers")
+    if ended.signal == 9 and ended.cpu_seconds >= cpu_seconds:
+        return Broken(*signals[24])
     if ended.signal:
-        sentence = told.get(ended.signal, f"it was ended by signal {ended.signal}")
-        return Broken(names.get(ended.signal, "crash"), sentence)
+        told = f"it was ended by signal {ended.signal}"
+        return Broken(*signals.get(ended.signal, ("crash", told)))
     return Broken("exit", f"it ended the program (exit status {ended.exit})")
 
 
@@ -261,7 +297,9 @@ def _outcome(head: dict[str, Any], values: list[np.ndarray], seconds: float) -> 
 
 
 def _text(text: object) -> str:
-    return text if isinstance(text, str) else ""
+    """Return words as far as they are some: short, and nothing that steers a terminal."""
+    words = text[:MOST_TEXT] if isinstance(text, str) else ""
+    return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in words)
 
 
 def _filled(outcomes: Sequence[Outcome], count: int) -> tuple[Outcome, ...]:

@@ -12,6 +12,7 @@ import resource
 import struct
 import sys
 from collections.abc import Collection
+from contextlib import suppress
 
 from fieldrecon.course.sandbox.kernel import process_control, system_call
 
@@ -38,19 +39,11 @@ def address_space() -> int:
 
 
 def close_all_but(kept: Collection[int]) -> None:
-    """Close every file that this process has open but some."""
-    last = max(kept)
-    for number in range(3, last):
-        if number not in kept:
-            _close(number)
-    os.closerange(last + 1, resource.getrlimit(resource.RLIMIT_NOFILE)[0])
-
-
-def _close(number: int) -> None:
-    try:
-        os.close(number)
-    except OSError:
-        return
+    """Close every file that this process has open but its three streams and some."""
+    for number in map(int, os.listdir("/dev/fd")):  # noqa: PTH208
+        if number > 2 and number not in kept:
+            with suppress(OSError):
+                os.close(number)
 
 
 def drop_capabilities() -> None:
@@ -66,10 +59,12 @@ def drop_capabilities() -> None:
     system_call(number, version_3_of_this_process, bytes(24))
 
 
-def die_with_parent() -> None:
-    """Have the kernel end this process when the one that made it ends."""
+def die_with_parent(parent: int) -> None:
+    """Have the kernel end this process when the one that made it ends; end it if it has."""
     if sys.platform == "linux":
         process_control(DIE_WITH_PARENT, 9)
+    if os.getppid() != parent:
+        os._exit(1)
 
 
 def adopt_orphans() -> None:

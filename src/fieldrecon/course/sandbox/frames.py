@@ -83,6 +83,8 @@ def send(
         _wait(pipe, select.POLLOUT, deadline)
         try:
             data = data[os.write(pipe, data[:PIECE]) :]
+        except BlockingIOError:
+            continue
         except BrokenPipeError:
             raise Gone from None
 
@@ -113,6 +115,8 @@ def _arrays(told: list[Any], body: bytes) -> list[np.ndarray]:
     arrays, start = [], 0
     for entry in told:
         kind, shape = _kind_and_shape(entry)
+        if prod(n or 1 for n in shape) > MOST_BODY:  # NumPy multiplies those that are not 0
+            raise BadFrame("an array of a frame has a shape that there is not")
         stop = start + prod(shape) * np.dtype(KINDS[kind]).itemsize
         if stop > len(body):
             raise BadFrame("an array of a frame is larger than what came")

@@ -1,4 +1,4 @@
-"""Folders in which students' code has run: measured, and removed whatever is in them."""
+"""Folders in which students' code has run: measured, and emptied whatever is in them."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def is_overfull(home: str) -> bool:
     return False
 
 
-def remove(folder: str) -> None:
-    """Remove a folder and all below it, however deep, closed or full of links it is.
+def empty(folder: str) -> None:
+    """Remove all that is in a folder, however deep, closed or full of links it is.
 
     Folders inside are moved up before they are emptied, so that no path grows long and nothing
-    here is recursive. Links are not followed.
+    here is recursive. Links are not followed. What the system does not let go stays.
     """
     mark, numbers, folders = token_hex(8), count(), [folder]
     while folders:
@@ -45,12 +45,21 @@ def remove(folder: str) -> None:
         for path in _emptied(folders[-1], mark):
             with suppress(OSError):
                 os.chmod(path, stat.S_IRWXU)  # noqa: PTH101
-                moved.append(f"{folder}/{mark}{next(numbers)}")
-                os.rename(path, moved[-1])  # noqa: PTH104
+                os.rename(path, name := f"{folder}/{mark}{next(numbers)}")  # noqa: PTH104
+                moved.append(name)
         if not moved:
-            with suppress(OSError):
-                os.rmdir(folders.pop())  # noqa: PTH106
+            done = folders.pop()
+            if folders:
+                with suppress(OSError):
+                    os.rmdir(done)  # noqa: PTH106
         folders += moved
+
+
+def remove(folder: str) -> None:
+    """Remove a folder and all that is in it."""
+    empty(folder)
+    with suppress(OSError):
+        os.rmdir(folder)  # noqa: PTH106
 
 
 def _emptied(folder: str, mark: str) -> list[str]:

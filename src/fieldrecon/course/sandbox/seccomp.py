@@ -35,7 +35,10 @@ REFUSED: dict[str, Numbers] = {
     "socket": (41, 198), "socketpair": (53, 199), "connect": (42, 203), "bind": (49, 200),
     "sendto": (44, 206), "sendmsg": (46, 211), "sendmmsg": (307, 269), "recvmsg": (47, 212),
     "io_uring_setup": (425, 425), "memfd_create": (319, 279), "memfd_secret": (447, 447),
-    "shmget": (29, 194), "msgget": (68, 186), "semget": (64, 190), "mq_open": (240, 180),
+    "shmget": (29, 194), "shmat": (30, 196), "shmctl": (31, 195), "msgget": (68, 186),
+    "msgsnd": (69, 189), "msgrcv": (70, 188), "msgctl": (71, 187), "semget": (64, 190),
+    "semop": (65, 193), "semtimedop": (220, 192), "semctl": (66, 191), "mq_open": (240, 180),
+    "mq_unlink": (241, 181),
     "inotify_init": (253, None), "inotify_init1": (294, 26), "fanotify_init": (300, 262),
     # files anywhere, on which Landlock allows them
     "chmod": (90, None), "fchmod": (91, 52), "fchmodat": (268, 53), "chown": (92, None),
@@ -63,14 +66,18 @@ ABSENT: dict[str, Numbers] = {"clone3": (435, 435), "openat2": (437, 437)}
 FIRST_UNKNOWN = 450
 
 # Calls that depend on an argument.
-OPEN, OPENAT = (2, None), (257, 56)
+OPEN: Numbers = (2, None)
+OPENAT = (257, 56)
 CLONE, TGKILL, PRLIMIT = (56, 220), (234, 131), (302, 261)
-FCNTL, IOCTL = (72, 25), (16, 29)
+FCNTL, IOCTL, PRCTL = (72, 25), (16, 29), (157, 167)
 CLONE_THREAD = 0x00010000
 SIGNALS_OF_FILES = (8, 10, 15)
 """``F_SETOWN``, ``F_SETSIG``, ``F_SETOWN_EX``: who is sent which signal when a file is ready."""
 SIGNALS_OF_DEVICES = (0x8901, 0x8902, 0x5412, 0x541C)
 """``FIOSETOWN``, ``SIOCSPGRP``, ``TIOCSTI``, ``TIOCLINUX``."""
+
+END_WITH_PARENT = 1
+"""``PR_SET_PDEATHSIG``, which could take back that this process ends with the one that made it."""
 
 EPERM, ENOSYS = 1, 38
 ALLOW, ERRNO, KILL = 0x7FFF0000, 0x00050000, 0x80000000
@@ -117,6 +124,7 @@ def _program(machine: str, process: int) -> Iterator[bytes]:
     for number, argument, test in (
         (OPEN, 1, cut_short), (OPENAT, 2, cut_short), (CLONE, 0, _unless(ANY_BIT, CLONE_THREAD)),
         (TGKILL, 0, only), (PRLIMIT, 0, own), (FCNTL, 1, signals), (IOCTL, 1, devices),
+        (PRCTL, 0, _when(EQUAL, END_WITH_PARENT)),
     ):  # fmt: skip
         if number[column] is not None:
             yield from _argument(number[column], argument, test)

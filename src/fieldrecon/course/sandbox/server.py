@@ -2,8 +2,9 @@
 
 Its arguments are the number of a socket and a JSON object of settings. It runs no code of a
 student: it forks, and the child locks itself in before it does. Commands are a byte each: ``r``,
-with two pipes, to run, and ``e`` to end what runs and be told how it ended. In between it watches
-what no limit of the kernel bounds: how many threads there are, and how full the home is.
+with two pipes, to run, ``e`` to end what runs and be told how it ended, and ``w`` to do so once it
+had a moment to end by itself. In between it watches what no limit of the kernel bounds: how many
+threads there are, and how full the home is.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import signal
 import socket
 import sys
 import tempfile
+import time
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
@@ -25,15 +27,17 @@ from fieldrecon.course.sandbox import confine, homes, landlock, seccomp
 PRELOADED = ("numpy", "matplotlib.pyplot")
 """What notebooks import anyway; the processes that are forked have it already."""
 SECONDS_BETWEEN_LOOKS = 0.1
+SECONDS_OF_PATIENCE = 0.5
 MOST_THREADS = 64
+MOST_ROUNDS = 1000
 
 
 @dataclass
 class Child:
-    """A process that runs, its home, and what it was ended for from here, if it was."""
+    """A process that runs, the folder of its home, and what it was ended for, if it was."""
 
     process: int
-    home: str
+    homes: str
     ended_for: str = ""
 
 
@@ -41,7 +45,7 @@ def main() -> None:
     """Import what students need, then serve commands until the socket is closed."""
     control = socket.socket(fileno=int(sys.argv[1]))
     settings = json.loads(sys.argv[2])
-    sys.path.append(settings["packages"])
+    sys.path += settings["packages"]
     os.environ["MPLCONFIGDIR"] = settings["fonts"]
     for name in PRELOADED:
         import_module(name)
@@ -50,9 +54,10 @@ def main() -> None:
 
     questions()
     worker.quiet_fieldcheck()
+    settings["server"] = os.getpid()
     confine.adopt_orphans()
     lock = None
-    if settings["locked"]:
+    if settings["landlock"]:
         writable = [settings["homes"], os.devnull]
         lock = landlock.ruleset(settings["readable"], settings["listed"], writable)
     control.sendall(b"+")
@@ -67,11 +72,11 @@ def main() -> None:
             process = os.fork()
             if process == 0:
                 _run(settings, home, pipes, lock)
-            child = Child(process, home)
+            child = Child(process, settings["homes"])
             for pipe in pipes:
                 os.close(pipe)
             continue
-        told = _end(child) if child else {}
+        told = _end(child, SECONDS_OF_PATIENCE if command == b"w" else 0.0) if child else {}
         child = None
         if not command:
             return
@@ -84,7 +89,7 @@ def _look_after(child: Child) -> None:
         return
     if _threads(child.process) > MOST_THREADS:
         child.ended_for = "threads"
-    elif homes.is_overfull(child.home):
+    elif homes.is_overfull(child.homes):
         child.ended_for = "disk"
     if child.ended_for:
         with suppress(ProcessLookupError):
@@ -99,9 +104,13 @@ def _threads(process: int) -> int:
         return 1
 
 
-def _end(child: Child) -> dict[str, Any]:
+def _end(child: Child, patience: float = 0.0) -> dict[str, Any]:
     """End a child and all that it may have left, and tell how it ended."""
+    last = time.monotonic() + patience
     ended, status, usage = os.wait4(child.process, os.WNOHANG)
+    while not ended and time.monotonic() < last:
+        time.sleep(0.005)
+        ended, status, usage = os.wait4(child.process, os.WNOHANG)
     told = {"killed": not ended, "ended_for": child.ended_for}
     if not ended:
         os.kill(child.process, signal.SIGKILL)
@@ -109,7 +118,7 @@ def _end(child: Child) -> dict[str, Any]:
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(child.process, signal.SIGKILL)
     _end_orphans()
-    homes.remove(child.home)
+    homes.empty(child.homes)
     return told | {
         "signal": os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0,
         "exit": os.WEXITSTATUS(status) if os.WIFEXITED(status) else 0,
@@ -120,7 +129,10 @@ def _end(child: Child) -> dict[str, Any]:
 
 def _end_orphans() -> None:
     """End the processes that became this one's when those that made them ended."""
-    while orphans := _children():
+    for _ in range(MOST_ROUNDS):
+        orphans = _children()
+        if not orphans:
+            return
         for orphan in orphans:
             with suppress(ProcessLookupError, PermissionError):
                 os.kill(orphan, signal.SIGKILL)
@@ -144,17 +156,19 @@ def _run(settings: dict[str, Any], home: str, pipes: list[int], lock: int | None
     code = 1
     try:
         os.setsid()
-        confine.die_with_parent()
+        confine.die_with_parent(settings["server"])
         _environment(home)
         worker.silence()
+        confine.close_all_but(pipes if lock is None else [*pipes, lock])
         limits = settings["limits"]
         memory = confine.address_space() + limits["memory"]
         confine.limit(memory, limits["cpu_seconds"], limits["file_size"])
-        if lock is not None:
-            landlock.restrict(lock)
+        if settings["seccomp"]:
+            if lock is not None:
+                landlock.restrict(lock)
+                os.close(lock)
             confine.drop_capabilities()
             seccomp.refuse()
-        confine.close_all_but(pipes)
         worker.serve(*pipes)
         code = 0
     finally:
