@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fieldrecon.course.grading.submission import Submission
+from fieldrecon.course.grading.submission import Submission, Unreadable, source_of
 from fieldrecon.course.notebooks import YOUR_WORDS
 
 HEADER = re.compile(r"^# ?%%(?P<header>.*)$", re.MULTILINE)
@@ -40,11 +39,9 @@ def words(submission: Submission, questions: Iterable[str]) -> Mapping[str, str]
         The questions that ask for words.
     """
     try:
-        text = submission.content.decode("utf-8-sig")
-    except UnicodeDecodeError:
+        cells = list(_cells(submission))
+    except Unreadable:
         return {}
-    is_python = submission.name.lower().endswith(".py")
-    cells = list(_python_cells(text) if is_python else _notebook_cells(text))
     found = {name: _answer(cells, name) for name in questions}
     return {name: answer[:LONGEST] for name, answer in found.items() if answer}
 
@@ -72,33 +69,30 @@ def _following(cells: list[Text | None], question: str) -> str:
     start = next((i for i, c in enumerate(cells) if c and c.text.startswith(asked)), len(cells))
     answer = []
     for cell in cells[start + 1 :]:
-        if cell is None or cell.text.startswith(("**0", "#")) or cell.answer:
+        if cell is None or cell.text.startswith(("**0", "#")) or cell.answer not in ("", question):
             break
         answer.append(cell.text)
+    answer = [text for text in answer if text.strip() != YOUR_WORDS]
     return "\n\n".join(answer)
 
 
-def _notebook_cells(text: str) -> Iterator[Text | None]:
+def _cells(submission: Submission) -> Iterator[Text | None]:
     """Yield the cells of text in order, and None for each other one."""
-    try:
-        data = json.loads(text)
-    except (ValueError, RecursionError):
+    if submission.is_script:
+        yield from _python_cells(submission.text)
         return
-    cells = data.get("cells") if isinstance(data, dict) else None
-    for cell in cells if isinstance(cells, list) else []:
-        is_text = isinstance(cell, dict) and cell.get("cell_type") == "markdown"
-        yield _told(cell) if is_text else None
+    for cell in submission.notebook_cells:
+        yield _told(cell) if cell.get("cell_type") == "markdown" else None
 
 
-def _told(cell: dict[str, Any]) -> Text:
-    source, metadata = cell.get("source", ""), cell.get("metadata")
-    if isinstance(source, list):
-        source = "".join(part for part in source if isinstance(part, str))
+def _told(cell: Mapping[str, Any]) -> Text:
+    metadata = cell.get("metadata")
     answer = metadata.get("answer") if isinstance(metadata, dict) else ""
+    identifier = cell.get("id")
     return Text(
-        source if isinstance(source, str) else "",
+        source_of(cell),
         answer if isinstance(answer, str) else "",
-        str(cell.get("id", "")),
+        identifier if isinstance(identifier, str) else "",
     )
 
 

@@ -12,8 +12,8 @@ from typing import IO
 PIECE = 1 << 20
 
 
-class TooLarge(ValueError):
-    """A file has more bytes than are taken."""
+class NotTaken(ValueError):
+    """What was received cannot be kept: it cannot be read, or there is too much of it."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,9 @@ class Archive:
 
         Raises
         ------
-        TooLarge
-            There are more bytes than `most`.
+        NotTaken
+            There are more bytes than `most`, or they cannot be read. Errors of the archive itself,
+            such as a full disk, are raised as they are.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
         digest = hashlib.sha256()
@@ -68,8 +69,15 @@ class Archive:
 
 def _pieces(stream: IO[bytes], most: int) -> Iterator[bytes]:
     left = most
-    while piece := stream.read(PIECE):
+    while piece := _read(stream):
         left -= len(piece)
         if left < 0:
-            raise TooLarge(f"it has more than {most >> 20} MiB")
+            raise NotTaken(f"it has more than {most / (1 << 20):.0f} MiB")
         yield piece
+
+
+def _read(stream: IO[bytes]) -> bytes:
+    try:
+        return stream.read(PIECE)
+    except Exception as error:  # each way to compress has errors of its own
+        raise NotTaken(f"it cannot be read ({error})") from None

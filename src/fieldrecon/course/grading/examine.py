@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -22,6 +21,7 @@ from fieldcheck.verdict import Verdict
 from fieldrecon.course.catalogue import Entry, entries
 from fieldrecon.course.grading.fingerprint import fingerprint
 from fieldrecon.course.grading.isolation import Server
+from fieldrecon.course.grading.quiet import LOCK
 from fieldrecon.course.grading.results import Grade, Record, Status
 from fieldrecon.course.grading.session import Log, Task, run
 from fieldrecon.course.grading.submission import Submission, Unreadable
@@ -30,9 +30,6 @@ from fieldrecon.course.sources import Source
 from fieldrecon.course.trials import OWN, PUBLIC, Trial, public_trial, trials
 
 __all__ = ["Course", "Examined", "Fault", "Finding", "Grade", "Record", "examine", "grade"]
-
-_TRUSTED = threading.RLock()
-"""Known answers are computed by one thread at a time: warnings are silenced for a whole process."""
 
 MOST_SHOWN = 2000
 """Numbers of a wrong answer that are kept to be drawn."""
@@ -89,7 +86,7 @@ class Course:
     ) -> dict[str, tuple[Trial, ...]]:
         """Return what the answers of a student to a notebook go through, by question."""
         path = self.source(number).path
-        with _TRUSTED:
+        with LOCK:
             made = _material(path)
             return {
                 q.name: trials(
@@ -110,7 +107,7 @@ class _Material:
 @cache
 def _material(path: Path) -> _Material:
     """Return what a source defines; each process reads it once."""
-    with _TRUSTED:
+    with LOCK:
         source = Source(path)
         mistakes = entries(source, "misconceptions")
         return _Material(source.functions(), mistakes, hidden_cases(source))

@@ -11,16 +11,17 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 
-from fieldrecon.course.grading.roster import Owner
+from fieldrecon.course.grading.owners import Owner
 
 CANVAS = re.compile(
     r"(?P<who>[^\W\d_][^_]*)_(?P<late>LATE_)?(?P<id>\d+)_(?P<attachment>\d+)_(?P<file>.+)"
 )
-MOODLE = re.compile(r"(?P<who>.+)_(?P<id>\d+)_assignsubmission_file_?(?P<file>.*)")
-MOODLE_TEXT = re.compile(r".+_\d+_assignsubmission_onlinetext_?.*")
+MOODLE = re.compile(r"(?P<who>.+?)_(?P<id>\d+)_assignsubmission_(?:file|onlinetext)_?(?P<file>.*)")
 GRADESCOPE = re.compile(r"submission_(?P<id>\d+)")
 METADATA = "submission_metadata.yml"
+SUBMITTERS = re.compile(r"^  :submitters: *\n((?: {2,}- .*\n| {4,}.*\n)*)", re.MULTILINE)
 TRAILING_NUMBER = re.compile(r"(?<=.)[ _-]*(?:-(\d{1,3})|\((\d{1,3})\))$")
 NOTEBOOK = re.compile(
     r"(?:^|[ _.-]+)(?:(?:notebook|exercise)[ _-]*)?\d\d(?:[ _-][a-z0-9_-]*)?$", re.IGNORECASE
@@ -54,7 +55,7 @@ Metadata = Mapping[str, Place]
 
 def is_platform(name: str) -> bool:
     """Whether a name is one that a platform gives in its bulk downloads."""
-    named = (CANVAS, MOODLE, MOODLE_TEXT, GRADESCOPE)
+    named = (CANVAS, MOODLE, GRADESCOPE)
     return name == METADATA or any(pattern.fullmatch(name) for pattern in named)
 
 
@@ -114,30 +115,35 @@ def attempt(name: str) -> int:
 def gradescope_metadata(text: str) -> dict[str, Place]:
     """Return whose each folder of an export of Gradescope is, from the file that it tells it in."""
     found: dict[str, Place] = {}
-    for block in re.split(r"^(?=submission_\d+:)", text, flags=re.MULTILINE):
-        head = re.match(r"(submission_\d+):", block)
-        if head is None:
+    for block in re.split(r"^(?=submission_\d+:)", text.replace("\r\n", "\n"), flags=re.MULTILINE):
+        head = re.match(r"submission_\d+", block)
+        listed = SUBMITTERS.search(block)
+        if head is None or listed is None:
             continue
-        told, _, _ = block.partition(":history:")
-        people = re.split(r"^\s*- (?=:)", told, flags=re.MULTILINE)[1:]
+        people = re.split(r"^ +- ", listed[1], flags=re.MULTILINE)[1:]
         owners = tuple(
-            Owner(_field(p, "name") or head[1], _field(p, "sid"), _field(p, "email"), "gradescope")
-            for p in people if ":name:" in p or ":email:" in p
-        )  # fmt: skip
+            Owner(_field(p, "name") or head[0], _field(p, "sid"), _field(p, "email"), "gradescope")
+            for p in people
+        )
         if owners:
-            found[head[1]] = Place(owners, "", received=_time(_field(told, "created_at")))
+            created = re.search(r"^  :created_at: *(.*)$", block, flags=re.MULTILINE)
+            found[head[0]] = Place(owners, "", received=_time(created[1]) if created else "")
     return found
 
 
-def _field(block: str, name: str) -> str:
-    found = re.search(rf"^\s*:{name}:[ ]*(.*?)\s*$", block, flags=re.MULTILINE)
-    return found[1].strip("'\"") if found else ""
+def _field(person: str, name: str) -> str:
+    found = re.search(rf"^ *:{name}: *(.*)$", person, flags=re.MULTILINE)
+    return found[1].strip().strip("'\"") if found else ""
 
 
 def _time(text: str) -> str:
-    """Return a time of Gradescope, ``2026-11-20 12:00:00.123 Z``, as ISO 8601."""
+    """Return a time of Gradescope, ``2026-11-20 12:00:00.123 Z``, as ISO 8601 in UTC."""
     found = re.match(r"(\d{4}-\d\d-\d\d)[ T](\d\d:\d\d:\d\d)", text)
     zone = re.search(r"([+-]\d\d):?(\d\d)$", text)
     if found is None or not (text.endswith(("Z", "UTC")) or zone):
         return ""
-    return f"{found[1]}T{found[2]}{f'{zone[1]}:{zone[2]}' if zone else '+00:00'}"
+    told = f"{found[1]}T{found[2]}{f'{zone[1]}:{zone[2]}' if zone else '+00:00'}"
+    try:
+        return datetime.fromisoformat(told).astimezone(UTC).isoformat()
+    except (ValueError, OverflowError):
+        return ""

@@ -1,4 +1,4 @@
-"""Tables that people and spreadsheets write and read: CSV files, with an error for each bad line."""
+"""Tables that people and spreadsheets write and read: CSV files, with an error for each line."""
 
 from __future__ import annotations
 
@@ -12,12 +12,17 @@ from typing import TypeVar
 T = TypeVar("T")
 Row = Mapping[str, str]
 
-FORMULA = re.compile(r"'*[=+\-@\t\r\n＝＋－＠]")
-"""How a cell begins that a spreadsheet would compute; a quotation mark before it prevents that."""
+FORMULA = re.compile(r"'*[=+\-@\t\r\n＝＋－＠#]")
+"""How a cell begins that a spreadsheet would compute, or that is taken for a comment here; a
+quotation mark before it prevents both."""
 
 
 def read_table(
-    path: Path, parse: Callable[[Row], T], needed: Sequence[str], known: Sequence[str] = ()
+    path: Path,
+    parse: Callable[[Row], T],
+    needed: Sequence[str],
+    known: Sequence[str] = (),
+    unique: Sequence[str] = (),
 ) -> list[T]:
     """Return what the lines of a CSV file say.
 
@@ -35,6 +40,8 @@ def read_table(
         Columns that must be there, and filled.
     known : sequence of str
         Columns that may be there; any other is a mistake in the spelling.
+    unique : sequence of str
+        Columns whose cells may not all be the same in two lines.
 
     Raises
     ------
@@ -44,13 +51,16 @@ def read_table(
     lines = list(_lines(path))
     if not lines:
         raise ValueError(f"{path.name} is empty; its first line should be {', '.join(needed)}")
-    _, columns = lines[0]
+    columns = [cell.lower() for cell in lines[0][1]]
     _require_columns(path, columns, needed, (*needed, *known))
     found: list[T] = []
     problems: list[str] = []
+    first: dict[tuple[str, ...], int] = {}
     for number, cells in lines[1:]:
         try:
-            found.append(parse(_row(columns, cells, needed)))
+            row = _row(columns, cells, needed)
+            _require_unique(row, unique, number, first)
+            found.append(parse(row))
         except ValueError as error:
             problems.append(f"{path.name}:{number}: {error}")
     if problems:
@@ -58,7 +68,14 @@ def read_table(
     return found
 
 
-def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+def header(path: Path) -> tuple[list[str], str]:
+    """Return the columns of a CSV file, and what stands between its cells."""
+    return next((cells for _, cells in _lines(path)), []), _delimiter(_text(path))
+
+
+def to_csv(
+    columns: Sequence[str], rows: Iterable[Sequence[object]], delimiter: str = ","
+) -> str:
     r"""Return a table as CSV whose text no spreadsheet takes for a formula.
 
     Numbers have at most two decimals, what is not known is an empty cell.
@@ -73,7 +90,7 @@ def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     OWASP, "CSV Injection", https://owasp.org/www-community/attacks/CSV_Injection.
     """
     file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
+    writer = csv.writer(file, delimiter=delimiter, lineterminator="\n")
     writer.writerow([_safe(column) for column in columns])
     writer.writerows([_cell(value) for value in row] for row in rows)
     return file.getvalue()
@@ -151,17 +168,24 @@ def _plain(text: str) -> str:
 
 def _lines(path: Path) -> Iterable[tuple[int, list[str]]]:
     """Yield the lines that count, as cells, with the number of the line in which each ends."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError(f"{path.name} is not in UTF-8: save it as CSV UTF-8") from None
-    first = text.partition("\n")[0]
-    delimiter = ";" if first.count(";") > first.count(",") else ","
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    text = _text(path)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=_delimiter(text))
     for cells in reader:
         stripped = [_plain(cell).strip() for cell in cells]
-        if any(stripped) and not stripped[0].startswith("#"):
+        if any(stripped) and not cells[0].lstrip().startswith("#"):
             yield reader.line_num, stripped
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{path.name} is not in UTF-8: save it as CSV UTF-8") from None
+
+
+def _delimiter(text: str) -> str:
+    first = text.partition("\n")[0]
+    return ";" if first.count(";") > first.count(",") else ","
 
 
 def _require_columns(
@@ -178,6 +202,15 @@ def _require_columns(
         )
     if len(set(columns)) < len(columns):
         raise ValueError(f"{path.name}:1: a column stands there twice")
+
+
+def _require_unique(
+    row: Row, unique: Sequence[str], number: int, first: dict[tuple[str, ...], int]
+) -> None:
+    cells = tuple(row[name] for name in unique)
+    before = first.setdefault(tuple(cell.lower() for cell in cells), number)
+    if cells and before != number:
+        raise ValueError(f"{', '.join(cells)} stands in line {before} already")
 
 
 def _row(columns: Sequence[str], cells: Sequence[str], needed: Sequence[str]) -> Row:

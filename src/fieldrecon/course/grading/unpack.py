@@ -7,9 +7,11 @@ since they are no accident.
 
 from __future__ import annotations
 
+import mmap
+import re
 import stat
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -19,6 +21,11 @@ from typing import IO
 MEBIBYTE = 1 << 20
 MOST_MEMBERS = 20_000
 MOST_UNPACKED = 8192 * MEBIBYTE
+LONGEST_NAME = 255
+MEMBER = re.compile(rb"PK\x01\x02")
+"""How each entry in the list of a zip file begins."""
+DRIVE = re.compile(r"[A-Za-z]:")
+LEADS_OUT = "its name leads out of the folder"
 SKIPPED = {"__MACOSX", "__pycache__", "fieldcheck", "site-packages", "venv"}
 CHAFF = {"Thumbs.db", "desktop.ini", "student.txt"}
 
@@ -61,22 +68,51 @@ class Item:
         """Whether it is called a zip file."""
         return self.parts[-1].lower().endswith(".zip")
 
+    def below(self, depth: int) -> Item:
+        """Return it with its outermost folders left out."""
+        return replace(self, parts=self.parts[depth:])
 
-def folder_items(folder: Path) -> Iterator[Item]:
-    """Yield the files below a folder in the order of their names; no link is followed."""
-    for path in sorted(folder.iterdir()):
-        mode = path.lstat().st_mode
-        parts = (_printable(path.name),)
+
+def folder_items(folder: Path) -> list[Item]:
+    """Return the files below a folder in the order of their names; no link is followed.
+
+    Raises
+    ------
+    OSError
+        The folder itself cannot be read.
+    """
+    found: list[Item] = []
+    todo: list[tuple[Path, tuple[str, ...]]]
+    todo = [(path, (_printable(path.name),)) for path in folder.iterdir()]
+    while todo:  # folders can lie deeper in each other than functions may call each other
+        path, parts = todo.pop()
         if is_chaff(parts):
             continue
-        if stat.S_ISDIR(mode):
-            yield from (replace(i, parts=parts + i.parts) for i in folder_items(path))
-        elif stat.S_ISREG(mode):
-            time = datetime.fromtimestamp(int(path.stat().st_mtime), UTC).isoformat()
-            yield Item(parts, partial(path.open, "rb"), time)
-        else:
-            kind = "a link" if stat.S_ISLNK(mode) else "no file"
-            yield Item(parts, partial(path.open, "rb"), refused=f"it is {kind}")
+        try:
+            mode = path.lstat().st_mode
+            if stat.S_ISDIR(mode):
+                todo += [(inner, (*parts, _printable(inner.name))) for inner in path.iterdir()]
+            else:
+                found.append(_file(path, parts, mode))
+        except OSError as error:
+            refused = f"it cannot be read ({error.strerror})"
+            found.append(Item(parts, partial(_read, path), refused=refused))
+    return sorted(found, key=lambda item: item.parts)
+
+
+def _file(path: Path, parts: tuple[str, ...], mode: int) -> Item:
+    if not stat.S_ISREG(mode):
+        kind = "a link" if stat.S_ISLNK(mode) else "no file"
+        return Item(parts, partial(_read, path), refused=f"it is {kind}")
+    try:
+        time = datetime.fromtimestamp(int(path.lstat().st_mtime), UTC).isoformat()
+    except (ValueError, OverflowError):
+        time = ""
+    return Item(parts, partial(_read, path), time)
+
+
+def _read(path: Path) -> IO[bytes]:
+    return path.open("rb")
 
 
 def zip_items(path: Path) -> list[Item]:
@@ -88,14 +124,25 @@ def zip_items(path: Path) -> list[Item]:
         It is none, or holds more than can be.
     """
     try:
+        if _members(path) > MOST_MEMBERS:
+            raise NoZip(f"the zip file holds more than {MOST_MEMBERS} files")
         with zipfile.ZipFile(path) as pack:
             members = [info for info in pack.infolist() if not info.is_dir()]
-    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
+    except NoZip:
+        raise
+    except Exception as error:  # what is no zip file can be wrong in any way
         raise NoZip(f"the zip file is damaged ({error})") from None
-    if len(members) > MOST_MEMBERS or sum(m.file_size for m in members) > MOST_UNPACKED:
-        raise NoZip("the zip file holds more than can be unpacked")
+    if sum(m.file_size for m in members) > MOST_UNPACKED:
+        raise NoZip(f"the zip file holds more than {MOST_UNPACKED // MEBIBYTE} MiB")
     items = (_member(path, info) for info in members)
     return sorted((i for i in items if not is_chaff(i.parts)), key=lambda item: item.parts)
+
+
+def _members(path: Path) -> int:
+    """Return a bound on the entries of a zip file, whose list is not read into memory for it."""
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        found = MEMBER.finditer(content)
+        return sum(1 for _, _ in zip(found, range(MOST_MEMBERS + 1), strict=False))
 
 
 def _member(path: Path, info: zipfile.ZipInfo) -> Item:
@@ -103,11 +150,13 @@ def _member(path: Path, info: zipfile.ZipInfo) -> Item:
     refused = ""
     if stat.S_ISLNK(info.external_attr >> 16):
         refused = "it is a link"
-    elif any(part in ("", ".", "..") for part in parts) or ":" in parts[0]:
-        refused = "its name leads out of the folder"
+    elif any(part in ("", ".", "..") for part in parts) or DRIVE.match(parts[0]):
+        refused = LEADS_OUT
+    elif any(len(part) > LONGEST_NAME for part in parts):
+        refused = "its name is too long"
     elif info.flag_bits & 1:
         refused = "it is encrypted"
-    kept = tuple(part for part in parts if part not in ("", ".", "..")) or ("?",)
+    kept = tuple(part[:LONGEST_NAME] for part in parts if part not in ("", ".", "..")) or ("?",)
     return Item(kept, partial(_open, path, info), _local(info.date_time), "zip", refused)
 
 
