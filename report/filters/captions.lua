@@ -12,8 +12,10 @@ local captions = {}
 
 local LONG = 6            -- a longer tuple is told by its ends
 local explained = false   -- whether the document lists all parameters
+local silent = false      -- whether captions leave the experiment out: without-provenance
 
 function captions.prepare(doc)
+  silent = doc.meta['without-provenance'] == true
   doc.blocks:walk { Span = function(s)
     if s.identifier:match '^experiment%-' then explained = true end
   end }
@@ -73,7 +75,7 @@ local function captioned(x, kind, name, origin)
   labels.define(x.identifier, kind, number, name)
   local caption = captions.head(name, number)
   caption:extend(pandoc.utils.blocks_to_inlines(x.caption.long))
-  if #origin > 0 then caption:extend { pandoc.Space(), provenance(origin) } end
+  if #origin > 0 and not silent then caption:extend { pandoc.Space(), provenance(origin) } end
   x.caption.long = { pandoc.Plain(caption) }
   x.attributes.experiment = nil
   return x

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from fieldrecon.course import build as building
 from fieldrecon.course.bundle import write_bundle
+from fieldrecon.course.gradebook.command import add_commands as add_gradebook
 from fieldrecon.course.proof import Proof, prove
 from fieldrecon.course.publish import publish
 from fieldrecon.course.secret import MISSING, make_salt, read_salt
@@ -42,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     bundle = commands.add_parser("bundle", help="write the zip file for students")
     bundle.add_argument("--out", type=Path, default=Path("dist/student-bundle.zip"), metavar="FILE")
     bundle.set_defaults(command=_bundle)
+    add_gradebook(commands)
 
 
 def _build(options: argparse.Namespace) -> None:

@@ -11,13 +11,14 @@ from html import escape
 
 import numpy as np
 
-from fieldcheck.answers import public_answers
+from fieldcheck.answers import arrays_from_json, public_answers
 from fieldcheck.calls import Outcome, Values
 from fieldcheck.questions import questions
 from fieldcheck.verdict import TITLES
-from fieldrecon.course.gradebook.exports import NOT_READ
+from fieldrecon.course.gradebook.exports import NOT_YET
 from fieldrecon.course.gradebook.pages import page, picture
 from fieldrecon.course.gradebook.sheets import Line, Sheet
+from fieldrecon.course.grading.results import Record
 from fieldrecon.course.grading.tables import short
 from fieldrecon.course.known import public_calls
 
@@ -52,22 +53,50 @@ def feedback(sheets: Sequence[Sheet], titles: Mapping[str, str] | None = None) -
     titles : mapping, optional
         The titles of the notebooks.
     """
-    student = sheets[0].student
+    titles, student = titles or {}, sheets[0].student
     who = student.get("name") or student["student"]
-    body = [_overview(sheets, titles or {})] if len(sheets) > 1 else []
-    body += [_notebook(sheet, (titles or {}).get(sheet.notebook, "")) for sheet in sheets]
+    body = [_unreadable(record) for record in sheets[0].unreadable]
+    body += [_overview(sheets, titles)] if len(sheets) > 1 else []
+    body += [_notebook(sheet, titles.get(sheet.notebook, "")) for sheet in sheets]
     points, possible = sum(s.points for s in sheets), sum(s.possible for s in sheets)
     return page(who, f"{short(points)} of {short(possible)} points", "\n".join(body))
 
 
+def _unreadable(record: Record) -> str:
+    reason = "".join(f" {escape(note)}." for note in record.notes[:1])
+    return (
+        f'<p class="warning">The file {escape(record.file)} could not be graded:{reason} '
+        "Hand it in again, saved as a notebook.</p>"
+    )
+
+
 def _overview(sheets: Sequence[Sheet], titles: Mapping[str, str]) -> str:
+    head = (
+        '<tr><th>Notebook</th><th class="number">Points</th><th class="number">of</th>'
+        "<th>Questions</th></tr>"
+    )
     rows = "".join(
-        f'<tr><td><a href="#n{s.notebook}">{_title(s.notebook, titles.get(s.notebook, ""))}</a></td>'
-        f'<td class="number">{short(s.points)}</td><td class="number">{short(s.possible)}</td></tr>'
+        f'<tr><td><a href="#n{s.notebook}">{_title(s.notebook, titles.get(s.notebook, ""))}</a>'
+        "</td>"
+        f'<td class="number">{short(s.points)}</td><td class="number">{short(s.possible)}</td>'
+        f"<td>{_at_a_glance(s)}</td></tr>"
         for s in sheets
     )
-    head = '<tr><th>Notebook</th><th class="number">Points</th><th class="number">of</th></tr>'
     return f'<div class="scroll"><table>{head}{rows}</table></div>'
+
+
+def _at_a_glance(sheet: Sheet) -> str:
+    """Return a square for each question, as full as its points are."""
+    if sheet.record is None:
+        return "nothing handed in"
+    told = "".join(_square(line) for line in sheet.lines)
+    return f'<span class="squares">{told}</span>'
+
+
+def _square(line: Line) -> str:
+    kind, title, _ = _said(line)
+    text = f"{line.question} {title or NOT_YET} {short(line.points)} of {short(line.possible)}"
+    return f'<i class="{kind}" title="{escape(text)}"></i>'
 
 
 def _title(notebook: str, title: str) -> str:
@@ -116,7 +145,7 @@ def _answer(line: Line) -> str:
 def _said(line: Line) -> tuple[str, str, tuple[str, ...]]:
     """Return of which kind an answer is, its title, and what is said of it."""
     if line.how == "open":
-        return "open", "", (NOT_READ,)
+        return "open", "", (NOT_YET,)
     if line.grade is None:
         return _kind(line), "", (line.comment,)
     verdict = line.grade.verdict
@@ -143,7 +172,9 @@ def _drawn(line: Line) -> str:
     index = line.grade.verdict.call
     if answers is None or index >= len(calls) or not _can_be_drawn(values, answers.right[index]):
         return ""
-    outcomes = [Outcome("returned", values=values if i == index else None) for i in range(len(calls))]
+    outcomes = [
+        Outcome("returned", values=values if i == index else None) for i in range(len(calls))
+    ]
     drawn = picture_of_difference(line.grade.verdict, question, calls, outcomes, answers).picture
     if not drawn:
         return ""
@@ -153,13 +184,10 @@ def _drawn(line: Line) -> str:
 
 def _arrays(line: Line) -> Values:
     """Return what the student's function returned, as the results keep it."""
-    returned = line.grade.returned if line.grade else ()
-    return tuple(np.array(a["numbers"], dtype=float).reshape(a["shape"]) for a in returned)
+    return arrays_from_json(line.grade.returned if line.grade else ())
 
 
 def _can_be_drawn(values: Values, right: Values) -> bool:
     largest = max((float(np.abs(v).max(initial=0.0)) for v in values), default=0.0)
     known = max((float(np.abs(v).max(initial=0.0)) for v in right), default=0.0)
     return largest <= LARGEST * max(known, 1.0)
-
-

@@ -1,4 +1,4 @@
-"""How the questions did: how many fail, whether a question tells the good from the weak, and why."""
+"""How the questions did: how many fail, whether they tell the good from the weak, and why."""
 
 from __future__ import annotations
 

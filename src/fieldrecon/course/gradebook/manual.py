@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from fieldrecon.course.gradebook.decisions import Mark
 from fieldrecon.course.gradebook.pages import page, rendered
-from fieldrecon.course.gradebook.sheets import Mark
-from fieldrecon.course.grading.tables import Row, points, read_table, short, to_csv
+from fieldrecon.course.grading.results import write_whole
+from fieldrecon.course.grading.tables import (
+    Row,
+    header,
+    points,
+    question,
+    read_table,
+    short,
+    to_csv,
+)
 from fieldrecon.course.sources import Source
 
-COLUMNS = ("student", "points", "comment")
+COLUMNS = ("student", "points", "comment", "answer")
+NOTHING = "nothing written"
 
 
 @dataclass(frozen=True)
@@ -48,7 +59,9 @@ def theory(source: Source) -> list[Theory]:
     ]  # fmt: skip
 
 
-def reading_page(question: Theory, answers: Mapping[str, str]) -> str:
+def reading_page(
+    question: Theory, answers: Mapping[str, str], marks: Mapping[str, Mark] | None = None
+) -> str:
     """Return the page with the question, its rubric, the model answer, and everybody's words.
 
     Students' words are shown as they were typed: nothing in them is taken for a formula or a link.
@@ -58,51 +71,88 @@ def reading_page(question: Theory, answers: Mapping[str, str]) -> str:
     question : Theory
         What was asked.
     answers : mapping
-        The words of each student who wrote some.
+        The words of each student; empty where nothing was written.
+    marks : mapping, optional
+        The points given so far, by student.
     """
+    written = {student: words for student, words in sorted(answers.items()) if words}
+    silent = sorted(set(answers) - set(written))
     body = [
         rendered(question.asked),
         "<h2>How it is graded</h2>", rendered(question.rubric),
-        "<h2>A model answer</h2>", rendered(question.answer),
-        f"<h2>{len(answers)} answers</h2>",
-        *(
-            f'<article class="answer open" id="{escape(student)}"><header><h3>{escape(student)}</h3>'
-            f'<span class="points">of {short(question.points)}</span></header>'
-            f"<pre>{escape(words)}</pre></article>"
-            for student, words in sorted(answers.items())
-        ),
+        f"<details open><summary>A model answer</summary>{rendered(question.answer)}</details>",
+        f"<h2>{_counted(len(written))}</h2>",
+        *(_article(question, *pair, (marks or {}).get(pair[0])) for pair in written.items()),
+        f'<p class="quiet">Nothing written: {escape(", ".join(silent))}.</p>' if silent else "",
     ]  # fmt: skip
     told = f"{short(question.points)} points, to be written into {question.name}.csv"
-    return page(question.name, told, "\n".join(body))
+    return page(f"Question {question.name}", told, "\n".join(body))
 
 
-def points_csv(students: Iterable[str], before: Iterable[Mark], unread: Row | None = None) -> str:
-    """Return the table for the points: what stands there already, and a line for each other student.
+def _counted(answers: int) -> str:
+    return "One answer" if answers == 1 else f"{answers or 'No'} answers"
+
+
+def _article(question: Theory, student: str, words: str, mark: Mark | None) -> str:
+    given = f"{short(mark.points)} of {short(question.points)}" if mark else "not read"
+    comment = f"<p>{escape(mark.comment)}</p>" if mark and mark.comment else ""
+    kind = "right" if mark else "open"
+    return (
+        f'<article class="answer {kind}"><header><h3>{escape(student)}</h3>'
+        f'<span class="points">{given}</span></header><pre>{escape(words)}</pre>{comment}</article>'
+    )
+
+
+def enter(file: Path, answers: Mapping[str, str]) -> list[str]:
+    """Add a line for each student to a table of points, and return who wrote something else since.
+
+    Lines that are there stay as they are, byte by byte, whatever they hold. Who wrote nothing
+    gets a line with no points.
 
     Parameters
     ----------
-    students : iterable of str
-        Who answered.
-    before : iterable of Mark
-        What was entered already.
-    unread : mapping, optional
-        Comments in lines that have no points yet, by student.
+    file : Path
+        ``NN.k.csv``; it is made if there is none.
+    answers : mapping
+        The words of each student; empty where nothing was written.
+
+    Raises
+    ------
+    ValueError
+        A line of the file makes no sense.
     """
-    marks = {mark.student: mark for mark in before}
-    names = sorted(set(students) | set(marks) | set(unread or ()))
-    return to_csv(
-        COLUMNS,
-        (
-            (n, marks[n].points, marks[n].comment) if n in marks else (n, None, (unread or {}).get(n))
-            for n in names
-        ),
-    )
+    if not file.is_file():
+        lines = (_line(*pair) for pair in sorted(answers.items()))
+        write_whole(file, to_csv(COLUMNS, lines).encode())
+        return []
+    rows = {row["student"]: row for row in read_table(file, _checked, ("student",), COLUMNS)}
+    new = sorted(set(answers) - set(rows))
+    if new:
+        before = file.read_bytes()
+        columns, delimiter = header(file)
+        cells = [dict(zip(COLUMNS, _line(who, answers[who]), strict=True)) for who in new]
+        added = to_csv(columns, ([row.get(c) for c in columns] for row in cells), delimiter)
+        joint = b"" if before.endswith(b"\n") else b"\n"
+        write_whole(file, before + joint + added.partition("\n")[2].encode())
+    return [
+        who for who, words in sorted(answers.items())
+        if who in rows and rows[who].get("points") and rows[who].get("answer", "") != seal(words)
+    ]  # fmt: skip
+
+
+def seal(words: str) -> str:
+    """Return a short digest of an answer, by which it is seen that it changed since it was read."""
+    return hashlib.sha256(words.encode()).hexdigest()[:10] if words else ""
+
+
+def _line(student: str, words: str) -> tuple[object, ...]:
+    return student, None if words else 0.0, "" if words else NOTHING, seal(words)
 
 
 def read_marks(folder: Path) -> list[Mark]:
     """Return the points that were entered, from the files ``NN.k.csv`` of a folder.
 
-    Columns: student, points, comment. A line without points is not read yet.
+    Columns: student, points, comment, answer. A line without points is not read yet.
 
     Raises
     ------
@@ -110,20 +160,14 @@ def read_marks(folder: Path) -> list[Mark]:
         A line makes no sense; the sentence names file and line.
     """
     return [
-        mark
+        Mark(row["student"], question(file.stem), points(row["points"]), row.get("comment", ""))
         for file in sorted(folder.glob("[0-9][0-9].*.csv"))
-        for mark in read_table(file, lambda row, q=file.stem: _mark(row, q), ("student",), COLUMNS)  # type: ignore[misc]
-        if mark
+        for row in read_table(file, _checked, ("student",), COLUMNS)
+        if row.get("points")
     ]
 
 
-def unread_comments(file: Path) -> Row:
-    """Return the comments of lines that have no points, so that none is lost."""
-    rows = read_table(file, dict, ("student",), COLUMNS) if file.is_file() else []
-    return {row["student"]: row["comment"] for row in rows if not row.get("points")}
-
-
-def _mark(row: Row, question: str) -> Mark | None:
-    if not row.get("points"):
-        return None
-    return Mark(row["student"], question, points(row["points"]), row.get("comment", ""))
+def _checked(row: Row) -> Row:
+    if row.get("points"):
+        points(row["points"])
+    return row

@@ -13,6 +13,8 @@ from pathlib import Path
 
 from fieldrecon.course.grading.tables import Row, points, question, read_table
 
+COLUMNS = ("student", "question", "points", "by", "reason", "on")
+
 
 @dataclass(frozen=True)
 class Override:
@@ -63,7 +65,7 @@ class Request:
 
 def read_overrides(path: Path) -> list[Override]:
     """Return the overrides in a file. Columns: student, question, points, by, reason, on."""
-    return read_table(path, _override, ("student", "question", "points", "by", "reason", "on"))
+    return read_table(path, _override, COLUMNS)
 
 
 def read_requests(path: Path) -> list[Request]:
@@ -94,8 +96,9 @@ def _override(row: Row) -> Override:
 
 def _request(row: Row) -> Request:
     return Request(
-        row["student"], question(row["question"]), _day(row["on"]), row["request"], row.get("answer", "")
-    )
+        row["student"], question(row["question"]), _day(row["on"]), row["request"],
+        row.get("answer", ""),
+    )  # fmt: skip
 
 
 def _day(text: str) -> date:

@@ -34,7 +34,8 @@ def rendered(markdown: str) -> str:
         Pandoc does not understand it.
     """
     command = [
-        str(pandoc()), "--from=markdown", "--to=html5", "--mathml", "--sandbox", "--fail-if-warnings"
+        str(pandoc()), "--from=markdown", "--to=html5", "--mathml", "--sandbox",
+        "--fail-if-warnings",
     ]  # fmt: skip
     run = subprocess.run(
         command, input=markdown, capture_output=True, text=True, encoding="utf-8", check=False

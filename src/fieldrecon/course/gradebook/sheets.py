@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Literal
 
-from fieldrecon.course.gradebook.assignments import Assignment
-from fieldrecon.course.gradebook.late import Extension, kept, moment
-from fieldrecon.course.gradebook.overrides import Override, latest
+from fieldrecon.course.gradebook.decisions import Decisions, require_known
+from fieldrecon.course.gradebook.late import kept, moment
 from fieldrecon.course.grading.results import Grade, Record, Results
-from fieldrecon.course.grading.tables import short
 
 How = Literal["checked", "read", "override", "open"]
-
-
-@dataclass(frozen=True)
-class Mark:
-    """What a reader gave for an answer in words."""
-
-    student: str
-    question: str
-    points: float
-    comment: str = ""
 
 
 @dataclass(frozen=True)
@@ -68,6 +56,8 @@ class Sheet:
         The submission that counts; without one nothing was handed in.
     kept : float
         The part of the points that being late leaves.
+    unreadable : tuple of Record
+        What else the student handed in, and nobody can read.
     """
 
     student: Mapping[str, str]
@@ -75,6 +65,7 @@ class Sheet:
     lines: tuple[Line, ...]
     record: Record | None = None
     kept: float = 1.0
+    unreadable: tuple[Record, ...] = ()
 
     @property
     def earned(self) -> float:
@@ -102,37 +93,6 @@ class Sheet:
         return self.record.status if self.record else "nothing handed in"
 
 
-@dataclass(frozen=True)
-class Decisions:
-    """What people decided, beside what was graded.
-
-    Parameters
-    ----------
-    assignments : mapping
-        Deadlines, by notebook.
-    extensions : mapping
-        By student and notebook.
-    marks : sequence of Mark
-        Of answers in words.
-    overrides : sequence of Override
-        In the order in which they were written; the last counts.
-    """
-
-    assignments: Mapping[str, Assignment] = field(default_factory=dict)
-    extensions: Mapping[tuple[str, str], Extension] = field(default_factory=dict)
-    marks: Sequence[Mark] = ()
-    overrides: Sequence[Override] = ()
-
-    def override(self, student: str, question: str) -> Override | None:
-        """Return the override that counts, if there is one."""
-        return latest(self.overrides).get((student, question))
-
-    def mark(self, student: str, question: str) -> Mark | None:
-        """Return what a reader gave, if somebody has read it."""
-        key = (student, question)
-        return next((m for m in self.marks if (m.student, m.question) == key), None)
-
-
 def gradebook(results: Results, decisions: Decisions | None = None) -> list[Sheet]:
     """Return a sheet for each student and notebook, in the order of the roster.
 
@@ -152,21 +112,41 @@ def gradebook(results: Results, decisions: Decisions | None = None) -> list[Shee
         A decision is about nobody's answer, or grants more than a question is worth.
     """
     decisions = decisions or Decisions()
+    in_code = {q["question"] for q in results.questions if q["kind"] == "code"}
+    require_known(decisions, everybody(results), _worth(results), in_code)
+    return sheets(results, decisions)
+
+
+def sheets(results: Results, decisions: Decisions) -> list[Sheet]:
+    """Return what `gradebook` does, whatever the decisions are."""
     counting = _last(results.records)
-    students = {student["student"]: student for student in results.students}
-    students |= {name: {"student": name} for name, _ in sorted(counting) if name not in students}
-    worth = {q["question"]: float(q["points"]) for q in results.questions}
+    worth = _worth(results)
     notebooks = sorted({notebook for _, notebook in counting})
-    _require_known(decisions, set(students), worth)
+
+    def sheet(student: Mapping[str, str], notebook: str) -> Sheet:
+        name = student["student"]
+        record = counting.get((name, notebook))
+        return Sheet(
+            student, notebook, tuple(_lines(name, notebook, worth, record, decisions)), record,
+            _kept(record, decisions),
+            tuple(r for r in results.records if r.student == name and not r.notebook),
+        )  # fmt: skip
+
     return [
-        Sheet(
-            student, notebook,
-            tuple(_lines(name, notebook, worth, counting.get((name, notebook)), decisions)),
-            counting.get((name, notebook)),
-            _kept(counting.get((name, notebook)), decisions),
-        )
-        for name, student in students.items() for notebook in notebooks
+        sheet(student, notebook)
+        for student in everybody(results).values() for notebook in notebooks
     ]  # fmt: skip
+
+
+def _worth(results: Results) -> dict[str, float]:
+    return {q["question"]: float(q["points"]) for q in results.questions}
+
+
+def everybody(results: Results) -> dict[str, Mapping[str, str]]:
+    """Return the students by name: the roster, then who handed something in and is not on it."""
+    students = {student["student"]: student for student in results.students}
+    others = sorted({record.student for record in results.records} - set(students))
+    return students | {name: {"student": name} for name in others}
 
 
 def _last(records: Iterable[Record]) -> dict[tuple[str, str], Record]:
@@ -190,7 +170,7 @@ def _lines(
     record: Record | None,
     decisions: Decisions,
 ) -> Iterator[Line]:
-    """Yield what each question earns: by an override if there is one, else as it was read or run."""
+    """Yield what each question earns: by an override if there is one, else as read or checked."""
     grades = {grade.question: grade for grade in (record.grades if record else ())}
     for question, possible in worth.items():
         if question.partition(".")[0] != notebook:
@@ -214,20 +194,3 @@ def _kept(record: Record | None, decisions: Decisions) -> float:
     extension = decisions.extensions.get((record.student, record.notebook))
     policy = decisions.assignments[record.notebook].policy
     return kept(moment(record.received), policy, extension.until if extension else None)
-
-
-def _require_known(decisions: Decisions, students: set[str], worth: Mapping[str, float]) -> None:
-    """Refuse decisions that would be without effect, or out of range: they are mistyped."""
-    problems = []
-    for decision in (*decisions.marks, *decisions.overrides):
-        what = f"{short(decision.points)} points for {decision.student}, {decision.question}"
-        if decision.student not in students:
-            problems.append(f"{what}: nobody of that name is on the roster")
-        elif decision.question not in worth:
-            problems.append(f"{what}: there is no such question")
-        elif decision.points > worth[decision.question]:
-            problems.append(f"{what}: the question is worth {short(worth[decision.question])}")
-    for name in sorted({student for student, _ in decisions.extensions} - students):
-        problems.append(f"an extension for {name}: nobody of that name is on the roster")
-    if problems:
-        raise ValueError("\n".join(problems))

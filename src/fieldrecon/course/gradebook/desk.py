@@ -1,0 +1,97 @@
+"""What lies before somebody who makes something from results: they, the class, the notebooks."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from fieldrecon.course.build import all_sources
+from fieldrecon.course.gradebook.decided import ClassFolder
+from fieldrecon.course.gradebook.decisions import Decisions
+from fieldrecon.course.gradebook.names import file_names
+from fieldrecon.course.gradebook.sheets import Sheet, gradebook
+from fieldrecon.course.grading.archive import Archive
+from fieldrecon.course.grading.results import Record, Results, read_results, write_whole
+from fieldrecon.course.grading.submission import MOST_BYTES, Submission
+from fieldrecon.course.sources import Source
+
+
+@dataclass(frozen=True)
+class Desk:
+    """The results, and all that goes with them, read when it is asked for.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        ``results``, a file or the folder that holds it; ``folder`` of the class; ``out``, or None
+        for beside the results; ``root``, the checkout.
+    """
+
+    options: argparse.Namespace
+
+    @property
+    def file(self) -> Path:
+        """The file of results."""
+        given: Path = self.options.results
+        return given / "results.json" if given.is_dir() else given
+
+    @property
+    def out(self) -> Path:
+        """Where to write."""
+        return self.options.out or self.file.parent
+
+    @property
+    def folder(self) -> ClassFolder:
+        """The tables of the class."""
+        return ClassFolder(self.options.folder)
+
+    @cached_property
+    def results(self) -> Results:
+        """What was graded."""
+        return read_results(self.file)
+
+    @cached_property
+    def decisions(self) -> Decisions:
+        """What people decided."""
+        return self.folder.decisions()
+
+    @cached_property
+    def sheets(self) -> list[Sheet]:
+        """What counts."""
+        return gradebook(self.results, self.decisions)
+
+    @cached_property
+    def sources(self) -> dict[str, Source]:
+        """The notebooks that somebody handed in."""
+        numbers = {sheet.notebook for sheet in self.sheets}
+        return {s.number: s for s in all_sources(self.options.root) if s.number in numbers}
+
+    @property
+    def titles(self) -> dict[str, str]:
+        """Their titles."""
+        return {number: source.title for number, source in self.sources.items()}
+
+    @cached_property
+    def names(self) -> dict[str, str]:
+        """A name for the files of each student."""
+        return file_names(dict.fromkeys(sheet.student["student"] for sheet in self.sheets))
+
+    def write(self, name: str, text: str) -> Path:
+        """Write a file, and return it."""
+        file = self.out / name
+        write_whole(file, text.encode("utf-8", "replace"))
+        return file
+
+    def submission(self, record: Record) -> Submission:
+        """Return what was handed in, from the archive beside the results."""
+        content = Archive(self.file.parent / "received").read(record.digest, MOST_BYTES)
+        return Submission(record.student, record.file, content)
+
+    def records(self, notebook: str) -> dict[str, Record]:
+        """Return the submissions of a notebook that count, by student."""
+        return {
+            sheet.record.student: sheet.record
+            for sheet in self.sheets if sheet.record and sheet.notebook == notebook
+        }  # fmt: skip
