@@ -77,6 +77,10 @@ class Course:
         hidden = _material(self.source(name.partition(".")[0]).path).hidden
         return [PUBLIC, OWN, *(h.name for h in hidden if h.question == name)]
 
+    def solution(self, name: str) -> dict[str, Any]:
+        """Return the functions of the notebook of a question, as the solution has them."""
+        return _material(self.source(name.partition(".")[0]).path).functions
+
     def made_by(self, name: str) -> str:
         """Return the digest of what the verdict on a question depends on, but for the answer."""
         return _made_by(self.source(name.partition(".")[0]).path, name)

@@ -114,10 +114,10 @@ def _file(module: str) -> str:
 
 def _is_ours(module: str | None) -> bool:
     """Whether a module is of this project or of a course, not of Python or of a library."""
-    root = (module or "").partition(".")[0]
-    if root in OURS or root not in sys.modules:
-        return root != ""
-    file = getattr(sys.modules[root], "__file__", None)
+    name = module or ""
+    if name.partition(".")[0] in OURS or name not in sys.modules:
+        return name != ""
+    file = getattr(sys.modules[name], "__file__", None)
     libraries = {sysconfig.get_path(name) for name in ("stdlib", "platlib", "purelib")}
     return file is not None and not any(Path(file).is_relative_to(p) for p in libraries)
 

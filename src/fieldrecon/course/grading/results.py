@@ -7,7 +7,10 @@ Its form is that of ``results.schema.json``.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+import os
+import re
+import threading
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -18,6 +21,7 @@ from fieldcheck.verdict import Verdict
 from fieldrecon.course.grading.isolation import Tier
 
 FORMAT, VERSION = "fieldrecon results", 1
+NUMBERED = re.compile(r"\d{4,}\.json")
 
 Status = Literal[
     "graded", "partly", "unreadable", "killed: time", "killed: memory", "killed: output", "fault"
@@ -225,18 +229,26 @@ def write_results(results: Results, file: Path) -> bool:
     if before == text.encode():
         return False
     if before is not None:
-        kept = file.parent / "history"
-        write_whole(kept / f"{len(list(kept.glob('*.json'))) + 1:04}.json", before)
+        write_whole(_next(file.parent / "history"), before)
     write_whole(file, text.encode())
     return True
+
+
+def _next(history: Path) -> Path:
+    """Return the name of the next file of a history: ``0001.json`` and so on."""
+    numbers = (int(f.stem) for f in history.glob("*.json") if NUMBERED.fullmatch(f.name))
+    return history / f"{max(numbers, default=0) + 1:04}.json"
 
 
 def write_whole(file: Path, content: bytes) -> None:
     """Write a file under another name and move it: it is there complete, or not there."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(file.name + ".part")
-    part.write_bytes(content)
-    part.replace(file)
+    part = file.with_name(f".{file.name}.{os.getpid()}.{threading.get_ident()}.part")
+    try:
+        part.write_bytes(content)
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def read_results(file: Path) -> Results:
@@ -251,33 +263,3 @@ def read_results(file: Path) -> Results:
         return from_json(json.loads(file.read_text(encoding="utf-8")))
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from None
-
-
-def ordered(records: Iterable[Record]) -> tuple[Record, ...]:
-    """Return records in the order of students, notebooks and files."""
-    return tuple(sorted(records, key=lambda r: (r.student, r.notebook, r.file, r.digest)))
-
-
-def merged(before: Iterable[Record], now: Iterable[Record]) -> tuple[Record, ...]:
-    """Return the records of before with those of a run of a part in their place.
-
-    Where only some questions of the same file were graded, the other grades stay; they go where
-    the file is another one.
-    """
-    kept = {_whose(record): record for record in before}
-    for record in now:
-        old = kept.get(_whose(record))
-        if old is not None and old.digest == record.digest:
-            grades = {g.question: g for g in (*old.grades, *record.grades)}
-            record = replace(record, grades=tuple(grades[q] for q in sorted(grades, key=_number)))
-        kept[_whose(record)] = record
-    return ordered(kept.values())
-
-
-def _whose(record: Record) -> tuple[str, ...]:
-    own = (record.student, record.notebook)
-    return own if record.notebook else (*own, record.file)
-
-
-def _number(question: str) -> tuple[int, ...]:
-    return tuple(int(part) for part in question.split("."))

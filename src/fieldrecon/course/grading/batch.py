@@ -1,0 +1,218 @@
+"""A class, graded: by any executor, as far as it is not known from before, and to the end.
+
+What is found of a submission is kept as soon as it is found. A run that is killed goes on where it
+stopped when it is started again, since what is kept is not done twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from fieldrecon.course.grading import workplace
+from fieldrecon.course.grading.archive import Archive
+from fieldrecon.course.grading.cache import Cache, key
+from fieldrecon.course.grading.examine import (
+    Course,
+    Examined,
+    Finding,
+    assembled,
+    examine,
+)
+from fieldrecon.course.grading.intake import Handed
+from fieldrecon.course.grading.isolation import Server
+from fieldrecon.course.grading.ledger import Ledger
+from fieldrecon.course.grading.results import Record
+from fieldrecon.course.grading.submission import Submission
+
+T = TypeVar("T")
+S = TypeVar("S")
+
+
+@dataclass(frozen=True)
+class Portion:
+    """What was handed in, and which questions of it are to be graded: none if it is unreadable."""
+
+    handed: Handed
+    questions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Job:
+    """A submission to be examined, with all that a process elsewhere has to know."""
+
+    course: Course
+    server: Server
+    submission: Submission
+    notebook: str
+    questions: tuple[str, ...]
+
+
+def work(job: Job) -> Examined:
+    """Examine a submission with the server of this thread; try again if the server fails.
+
+    Raises
+    ------
+    Fault
+        The grader fails, also with a fresh server.
+    """
+    return workplace.served(
+        job.server.tier, job.server.limits,
+        lambda s: examine(job.course, s, job.submission, job.notebook, job.questions),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Batch:
+    """How a class is graded.
+
+    Parameters
+    ----------
+    course : Course
+        The trusted side.
+    server : Server
+        The walls, not started: each worker starts its own.
+    archive : Archive
+        Where the submissions are.
+    cache : Cache
+        What was found before.
+    ledger : Ledger
+        Where it is noted what ran.
+    executor : Executor
+        What does the work: of threads, of processes, of other machines that see the same folders.
+    workers : int
+        How many submissions are worked on at once; twice as many are read beforehand.
+    """
+
+    course: Course
+    server: Server
+    archive: Archive
+    cache: Cache
+    ledger: Ledger
+    executor: Executor
+    workers: int = 1
+
+    def records(self, portions: Iterable[Portion]) -> Iterator[tuple[Portion, Record]]:
+        """Yield a record for each portion, as they come; no submission ends this."""
+        return as_they_come(self._begun, portions, 2 * self.workers)
+
+    def _begun(
+        self, portion: Portion
+    ) -> tuple[Future[Any] | None, Callable[[], tuple[Portion, Record]]]:
+        """Begin with a submission: return what has to be waited for, and then to be called."""
+        try:
+            future, finish = self._submitted(portion)
+        except (BrokenExecutor, OSError):
+            raise
+        except Exception as error:  # the sources of a course may be broken
+            record = self._fault(portion, error)
+            return None, lambda: (portion, record)
+        return future, lambda: (portion, _told(portion.handed, finish()))
+
+    def _submitted(self, portion: Portion) -> tuple[Future[Any] | None, Callable[[], Record]]:
+        """Have a submission examined, as far as it is not known."""
+        handed = portion.handed
+        if not handed.notebook:
+            return None, lambda: _unreadable(handed)
+        submission = handed.submission(self.archive)
+        _ = submission.definitions  # here, where the stack is deep enough for any syntax tree
+        keys = {
+            name: key(self.course, self.server, submission, name) for name in portion.questions
+        }
+        found = {name: self.cache.get(digest) for name, digest in keys.items()}
+        known = {name: finding for name, finding in found.items() if finding}
+        todo = tuple(name for name in keys if name not in known)
+        if not todo:
+            return None, lambda: self._record(portion, submission, Examined(known))
+        job = Job(self.course, self.server, submission, handed.notebook, todo)
+        future = self.executor.submit(work, job)
+        return future, lambda: self._finished(portion, submission, future, keys, known)
+
+    def _finished(
+        self,
+        portion: Portion,
+        submission: Submission,
+        future: Future[Examined],
+        keys: Mapping[str, str],
+        known: Mapping[str, Finding],
+    ) -> Record:
+        """Keep what was found, note it, and return the record."""
+        try:
+            examined = future.result()
+        except BrokenExecutor:
+            raise
+        except Exception as error:
+            return self._fault(portion, error)
+        for name, finding in examined.findings.items():
+            self.cache.put(keys[name], finding)
+        findings = {name: {**known, **examined.findings}[name] for name in keys}
+        record = self._record(portion, submission, replace(examined, findings=findings))
+        ran = {name: self.course.made_by(name) for name in examined.findings}
+        self.ledger.note(record, ran)
+        return record
+
+    def _record(self, portion: Portion, submission: Submission, examined: Examined) -> Record:
+        tier, notebook = self.server.tier, portion.handed.notebook
+        return assembled(self.course, submission, notebook, tier, examined)
+
+    def _fault(self, portion: Portion, error: Exception) -> Record:
+        file, note = portion.handed.file, f"the grader failed: {error}"
+        return Record(
+            file.student, file.name, file.digest, portion.handed.notebook, "fault",
+            self.server.tier, notes=(note,),
+        )  # fmt: skip
+
+
+def _unreadable(handed: Handed) -> Record:
+    file = handed.file
+    return Record(
+        file.student, file.name, file.digest, "", "unreadable", "", notes=(handed.problem,)
+    )
+
+
+def _told(handed: Handed, record: Record) -> Record:
+    """Return a record with what is known from the intake."""
+    file = handed.file
+    return replace(
+        record, digest=file.digest, received=file.received, received_by=file.received_by,
+        late_mark=file.late_mark, notes=(*record.notes, *handed.notes),
+    )  # fmt: skip
+
+
+def as_they_come(
+    begin: Callable[[S], tuple[Future[Any] | None, Callable[[], T]]], items: Iterable[S], ahead: int
+) -> Iterator[T]:
+    """Yield what becomes of items, as they come, with at most so many begun at a time.
+
+    Parameters
+    ----------
+    begin : callable
+        From an item to a future, or None if there is nothing to wait for, and to what is called
+        when it is done, which returns what is yielded.
+    items : iterable
+        They are taken when there is room, so that not all are in memory.
+    ahead : int
+        The most that are begun and not done.
+    """
+    waiting: dict[Future[Any], Callable[[], T]] = {}
+    try:
+        for item in items:
+            future, finish = begin(item)
+            if future is None:
+                yield finish()
+                continue
+            waiting[future] = finish
+            if len(waiting) >= ahead:
+                yield from _done(waiting)
+        while waiting:
+            yield from _done(waiting)
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def _done(waiting: dict[Future[Any], Callable[[], T]]) -> Iterator[T]:
+    for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+        yield waiting.pop(future)()
