@@ -113,9 +113,9 @@ def _program(machine: str, process: int) -> Iterator[bytes]:
         yield from (_if(AT_LEAST, 0x40000000, 0, 1), _if(RETURN, KILL))
     yield from (_if(AT_LEAST, FIRST_UNKNOWN, 0, 1), _if(RETURN, ERRNO | ENOSYS))
     for numbers, error in ((REFUSED, EPERM), (ABSENT, ENOSYS)):
-        for number in (each[column] for each in numbers.values()):
-            if number is not None:
-                yield from (_if(EQUAL, number, 0, 1), _if(RETURN, ERRNO | error))
+        for known in (each[column] for each in numbers.values()):
+            if known is not None:
+                yield from (_if(EQUAL, known, 0, 1), _if(RETURN, ERRNO | error))
     only = _unless(EQUAL, process)
     own = _unless(EQUAL, 0)
     cut_short = [_if(MASK, os.O_ACCMODE | os.O_TRUNC), *_when(EQUAL, os.O_TRUNC)]

@@ -1,0 +1,139 @@
+"""What the hostile suite needs: servers on every tier, things not to be touched, and a watchdog."""
+
+import os
+import secrets
+import socket
+import threading
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import pytest
+
+from fieldrecon.course.build import all_sources
+from fieldrecon.course.grading.examine import Course
+from fieldrecon.course.grading.isolation import MEBIBYTE, TIERS, Limits, Server, tiers
+from hostile.case import ROOT
+
+HERE = tiers()
+REQUIRED = [t for t in os.environ.get("FIELDRECON_REQUIRE_TIERS", "").split(",") if t]
+LIMITS = Limits(
+    memory=256 * MEBIBYTE, cpu_seconds=8, seconds_per_cell=1.0, seconds_per_call=0.8,
+    seconds_in_all=60.0, most_starts=8,
+)  # fmt: skip
+SECONDS_FOR_A_CASE = 120
+
+
+def pytest_report_header():
+    missing = [tier for tier in TIERS if tier not in HERE]
+    told = f"isolation: {', '.join(HERE)}"
+    why = "; cases of these are left out, the machine has them not: " + ", ".join(missing)
+    return told + (why if missing else "")
+
+
+class Places:
+    """What a submission must not reach, and whether it did."""
+
+    def __init__(self, folder: Path, stack: ExitStack) -> None:
+        self.token = f"{secrets.randbelow(10**9):09}"
+        self.canary, self.out = folder / "canary", folder / "out"
+        self.canary.mkdir()
+        self.out.mkdir()
+        (self.canary / "secret").write_text(self.secret)
+        (self.out / "results.json").write_text("{}")
+        (self.out / "gradebook.csv").write_text("student,points\n")
+        self.sockets = [
+            self._open(stack, socket.AF_INET, socket.SOCK_STREAM, ("127.0.0.1", 0)),
+            self._open(stack, socket.AF_INET, socket.SOCK_DGRAM, ("127.0.0.1", 0)),
+            self._open(stack, socket.AF_UNIX, socket.SOCK_DGRAM, str(folder / "socket")),
+        ]
+        if os.uname().sysname == "Linux":
+            name = f"\0{self.token}"
+            self.sockets.append(self._open(stack, socket.AF_UNIX, socket.SOCK_DGRAM, name))
+        self.told = {
+            "CANARY": str(self.canary), "OUT": str(self.out), "MARK": self.token,
+            "ROOT": str(ROOT), "HOME": str(Path.home()), "GRADER": str(os.getpid()),
+            "TCP": str(self.sockets[0].getsockname()[1]), "UNIX": str(folder / "socket"),
+            "UDP": str(self.sockets[1].getsockname()[1]),
+        }  # fmt: skip
+        self.before = self.seen()
+
+    @property
+    def secret(self) -> str:
+        """A word that must not be told."""
+        return f"canary{self.token}"
+
+    @staticmethod
+    def _open(stack, family, kind, address):
+        opened = stack.enter_context(closing(socket.socket(family, kind)))
+        opened.bind(address)
+        if kind == socket.SOCK_STREAM:
+            opened.listen()
+        opened.setblocking(False)
+        return opened
+
+    def seen(self) -> list[object]:
+        """Everything about the files that could be changed, and where a file could be added."""
+        files = sorted(p for place in (self.canary, self.out) for p in (place, *place.rglob("*")))
+        stats = [(str(p), p.lstat().st_mode, p.lstat().st_mtime_ns, p.lstat().st_uid) for p in files]
+        texts = [p.read_text() for p in files if p.is_file()]
+        around = ["/tmp", "/var/tmp", "/dev/shm", "/", str(Path.home()), str(ROOT)]
+        added = [p.name for a in around if Path(a).is_dir() for p in Path(a).glob("*" + self.token)]
+        start_up = [Path.home() / name for name in ("sitecustomize.py", ".pythonrc", "poison.pth")]
+        return [stats, texts, added, [p.exists() for p in start_up]]
+
+    def reached(self) -> list[str]:
+        """What was reached that must not be."""
+        found = [] if self.seen() == self.before else ["files outside"]
+        for opened in self.sockets:
+            try:
+                if opened.type == socket.SOCK_STREAM:
+                    opened.accept()[0].close()
+                else:
+                    opened.recv(1)
+            except BlockingIOError:
+                continue
+            found.append(f"the network: {opened}")
+        return found
+
+
+@pytest.fixture(scope="session")
+def places(tmp_path_factory):
+    with ExitStack() as stack:
+        made = Places(tmp_path_factory.mktemp("outside"), stack)
+        os.environ["GRADER_SECRET"] = made.secret
+        yield made
+        del os.environ["GRADER_SECRET"]
+
+
+@pytest.fixture(scope="session")
+def course():
+    sources = [s for s in all_sources(ROOT) if s.number in ("01", "02")]
+    return Course(sources, "a salt")
+
+
+@pytest.fixture(scope="session")
+def servers(places):
+    """A server on each tier that there is, started when it is first asked for."""
+    with ExitStack() as stack:
+        started = {}
+
+        def server(tier):
+            if tier not in started:
+                started[tier] = stack.enter_context(Server(tier, LIMITS).started())
+            return started[tier]
+
+        yield server
+
+
+@pytest.fixture
+def watchdog():
+    """Whatever happens, a server ends, with all that runs behind it."""
+    timers = []
+
+    def watch(server):
+        timers.append(threading.Timer(SECONDS_FOR_A_CASE, server._process.kill))
+        timers[-1].start()
+
+    yield watch
+    for timer in timers:
+        timer.cancel()

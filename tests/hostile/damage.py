@@ -1,0 +1,142 @@
+"""Files that are broken, or only look it: what can be read is graded, the rest is told."""
+
+import json
+
+from hostile.case import EVERYTHING, Case, as_file, code_cell, stub
+
+
+def text(made, **more):
+    """The bytes of a notebook."""
+    return json.dumps(made, **more).encode()
+
+
+def file(name, make, lost=(), **more):
+    """A case that is a file."""
+    return Case(name, make=make, lost=lost, **more)
+
+
+def unreadable(name, make, notes):
+    """A case that is no notebook."""
+    return Case(name, make=make, lost=EVERYTHING, status="unreadable", notes=notes)
+
+
+def changed(change):
+    """A notebook after a change to its data."""
+
+    def make(made):
+        change(made)
+        return as_file(made)
+
+    return make
+
+
+def format_3(made):
+    """The notebook in the format of 2012."""
+    cells = [
+        {"cell_type": "code", "language": "python", "input": c["source"], "outputs": [],
+         "collapsed": False, "metadata": {}} if c["cell_type"] == "code" else c
+        for c in made["cells"]
+    ]  # fmt: skip
+    old = {"nbformat": 3, "nbformat_minor": 0, "metadata": {"name": ""}}
+    return "01.ipynb", text(old | {"worksheets": [{"cells": cells, "metadata": {}}]})
+
+
+def bare(made):
+    """Nothing but cells."""
+    kept = ("cell_type", "source")
+    return "01.ipynb", text({"cells": [{k: c[k] for k in kept} for c in made["cells"]]})
+
+
+def script(made, begin="# %%", end="\n"):
+    """The notebook as a script, as editors and nbconvert write it."""
+    cells = [c["source"] for c in made["cells"] if c["cell_type"] == "code"]
+    return "01.py", end.join(f"{begin}\n{c}\n" for c in cells).replace("\n", end).encode()
+
+
+def exported(made):
+    """The notebook as nbconvert exports it, magic and all."""
+    for cell in made["cells"]:
+        if cell["source"].startswith("import numpy"):
+            magic = "get_ipython().run_line_magic('matplotlib', 'inline')\n"
+            cell["source"] = magic + "get_ipython().system('ls')\n" + cell["source"]
+    return script(made, "# In[1]:\n\n")
+
+
+def same_ids(made):
+    """Every cell with the same id, and one of them twice."""
+    for cell in made["cells"]:
+        cell["id"] = "q-01-1"
+    made["cells"].insert(5, made["cells"][4])
+
+
+def only_answers(made):
+    """No cell but the imports and the answers."""
+    kept = [c for c in made["cells"] if c["source"].startswith(("def ", "import"))]
+    made["cells"] = [{k: v for k, v in c.items() if k != "id"} for c in kept]
+
+
+def kernelspec(made):
+    """A kernel that only the student has."""
+    made["metadata"] = {"kernelspec": {"name": "conda-env-mine-py", "language": "julia"},
+                        "language_info": {"name": "julia", "version": "1.9"}}  # fmt: skip
+
+
+def huge(made):
+    """Ten megabytes of pictures."""
+    for cell in made["cells"]:
+        if cell["cell_type"] == "code":
+            cell["outputs"] = [{"output_type": "display_data", "metadata": {},
+                                "data": {"image/png": "A" * 400_000}}]  # fmt: skip
+
+
+def odd_cells(made):
+    """Cells that are none."""
+    made["cells"][3:3] = [None, 7, "cell", {}, {"cell_type": "code"}, {"cell_type": ["code"]},
+                          {"cell_type": "code", "source": {"a": 1}}]  # fmt: skip
+    made["cells"].append({"cell_type": "code", "source": ["x = 1\n", 7, None, "y = 2"]})
+
+
+def stale(made):
+    """A stub after an answer that works."""
+    made["cells"].append(code_cell(stub("fit")))
+
+
+def one_is_missing(made):
+    """A question whose cell was deleted."""
+    made["cells"] = [c for c in made["cells"] if "def objective" not in c["source"]]
+
+
+CASES = [
+    unreadable("a file cut off in the middle",
+               lambda made: ("01.ipynb", as_file(made)[1][:9000]), "broken"),
+    unreadable("an empty file", lambda _: ("01.ipynb", b""), "empty"),
+    unreadable("zeros", lambda _: ("01.ipynb", bytes(4096)), "no"),
+    unreadable("JSON that is no notebook", lambda _: ("01.ipynb", b"[]"), "no notebook"),
+    unreadable("a notebook with null for cells", lambda _: ("01.ipynb", b'{"cells": null}'), "no"),
+    unreadable("JSON a million deep", lambda _: ("01.ipynb", b'{"cells":' + b"[" * 10**6), "no"),
+    unreadable("a picture called a notebook",
+               lambda _: ("01.ipynb", b"\x89PNG\r\n\x1a\n" + bytes(range(256))), "no text"),
+    unreadable("a page of HTML", lambda _: ("01.ipynb", b"<!DOCTYPE html><html></html>"), "no"),
+    unreadable("a notebook of something else",
+               lambda _: ("01.ipynb", text({"cells": [code_cell("x = 1")]})), "none of"),
+    file("without metadata", bare),
+    file("the format of 2012", format_3),
+    file("duplicate ids", changed(same_ids)),
+    file("nothing but the answers", changed(only_answers)),
+    file("a kernel that is not here", changed(kernelspec)),
+    file("cells that are none", changed(odd_cells)),
+    file("a script with cells", script),
+    file("a script as nbconvert exports it", exported),
+    file("a script with the ends of lines of Windows",
+         lambda made: script(made, end="\r\n")),
+    file("renamed", lambda made: ("ps1 (1) FINAL — копия.ipynb", as_file(made)[1])),
+    file("a byte order mark", lambda made: ("01.ipynb", b"\xef\xbb\xbf" + as_file(made)[1])),
+    file("the ends of lines of Windows",
+         lambda made: ("01.ipynb", as_file(made)[1].replace(b"\n", b"\r\n"))),
+    file("UTF-16", lambda made: ("01.ipynb", as_file(made)[1].decode().encode("utf-16"))),
+    file("pictures of ten megabytes", changed(huge)),
+    file("a stub after an answer", changed(stale), lost=("01.2",), notes="stub"),
+    file("an answer deleted", changed(one_is_missing), lost=("01.6",)),
+    file("lone surrogates and zeros in the code",
+         changed(lambda made: made["cells"].append(code_cell("x = '\udc80\\0'\n\x00")))),
+]  # fmt: skip
