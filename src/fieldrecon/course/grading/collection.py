@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from fieldrecon.course.grading.archive import Archive, NotTaken
-from fieldrecon.course.grading.owners import Owner, students_of
+from fieldrecon.course.grading.owners import students_of
 from fieldrecon.course.grading.platforms import (
     METADATA,
     Metadata,
@@ -97,7 +97,8 @@ class Collection:
             return self._begun(zip_items(self.archive.path(digest)), packed=True)
         items = folder_items(place_of_all)
         loose = [item for item in items if len(item.parts) == 1]
-        if loose and len(loose) == len(items) and all(i.is_zip and not i.refused for i in loose):
+        packs_only = len(loose) == len(items) and all(i.is_zip and not i.refused for i in loose)
+        if packs_only and not any(self._is_student(item.name) for item in loose):
             packs = [self._begun(self._inside(item), packed=True) for item in loose]
             if all(map(_is_bulk, packs)) or (len(packs) == 1 and _is_class(packs[0])):
                 return [item for pack in packs for item in pack]
@@ -114,18 +115,24 @@ class Collection:
     def _begun(self, items: list[Item], packed: bool = False) -> list[Item]:
         """Leave out the folders that lie above those of the students."""
         if not items or any(len(item.parts) == 1 for item in items):
-            return items
+            return items  # there are files, so no folder lies above
         folders: dict[str, list[Item]] = {}
         for item in items:
             folders.setdefault(item.parts[0], []).append(item.below(1))
-        owners = {name: Owner(name) for name in folders}
-        students = students_of(owners.values(), self.roster)
-        if any(is_platform(name) or students[owners[name]] in self.roster for name in folders):
+        if any(is_platform(name) or self._is_student(name) for name in folders):
             return items
         inside = list(folders.values())
         if all(map(_is_bulk, inside)) or (packed and len(inside) == 1 and _is_class(inside[0])):
             return [item for folder in inside for item in folder]
+        if packed and len(inside) == 1:
+            below = self._begun(inside[0], packed)
+            return items if below is inside[0] else below
         return items
+
+    def _is_student(self, name: str) -> bool:
+        """Whether a folder or a zip file is that of somebody on the roster."""
+        (owner,) = place([name], {}).owners
+        return students_of([owner], self.roster)[owner] in self.roster
 
     def _described(self, items: Sequence[Item]) -> tuple[list[Item], Metadata]:
         """Take out the file in which Gradescope tells whose each folder is."""
@@ -150,13 +157,14 @@ class Collection:
         except NoZip as error:
             yield replace(kept, problem=str(error))
             return
-        if depth == MOST_DEPTH:
-            yield replace(kept, problem="it is a zip file in too many others")
+        if depth == MOST_DEPTH or not inside:
+            problem = "it is a zip file in too many others" if inside else "there is nothing in it"
+            yield replace(kept, problem=problem)
             return
         for number, member in enumerate(sorted(inside, key=_importance)):
             if left.files <= 0:
-                problem = f"there are too many files in it: {len(inside) - number} are left out"
-                yield replace(kept, problem=problem)
+                problem = f"there are too many files: {len(inside) - number} are left out"
+                yield replace(file, name=f"{file.name}/…", problem=problem)
                 return
             named = replace(file, name=f"{file.name}/{member.name}")
             yield from self._taken(named, member, left, depth + 1)
@@ -182,8 +190,8 @@ class Collection:
 class _Left:
     """What may still be unpacked of what a student packed."""
 
-    bytes: int = MOST_UNPACKED
-    files: int = MOST_FILES
+    bytes: int = field(default_factory=lambda: MOST_UNPACKED)
+    files: int = field(default_factory=lambda: MOST_FILES)
 
 
 def _file(student: str, item: Item, where: Place) -> File:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 
 from fieldrecon.course.grading.roster import Student
+
+PLATFORMS = ("canvas", "moodle")
 
 
 @dataclass(frozen=True)
@@ -39,37 +40,60 @@ def students_of(owners: Iterable[Owner], roster: Mapping[str, Student]) -> dict[
 
     Strangers of one name are told apart by their numbers: nobody's work counts as another's.
     """
-    everybody = list(roster.values())
-    known = {owner: _student(owner, everybody) for owner in dict.fromkeys(owners)}
+    index: dict[tuple[int, str], list[Student]] = defaultdict(list)
+    for student in roster.values():
+        for key in _keys(_known(student)):
+            index[key].append(student)
+    known = {owner: _student(owner, index) for owner in dict.fromkeys(owners)}
     numbers: dict[str, set[str]] = defaultdict(set)
-    for owner, student in known.items():
-        if student is None:
+    for owner, found in known.items():
+        if found is None:
             numbers[owner.text].add(owner.number)
     return {
-        owner: student.student if student
+        owner: found.student if found
         else f"{owner.text} ({owner.number})" if owner.number and len(numbers[owner.text]) > 1
         else owner.text
-        for owner, student in known.items()
+        for owner, found in known.items()
     }  # fmt: skip
 
 
-def _student(owner: Owner, everybody: Iterable[Student]) -> Student | None:
+def _student(owner: Owner, index: Mapping[tuple[int, str], list[Student]]) -> Student | None:
     """Return the student who fits by the surest sign; none where two fit equally well."""
-    possible = [student for student in everybody if not _is_another(student, owner)]
-    text = _letters(owner.text)
-    signs = (
-        lambda s: owner.number and owner.number == getattr(s, f"{owner.platform}_id", ""),
-        lambda s: _same(owner.email, s.email),
-        lambda s: any(_same(owner.text, o) for o in (s.student, s.login, s.email, s.sis_id)),
-        lambda s: owner.number and owner.number in (s.student, s.sis_id),
-        lambda s: text and text in _spellings(s.name),
-        lambda s: _stands_in(s.student, owner.text) or _stands_in(s.login, owner.text),
+    fitting: dict[int, dict[str, Student]] = defaultdict(dict)
+    for key in _keys(_told(owner)):
+        for student in index.get(key, ()):
+            if not _is_another(student, owner):
+                fitting[key[0]][student.student] = student
+    sure = (fitting[sign] for sign in sorted(fitting) if len(fitting[sign]) == 1)
+    return next((student for found in sure for student in found.values()), None)
+
+
+def _known(student: Student) -> Sequence[Iterable[str]]:
+    """Return what is known of a student, the surest sign first, as `_told` tells it."""
+    names = (student.student, student.login)
+    return (
+        [f"{name} {n}" for name in PLATFORMS if (n := getattr(student, f"{name}_id", ""))],
+        [student.email],
+        [*names, student.email, student.sis_id],
+        [student.student, student.sis_id],
+        _spellings(student.name),
+        [_words(key) for key in names if any(c.isdigit() for c in key)],
     )
-    for sign in signs:
-        fitting = [student for student in possible if sign(student)]
-        if len(fitting) == 1:
-            return fitting[0]
-    return None
+
+
+def _told(owner: Owner) -> Sequence[Iterable[str]]:
+    """Return what an owner tells, sign by sign; at last the words that stand in the text."""
+    words = _words(owner.text).split()
+    runs = [" ".join(words[i:j]) for j in range(len(words) + 1) for i in range(max(0, j - 4), j)]
+    return (
+        [f"{owner.platform} {owner.number}"] if owner.number else [],
+        [owner.email], [owner.text], [owner.number], [_letters(owner.text)], runs,
+    )  # fmt: skip
+
+
+def _keys(signs: Sequence[Iterable[str]]) -> Iterator[tuple[int, str]]:
+    for sign, values in enumerate(signs):
+        yield from ((sign, text) for text in {v.strip().lower() for v in values} if text)
 
 
 def _is_another(student: Student, owner: Owner) -> bool:
@@ -77,21 +101,10 @@ def _is_another(student: Student, owner: Owner) -> bool:
     return owner.platform == "canvas" and student.canvas_id not in ("", owner.number)
 
 
-def _same(one: str, other: str) -> bool:
-    return bool(one) and one.strip().lower() == other.strip().lower()
-
-
-def _stands_in(key: str, text: str) -> bool:
-    """Whether a key with a digit in it, so not a part of a name, stands in a text as a word."""
-    return any(c.isdigit() for c in key) and f" {_words(key)} " in f" {_words(text)} "
-
-
-@cache
 def _words(text: str) -> str:
     return " ".join(re.findall(r"[^\W_]+", text.casefold()))
 
 
-@cache
 def _spellings(name: str) -> frozenset[str]:
     """Return a name as platforms write it: the first name in front, or the last."""
     last, comma, first = name.partition(",")
