@@ -79,6 +79,8 @@ def _export(desk: Desk) -> None:
     for platform, make in FORMS.items():
         if any(getattr(assignment, platform) for assignment in named.values()):
             files.append(desk.write(f"{platform}.csv", make(desk.sheets, named)))
+            for student in platform_forms.left_out(platform, desk.sheets):
+                print(f"{student} is not in {platform}.csv: the roster does not tell who that is")
         else:
             print(f"no {platform}.csv: assignments.csv has no name under {platform}")
     for sheet in desk.sheets:
@@ -87,6 +89,9 @@ def _export(desk: Desk) -> None:
             text = platform_forms.gradescope_text(sheet)
             desk.write(f"gradescope/{sheet.notebook}/{whose}/results.json", text)
     print_files([*files, desk.out / "gradescope"])
+    waiting = sum(line.how == "open" for sheet in desk.sheets for line in sheet.lines)
+    if waiting:
+        print(f"{waiting} answers are not graded yet, and count as no points in these files")
     for request in open_requests(desk.folder.requests(), desk.decisions.overrides):
         print(f"open request: {request.student}, {request.question}, {request.on}")
 

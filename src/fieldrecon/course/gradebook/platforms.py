@@ -29,23 +29,23 @@ def canvas_csv(sheets: Iterable[Sheet], assignments: Mapping[str, Assignment]) -
     Parameters
     ----------
     sheets : iterable of Sheet
-        The grades. The roster has the columns name, canvas_id, sis_id, login and section.
+        The grades. The roster has the columns name, canvas_id, sis_id, login and section; who has
+        none of the second to the fourth is left out.
     assignments : mapping
         What the notebooks are called.
 
     Raises
     ------
     ValueError
-        No notebook has a name in Canvas, or Canvas could not tell who a student is.
+        No notebook has a name in Canvas, or Canvas could tell nobody.
 
     References
     ----------
     Instructure, "How do I import grades in the Gradebook?", Canvas Instructor Guide; and what reads
     the file, ``lib/gradebook_importer.rb`` of github.com/instructure/canvas-lms.
     """
-    rows = by_student(sheets)
+    rows = _told("canvas", by_student(sheets))
     named = _named("canvas", rows, {n: a.canvas for n, a in assignments.items()})
-    _require_told("Canvas", "canvas_id, sis_id or login", rows, ("canvas_id", "sis_id", "login"))
     header = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
     possible: list[object] = ["    Points Possible", None, None, None, None]
     return to_csv(
@@ -66,7 +66,7 @@ def moodle_csv(sheets: Iterable[Sheet], assignments: Mapping[str, Assignment]) -
     """Return a file for *Import, CSV file* in the grades of Moodle.
 
     Its columns are those of Moodle's own export: who, and for each assignment the grade and the
-    feedback. Students are told by their ID number where all have one, otherwise by their address;
+    feedback. Students are told by their ID number or by their address, whichever more of them have;
     map that to *useridnumber* or *useremail*. Grade and feedback have to be imported together:
     feedback without grades deletes the grades. The feedback is HTML::
 
@@ -76,26 +76,25 @@ def moodle_csv(sheets: Iterable[Sheet], assignments: Mapping[str, Assignment]) -
     Parameters
     ----------
     sheets : iterable of Sheet
-        The grades. The roster has the column sis_id, which is Moodle's ID number, or email.
+        The grades. The roster has the column sis_id, which is Moodle's ID number, or email; who
+        is without is left out.
     assignments : mapping
         What the notebooks are called in Moodle: ``"Assignment: Least squares"``.
 
     Raises
     ------
     ValueError
-        No notebook has a name in Moodle, or a student neither a number nor an address.
+        No notebook has a name in Moodle, or nobody a number or an address.
 
     References
     ----------
     Moodle documentation, "Grade import", https://docs.moodle.org/en/Grade_import, "CSV grade
     import" and note 3; the names of the columns are those of "Grade export".
     """
-    rows = by_student(sheets)
+    rows = _told("moodle", by_student(sheets))
     named = _named("moodle", rows, {n: a.moodle for n, a in assignments.items()})
-    numbered = all(row[0].student.get("sis_id") for row in rows)
-    key, title = ("sis_id", "ID number") if numbered else ("email", "Email address")
-    _require_told("Moodle", "sis_id for everybody, or email", rows, (key,))
-    columns = [title]
+    (key,) = _keys("moodle", rows)
+    columns = ["ID number" if key == "sis_id" else "Email address"]
     for name in named.values():
         columns += [f"{name} (Real)", f"{name} (Feedback)"]
     return to_csv(
@@ -185,13 +184,31 @@ def _named(
     return named
 
 
-def _require_told(
-    platform: str, columns: str, rows: Sequence[Sequence[Sheet]], keys: Sequence[str]
-) -> None:
-    students = [row[0].student for row in rows]
-    unknown = [s["student"] for s in students if not any(s.get(key) for key in keys)]
-    if unknown:
+def left_out(platform: str, sheets: Iterable[Sheet]) -> list[str]:
+    """Return the students whom a platform could not tell from the roster; its file has them not."""
+    keys = _keys(platform, by_student(sheets))
+    students = [row[0].student for row in by_student(sheets)]
+    return [s["student"] for s in students if not any(s.get(key) for key in keys)]
+
+
+def _told(platform: str, rows: Sequence[Sequence[Sheet]]) -> list[Sequence[Sheet]]:
+    """Return the rows of students that a platform can tell."""
+    keys = _keys(platform, rows)
+    told = [row for row in rows if any(row[0].student.get(key) for key in keys)]
+    if not told:
         raise ValueError(
-            f"{platform} cannot tell who these are: {', '.join(unknown)}. "
-            f"The roster needs {columns}"
+            f"{platform.title()} cannot tell who anybody is: the roster needs {' or '.join(keys)}"
         )
+    return told
+
+
+def _keys(platform: str, rows: Sequence[Sequence[Sheet]]) -> tuple[str, ...]:
+    """Return the columns of the roster by which a platform tells students.
+
+    Moodle takes one of its two: that which more students have.
+    """
+    if platform == "canvas":
+        return "canvas_id", "sis_id", "login"
+    students = [row[0].student for row in rows]
+    having = {key: sum(bool(s.get(key)) for s in students) for key in ("sis_id", "email")}
+    return (max(having, key=lambda key: having[key]),)

@@ -93,8 +93,7 @@ def _lay_out(
 
 
 def _chapters(values: Mapping[str, Any], titles: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    first, last = (TEXTS / "class_report.md").read_text(encoding="utf-8").split("\n# ")
-    yield "00", first + "\n"
+    yield "00", (TEXTS / "class_report.md").read_text(encoding="utf-8")
     chapter, told = (
         Template((TEXTS / f"class_{name}.md").read_text(encoding="utf-8"))
         for name in ("notebook", "mistakes")
@@ -102,9 +101,8 @@ def _chapters(values: Mapping[str, Any], titles: Mapping[str, str]) -> Iterator[
     for number in sorted(name[-2:] for name in values if name != "class"):
         has_mistakes = values[f"notebook_{number}"]["tables"]["mistakes"]["rows"]
         mistakes = told.substitute(number=number) if has_mistakes else "No mistake was recognised."
-        title = f"{number} {titles.get(number, '')}".strip()
+        title = f"Notebook {number}: {titles.get(number, '')}".rstrip(": ")
         yield number, chapter.substitute(number=number, title=title, mistakes=mistakes) + "\n"
-    yield "99", f"# {last}"
 
 
 def _told(facts: Mapping[str, Any], figures: list[str], **tables: Any) -> dict[str, Any]:

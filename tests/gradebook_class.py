@@ -1,0 +1,83 @@
+"""A class for tests: notebooks with known mistakes in them, and records made by hand."""
+
+import ast
+import json
+from pathlib import Path
+
+from fieldcheck.questions import questions
+from fieldcheck.verdict import Verdict
+from fieldrecon.course.build import all_sources
+from fieldrecon.course.grading.results import Grade, Record, Results
+from fieldrecon.course.grading.submission import Submission
+
+ROOT = Path(__file__).parents[1]
+DIGEST = "ab" * 32
+
+
+def source(number):
+    return next(s for s in all_sources(ROOT) if s.number == number)
+
+
+def notebook(number, folder="solutions"):
+    return json.loads((ROOT / folder / f"{source(number).name}.ipynb").read_text("utf-8"))
+
+
+def code_cell(book, function):
+    """Return the cell of a notebook that defines a function."""
+    return next(
+        c for c in book["cells"]
+        if c["cell_type"] == "code" and f"def {function}(" in "".join(c["source"])
+    )  # fmt: skip
+
+
+def with_function(book, function, code):
+    """Return a notebook whose cell for a function holds other code."""
+    code_cell(book, function)["source"] = code
+    return book
+
+
+def mistaken(question, mistake):
+    """Return the code of a catalogued mistake as a student would hand it in."""
+    number, function = question.partition(".")[0], questions()[question].function
+    path = ROOT / "solutions" / "misconceptions" / f"{source(number).name}.py"
+    tree = ast.parse(path.read_text("utf-8"))
+    wrong = mistake.replace(" ", "_")
+    kept = []
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef) and node.decorator_list:
+            if node.name == wrong:
+                node.name, node.decorator_list = function, []
+                kept.append(node)
+        elif "fieldrecon" not in ast.unparse(node) and node is not tree.body[0]:
+            kept.append(node)
+    return ast.unparse(ast.Module(kept, []))
+
+
+def submission(student, book, name="handed in.ipynb"):
+    return Submission(student, name, json.dumps(book).encode())
+
+
+def grade(question, points, possible=2.0, rung=None, sentence="", **parts):
+    rung = rung or ("right" if points >= possible else "wrong")
+    verdict = Verdict(question, rung, sentence, parts.pop("mistake", ""), parts.pop("call", None))
+    return Grade(question, points, possible, verdict, made_by="0" * 64, **parts)
+
+
+def record(student, grades, notebook="01", **changes):
+    told = {"file": f"{student}.ipynb", "digest": DIGEST, "status": "graded", "tier": "bubblewrap"}
+    return Record(student, notebook=notebook, grades=tuple(grades), code=DIGEST, **told | changes)
+
+
+def asked(*names, points=2.0, kind="code"):
+    return tuple(
+        {
+            "question": name, "notebook": name[:2], "kind": kind, "points": points,
+            "function": "f" if kind == "code" else "",
+        }
+        for name in names
+    )  # fmt: skip
+
+
+def results(records, questions=None, students=(), **changes):
+    questions = questions or asked("01.1", "01.2") + asked("01.7", kind="words")
+    return Results(tuple(records), tuple(students), tuple(questions), **changes)
