@@ -9,7 +9,7 @@ python := $(VENV)/bin/python
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help test test-slow test-all lint report check-reproducible bench notebooks check-graders \
-  publish bundle lab lock clean distclean FORCE
+  publish bundle grade lab lock clean distclean FORCE
 
 # The packages are those of the lock files, whatever else this shell can import.
 unexport PYTHONHOME PYTHONPATH
@@ -94,6 +94,11 @@ publish: $(ready) ## write the solved notebooks as HTML and PDF to dist/solution
 
 bundle: $(ready) ## write dist/student-bundle.zip
 	@$(VENV)/bin/fieldrecon course bundle
+
+grade: $(ready) ## grade what a class handed in: SUBMISSIONS=dir; OUT=graded, CLASS=class, ONLY=02, JOBS=4
+	@$(if $(SUBMISSIONS),,$(error SUBMISSIONS=dir is missing: what is to be graded))
+	@$(VENV)/bin/fieldrecon grade "$(SUBMISSIONS)" $(if $(OUT),--out "$(OUT)") \
+	  $(if $(CLASS),--class "$(CLASS)") $(if $(ONLY),--only $(ONLY)) $(if $(JOBS),--jobs $(JOBS))
 
 # Rest
 

@@ -73,6 +73,9 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     course = commands.add_parser("course", help="notebooks, their graders, the students' bundle")
     if "course" in arguments:
         _add_course(course)
+    grade = commands.add_parser("grade", help="grade what a class handed in")
+    if "grade" in arguments:
+        _add_grade(grade)
     return parser
 
 
@@ -90,6 +93,15 @@ def _add_course(parser: argparse.ArgumentParser) -> None:
     """Declare the options that the course itself knows."""
     try:
         from fieldrecon.course.command import add_arguments
+    except ModuleNotFoundError as missing:
+        parser.error(_sentence(missing))
+    add_arguments(parser)
+
+
+def _add_grade(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that grading itself knows."""
+    try:
+        from fieldrecon.course.grading.command import add_arguments
     except ModuleNotFoundError as missing:
         parser.error(_sentence(missing))
     add_arguments(parser)

@@ -53,10 +53,6 @@ def group(place: Place) -> pytest.MarkDecorator:
     return pytest.mark.xdist_group(f"{place.student} {place.notebook}")
 
 
-class NotPassed(Exception):
-    """What is told of an answer that did not pass."""
-
-
 class Item(pytest.Item):
     """A check of an answer. What is found of it was found by the batch."""
 
@@ -72,32 +68,20 @@ class Item(pytest.Item):
         record = self.record(self.place)
         if self.check == READABLE or not record.grades:
             if record.status in ("unreadable", "fault"):
-                raise NotPassed("; ".join(record.notes))
+                pytest.fail("; ".join(record.notes), pytrace=False)
             return
         grade = next(g for g in record.grades if g.question == self.place.question)
         told(grade, self.check, self.checks)
 
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Return the sentence for the student, without a traceback."""
-        if isinstance(excinfo.value, NotPassed):
-            return str(excinfo.value)
-        return super().repr_failure(excinfo, style)
-
     def reportinfo(self) -> tuple[str, None, str]:
         """Return what stands in the head of a report."""
-        return self.place.file, None, self.name
+        return self.place.file, None, self.check
 
 
 def told(grade: Grade, check: str, checks: list[str]) -> None:
-    """Let pytest know what a grade says of a check.
-
-    Raises
-    ------
-    NotPassed
-        It is the check that was not passed.
-    """
+    """Let pytest know what a grade says of a check: passed, failed, or not reached."""
     if grade.check == check:
-        raise NotPassed(str(grade.verdict))
+        pytest.fail(str(grade.verdict), pytrace=False)
     if grade.check in checks and checks.index(check) > checks.index(grade.check):
         pytest.skip(f"{grade.question} did not pass: {grade.check}")
 

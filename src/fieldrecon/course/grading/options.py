@@ -10,6 +10,8 @@ from typing import Any
 from fieldrecon.course.grading.isolation import TIERS
 from fieldrecon.course.grading.run import Choice, Run, chosen_tier, cores
 
+TABLES = Path("class")
+
 
 def jobs(text: str) -> int:
     """Return how many are worked on at once, from what was typed."""
@@ -22,8 +24,9 @@ def declare(add: Callable[..., Any]) -> None:
     """Declare the options with what adds one."""
     add("--out", type=Path, default=Path("graded"), metavar="OUT", help="where the results go; "
         "what was graded before is kept there, and not done again (default: graded)")  # fmt: skip
-    add("--class", type=Path, dest="tables", metavar="CLASS", help="a folder with roster.csv, "
-        "points.csv, received.csv and checks/test_*.py, as far as you need them")  # fmt: skip
+    add("--class", type=Path, dest="tables", default=TABLES, metavar="CLASS", help="the folder "
+        "with roster.csv and the other tables, and your own checks in checks/test_*.py, as far as "
+        "you need them (default: class)")  # fmt: skip
     add("--root", type=Path, default=Path(), metavar="ROOT", help="the checkout (default: here)")
     add("--only", nargs="+", default=[], metavar="02", help="grade these notebooks")
     add("--question", default="", metavar="02.3", help="grade this question")
@@ -44,12 +47,13 @@ def run_of(options: argparse.Namespace) -> tuple[Run, str]:
     """
     if options.question and options.only and options.question[:2] not in options.only:
         raise ValueError(f"question {options.question} is not in {', '.join(options.only)}")
-    if options.tables and not options.tables.is_dir():
+    tables = options.tables if options.tables.is_dir() else None
+    if tables is None and options.tables != TABLES:
         raise ValueError(f"{options.tables} is no folder with the tables of a class")
     tier, banner = chosen_tier(options.tier, options.require_isolation)
     choice = Choice(frozenset(options.only), options.question, options.student)
     run = Run(
-        Path(options.submissions), options.out, options.root, options.tables, tier, options.jobs,
+        Path(options.submissions), options.out, options.root, tables, tier, options.jobs,
         choice,
     )  # fmt: skip
     return run, banner

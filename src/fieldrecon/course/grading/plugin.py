@@ -27,14 +27,13 @@ from fieldrecon.course.grading.instructors import (
     parametrized,
     place_of_item,
 )
-from fieldrecon.course.grading.items import Item, NotPassed, Place, items, places
+from fieldrecon.course.grading.items import Item, Place, items, places
 from fieldrecon.course.grading.options import declare, run_of
 from fieldrecon.course.grading.reports import Findings, place_of, written
 from fieldrecon.course.grading.results import Record, Results
 from fieldrecon.course.grading.run import Run
 from fieldrecon.course.grading.submission import Submission
 
-NAME = "fieldrecon grading"
 CHECKED, FAULT = pytest.StashKey[Checked](), pytest.StashKey[str]()
 
 
@@ -50,14 +49,14 @@ def pytest_configure(config: pytest.Config) -> None:
     """Prepare to grade what the options say, and to collect the checks of instructors only."""
     if not config.option.submissions:
         return
-    grading = config.pluginmanager.get_plugin(NAME)
+    grading = grading_of(config)
     if grading is None:
         try:
             grading = Grading(run_of(config.option)[0])
             _ = grading.run.taken
         except ValueError as error:
             raise pytest.UsageError(str(error)) from None
-        config.pluginmanager.register(grading, NAME)
+        config.pluginmanager.register(grading)
     checks = grading.run.tables / "checks" if grading.run.tables else None
     config.args[:] = [str(checks)] if checks and checks.is_dir() else []
     config.addinivalue_line("markers", USAGE)
@@ -68,8 +67,15 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.fixture
 def answer(request: pytest.FixtureRequest) -> Any:
     """What a student's functions return, called behind walls: ``answer("01.2", *arguments)``."""
-    grading: Grading = request.config.pluginmanager.get_plugin(NAME)  # type: ignore[assignment]
+    grading = grading_of(request.config)
+    assert grading is not None
     return behind_walls(grading.run.server, grading.submission(request.param))
+
+
+def grading_of(config: pytest.Config) -> Grading | None:
+    """Return the run of a session of pytest, if it has been registered."""
+    plugins = config.pluginmanager.get_plugins()
+    return next((plugin for plugin in plugins if isinstance(plugin, Grading)), None)
 
 
 class Grading:
@@ -94,6 +100,7 @@ class Grading:
         self.run, self.executor, self.told = run, executor, told
         self.findings = Findings()
         self.results: Results | None = None
+        self.changed = False
         self.problems: list[str] = []
         self._instructor = Instructor(run)
         self._portions: dict[Place, Portion] = {}
@@ -184,10 +191,10 @@ class Grading:
             checked = self._instructor.checked(pyfuncitem, check, self.submission(place))
         except Fault as fault:
             pyfuncitem.stash[FAULT] = str(fault)
-            raise
+            pytest.fail(f"the grader failed: {fault}", pytrace=False)
         pyfuncitem.stash[CHECKED] = checked
         if not checked.passed:
-            raise NotPassed(check.sentence)
+            pytest.fail(check.sentence, pytrace=False)
         return True
 
     # Telling.
@@ -216,7 +223,7 @@ class Grading:
         try:
             whole = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
             if whole and not self._is_worker:
-                self.results = self.run.finish(self.findings.complete())
+                self.results, self.changed = self.run.finish(self.findings.complete())
         finally:
             self._open.close()
 

@@ -175,8 +175,8 @@ class Run:
             for h in self.taken[0]
         ]
 
-    def finish(self, records: Iterable[Record]) -> Results:
-        """Write what was found into the results, and return them.
+    def finish(self, records: Iterable[Record]) -> tuple[Results, bool]:
+        """Write what was found into the results; return them, and whether they differ from before.
 
         Raises
         ------
@@ -186,8 +186,7 @@ class Run:
         file = self.out / RESULTS
         before = read_results(file).records if file.is_file() else ()
         results = self.results(merged(before, records))
-        write_results(results, file)
-        return results
+        return results, write_results(results, file)
 
     def results(self, records: tuple[Record, ...]) -> Results:
         """Return records with all that is needed to understand them."""

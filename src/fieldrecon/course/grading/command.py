@@ -1,0 +1,116 @@
+"""``fieldrecon grade``: a class graded by one command, and what came of it in a few lines."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from threadpoolctl import threadpool_limits
+
+from fieldrecon.course.grading.options import TABLES, declare, run_of
+from fieldrecon.course.grading.progress import progress
+from fieldrecon.course.grading.results import STATUSES, Record
+from fieldrecon.course.grading.run import RESULTS, Run
+from fieldrecon.course.secret import MISSING
+
+DESCRIPTION = """Grade what a class handed in: a folder with a folder or a file for each student,
+or the zip file that a learning platform makes. What is found is kept in OUT, so that a run that was
+interrupted goes on where it stopped, and after a change only what depends on it is made again."""
+EPILOG = "The exit status is 0 however bad the answers are; it is 1 if the grader itself failed."
+PYTEST = """what else pytest is told, whose output is shown then: "-k ada -x --junit-xml grades.xml
+-n 4" """
+NEXT = "pages for students: fieldrecon course feedback {out}; grade book: … course export {out}"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``fieldrecon grade``."""
+    parser.description, parser.epilog = DESCRIPTION, EPILOG
+    parser.add_argument("submissions", metavar="DIR", help="what was handed in")
+    declare(parser.add_argument)
+    parser.add_argument("--diff", action="store_true", help="tell which grades changed, and why")
+    parser.add_argument("--pytest", type=shlex.split, default=[], metavar="'...'", help=PYTEST)
+    parser.set_defaults(command=grade)
+
+
+def grade(options: argparse.Namespace) -> int:
+    """Grade a class, and return 1 if the grader itself failed.
+
+    Raises
+    ------
+    ValueError
+        There is nothing to be graded, or a table is wrong.
+    """
+    import pytest
+
+    from fieldrecon.course.grading.plugin import Grading
+
+    run, banner = run_of(options)
+    _ = run.taken  # what is wrong with the tables, or with DIR, is told first
+    _say_loudly(banner, "" if run.salt.secret else MISSING)
+    with threadpool_limits(1), progress("graded") as told:
+        grading = Grading(run, told=told)
+        status = pytest.main(_arguments(options), plugins=[grading])
+    if status == pytest.ExitCode.INTERRUPTED and not grading.problems:
+        raise KeyboardInterrupt
+    problems = [*grading.problems, *grading.findings.faults]
+    for problem in problems:
+        print(f"fieldrecon: {problem}", file=sys.stderr)
+    if grading.results is None:
+        return int(status)
+    graded = list(grading.findings.records.values())
+    earlier = len(grading.results.records) - len(graded)
+    print("\n".join(_came_out(run, graded, earlier)))
+    _compare(options, grading.changed)
+    return int(bool(problems) or any(record.status == "fault" for record in graded))
+
+
+def _arguments(options: argparse.Namespace) -> list[str]:
+    """Return what pytest is told; processes of pytest-xdist hear of the run by its options."""
+    told = [
+        "-p", "fieldrecon.course.grading.plugin", "-c", os.devnull, "-p", "no:cacheprovider",
+        "--rootdir=.", "--import-mode=importlib", "--capture=sys",
+        "-W", "ignore:Module already imported",
+        f"--submissions={options.submissions}", f"--out={options.out}", f"--root={options.root}",
+        f"--question={options.question}", f"--student={options.student}", f"--jobs={options.jobs}",
+    ]  # fmt: skip
+    told += [f"--class={options.tables}"] if options.tables != TABLES else []
+    told += [f"--tier={options.tier}"] if options.tier else []
+    told += [f"--only={number}" for number in options.only]
+    return told + (options.pytest or ["-p", "no:terminalreporter"])
+
+
+def _came_out(run: Run, graded: Sequence[Record], earlier: int) -> Iterator[str]:
+    """Yield what came out, and where it is."""
+    counted = Counter(record.status for record in graded)
+    told = ", ".join(f"{counted[status]} {status}" for status in STATUSES if counted[status])
+    yield f"{len(graded)} submissions, walls: {run.tier}; {told or 'nothing was chosen'}"
+    for record in graded:
+        if record.status in ("unreadable", "fault"):
+            yield f"  {record.student}, {record.file}: {'; '.join(record.notes)}"
+    yield from (f"  nobody's: {stray}" for stray in run.taken[1])
+    if earlier:
+        yield f"{earlier} of earlier runs stay as they were"
+    yield str(run.out / RESULTS)
+    yield NEXT.format(out=run.out)
+
+
+def _compare(options: argparse.Namespace, changed: bool) -> None:
+    """Tell which grades changed, if asked to, and remember what was decided for the next time."""
+    from fieldrecon.course.gradebook.command import print_differences
+    from fieldrecon.course.gradebook.decided import ClassFolder, remember
+    from fieldrecon.course.gradebook.differences import compared
+
+    file, folder = options.out / RESULTS, ClassFolder(options.tables)
+    if options.diff:
+        print_differences(compared(file, folder, None if changed else file))
+    remember(options.out, folder)
+
+
+def _say_loudly(*told: str) -> None:
+    line = "!" * 72
+    for text in filter(None, told):
+        print(f"{line}\n{text}\n{line}", file=sys.stderr)
