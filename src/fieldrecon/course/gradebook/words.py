@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fieldrecon.course.grading.submission import Submission, Unreadable, source_of
+from fieldrecon.course.grading.submission import MARK, Submission, Unreadable, source_of
 from fieldrecon.course.notebooks import YOUR_WORDS
 
 HEADER = re.compile(r"^# ?%%(?P<header>.*)$", re.MULTILINE)
@@ -53,9 +53,9 @@ def _answer(cells: list[Text | None], question: str) -> str:
     identifier = f"q-{question.replace('.', '-')}"
     named = [c.text for c in texts if c.identifier == identifier or _is_copy(c, identifier)]
     for candidates in (marked, named, [_following(cells, question)]):
-        written = [text.strip() for text in candidates if text.strip() not in ("", YOUR_WORDS)]
-        if written:
-            return "\n\n".join(dict.fromkeys(written))
+        written = dict.fromkeys(text.replace(YOUR_WORDS, "").strip() for text in candidates)
+        if any(written):
+            return "\n\n".join(filter(None, written))
     return ""
 
 
@@ -72,7 +72,6 @@ def _following(cells: list[Text | None], question: str) -> str:
         if cell is None or cell.text.startswith(("**0", "#")) or cell.answer not in ("", question):
             break
         answer.append(cell.text)
-    answer = [text for text in answer if text.strip() != YOUR_WORDS]
     return "\n\n".join(answer)
 
 
@@ -100,7 +99,8 @@ def _python_cells(text: str) -> Iterator[Text | None]:
     """Yield the comments of a script as cells: by its marks, or paragraph by paragraph."""
     if not HEADER.search(text):
         for part in re.split(r"\n\s*\n", text):
-            yield Text(_uncommented(part)) if part.lstrip().startswith("# ") else None
+            is_text = part.lstrip().startswith("# ") and not MARK.match(part.lstrip())
+            yield Text(_uncommented(part)) if is_text else None
         return
     parts = HEADER.split(text)[1:]
     for header, body in zip(parts[::2], parts[1::2], strict=True):

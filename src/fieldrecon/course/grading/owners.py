@@ -98,7 +98,8 @@ def _keys(signs: Sequence[Iterable[str]]) -> Iterator[tuple[int, str]]:
 
 def _is_another(student: Student, owner: Owner) -> bool:
     """Whether Canvas says that it is somebody else, perhaps of the same name."""
-    return owner.platform == "canvas" and student.canvas_id not in ("", owner.number)
+    number = owner.number if owner.platform == "canvas" else ""
+    return number != "" and student.canvas_id not in ("", number)
 
 
 def _words(text: str) -> str:

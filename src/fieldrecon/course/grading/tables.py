@@ -158,6 +158,7 @@ def _cell(value: object) -> str:
 
 
 def _safe(text: str) -> str:
+    text = text.replace("\r\n", "\n").replace("\r", "\n")  # csv does not quote the latter
     return f"'{text}" if FORMULA.match(text) else text
 
 
@@ -170,10 +171,13 @@ def _lines(path: Path) -> Iterable[tuple[int, list[str]]]:
     """Yield the lines that count, as cells, with the number of the line in which each ends."""
     text = _text(path)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=_delimiter(text))
-    for cells in reader:
-        stripped = [_plain(cell).strip() for cell in cells]
-        if any(stripped) and not cells[0].lstrip().startswith("#"):
-            yield reader.line_num, stripped
+    try:
+        for cells in reader:
+            stripped = [_plain(cell).strip() for cell in cells]
+            if any(stripped) and not cells[0].lstrip().startswith("#"):
+                yield reader.line_num, stripped
+    except csv.Error as error:
+        raise ValueError(f"{path.name}:{reader.line_num}: {error}") from None
 
 
 def _text(path: Path) -> str:
