@@ -1,1 +1,1 @@
-"""Submissions that nobody wants and every class hands in: each has a fair grade, and harms nobody."""
+"""Submissions that nobody wants and every class hands in: a fair grade each, and no harm done."""

@@ -210,7 +210,8 @@ def fit(points, values):
     Case("answers forged in words that steer a terminal", lost=("01.2",), before=FORGER, answers={
         "fit": """
 def fit(points, values):
-    forged({"frame": their("head")["frame"], "status": "raised", "error": "\\ud800\\x1b[2J\\0" * 9999,
+    text = "\\ud800\\x1b[2J\\0" * 9999
+    forged({"frame": their("head")["frame"], "status": "raised", "error": text,
             "line": [1], "modified": [True, "x", 1e999], "returned": {}, "arrays": []})
     return 0
 """}),

@@ -74,7 +74,9 @@ class Places:
     def seen(self) -> list[object]:
         """Everything about the files that could be changed, and where a file could be added."""
         files = sorted(p for place in (self.canary, self.out) for p in (place, *place.rglob("*")))
-        stats = [(str(p), p.lstat().st_mode, p.lstat().st_mtime_ns, p.lstat().st_uid) for p in files]
+        stats = [
+            (str(p), p.lstat().st_mode, p.lstat().st_mtime_ns, p.lstat().st_uid) for p in files
+        ]
         texts = [p.read_text() for p in files if p.is_file()]
         around = ["/tmp", "/var/tmp", "/dev/shm", "/", str(Path.home()), str(ROOT)]
         added = [p.name for a in around if Path(a).is_dir() for p in Path(a).glob("*" + self.token)]
@@ -114,6 +116,7 @@ def course():
 @pytest.fixture(scope="session")
 def servers(places):
     """A server on each tier that there is, started when it is first asked for."""
+    assert os.environ["GRADER_SECRET"] == places.secret
     with ExitStack() as stack:
         started = {}
 

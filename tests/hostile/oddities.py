@@ -22,14 +22,14 @@ def in_fit(name, line, **more):
 
 
 CASES = [
-    in_fit("warnings", "import warnings; warnings.warn('careful'); np.log(-1.0); np.array([1]) / 0"),
+    in_fit("warnings", "import warnings; warnings.warn('careful'); np.ones(1) / 0; np.log(-1.0)"),
     in_fit("prints", "print(b, 'x' * 1000, flush=True); import sys; print(1, file=sys.stderr)"),
     in_fit("slow but right", "import time; time.sleep(0.05)"),
     in_fit("magics in an answer", "%time x = 1\n    !ls\n    files = !ls"),
     odd("an error in a scratch cell", "1 / 0", before="undefined + 1"),
     odd("a syntax error in a scratch cell", "def (:", before="for x in"),
     odd("magics and commands",
-        "%%time\nx = 1", before="%matplotlib inline\n%load_ext autoreload\n!pip install numpy\nnp?"),
+        "%%time\nx = 1", before="%matplotlib inline\n%load_ext autoreload\n!pip install x\nnp?"),
     odd("a cell of another language", "%%bash\nrm -rf $HOME/* | grep x", before="%%html\n<b>x</b>"),
     odd("input()", "name = input('Who are you? ')"),
     odd("figures shown", """
@@ -52,8 +52,8 @@ display(plt.gcf())
         "open('notes.txt', 'w').write('x'); import tempfile; tempfile.TemporaryFile().write(b'x')"),
     odd("threads of one's own", "from concurrent.futures import ThreadPoolExecutor\n"
         "with ThreadPoolExecutor(4) as pool: assert sum(pool.map(abs, range(9))) == 36"),
-    odd("checks of one's own", "assert check('01.1') == 'right'", before="import fieldcheck.notebook\n"
-        "fieldcheck.notebook.check('01.1', {})"),
+    odd("checks of one's own", "assert check('01.1') == 'right'",
+        before="import fieldcheck.notebook\nfieldcheck.notebook.check('01.1', {})"),
     odd("annotations and decorators", answers={"fit": """
 import functools
 @functools.lru_cache(maxsize=None)

@@ -1,7 +1,6 @@
 """Each case on each tier: the fair grade, nothing reached, nothing left, and the next is graded."""
 
 import json
-import os
 from pathlib import Path
 
 import pytest
@@ -88,7 +87,7 @@ def test_a_submission(case: Case, tier, course, servers, places, watchdog):
     assert running(server) == alone
     assert server._process is process
     assert process.poll() is None
-    assert os.listdir(server._scratch / "homes") == []
+    assert list((server._scratch / "homes").iterdir()) == []
 
     honest = grade(course, server, Submission("honest", *HONEST))
     assert points(honest) == POINTS["01"]

@@ -96,7 +96,7 @@ def fit(points, values):
 """}, lost=("01.2",)),
     tries("files of the system told in an error", """
 told = ""
-for path in ("/etc/shadow", "/etc/passwd", "/proc/1/environ", "/proc/self/environ", "/root/.profile"):
+for path in ("/etc/shadow", "/etc/passwd", "/proc/1/environ", "/proc/self/environ"):
     try:
         told += open(path).read()
     except OSError:
@@ -192,7 +192,8 @@ for module in list(sys.modules.values()):
     tries("matplotlib's settings and fonts", EACH_TRY + """
 import glob, os, matplotlib
 from matplotlib import font_manager
-places = [matplotlib.get_configdir(), matplotlib.get_cachedir(), os.path.dirname(font_manager.__file__)]
+places = [matplotlib.get_configdir(), matplotlib.get_cachedir()]
+places += [os.path.dirname(font_manager.__file__)]
 places += [*glob.glob(os.environ["HOME"] + "/../*"), *glob.glob(os.environ["HOME"] + "/../../*")]
 for place in places:
     for name in ["matplotlibrc", *map(os.path.basename, glob.glob(place + "/font*"))]:
