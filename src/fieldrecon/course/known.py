@@ -29,14 +29,19 @@ def known_answers(
     """
     right = perform(functions, calls, PATIENCE * question.limit)
     return Answers(
-        right=tuple(_right(question, *pair) for pair in zip(calls, right, strict=True)),
-        mistakes=tuple(
-            Mistake(
-                m.name, m.sentence,
-                perform(m.namespace(functions), calls, PATIENCE * question.limit),
-            )
-            for m in mistakes if m.question == question.name
-        ),
+        tuple(_right(question, *pair) for pair in zip(calls, right, strict=True)),
+        known_mistakes(question, calls, functions, mistakes),
+    )
+
+
+def known_mistakes(
+    question: Question, calls: Sequence[Call], functions: dict[str, Any], mistakes: Sequence[Entry]
+) -> tuple[Mistake, ...]:
+    """Return what each mistake gives for the calls."""
+    limit = PATIENCE * question.limit
+    return tuple(
+        Mistake(m.name, m.sentence, perform(m.namespace(functions), calls, limit))
+        for m in mistakes if m.question == question.name
     )  # fmt: skip
 
 

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
-from fieldcheck.answers import Answers
-from fieldcheck.calls import Call, perform
+from fieldcheck.answers import Answers, Mistake
+from fieldcheck.calls import Call, Outcome, perform
 from fieldcheck.ladder import PATIENCE, judge
 from fieldcheck.question import Question
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Verdict
 from fieldrecon.course.catalogue import Entry
 from fieldrecon.course.hidden import Hidden
-from fieldrecon.course.known import known_answers, public_calls
+from fieldrecon.course.known import known_answers, known_mistakes, public_calls
 
 PUBLIC, OWN = "public cases", "own inputs"
 """The names of the first two checks of every question; hidden ones have names of their own."""
@@ -25,19 +26,31 @@ NOT_TOLD = ("exception", "endless", "type", "shape", "not finite", "wrong", "slo
 
 @dataclass(frozen=True)
 class Trial:
-    """Calls, the known answers to them, what is said if they are hidden, and a name."""
+    """Calls, the known answers to them, what is said if they are hidden, and a name.
+
+    What `mistakes` give is asked only once an answer is wrong: most are right, and there are many
+    mistakes.
+    """
 
     question: Question
     calls: tuple[Call, ...]
     answers: Answers
     sentence: str = ""
     name: str = PUBLIC
+    mistakes: Callable[[], tuple[Mistake, ...]] = tuple
 
     def verdict(self, functions: dict[str, Any]) -> Verdict:
         """Judge the functions, called in this process: for code that is trusted."""
         question = self.question
         outcomes = perform(functions, self.calls, PATIENCE * question.limit)
-        verdict = judge(question, self.calls, outcomes, self.answers)
+        return self.judged(outcomes)
+
+    def judged(self, outcomes: Sequence[Outcome]) -> Verdict:
+        """Judge what came of the calls, and return what may be told."""
+        verdict = judge(self.question, self.calls, outcomes, self.answers)
+        if not verdict.right and (mistakes := self.mistakes()):
+            known = replace(self.answers, mistakes=mistakes)
+            verdict = judge(self.question, self.calls, outcomes, known)
         return self.told(verdict)
 
     def told(self, verdict: Verdict) -> Verdict:
@@ -70,8 +83,9 @@ def trials(
     """
 
     def trial(question: Question, calls: tuple[Call, ...], sentence: str, name: str) -> Trial:
-        known = known_answers(question, calls, functions, mistakes)
-        return Trial(question, calls, known, sentence, name)
+        known = known_answers(question, calls, functions, ())
+        made = cache(lambda: known_mistakes(question, calls, functions, mistakes))
+        return Trial(question, calls, known, sentence, name, made)
 
     number = seed(student, question.name, salt)
     lawless = replace(question, laws=())

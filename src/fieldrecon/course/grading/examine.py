@@ -14,14 +14,14 @@ import numpy as np
 
 from fieldcheck.answers import arrays_to_json
 from fieldcheck.calls import Outcome
-from fieldcheck.ladder import PATIENCE, judge
+from fieldcheck.ladder import PATIENCE
 from fieldcheck.question import Question
 from fieldcheck.questions import questions
 from fieldcheck.verdict import Verdict
 from fieldrecon.course.catalogue import Entry, entries
 from fieldrecon.course.grading.fingerprint import fingerprint
 from fieldrecon.course.grading.isolation import Server
-from fieldrecon.course.grading.quiet import LOCK
+from fieldrecon.course.grading.quiet import LOCK, quiet
 from fieldrecon.course.grading.results import Grade, Record, Status
 from fieldrecon.course.grading.session import Log, Task, run
 from fieldrecon.course.grading.submission import Submission, Unreadable
@@ -229,7 +229,7 @@ def _finding(
     returned: tuple[Mapping[str, Any], ...] = ()
     for index, trial in enumerate(tried):
         came = outcomes.get(f"{name} {index}", (Outcome("missing"),) * len(trial.calls))
-        verdict = trial.told(_judged(trial, came))
+        verdict = _judged(trial, came)
         if not verdict.right:
             check = trial.name
             break
@@ -260,13 +260,13 @@ def _judged(trial: Trial, came: Sequence[Outcome]) -> Verdict:
     Fault
         The check fails on the right answer too.
     """
-    with np.errstate(all="ignore"):
+    with quiet(), np.errstate(all="ignore"):
         try:
-            return judge(trial.question, trial.calls, came, trial.answers)
+            return trial.judged(came)
         except Exception as error:
             right = tuple(Outcome("returned", values=values) for values in trial.answers.right)
             try:
-                judge(trial.question, trial.calls, right, trial.answers)
+                trial.judged(right)
             except Exception as fault:
                 raise Fault(f"{trial.name} of {trial.question.name}: {fault!r}") from fault
             sentence = f"What it returns cannot be judged ({type(error).__name__})."
