@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from fieldcheck.questions import questions
+from fieldrecon.course.grading.isolation import tiers
 
 ROOT = Path(__file__).parent.parent.parent
 ALL = frozenset({"bubblewrap", "landlock", "none"})
 WALLS = frozenset({"bubblewrap", "landlock"})
 """Tiers that keep a program that means harm away from files, network and other processes."""
+HERE = tiers()
+"""The tiers of this machine."""
 POINTS = {
     number: {q.name: float(q.points) for q in questions().values() if q.notebook == number}
     for number in ("01", "02")

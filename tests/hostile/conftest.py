@@ -3,6 +3,7 @@
 import os
 import secrets
 import socket
+import subprocess
 import threading
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -11,23 +12,14 @@ import pytest
 
 from fieldrecon.course.build import all_sources
 from fieldrecon.course.grading.examine import Course
-from fieldrecon.course.grading.isolation import MEBIBYTE, TIERS, Limits, Server, tiers
+from fieldrecon.course.grading.isolation import MEBIBYTE, Limits, Server
 from hostile.case import ROOT
 
-HERE = tiers()
-REQUIRED = [t for t in os.environ.get("FIELDRECON_REQUIRE_TIERS", "").split(",") if t]
 LIMITS = Limits(
     memory=256 * MEBIBYTE, cpu_seconds=8, seconds_per_cell=1.0, seconds_per_call=0.8,
     seconds_in_all=60.0, most_starts=8,
 )  # fmt: skip
 SECONDS_FOR_A_CASE = 120
-
-
-def pytest_report_header():
-    missing = [tier for tier in TIERS if tier not in HERE]
-    told = f"isolation: {', '.join(HERE)}"
-    why = "; cases of these are left out, the machine has them not: " + ", ".join(missing)
-    return told + (why if missing else "")
 
 
 class Places:
@@ -49,6 +41,10 @@ class Places:
         if os.uname().sysname == "Linux":
             name = f"\0{self.token}"
             self.sockets.append(self._open(stack, socket.AF_UNIX, socket.SOCK_DGRAM, name))
+        self.bystander = stack.enter_context(
+            subprocess.Popen(["sleep", "600"], env={"GRADER_SECRET": self.secret})
+        )
+        stack.callback(self.bystander.kill)
         self.told = {
             "CANARY": str(self.canary), "OUT": str(self.out), "MARK": self.token,
             "ROOT": str(ROOT), "HOME": str(Path.home()), "GRADER": str(os.getpid()),
@@ -86,6 +82,7 @@ class Places:
     def reached(self) -> list[str]:
         """What was reached that must not be."""
         found = [] if self.seen() == self.before else ["files outside"]
+        found += [] if self.bystander.poll() is None else ["a process of somebody else"]
         for opened in self.sockets:
             try:
                 if opened.type == socket.SOCK_STREAM:

@@ -1,6 +1,7 @@
 """Each case on each tier: the fair grade, nothing reached, nothing left, and the next is graded."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -8,8 +9,9 @@ import pytest
 from fieldrecon.course.grading.examine import grade
 from fieldrecon.course.grading.submission import Submission
 from hostile import breakdowns, cheats, damage, oddities, trespass
-from hostile.case import POINTS, Case, as_file, notebook
-from hostile.conftest import HERE, REQUIRED
+from hostile.case import HERE, POINTS, Case, as_file, notebook
+
+REQUIRED = [tier for tier in os.environ.get("FIELDRECON_REQUIRE_TIERS", "").split(",") if tier]
 
 FAMILIES = {
     "cheat": cheats.CASES, "loop": breakdowns.LOOPS, "crash": breakdowns.CRASHES,
@@ -43,6 +45,23 @@ def test_the_tiers_that_are_asked_for_are_there():
         f"this machine does not offer {', '.join(missing)}, so nothing was tried on it: is "
         "bubblewrap installed, may it make user namespaces, does the kernel have Landlock?"
     )
+
+
+TELL_TALES = {
+    "UDP": "network", "sockets of this machine": "network", "TCP": "network",
+    "a secret file told in an error": "secret", "secrets of the grader's environment": "secret",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TELL_TALES)
+def test_what_is_reached_is_seen(name, course, servers, places, watchdog):
+    """Without walls these cases reach what they try, and it does not go unnoticed."""
+    server = servers("none")
+    watchdog(server)
+    case = next(c for its in FAMILIES.values() for c in its if c.name == name)
+    record = grade(course, server, Submission("hostile", *case.handed_in(places.told)))
+    told = "secret" if places.secret in repr(record) else " ".join(places.reached())
+    assert TELL_TALES[name] in told
 
 
 def points(record):

@@ -156,7 +156,7 @@ for path in ("/proc/self/environ", f"/proc/{os.getppid()}/environ", "/proc/@GRAD
         told += open(path, "rb").read().decode("latin-1")
     except OSError:
         pass
-raise ValueError(told[-1500:])
+raise ValueError(told[told.find("GRADER_SECRET"):][:300])
 """, notes="ValueError"),
     tries("the grader's memory", EACH_TRY + """
 import ctypes, os

@@ -1,0 +1,11 @@
+"""What a run of the tests says at its head."""
+
+from fieldrecon.course.grading.isolation import TIERS
+from hostile.case import HERE
+
+
+def pytest_report_header():
+    """Name the walls behind which hostile submissions are tried, and those that are missing."""
+    missing = ", ".join(tier for tier in TIERS if tier not in HERE)
+    left_out = f"; not on this machine, so their cases are LEFT OUT: {missing}" if missing else ""
+    return f"isolation: {', '.join(HERE)}{left_out}"

@@ -1,0 +1,193 @@
+"""A submission at work: what breaks is left out, the rest is run again, and all of it ends."""
+
+import os
+import re
+import signal
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldcheck.calls import Call
+from fieldrecon.course.grading import session, walls
+from fieldrecon.course.grading.isolation import MEBIBYTE, Limits, Server, tiers
+from fieldrecon.course.grading.session import Task, run
+from fieldrecon.course.sandbox import frames
+
+LIMITS = Limits(
+    memory=256 * MEBIBYTE, cpu_seconds=2, seconds_per_cell=0.5, seconds_per_call=0.3,
+    seconds_in_all=20, most_starts=4,
+)  # fmt: skip
+DOUBLE = "def double(x):\n    return 2 * x"
+CLOSING = """
+import os, time
+for number in range(3, 64):
+    try:
+        os.close(number)
+    except OSError:
+        pass
+time.sleep(9)
+"""
+
+
+def task(name="double", function="double", count=1, question=""):
+    return Task(name, (Call(function, (np.ones(3),), "ones"),) * count, 9.0, question)
+
+
+def statuses(outcomes):
+    return {name: [outcome.status for outcome in its] for name, its in outcomes.items()}
+
+
+@pytest.fixture(scope="module")
+def server():
+    with Server(tiers()[0], LIMITS).started() as started:
+        yield started
+
+
+def test_cells_run_and_calls_are_made(server):
+    """Arrays go in, arrays come out, and the process ends."""
+    outcomes, log = run(server, ["import numpy as np", DOUBLE], [task(count=2)])
+    assert statuses(outcomes) == {"double": ["returned", "returned"]}
+    np.testing.assert_array_equal(outcomes["double"][0].values, [[2, 2, 2]])
+    assert log.killed == []
+    assert log.cell_errors == {}
+    assert len(log.processes) == 1
+
+
+@pytest.mark.parametrize(
+    ("code", "reason", "sentence"),
+    [
+        ("while True: pass", "time", "stopped after 0 seconds"),
+        ("import os; os._exit(3)", "exit", "ended the program .exit status 3"),
+        ("import ctypes; ctypes.string_at(0)", "crash", "segmentation fault"),
+        ("import os; os.abort()", "crash", "aborted itself"),
+        (CLOSING, "output", "closed the pipe"),
+        (
+            "for k in range(9999): open(str(k), 'w').close()\nimport time; time.sleep(9)",
+            "disk",
+            "wrote more than it may",
+        ),
+    ],
+)
+def test_a_cell_that_breaks_is_left_out(server, code, reason, sentence):
+    """The cells before and behind it count, and why it broke is told."""
+    outcomes, log = run(server, [DOUBLE, code, "double = double"], [task()])
+    assert statuses(outcomes) == {"double": ["returned"]}
+    assert list(log.cell_errors) == [1]
+    assert len(log.processes) == 2
+    assert log.killed == [reason]
+    assert re.search(sentence, log.cell_errors[1])
+
+
+def test_a_call_that_breaks_costs_its_question_alone(server):
+    """Tasks of its question are not tried again; those of others are, in a new process."""
+    cells = [DOUBLE, "import os\ndef broken(x):\n    os._exit(1)"]
+    """Whoever swallows the interruption is ended soon after, and has timed out."""
+             task("1 b", question="1"), task("3 a", question="3")]  # fmt: skip
+    outcomes, log = run(server, cells, tasks)
+    told = statuses(outcomes)
+    assert told == {
+        "1 a": ["returned"], "2 a": ["raised"] * 2, "1 b": ["returned"], "3 a": ["returned"],
+    }  # fmt: skip
+    assert log.broke == {"2 a": "exit"}
+    assert len(log.processes) == 2
+
+
+def test_a_call_that_does_not_end_is_ended_from_outside(server):
+    """Whoever swallows the interruption is killed soon after, and timed out."""
+    code = """
+import time
+def double(x):
+    while True:
+        try:
+            time.sleep(9)
+        except BaseException:
+            continue
+"""
+    begin = time.monotonic()
+    outcomes, log = run(server, [code], [task()])
+    assert statuses(outcomes) == {"double": ["timed out"]}
+    assert log.killed == ["time"]
+    assert time.monotonic() - begin < LIMITS.seconds_per_call + session.GRACE + 3
+
+
+def test_after_many_starts_it_is_given_up(server):
+    """Each process may break down on another cell, but not for ever."""
+    cells = ["import os; os._exit(1)"] * 10
+    outcomes, log = run(server, [*cells, DOUBLE], [task()])
+    assert statuses(outcomes) == {"double": ["raised"]}
+    assert "too often to go on" in outcomes["double"][0].error
+    assert len(log.processes) == LIMITS.most_starts
+
+
+def test_after_a_long_time_it_is_given_up():
+    """No number of cells, each a little shorter than it may be, takes longer than all may."""
+    limits = Limits(seconds_per_cell=0.5, seconds_in_all=1.0)
+    begin = time.monotonic()
+    with Server(tiers()[0], limits).started() as short:
+        started = time.monotonic()
+        outcomes, _ = run(short, ["import time; time.sleep(0.3)"] * 20 + [DOUBLE], [task()])
+        assert time.monotonic() - started < 4
+    assert statuses(outcomes) == {"double": ["raised"]}
+    assert time.monotonic() - begin < 30
+
+
+def test_processor_time_is_told_apart_from_memory(server, monkeypatch):
+    """Threads that compute in the background use it up, whatever else is waited for."""
+    code = """
+import signal, threading, time
+signal.signal(signal.SIGXCPU, signal.SIG_IGN)
+def busy():
+    while True: pass
+for _ in range(4):
+    threading.Thread(target=busy, daemon=True).start()
+"""
+    monkeypatch.setattr(server, "limits", replace(LIMITS, most_starts=1))
+    wait = "import time; time.sleep(0.4)"
+    _, log = run(server, [code, *[wait] * 12, DOUBLE], [task()])
+    assert log.killed == ["time"]
+    assert "processor time" in " ".join(log.cell_errors.values())
+
+
+def test_a_server_that_is_gone_is_started_again(server):
+    """It is nobody's fault: the submission is graded by the next one."""
+    before = server._process.pid
+    os.kill(before, signal.SIGKILL)
+    server._process.wait()
+    outcomes, log = run(server, [DOUBLE], [task()])
+    assert statuses(outcomes) == {"double": ["returned"]}
+    assert log.killed == []
+    assert server._process.pid != before
+
+
+def test_a_server_that_goes_in_the_middle_costs_one_start(server):
+    """What then ran is run again."""
+    to_it, from_it = server.run()
+    frames.receive(from_it, time.monotonic() + 5)
+    os.kill(server._process.pid, signal.SIGKILL)
+    server._process.wait()
+    with pytest.raises(frames.Gone):  # what the server made ends with it
+        frames.receive(from_it, time.monotonic() + 5)
+    os.close(to_it)
+    os.close(from_it)
+    assert server.end().ended_for == "server"
+    outcomes, _ = run(server, [DOUBLE], [task()])
+    assert statuses(outcomes) == {"double": ["returned"]}
+
+
+def test_a_server_that_does_not_start_is_a_fault(monkeypatch):
+    """It is said, and nothing is left behind."""
+    monkeypatch.setattr(walls.Place, "python", lambda _: ["false"])
+    made = Server("none", LIMITS)
+    with pytest.raises(RuntimeError, match="behind none does not start"), made.started():
+        raise AssertionError
+    assert not made._scratch.exists()
+
+
+def test_what_a_student_tells_is_short_and_steers_no_terminal():
+    """Words are kept, as far as they can be shown; anything else is no word."""
+    assert session._text("caf\u00e9\nok") == "caf\u00e9\nok"
+    assert session._text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
+    assert len(session._text("x" * 10**6)) == session.MOST_TEXT
+    assert session._text(["x"]) == session._text(None) == ""
