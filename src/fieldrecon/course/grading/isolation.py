@@ -113,14 +113,17 @@ class Server:
     tier: Tier
     limits: Limits = field(default_factory=Limits)
     _process: subprocess.Popen[bytes] | None = field(default=None, init=False, repr=False)
+    _over: bool = field(default=False, init=False, repr=False)
 
     @contextmanager
     def started(self) -> Iterator[Server]:
         """Start the server, and end it and all that it made at the end of the block."""
+        self._over = False
         self._start()
         try:
             yield self
         finally:
+            self._over = True
             self._stop()
 
     def run(self) -> tuple[int, int]:
@@ -131,8 +134,10 @@ class Server:
         Raises
         ------
         RuntimeError
-            The server does not start.
+            The server does not start, or it has been ended, by another thread perhaps.
         """
+        if self._over:
+            raise RuntimeError("the server has been ended")
         if self._process is not None and self._process.poll() is not None:
             self._stop()
         if self._process is None:
