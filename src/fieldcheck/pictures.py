@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -101,7 +102,7 @@ def _arrows(places: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
     extent = float(np.ptp(places, axis=0).max()) or 1.0
     longest = float(np.hypot(*np.concatenate([right, values]).T).max()) or 1.0
     scale = 4 * longest / extent
-    how = {"angles": "xy", "scale_units": "xy", "scale": scale}
+    how: Any = {"angles": "xy", "scale_units": "xy", "scale": scale}
     with figure(4.4, 2.6) as page:
         axes = page.subplots()
         axes.plot(*places.T, ".", color="#8a8a8a", markersize=3)

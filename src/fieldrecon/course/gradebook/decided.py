@@ -89,8 +89,11 @@ def remember(out: Path, folder: ClassFolder) -> None:
 
 def remembered(results: Path) -> Decisions | None:
     """Return what was decided when results were written; None if nobody remembers."""
-    beside = results.parent / MEMORY
-    file = beside if results.name == "results.json" else _memory_of(results)
+    file = _memory_of(results)
+    if results.name == "results.json":
+        file = results.parent / MEMORY
+    elif not file.is_file():  # replaced by a run that has not been remembered yet
+        file = results.parent.parent / MEMORY
     if not file.is_file():
         return None
     texts: Mapping[str, str] = json.loads(file.read_text(encoding="utf-8"))

@@ -23,7 +23,7 @@ from fieldrecon.course.grading.tables import (
 from fieldrecon.course.sources import Source
 
 COLUMNS = ("student", "points", "comment", "answer")
-NOTHING = "nothing written"
+NOTHING = "Nothing was written."
 
 
 @dataclass(frozen=True)
@@ -134,9 +134,10 @@ def enter(file: Path, answers: Mapping[str, str]) -> list[str]:
         added = to_csv(columns, ([row.get(c) for c in columns] for row in cells), delimiter)
         joint = b"" if before.endswith(b"\n") else b"\n"
         write_whole(file, before + joint + added.partition("\n")[2].encode())
+    read = {who: row.get("answer") for who, row in rows.items() if row.get("points")}
     return [
         who for who, words in sorted(answers.items())
-        if who in rows and rows[who].get("points") and rows[who].get("answer", "") != seal(words)
+        if read.get(who) is not None and read[who] != seal(words)
     ]  # fmt: skip
 
 

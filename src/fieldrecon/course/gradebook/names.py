@@ -17,7 +17,7 @@ def file_names(students: Iterable[str]) -> dict[str, str]:
     Examples
     --------
     >>> file_names(["ada", "Å. Ng"])
-    {'ada': 'ada', 'Å. Ng': 'A._Ng-ea0a04'}
+    {'ada': 'ada', 'Å. Ng': 'A._Ng-0b0609'}
     """
     everybody = list(students)
     plain = {student: _plain(student) for student in everybody}

@@ -25,6 +25,8 @@ from fieldrecon.reporting.style import FULL_WIDTH, figure
 TEXTS = Path(__file__).parent
 SHARED = ("filters", "template.html", "template.typ", "style.css", "references.bib")
 """What the text of the report is set with, beside its chapters."""
+WRAPPED = "table.result td { white-space: normal; }\n"
+"""Sentences stand in the tables of this report, not only numbers."""
 
 OUTCOMES = {"right": "#2a6428", "in part": "#d7a65f", "wrong": "#a33b00", "not written": "#c8ccd2"}
 WALLS = {"bubblewrap": "bubblewrap", "landlock": "Landlock", "none": "none", "": "did not run"}
@@ -86,6 +88,8 @@ def _lay_out(
     for name in SHARED:
         copy = shutil.copytree if (source / name).is_dir() else shutil.copyfile
         copy(source / name, text / name)
+    with (text / "style.css").open("a", encoding="utf-8") as style:
+        style.write(WRAPPED)
     metadata = "title: Class report\nlang: en-GB\nwithout-provenance: true\n"
     write_whole(text / "metadata.yaml", metadata.encode())
     for name, chapter in _chapters(values, titles):

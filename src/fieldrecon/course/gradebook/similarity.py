@@ -43,14 +43,17 @@ class Code:
     student : str
         Whose.
     texts : mapping
-        The text of each function, by name.
+        The text of each function, by its name.
+    nodes : mapping
+        The nodes of each, in normal form, with their lines in the text.
     prints : mapping
-        Fingerprints with the lines of the function that they cover, by name.
+        The fingerprints of each, with the place of the run of nodes.
     """
 
     student: str
     texts: Mapping[str, str]
-    prints: Mapping[str, Mapping[int, range]]
+    nodes: Mapping[str, Sequence[Node]]
+    prints: Mapping[str, Mapping[int, int]]
 
     def all_prints(self) -> set[int]:
         """Return the fingerprints of all functions together."""
@@ -84,22 +87,39 @@ class Pair:
         ]  # fmt: skip
         return sorted((f for f in found if f[2]), key=lambda f: (-f[2], f[0], f[1]))
 
+    def lines(self, mine: str, theirs: str) -> tuple[set[int], set[int]]:
+        """Return the lines of two functions that are alike, around the fingerprints they share."""
+        one, other = self.one.nodes[mine], self.other.nodes[theirs]
+        here, there = self.one.prints[mine], self.other.prints[theirs]
+        alike: tuple[set[int], set[int]] = (set(), set())
+        for value in self.shared & set(here) & set(there):
+            for i, j in _alike(one, other, here[value], there[value]):
+                alike[0].add(one[i][1])
+                alike[1].add(other[j][1])
+        return alike
+
+
+def _alike(
+    one: Sequence[Node], other: Sequence[Node], i: int, j: int
+) -> Iterator[tuple[int, int]]:
+    """Yield the places of equal nodes before and after two places at which they are equal."""
+    for step, a, b in ((1, i, j), (-1, i - 1, j - 1)):
+        while 0 <= a < len(one) and 0 <= b < len(other) and one[a][0] == other[b][0]:
+            yield a, b
+            a, b = a + step, b + step
+
 
 def code(student: str, cells: Iterable[str]) -> Code:
     """Return the functions in the cells of a student, those that are only stubs left out."""
     found = [(cell, function) for cell in cells for function in _functions(cell)]
     own = {function.name for _, function in found}
     texts: dict[str, str] = {}
-    prints: dict[str, dict[int, range]] = {}
+    nodes: dict[str, list[Node]] = {}
     for cell, function in found:
         first = min([function.lineno, *(n.lineno for n in function.decorator_list)])
-        nodes = list(normalised(function, own))
         texts[function.name] = "\n".join(cell.splitlines()[first - 1 : function.end_lineno])
-        prints[function.name] = {
-            value: range(nodes[at][1] - first, max(n[1] for n in nodes[at : at + K]) - first + 1)
-            for value, at in winnowed(nodes)
-        }  # fmt: skip
-    return Code(student, texts, prints)
+        nodes[function.name] = [(told, line - first) for told, line in normalised(function, own)]
+    return Code(student, texts, nodes, {name: dict(winnowed(nodes[name])) for name in nodes})
 
 
 def _functions(cell: str) -> list[ast.FunctionDef]:

@@ -62,14 +62,12 @@ def similarity_page(title: str, pairs: Sequence[Pair], compared: int) -> str:
 def _pair(number: int, pair: Pair) -> Iterator[str]:
     yield f'<h2 id="p{number}">{_names(pair)}, {pair.part:.0%}</h2>'
     for mine, theirs, _ in pair.functions()[:MOST_FUNCTIONS]:
-        sides = ((pair.one, mine), (pair.other, theirs))
-        yield f'<div class="pair">{"".join(_side(c, name, pair) for c, name in sides)}</div>'
+        here, there = pair.lines(mine, theirs)
+        sides = _side(pair.one, mine, here) + _side(pair.other, theirs, there)
+        yield f'<div class="pair">{sides}</div>'
 
 
-def _side(code: Code, name: str, pair: Pair) -> str:
-    marked = {
-        line for value, lines in code.prints[name].items() if value in pair.shared for line in lines
-    }
+def _side(code: Code, name: str, marked: set[int]) -> str:
     text = "\n".join(
         f"<mark>{escape(line)}</mark>" if n in marked and line.strip() else escape(line)
         for n, line in enumerate(code.texts[name].splitlines())
