@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import os
 import shlex
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from threadpoolctl import threadpool_limits
-
-from fieldrecon.course.grading.options import TABLES, declare, run_of
+from fieldrecon.course.grading.options import declare, run_of
 from fieldrecon.course.grading.progress import progress
 from fieldrecon.course.grading.results import STATUSES, Record
 from fieldrecon.course.grading.run import RESULTS, Run
@@ -44,43 +41,25 @@ def grade(options: argparse.Namespace) -> int:
     ValueError
         There is nothing to be graded, or a table is wrong.
     """
-    import pytest
-
-    from fieldrecon.course.grading.plugin import Grading
+    from fieldrecon.course.grading.engine import graded
 
     run, banner = run_of(options)
-    _ = run.taken  # what is wrong with the tables, or with DIR, is told first
+    _ = run.taken  # what is wrong there is told before anything else
     _say_loudly(banner, "" if run.salt.secret else MISSING)
-    with threadpool_limits(1), progress("graded") as told:
-        grading = Grading(run, told=told)
-        status = pytest.main(_arguments(options), plugins=[grading])
-    if status == pytest.ExitCode.INTERRUPTED and not grading.problems:
-        raise KeyboardInterrupt
-    problems = [*grading.problems, *grading.findings.faults]
-    for problem in problems:
-        print(f"fieldrecon: {problem}", file=sys.stderr)
-    if grading.results is None:
-        return int(status)
-    graded = list(grading.findings.records.values())
-    earlier = len(grading.results.records) - len(graded)
-    print("\n".join(_came_out(run, graded, earlier)))
+    try:
+        with progress("graded") as told:
+            grading = graded(run, told=told, options=options.pytest)
+    except KeyboardInterrupt:
+        print("what is graded is kept: the same command goes on from here", file=sys.stderr)
+        raise
+    for fault in grading.findings.faults:
+        print(f"fieldrecon: {fault}", file=sys.stderr)
+    records = list(grading.findings.records.values())
+    results = grading.results.records if grading.results else ()
+    print("\n".join(_came_out(run, records, len(results) - len(records))))
     _compare(options, grading.changed)
-    return int(bool(problems) or any(record.status == "fault" for record in graded))
-
-
-def _arguments(options: argparse.Namespace) -> list[str]:
-    """Return what pytest is told; processes of pytest-xdist hear of the run by its options."""
-    told = [
-        "-p", "fieldrecon.course.grading.plugin", "-c", os.devnull, "-p", "no:cacheprovider",
-        "--rootdir=.", "--import-mode=importlib", "--capture=sys",
-        "-W", "ignore:Module already imported",
-        f"--submissions={options.submissions}", f"--out={options.out}", f"--root={options.root}",
-        f"--question={options.question}", f"--student={options.student}", f"--jobs={options.jobs}",
-    ]  # fmt: skip
-    told += [f"--class={options.tables}"] if options.tables != TABLES else []
-    told += [f"--tier={options.tier}"] if options.tier else []
-    told += [f"--only={number}" for number in options.only]
-    return told + (options.pytest or ["-p", "no:terminalreporter"])
+    failed = grading.findings.faults or any(record.status == "fault" for record in records)
+    return int(bool(failed))
 
 
 def _came_out(run: Run, graded: Sequence[Record], earlier: int) -> Iterator[str]:

@@ -85,10 +85,8 @@ class Grading:
     ----------
     run : Run
         What is graded.
-    executor : Executor, optional
-        What does the work; threads of its own if none is given.
-    told : callable, optional
-        ``told(done, of)`` is called as records come.
+    executor, told
+        As for `fieldrecon.course.grading.engine.graded`.
     """
 
     def __init__(
@@ -102,6 +100,7 @@ class Grading:
         self.results: Results | None = None
         self.changed = False
         self.problems: list[str] = []
+        self.error: BaseException | None = None
         self._instructor = Instructor(run)
         self._portions: dict[Place, Portion] = {}
         self._records: dict[Place, Record] = {}
@@ -168,7 +167,11 @@ class Grading:
         if self._is_worker and place.whole not in self._records:
             self._stream = self._batch(1).records([self._portions[place.whole]])
         while place.whole not in self._records:
-            _, record = next(self._stream)
+            try:
+                _, record = next(self._stream)
+            except Exception as error:  # of the executor, or of the disk: not of a submission
+                self.error = error
+                pytest.exit(f"the grader failed: {error!r}", pytest.ExitCode.INTERNAL_ERROR)
             self._records[place_of(record)] = record
             self._fresh.append(record)
             self.told(len(self._records), len(self._portions))
@@ -211,6 +214,10 @@ class Grading:
             checked, fault = item.stash.get(CHECKED, None), item.stash.get(FAULT, "")
             report.graded = written(place, self._of[place], fresh, checked, fault)
         return report
+
+    def pytest_internalerror(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
+        """Remember what broke the session."""
+        self.error = excinfo.value
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Gather what was found, in this process or in others."""
