@@ -363,3 +363,19 @@ if LINUX:
 
         assert in_a_child(confine.adopt_orphans, adopted) == "done"
         assert in_a_child(adopted) == "AssertionError"
+
+    def test_memory_is_hidden():
+        """A process of the same user that has no capabilities cannot read another's memory."""
+
+        def parents_memory():
+            confine.drop_capabilities()
+            Path(f"/proc/{os.getppid()}/maps").read_text()
+
+        def look():
+            told = in_a_child(parents_memory)
+            if told != "done":
+                raise PermissionError(told)
+
+        assert in_a_child(confine.drop_capabilities, look) == "done"
+        hidden = [confine.drop_capabilities, confine.hide_memory]
+        assert in_a_child(*hidden, look) == "PermissionError"

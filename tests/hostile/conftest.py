@@ -13,6 +13,7 @@ import pytest
 from fieldrecon.course.build import all_sources
 from fieldrecon.course.grading.examine import Course
 from fieldrecon.course.grading.isolation import MEBIBYTE, Limits, Server
+from fieldrecon.course.sandbox import landlock
 from hostile.case import ROOT
 
 LIMITS = Limits(
@@ -117,10 +118,14 @@ def servers(places):
     with ExitStack() as stack:
         started = {}
 
-        def server(tier):
-            if tier not in started:
-                started[tier] = stack.enter_context(Server(tier, LIMITS).started())
-            return started[tier]
+        def server(tier, landlocked=True):
+            if (tier, landlocked) not in started:
+                with pytest.MonkeyPatch.context() as patch:
+                    if not landlocked:
+                        patch.setattr(landlock, "version", lambda: 0)
+                    made = stack.enter_context(Server(tier, LIMITS).started())
+                started[tier, landlocked] = made
+            return started[tier, landlocked]
 
         yield server
 

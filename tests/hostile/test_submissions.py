@@ -1,6 +1,5 @@
 """Each case on each tier: the fair grade, nothing reached, nothing left, and the next is graded."""
 
-import json
 import os
 from pathlib import Path
 
@@ -82,14 +81,11 @@ def running(server):
     return sorted(found)
 
 
-@pytest.mark.parametrize(("case", "tier"), list(cases()))
-def test_a_submission(case: Case, tier, course, servers, places, watchdog):
-    """The grade of each question is fair, and nobody and nothing else is concerned."""
-    server = servers(tier)
+def judged(case, server, course, places):
+    """Grade a case, then an honest submission, and look around."""
     server.mark = places.token
     if server._process is None or server._process.poll() is not None:
-        points(grade(course, server, Submission("first", *HONEST)))
-    watchdog(server)
+        grade(course, server, Submission("first", *HONEST))
     process, alone = server._process, running(server)
     name, content = case.handed_in(places.told)
 
@@ -100,7 +96,6 @@ def test_a_submission(case: Case, tier, course, servers, places, watchdog):
     assert not case.status or record.status == case.status, record.notes
     assert case.notes in " ".join(record.notes)
     assert places.secret not in repr(record)
-    json.dumps(repr(record)).encode()
     repr(record).encode()
     assert places.reached() == []
     assert running(server) == alone
@@ -112,3 +107,21 @@ def test_a_submission(case: Case, tier, course, servers, places, watchdog):
     assert points(honest) == POINTS["01"]
     assert honest.status == "graded"
     assert honest.notes == ()
+
+
+@pytest.mark.parametrize(("case", "tier"), list(cases()))
+def test_a_submission(case: Case, tier, course, servers, places, watchdog):
+    """The grade of each question is fair, and nobody and nothing else is concerned."""
+    watchdog(servers(tier))
+    judged(case, servers(tier), course, places)
+
+
+if "bubblewrap" in HERE:
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("case", trespass.CASES, ids=lambda case: case.name)
+    def test_bubblewrap_holds_without_landlock(case, course, servers, places, watchdog):
+        """On a kernel that has no Landlock the walls of bubblewrap are enough."""
+        server = servers("bubblewrap", landlocked=False)
+        watchdog(server)
+        judged(case, server, course, places)

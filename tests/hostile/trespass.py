@@ -96,7 +96,7 @@ def fit(points, values):
 """}, lost=("01.2",)),
     tries("files of the system told in an error", """
 told = ""
-for path in ("/etc/shadow", "/etc/passwd", "/proc/1/environ", "/proc/self/environ"):
+for path in ("/etc/shadow", "/etc/passwd", "@HOME@/.profile", "/boot/config"):
     try:
         told += open(path).read()
     except OSError:

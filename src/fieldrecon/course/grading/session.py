@@ -226,7 +226,7 @@ class _Process:
                 if answer.get("frame") == number:
                     return answer, values
         except frames.Late:
-            raise Broken("time", f"it was stopped after {seconds:.0f} seconds") from None
+            raise Broken("time", f"it was stopped after {seconds:.3g} seconds") from None
         except frames.BadFrame as error:
             raise Broken("output", f"what it returns cannot be read: {error}") from None
         except frames.Gone:

@@ -16,7 +16,7 @@ from contextlib import suppress
 
 from fieldrecon.course.sandbox.kernel import process_control, system_call
 
-DIE_WITH_PARENT, ADOPT_ORPHANS = 1, 36
+DIE_WITH_PARENT, MAY_BE_LOOKED_INTO, ADOPT_ORPHANS = 1, 4, 36
 MOST_FILES = 64
 
 
@@ -71,3 +71,9 @@ def adopt_orphans() -> None:
     """Become the parent of the processes that those made by this one leave behind."""
     if sys.platform == "linux":
         process_control(ADOPT_ORPHANS, 1)
+
+
+def hide_memory() -> None:
+    """Let no process of the same user look into this one, nor into those that it makes."""
+    if sys.platform == "linux":
+        process_control(MAY_BE_LOOKED_INTO, 0)

@@ -18,14 +18,15 @@ def is_overfull(home: str) -> bool:
     folders, entries, size = [home], 0, 0
     while folders:
         try:
-            for entry in os.scandir(folders.pop()):
-                entries += 1
-                with suppress(FileNotFoundError):
-                    size += 512 * entry.stat(follow_symlinks=False).st_blocks
-                    if entry.is_dir(follow_symlinks=False):
-                        folders.append(entry.path)
-                if entries > MOST_ENTRIES or size > MOST_BYTES:
-                    return True
+            with os.scandir(folders.pop()) as inside:
+                for entry in inside:
+                    entries += 1
+                    with suppress(FileNotFoundError):
+                        size += 512 * entry.stat(follow_symlinks=False).st_blocks
+                        if entry.is_dir(follow_symlinks=False):
+                            folders.append(entry.path)
+                    if entries > MOST_ENTRIES or size > MOST_BYTES:
+                        return True
         except FileNotFoundError:
             continue
         except OSError:  # a path that is too long, a folder that is closed

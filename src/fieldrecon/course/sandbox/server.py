@@ -56,6 +56,7 @@ def main() -> None:
     worker.quiet_fieldcheck()
     settings["server"] = os.getpid()
     confine.adopt_orphans()
+    confine.hide_memory()
     lock = None
     if settings["landlock"]:
         writable = [settings["homes"], os.devnull]
