@@ -20,6 +20,12 @@ LIMITS = Limits(
     seconds_in_all=20, most_starts=4,
 )  # fmt: skip
 DOUBLE = "def double(x):\n    return 2 * x"
+FILLING = """
+import time
+for k in range(6):
+    open(str(k), "wb").write(bytes(15 << 20))
+time.sleep(9)
+"""
 CLOSING = """
 import os, time
 for number in range(3, 64):
@@ -64,7 +70,7 @@ def test_cells_run_and_calls_are_made(server):
         ("import os; os.abort()", "crash", "aborted itself"),
         (CLOSING, "output", "closed the pipe"),
         (
-            "for k in range(1500): open(str(k), 'w').close()\nimport time; time.sleep(9)",
+            FILLING,
             "disk",
             "wrote more than it may",
         ),
