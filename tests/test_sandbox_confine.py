@@ -17,6 +17,7 @@ import pytest
 
 from fieldrecon.course.sandbox import confine, landlock, seccomp
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 LINUX = sys.platform == "linux"
 LANDLOCK = landlock.version()
 
@@ -273,19 +274,6 @@ def test_limits_hold(folder):
             assert in_a_child(limited, attempt) == error
 
 
-def test_processor_time_ends():
-    """Whoever computes on and on is ended by the system, also who does not listen to signals."""
-
-    def busy():
-        signal.signal(signal.SIGXCPU, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_CPU, (1, 2))
-        end = time.monotonic() + 20
-        while time.monotonic() < end:
-            pass
-
-    assert in_a_child(busy) == f"signal {signal.SIGKILL}"
-
-
 def test_files_are_closed_whatever_their_number():
     """Also those with numbers above the limit of open files."""
     out, into = os.pipe()
@@ -305,6 +293,18 @@ def test_files_are_closed_whatever_their_number():
 
 
 if LINUX:
+
+    def test_processor_time_ends():
+        """Whoever computes on and on is ended by the system, also who does not listen to signals."""
+
+        def busy():
+            signal.signal(signal.SIGXCPU, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_CPU, (1, 2))
+            end = time.monotonic() + 20
+            while time.monotonic() < end:
+                pass
+
+        assert in_a_child(busy) == f"signal {signal.SIGKILL}"
 
     def test_capabilities_are_gone():
         """None is left, which the superuser had."""

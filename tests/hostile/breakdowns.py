@@ -1,6 +1,8 @@
 """Loops, crashes, memory, depth and floods: what breaks is lost, and what else is right counts."""
 
-from hostile.case import EVERYTHING, WALLS, Case
+from dataclasses import replace
+
+from hostile.case import COUNTED, EVERYTHING, WALLS, Case
 
 LOST = ("01.2",)
 
@@ -116,4 +118,5 @@ FLOODS = [
         "a folder that is closed, and links"),
 ]  # fmt: skip
 
+MEMORY = [replace(case, tiers=COUNTED) for case in MEMORY]
 CASES = [*LOOPS, *CRASHES, *MEMORY, *FLOODS]

@@ -1,6 +1,7 @@
 """A case: a file that is handed in, the grade that is fair, and where that is promised."""
 
 import json
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -16,6 +17,8 @@ WALLS = frozenset({"bubblewrap", "landlock"})
 """Tiers that keep a program that means harm away from files, network and other processes."""
 HERE = tiers()
 """The tiers of this machine."""
+COUNTED = ALL if sys.platform == "linux" else WALLS
+"""Tiers that hold memory to its limit and find every process that was left; macOS does neither."""
 POINTS = {
     number: {q.name: float(q.points) for q in questions().values() if q.notebook == number}
     for number in ("01", "02")

@@ -4,6 +4,7 @@ import os
 import secrets
 import socket
 import subprocess
+import sys
 import threading
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -37,11 +38,11 @@ class Places:
         self.sockets = [
             self._open(stack, socket.AF_INET, socket.SOCK_STREAM, ("127.0.0.1", 0)),
             self._open(stack, socket.AF_INET, socket.SOCK_DGRAM, ("127.0.0.1", 0)),
-            self._open(stack, socket.AF_UNIX, socket.SOCK_DGRAM, str(folder / "socket")),
         ]
-        if os.uname().sysname == "Linux":
-            name = f"\0{self.token}"
-            self.sockets.append(self._open(stack, socket.AF_UNIX, socket.SOCK_DGRAM, name))
+        if sys.platform == "linux":
+            for address in (str(folder / "socket"), f"\0{self.token}"):
+                opened = self._open(stack, socket.AF_UNIX, socket.SOCK_DGRAM, address)
+                self.sockets.append(opened)
         self.bystander = stack.enter_context(
             subprocess.Popen(["sleep", "600"], env={"GRADER_SECRET": self.secret})
         )

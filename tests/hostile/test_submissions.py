@@ -1,6 +1,7 @@
 """Each case on each tier: the fair grade, nothing reached, nothing left, and the next is graded."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -52,15 +53,17 @@ TELL_TALES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", TELL_TALES)
-def test_what_is_reached_is_seen(name, course, servers, places, watchdog):
-    """Without walls these cases reach what they try, and it does not go unnoticed."""
-    server = servers("none")
-    watchdog(server)
-    case = next(c for its in FAMILIES.values() for c in its if c.name == name)
-    record = grade(course, server, Submission("hostile", *case.handed_in(places.told)))
-    told = "secret" if places.secret in repr(record) else " ".join(places.reached())
-    assert TELL_TALES[name] in told
+if sys.platform == "linux":
+
+    @pytest.mark.parametrize("name", TELL_TALES)
+    def test_what_is_reached_is_seen(name, course, servers, places, watchdog):
+        """Without walls these cases reach what they try, and it does not go unnoticed."""
+        server = servers("none")
+        watchdog(server)
+        case = next(c for its in FAMILIES.values() for c in its if c.name == name)
+        record = grade(course, server, Submission("hostile", *case.handed_in(places.told)))
+        told = "secret" if places.secret in repr(record) else " ".join(places.reached())
+        assert TELL_TALES[name] in told
 
 
 def points(record):

@@ -3,7 +3,7 @@
 Where the grade is that of right answers, trying is not punished; what is tried fails.
 """
 
-from hostile.case import ALL, WALLS, Case
+from hostile.case import ALL, COUNTED, WALLS, Case
 
 
 def tries(name, code, tiers=WALLS, **more):
@@ -21,14 +21,14 @@ def attempt(what, *args, **kwargs):
 
 LEFTOVERS = [
     tries("a daemon thread", "import threading, time\n"
-          "threading.Thread(target=time.sleep, args=(9999,), daemon=True).start()", ALL),
+          "threading.Thread(target=time.sleep, args=(9999,), daemon=True).start()", COUNTED),
     tries("fifty children", """
 import os, time
 for _ in range(50):
     if os.fork() == 0:
         time.sleep(9999)
         os._exit(0)
-""", ALL),
+""", COUNTED),
     tries("a daemon: fork, setsid, fork", """
 import os, time
 if os.fork() == 0:
@@ -36,15 +36,15 @@ if os.fork() == 0:
     if os.fork() == 0:
         time.sleep(9999)
     os._exit(0)
-""", ALL),
+""", COUNTED),
     tries("a program in the background", """
 import subprocess
 subprocess.Popen(["sleep", "9999@MARK@"], start_new_session=True)
-""", ALL),
+""", COUNTED),
     tries("a program that outlives its parent", """
 import os
 os.system("nohup setsid sleep 9999@MARK@ >/dev/null 2>&1 &")
-""", ALL),
+""", COUNTED),
     tries("a pool of processes", """
 import multiprocessing
 multiprocessing.Pool(2).map(abs, range(3))
