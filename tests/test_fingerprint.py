@@ -1,0 +1,123 @@
+"""Digests of checks: they change with what a verdict depends on, and with nothing else."""
+
+from functools import partial
+from importlib.util import module_from_spec, spec_from_file_location
+
+import numpy as np
+import pytest
+
+from fieldcheck.questions import questions
+from fieldrecon.course.grading.examine import Course
+from fieldrecon.course.grading.fingerprint import fingerprint
+from fieldrecon.course.sources import Source
+from graded_class import ROOT, checkout
+
+CODE = """
+import numpy as np
+UNIT = 2.0
+class Law:
+    size = 1
+def helper(x):
+    return UNIT * x
+def check(x, tolerance=1e-9):
+    return [helper(y) for y in np.atleast_1d(x)]
+def other(x):
+    return x
+"""
+
+
+def digest(folder, code, name="check"):
+    """The digest of a function of a file."""
+    file = folder / f"code_{abs(hash(code))}.py"
+    file.write_text(code)
+    spec = spec_from_file_location(file.stem, file)
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return fingerprint(getattr(module, name))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("import numpy", "# a comment\n\nimport numpy"),
+        ("return x\n", "return x + 1\n"),
+        ("size = 1", "size = 2"),
+    ],
+    ids=["a comment", "a function that it does not call", "a class that it does not use"],
+)
+def test_what_does_not_matter_changes_nothing(tmp_path, old, new):
+    """Lines may move, and what stands beside a check may change."""
+    assert digest(tmp_path, CODE) == digest(tmp_path, CODE.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("UNIT * x", "UNIT / x"),
+        ("UNIT = 2.0", "UNIT = 3.0"),
+        ("1e-9", "1e-8"),
+        ("atleast_1d", "atleast_2d"),
+        ("helper(y) for", "helper(helper(y)) for"),
+        ("import numpy as np", "import math as np"),
+    ],
+)
+def test_what_matters_changes_it(tmp_path, old, new):
+    """Helpers, constants, defaults, names of libraries, code within code."""
+    assert old in CODE
+    assert digest(tmp_path, CODE) != digest(tmp_path, CODE.replace(old, new))
+
+
+def test_functions_that_call_each_other_have_digests():
+    """What was met before is told by its number."""
+
+    def even(n):
+        return n == 0 or odd(n - 1)
+
+    def odd(n):
+        return n != 0 and even(n - 1)
+
+    assert fingerprint(even) != fingerprint(odd)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (1, 1.0),
+        ((1, 2), (2, 1)),
+        (np.zeros(2), np.zeros(3)),
+        (np.zeros(2), np.zeros(2, int)),
+        ({"a": 1}, {"a": 2}),
+        (partial(max, 1), partial(max, 2)),
+        (max, min),
+        ("1", 1),
+    ],
+)
+def test_values_differ_where_they_do(one, other):
+    """Numbers by kind, arrays by shape and kind, records by content."""
+    assert fingerprint(one) == fingerprint(one)
+    assert fingerprint(one) != fingerprint(other)
+
+
+def made_by(root):
+    course = Course([Source(root / "solutions" / "01_least_squares.py")], "salt")
+    return {q.name: course.made_by(q.name) for q in questions().values() if q.notebook == "01"}
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "concerned"),
+    [
+        ("grading/01_least_squares.py", "1e5 * line", "1e6 * line", {"01.4"}),
+        ("grading/01_least_squares.py", "every dimension", "each dimension", {"01.2"}),
+        ("misconceptions/01_least_squares.py", "def slopes_only", "def only_slopes", {"01.3"}),
+        ("grading/01_least_squares.py", '"""What only', '"""What just', set()),
+    ],
+)
+def test_a_changed_check_concerns_its_question_only(tmp_path, file, old, new, concerned):
+    """A file holds the checks of a whole notebook, and each has a digest of its own."""
+    before = made_by(ROOT)
+    root = checkout(tmp_path, "01")
+    place = root / "solutions" / file
+    assert old in place.read_text()
+    place.write_text(place.read_text().replace(old, new))
+    now = made_by(root)
+    assert {q for q in now if now[q] != before[q]} == concerned

@@ -1,0 +1,285 @@
+"""The batch: every submission is graded, once, by any executor, whatever happens to the run."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+
+import pytest
+
+from fieldrecon.course import leaks
+from fieldrecon.course.grading import workplace
+from fieldrecon.course.grading.batch import as_they_come
+from fieldrecon.course.grading.engine import graded
+from fieldrecon.course.grading.examine import Fault
+from fieldrecon.course.grading.isolation import Limits
+from fieldrecon.course.grading.results import invalid, read_results
+from graded_class import ROOT, TIER, checkout, ledger, points, right, run
+from handed_in import lay, notebook
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """A small class, graded, with what came out."""
+    folder = tmp_path_factory.mktemp("class")
+    todo = run(folder)
+    return todo, graded(todo)
+
+
+def statuses(grading):
+    return {(r.student, r.notebook): r.status for r in grading.results.records}
+
+
+def test_everybody_is_graded(small):
+    """The right, the wrong and the unwritten answer; who cannot be read has a status, too."""
+    _, grading = small
+    assert statuses(grading) == {
+        ("ada", "01"): "graded", ("ada", "02"): "graded", ("bob", "01"): "graded",
+        ("cai", "01"): "graded", ("dan", ""): "unreadable",
+    }  # fmt: skip
+    lost = {(r.student, g.question): g.verdict.rung for r in grading.results.records
+            for g in r.grades if g.points < g.possible}  # fmt: skip
+    assert lost == {("bob", "01.2"): "wrong", ("cai", "01.4"): "unwritten"}
+
+
+def test_the_file_holds_what_was_found(small):
+    """In the form of the schema."""
+    todo, grading = small
+    file = todo.out / "results.json"
+    assert invalid(json.loads(file.read_text())) == ""
+    assert read_results(file) == replace(
+        grading.results, students=tuple({"student": s} for s in ("ada", "bob", "cai", "dan"))
+    )
+
+
+def test_wrong_numbers_of_the_public_case_are_kept_to_be_drawn(small):
+    """Those of wrong answers only."""
+    _, grading = small
+    shown = {(r.student, g.question): g.returned for r in grading.results.records
+             for g in r.grades if g.returned}  # fmt: skip
+    (part,) = shown.pop(("bob", "01.2"))
+    assert part["shape"] == [len(part["numbers"])]
+    assert not shown
+
+
+def test_grading_again_does_nothing_again(small):
+    """All is known, the bytes are the same, and nothing is put aside."""
+    todo, _ = small
+    before, lines = (todo.out / "results.json").read_bytes(), ledger(todo.out)
+    assert not graded(replace(todo)).changed
+    assert (todo.out / "results.json").read_bytes() == before
+    assert ledger(todo.out) == lines
+    assert not (todo.out / "history").exists()
+
+
+@pytest.mark.parametrize("kind", ["one thread", "processes"])
+def test_any_executor_gives_the_same_bytes(small, tmp_path, kind):
+    """What is to be done can be sent to other processes; each starts walls of its own."""
+    todo, _ = small
+    other = replace(todo, out=tmp_path / "out")
+    pool = (
+        ThreadPoolExecutor(1)
+        if kind == "one thread"
+        else ProcessPoolExecutor(2, mp_context=get_context("spawn"))
+    )
+    with pool:
+        graded(other, pool)
+    assert len(ledger(other.out)) == 4
+    assert (other.out / "results.json").read_bytes() == (todo.out / "results.json").read_bytes()
+
+
+def test_nothing_is_left_running_or_lying_about(small):
+    """The servers end with the run."""
+    assert small
+    assert not workplace._open.get(os.getpid())
+
+
+def test_the_ledger_names_the_year_and_not_the_salt(small):
+    """And what a line needs to be understood."""
+    todo, _ = small
+    line = json.loads((todo.out / "ledger.jsonl").read_text().splitlines()[0])
+    assert set(line) == {
+        "on", "student", "file", "digest", "code", "notebook", "status", "made_by", "environment",
+        "grader", "salt_year", "tier", "seconds", "cpu_seconds", "peak_bytes",
+    }  # fmt: skip
+    assert todo.salt.text not in line.values()
+    assert line["tier"] == TIER
+
+
+# What depends on what
+
+
+def test_after_a_check_is_edited_only_that_check_is_made(small, tmp_path):
+    """A change to a hidden case of the rank concerns the rank, of everybody."""
+    todo, _ = small
+    root = checkout(tmp_path, "01", "02")
+    file = root / "solutions" / "grading" / "01_least_squares.py"
+    file.write_text(file.read_text().replace("1e5 * line", "1e4 * line"))
+    before = ledger(todo.out)
+    grading = graded(replace(todo, root=root))
+    assert sorted(ledger(todo.out)[len(before) :]) == [(s, "01.4") for s in ("ada", "bob", "cai")]
+    assert points(grading.results)["ada", "01.4"] == 2.0
+
+
+def test_points_are_no_reason_to_grade_again(small, tmp_path):
+    """They are applied to what was found."""
+    todo, _ = small
+    lay(tmp_path / "class", {"points.csv": b"question,points\n01.2,30\n"})
+    before = ledger(todo.out)
+    grading = graded(replace(todo, tables=tmp_path / "class"))
+    assert ledger(todo.out) == before
+    assert points(grading.results)["ada", "01.2"] == 30.0
+    assert points(grading.results)["bob", "01.2"] == 0.0
+
+
+def test_a_part_is_graded_and_the_rest_stays(tmp_path):
+    """By notebook, by student, by question; what was graded before stays as it was."""
+    todo = run(tmp_path, question="01.4")
+    graded(todo)
+    assert sorted(ledger(todo.out)) == [(s, "01.4") for s in ("ada", "bob", "cai")]
+    found = graded(replace(todo, choice=run(tmp_path, student="ada", notebooks=("02",)).choice))
+    asked = points(found.results)
+    assert {s for s, q in asked if q.startswith("02")} == {"ada"}
+    assert {s for s, q in asked if q == "01.4"} == {"ada", "bob", "cai"}
+
+
+# What goes wrong
+
+
+def test_a_submission_that_breaks_down_stops_nobody(tmp_path):
+    """Its other answers keep their points, and the others are graded."""
+    deadly = "def fit(points, values):\n    import os\n    os._exit(3)\n"
+    files = {"eve/01.ipynb": notebook(*right(), deadly), "zoe/01.ipynb": notebook(*right())}
+    found = points(graded(run(tmp_path, files)).results)
+    assert found["eve", "01.2"] == 0.0
+    assert {q for (s, q), p in found.items() if s == "eve" and p > 0} == {
+        "01.1", "01.3", "01.4", "01.5", "01.6"
+    }  # fmt: skip
+    assert found["zoe", "01.2"] == 3.0
+
+
+def test_no_hidden_input_reaches_the_results(tmp_path):
+    """Not by what is returned, and not by an error: public cases are tried before all others."""
+    thief = """
+_seen = []
+def _stolen(function):
+    def call(*arguments):
+        _seen.append([np.asarray(a).tolist() for a in arguments])
+        if len(_seen) > 3:
+            raise ValueError(repr(_seen))
+        return function(*arguments)
+    return call
+basis_matrix, rank = _stolen(basis_matrix), _stolen(rank)
+def fit(points, values):
+    raise ValueError(repr(_seen))
+def gradient(coefficients, x):
+    return np.asarray(x)
+"""
+    todo = run(tmp_path, {"eve/01.ipynb": notebook(*right(), thief)})
+    grading = graded(todo)
+    assert points(grading.results)["eve", "01.2"] == 0.0
+    file = todo.out / "results.json"
+    tried = todo.course.trials("01", "eve")
+    for trial in (t for its in tried.values() for t in its[1:]):
+        assert not list(leaks.number_leaks(trial.calls, trial.answers.right, [file]))
+    public = tried["01.1"][0]
+    assert list(leaks.number_leaks(public.calls, (), [file])), "the thief has stolen nothing"
+
+
+def test_a_check_that_fails_on_the_right_answer_is_the_graders_fault(tmp_path):
+    """The record says so, and nothing is kept of it: after it is mended it is made again."""
+    root = checkout(tmp_path, "01")
+    file = root / "solutions" / "grading" / "01_least_squares.py"
+    file.write_text(file.read_text().replace("(1e5 * line,)", "(line, line)"))
+    todo = run(tmp_path, {"ada/01.ipynb": notebook(*right())}, root=root)
+    (record,) = graded(todo).results.records
+    assert record.status == "fault"
+    assert "the solution of 01.4" in record.notes[0]
+    assert [r.status for r in graded(replace(todo, root=ROOT)).results.records] == ["graded"]
+
+
+def test_a_run_that_is_killed_goes_on_where_it_stopped(tmp_path):
+    """Killed without warning, it leaves no results; started again, it does the rest, once."""
+    slow = "import time\ntime.sleep(0.25)\n"
+    files = {f"s{k}/01.ipynb": notebook(*right(), f"{slow}# {k}") for k in range(12)}
+    todo = run(tmp_path, files)
+    command = [sys.executable, "-m", "fieldrecon.cli", "grade", "in", "--root", str(ROOT)]
+    command += ["--out", "out", "--jobs", "2", "--tier", TIER]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 60
+    while len(ledger(todo.out)) < 3 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    done = ledger(todo.out)
+    assert 3 <= len(done) < 12
+    assert not (todo.out / "results.json").exists()
+    grading = graded(todo)
+    assert len(statuses(grading)) == 12
+    again = [line for line in ledger(todo.out)[len(done) :] if line in done]
+    assert len(again) <= 1, "what was being written when it was killed"
+    assert {student for student, *_ in ledger(todo.out)} == {f"s{k}" for k in range(12)}
+
+
+def test_an_executor_that_breaks_down_ends_the_run(tmp_path):
+    """It is no submission's fault, so no grade comes of it."""
+
+    class Broken(ThreadPoolExecutor):
+        def submit(self, *_):
+            raise BrokenExecutor("a worker is gone")
+
+    todo = run(tmp_path, {"ada/01.ipynb": notebook(*right())})
+    with pytest.raises(RuntimeError, match="a worker is gone"):
+        graded(todo, Broken(1))
+    assert not (todo.out / "results.json").exists()
+
+
+# The parts
+
+
+def test_few_submissions_are_in_memory_at_a_time():
+    """So many are begun ahead, and one more only when one is done."""
+    begun, waiting = [], []
+
+    def begin(item):
+        begun.append(item)
+        future = Future()
+        waiting.append(future)
+        if len(waiting) == 3:
+            waiting.pop(0).set_result(None)
+        return future, lambda: item
+
+    stream = as_they_come(begin, range(100), ahead=3)
+    assert next(stream) == 0
+    assert begun == [0, 1, 2]
+    assert next(stream) == 1
+    assert begun == [0, 1, 2, 3]
+    stream.close()
+    assert all(future.cancelled() for future in waiting)
+
+
+def test_a_server_in_doubt_is_replaced_once():
+    """Then the grader is at fault; a submission is never graded by chance."""
+    tried = []
+
+    def do(server):
+        tried.append(server)
+        raise OSError("the pipe is broken")
+
+    with workplace.opened(), pytest.raises(Fault, match="OSError: the pipe is broken"):
+        workplace.served(TIER, Limits(), do)
+    first, second = tried
+    assert first is not second
+
+
+def test_no_server_is_started_once_the_work_is_over():
+    """Threads that are still at it when a run is interrupted end, and leave nothing behind."""
+    with workplace.opened():
+        pass
+    with pytest.raises(workplace.Over):
+        workplace.served(TIER, Limits(), lambda server: server)
