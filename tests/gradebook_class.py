@@ -2,6 +2,7 @@
 
 import ast
 import json
+from html.parser import HTMLParser
 from pathlib import Path
 
 from fieldcheck.questions import questions
@@ -81,3 +82,31 @@ def asked(*names, points=2.0, kind="code"):
 def results(records, questions=None, students=(), **changes):
     questions = questions or asked("01.1", "01.2") + asked("01.7", kind="words")
     return Results(tuple(records), tuple(students), tuple(questions), **changes)
+
+
+class Tags(HTMLParser):
+    """What a browser would see: the tags with their attributes, and the text."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.tags, self.text = [], ""
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def harmless(page):
+    """Whether a page runs nothing, loads nothing, and leads nowhere."""
+    tags = Tags(page).tags
+    names = {tag for tag, _ in tags}
+    attributes = [(name, value or "") for _, its in tags for name, value in its.items()]
+    return (
+        not names & {"script", "iframe", "object", "embed", "form", "link", "base", "svg"}
+        and not any(name.startswith("on") or name == "srcdoc" for name, _ in attributes)
+        and all(v.startswith("data:image/svg+xml;base64,") for n, v in attributes if n == "src")
+        and all(v.startswith("#") for n, v in attributes if n == "href")
+    )

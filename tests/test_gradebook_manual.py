@@ -1,5 +1,7 @@
 """Answers in words: pages to read them on, and tables that never lose what was entered."""
 
+import re
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,9 +15,19 @@ from fieldrecon.course.gradebook.manual import (
     seal,
     theory,
 )
+from fieldrecon.course.gradebook.pages import with_formulas
 from fieldrecon.course.gradebook.sheets import gradebook
 from fieldrecon.course.gradebook.words import words
-from gradebook_class import asked, notebook, record, results, source, submission
+from gradebook_class import (
+    Tags,
+    asked,
+    harmless,
+    notebook,
+    record,
+    results,
+    source,
+    submission,
+)
 
 names = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs", "Z"]), min_size=1)
 
@@ -92,12 +104,50 @@ def test_the_page_has_question_rubric_model_answer_and_everybodys_words():
     assert "How it is graded" in page
     assert "A model answer" in page
     assert "<math" in page
-    assert "&lt;script&gt;alert(1)&lt;/script&gt; [link](http://evil)" in page
+    assert page.count("&lt;script&gt;alert(1)&lt;/script&gt; [link](http://evil)") == 2
     for forbidden in ("<script", "<i>ada", "href=\"http", "src=\"http", "nearly <b>"):
         assert forbidden not in page
     assert "2 answers" in page
     assert "Nothing written: bob." in page
     assert "2 of 3" in page
+    assert "2 of 3, and changed since" in reading_page(question, {"ada": "x"}, marks, ["ada"])
+
+
+HOSTILE = [
+    r"$\href{javascript:alert(1)}{x}$", r"$\text{<script>alert(1)</script>}$", "$<b>$ </math><b>",
+    r"$\includegraphics{http://evil/x}$", "$" + "{" * 400 + "$", "a $ b $ c", "$$\n\\x\n$$",
+    "<img src=x onerror=alert(1)>", "\0", "\ud800", "# no heading\n* no list\n`no code`",
+    "<!-- next -->", "$<!-- next -->$",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_formulas_of_students_are_set_and_nothing_else_is_run(text):
+    """Whatever is typed between dollar signs, or outside, becomes no tag that does anything."""
+    (html,) = with_formulas([text])
+    assert harmless(html)
+    assert not {tag for tag, _ in Tags(html).tags} & {"a", "b", "img", "h1", "ul", "code"}
+
+
+def test_one_answer_does_not_spoil_the_others():
+    """Each text has its own HTML, in order, though one cannot be set."""
+    found = with_formulas([*HOSTILE, "so $x^2$ holds", "last"])
+    assert len(found) == len(HOSTILE) + 2
+    assert "<msup><mi>x</mi><mn>2</mn></msup>" in found[-2]
+    assert Tags(found[-1]).text.strip() == "last"
+    assert with_formulas([]) == []
+
+
+def test_lines_end_where_markdown_ends_them():
+    """A single end of a line is a space; empty lines and lists stay as they are."""
+    (html,) = with_formulas(["one\ntwo\n\nthree:\n- a\n  1) b"])
+    breaks = re.sub(r"\s*<br />\s*", "|", html).replace("\n", " ").strip()
+    assert breaks == "<p>one two||three:|- a|1) b</p>"
+
+
+def test_prices_are_no_formulas():
+    """A dollar sign before a space begins nothing."""
+    assert "<math" not in with_formulas(["from $ 5 to $ 6"])[0]
 
 
 def test_words_are_found_where_they_were_written():

@@ -3,7 +3,6 @@
 import base64
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -25,8 +24,10 @@ from fieldrecon.course.hidden import hidden_cases
 from fieldrecon.course.known import public_calls
 from fieldrecon.course.trials import trials
 from gradebook_class import (
+    Tags,
     asked,
     grade,
+    harmless,
     mistaken,
     notebook,
     record,
@@ -39,34 +40,6 @@ from gradebook_class import (
 EVIL = '<script>alert(1)</script><img src=x onerror="alert(2)">\' " & $x $title ${body}'
 NAMED = {"01": Assignment("01", canvas="LS (1)", moodle="LS")}
 ADA = {"student": "ada", "login": "ada", "email": "a@b.example"}
-
-
-class Tags(HTMLParser):
-    """What a browser would see: the tags with their attributes, and the text."""
-
-    def __init__(self, page):
-        super().__init__()
-        self.tags, self.text = [], ""
-        self.feed(page)
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append((tag, dict(attrs)))
-
-    def handle_data(self, data):
-        self.text += data
-
-
-def harmless(page):
-    """Whether a page runs nothing, loads nothing, and leads nowhere."""
-    tags = Tags(page).tags
-    names = {tag for tag, _ in tags}
-    attributes = [(name, value or "") for _, its in tags for name, value in its.items()]
-    return (
-        not names & {"script", "iframe", "object", "embed", "form", "link", "base", "svg"}
-        and not any(name.startswith("on") or name == "srcdoc" for name, _ in attributes)
-        and all(v.startswith("data:image/svg+xml;base64,") for n, v in attributes if n == "src")
-        and all(v.startswith("#") for n, v in attributes if n == "href")
-    )
 
 
 def evil_sheets():

@@ -117,10 +117,11 @@ def _manual(desk: Desk) -> None:
         for question in asked:
             answers = {student: its.get(question.name, "") for student, its in written.items()}
             table = desk.folder.folder / MANUAL / f"{question.name}.csv"
-            for student in manual.enter(table, answers):
+            changed = manual.enter(table, answers)
+            for student in changed:
                 print(f"{question.name}: {student} wrote something else since it was read")
             given = {who: mark for (name, who), mark in marks.items() if name == question.name}
-            page = manual.reading_page(question, answers, given)
+            page = manual.reading_page(question, answers, given, changed)
             print_files([table, desk.write(f"manual/{question.name}.html", page)])
 
 

@@ -58,8 +58,16 @@ def feedback(sheets: Sequence[Sheet], titles: Mapping[str, str] | None = None) -
     body = [_unreadable(record) for record in sheets[0].unreadable]
     body += [_overview(sheets, titles)] if len(sheets) > 1 else []
     body += [_notebook(sheet, titles.get(sheet.notebook, "")) for sheet in sheets]
+    return page(who, _sum(sheets), "\n".join(body))
+
+
+def _sum(sheets: Sequence[Sheet]) -> str:
     points, possible = sum(s.points for s in sheets), sum(s.possible for s in sheets)
-    return page(who, f"{short(points)} of {short(possible)} points", "\n".join(body))
+    told = f"{short(points)} of {short(possible)} points"
+    waiting = sum(line.how == "open" for sheet in sheets for line in sheet.lines)
+    if not waiting:
+        return told
+    return f"{told}; {'one answer is' if waiting == 1 else f'{waiting} answers are'} not graded yet"
 
 
 def _unreadable(record: Record) -> str:
@@ -95,7 +103,7 @@ def _at_a_glance(sheet: Sheet) -> str:
 
 def _square(line: Line) -> str:
     kind, title, _ = _said(line)
-    text = f"{line.question} {title or NOT_YET} {short(line.points)} of {short(line.possible)}"
+    text = f"{line.question} {title or NOT_YET} {_points(line)} of {short(line.possible)}"
     return f'<i class="{kind}" title="{escape(text)}"></i>'
 
 
@@ -106,7 +114,8 @@ def _title(notebook: str, title: str) -> str:
 def _notebook(sheet: Sheet, title: str) -> str:
     heading = f'<h2 id="n{sheet.notebook}">{_title(sheet.notebook, title)}</h2>'
     if sheet.record is None:
-        return f"<section>{heading}<p>Nothing was handed in.</p></section>"
+        readable = " that could be graded" if sheet.unreadable else ""
+        return f"<section>{heading}<p>Nothing was handed in{readable}.</p></section>"
     about = "".join(f"<p>{escape(said)}</p>" for said in _about(sheet))
     answers = "\n".join(_answer(line) for line in sheet.lines)
     footer = " ".join((WALLS[sheet.record.tier], f"File: {sheet.record.file},"))
@@ -137,9 +146,13 @@ def _answer(line: Line) -> str:
     paragraphs = "".join(f"<p>{escape(text)}</p>" for text in said if text)
     return (
         f'<article class="answer {kind}"><header><h3>{escape(line.question)} {escape(title)}</h3>'
-        f'<span class="points">{short(line.points)} of {short(line.possible)}</span></header>'
+        f'<span class="points">{_points(line)} of {short(line.possible)}</span></header>'
         f"{paragraphs}{figure}</article>"
     )
+
+
+def _points(line: Line) -> str:
+    return "–" if line.how == "open" else short(line.points)
 
 
 def _said(line: Line) -> tuple[str, str, tuple[str, ...]]:

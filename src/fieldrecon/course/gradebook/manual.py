@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
 from fieldrecon.course.gradebook.decisions import Mark
-from fieldrecon.course.gradebook.pages import page, rendered
+from fieldrecon.course.gradebook.pages import page, rendered, with_formulas
 from fieldrecon.course.grading.results import write_whole
 from fieldrecon.course.grading.tables import (
     Row,
@@ -60,11 +60,14 @@ def theory(source: Source) -> list[Theory]:
 
 
 def reading_page(
-    question: Theory, answers: Mapping[str, str], marks: Mapping[str, Mark] | None = None
+    question: Theory,
+    answers: Mapping[str, str],
+    marks: Mapping[str, Mark] | None = None,
+    changed: Collection[str] = (),
 ) -> str:
     """Return the page with the question, its rubric, the model answer, and everybody's words.
 
-    Students' words are shown as they were typed: nothing in them is taken for a formula or a link.
+    In students' words formulas are set, and nothing else is interpreted; below they stand as typed.
 
     Parameters
     ----------
@@ -74,15 +77,21 @@ def reading_page(
         The words of each student; empty where nothing was written.
     marks : mapping, optional
         The points given so far, by student.
+    changed : collection of str
+        Who wrote something else since.
     """
     written = {student: words for student, words in sorted(answers.items()) if words}
     silent = sorted(set(answers) - set(written))
+    typeset = with_formulas(list(written.values()))
     body = [
         rendered(question.asked),
         "<h2>How it is graded</h2>", rendered(question.rubric),
         f"<details open><summary>A model answer</summary>{rendered(question.answer)}</details>",
         f"<h2>{_counted(len(written))}</h2>",
-        *(_article(question, *pair, (marks or {}).get(pair[0])) for pair in written.items()),
+        *(
+            _article(question, who, words, html, (marks or {}).get(who), who in changed)
+            for (who, words), html in zip(written.items(), typeset, strict=True)
+        ),
         f'<p class="quiet">Nothing written: {escape(", ".join(silent))}.</p>' if silent else "",
     ]  # fmt: skip
     told = f"{short(question.points)} points, to be written into {question.name}.csv"
@@ -93,13 +102,17 @@ def _counted(answers: int) -> str:
     return "One answer" if answers == 1 else f"{answers or 'No'} answers"
 
 
-def _article(question: Theory, student: str, words: str, mark: Mark | None) -> str:
+def _article(
+    question: Theory, student: str, words: str, html: str, mark: Mark | None, is_changed: bool
+) -> str:
     given = f"{short(mark.points)} of {short(question.points)}" if mark else "not read"
-    comment = f"<p>{escape(mark.comment)}</p>" if mark and mark.comment else ""
-    kind = "right" if mark else "open"
+    given += ", and changed since" if is_changed else ""
+    comment = f'<p class="quiet">{escape(mark.comment)}</p>' if mark and mark.comment else ""
+    kind = "wrong" if is_changed else "right" if mark else "open"
     return (
         f'<article class="answer {kind}"><header><h3>{escape(student)}</h3>'
-        f'<span class="points">{given}</span></header><pre>{escape(words)}</pre>{comment}</article>'
+        f'<span class="points">{given}</span></header>{html}{comment}'
+        f"<details><summary>as typed</summary><pre>{escape(words)}</pre></details></article>"
     )
 
 
