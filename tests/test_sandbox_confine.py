@@ -295,7 +295,7 @@ def test_files_are_closed_whatever_their_number():
 if LINUX:
 
     def test_processor_time_ends():
-        """Whoever computes on and on is ended by the system, also who does not listen to signals."""
+        """Whoever computes on and on is ended by the system, also who listens to no signal."""
 
         def busy():
             signal.signal(signal.SIGXCPU, signal.SIG_IGN)
