@@ -147,6 +147,8 @@ def test_what_is_wrong_is_told_in_a_sentence(place, capsys):
     """Missing results, a damaged file and a bad table end with status 2 and say where."""
     assert main(["course", "export", str(place / "nowhere.json")]) == 2
     assert "nowhere.json" in capsys.readouterr().err
+    assert main(["course", "export", str(place / "out"), "--class", str(place / "clas")]) == 2
+    assert "there is no folder" in capsys.readouterr().err
     (place / "class/overrides.csv").write_text("student,question\n")
     assert run(place, "export") == 2
     assert "overrides.csv:1: there is no column points, by, reason, on" in capsys.readouterr().err

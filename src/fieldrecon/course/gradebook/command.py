@@ -15,7 +15,7 @@ from fieldrecon.course.gradebook import analysis, differences, exports, items, m
 from fieldrecon.course.gradebook import platforms as platform_forms
 from fieldrecon.course.gradebook import similarity_page as resemblance
 from fieldrecon.course.gradebook.decided import MANUAL
-from fieldrecon.course.gradebook.desk import Desk
+from fieldrecon.course.gradebook.desk import DEFAULT, Desk
 from fieldrecon.course.gradebook.examples import write_examples
 from fieldrecon.course.gradebook.feedback import feedback
 from fieldrecon.course.gradebook.overrides import open_requests
@@ -50,8 +50,8 @@ def _add(commands: Any, name: str, command: Callable[..., Any], text: str) -> An
         "results", type=Path, metavar="RESULTS", help="results.json, or the folder that holds it"
     )
     parser.add_argument(
-        "--class", type=Path, default=Path("class"), metavar="DIR", dest="folder",
-        help="the folder with the tables of the class (default: %(default)s)",
+        "--class", type=Path, metavar="DIR", dest="folder",
+        help=f"the folder with the tables of the class (default: {DEFAULT}, if it is there)",
     )  # fmt: skip
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="where to write (default: beside the results)"

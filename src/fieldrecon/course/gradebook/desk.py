@@ -17,6 +17,9 @@ from fieldrecon.course.grading.results import Record, Results, read_results, wri
 from fieldrecon.course.grading.submission import MOST_BYTES, Submission
 from fieldrecon.course.sources import Source
 
+DEFAULT = "class"
+"""The folder of the class, where none is named."""
+
 
 @dataclass(frozen=True)
 class Desk:
@@ -25,8 +28,8 @@ class Desk:
     Parameters
     ----------
     options : argparse.Namespace
-        ``results``, a file or the folder that holds it; ``folder`` of the class; ``out``, or None
-        for beside the results; ``root``, the checkout.
+        ``results``, a file or the folder that holds it; ``folder`` of the class, or None; ``out``,
+        or None for beside the results; ``root``, the checkout.
     """
 
     options: argparse.Namespace
@@ -44,8 +47,17 @@ class Desk:
 
     @property
     def folder(self) -> ClassFolder:
-        """The tables of the class."""
-        return ClassFolder(self.options.folder)
+        """The tables of the class.
+
+        Raises
+        ------
+        ValueError
+            The folder was named, and is not there: what is decided would be without effect.
+        """
+        given: Path | None = self.options.folder
+        if given is not None and not given.is_dir():
+            raise ValueError(f"there is no folder {given}")
+        return ClassFolder(given or Path(DEFAULT))
 
     @cached_property
     def results(self) -> Results:
