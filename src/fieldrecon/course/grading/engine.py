@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
+from contextlib import contextmanager
+from importlib.util import find_spec
 
 import pytest
 from threadpoolctl import threadpool_limits
@@ -46,7 +49,7 @@ def graded(
     """
     _ = run.taken  # what is wrong with the tables, or with what was handed in, is told first
     grading = Grading(run, executor, told)
-    with threadpool_limits(1):
+    with threadpool_limits(1), by_itself():
         status = pytest.main([*_arguments(run), *(options or QUIET)], plugins=[grading])
     if grading.error:
         raise RuntimeError(f"the grader failed: {grading.error}") from grading.error
@@ -61,15 +64,41 @@ def graded(
     return grading
 
 
+@contextmanager
+def by_itself() -> Iterator[None]:
+    """Let pytest not hear of what it is told elsewhere, and leave nothing beside the checks."""
+    before, wrote, known = dict(os.environ), sys.dont_write_bytecode, set(sys.modules)
+    for name in ("PYTEST_ADDOPTS", "PYTEST_PLUGINS"):
+        os.environ.pop(name, None)
+    os.environ |= {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    sys.dont_write_bytecode = True  # nor read an old check that is as long as the new one
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
+        sys.dont_write_bytecode = wrote
+        for name in [n for n in sys.modules if n not in known and is_check(n)]:
+            del sys.modules[name]  # the next run reads it again
+
+
+def is_check(module: str) -> bool:
+    """Whether a module is a file of tests that pytest imported."""
+    return module.rpartition(".")[2].startswith(("test_", "conftest"))
+
+
 def _arguments(run: Run) -> list[str]:
     """Return what pytest is told; processes of pytest-xdist hear of the run by its options."""
+    run.out.mkdir(parents=True, exist_ok=True)
+    place = run.checks or run.out  # a folder must be named, or conftest.py is looked for here
     told = [
-        "-p", "fieldrecon.course.grading.plugin", "-c", os.devnull, "-p", "no:cacheprovider",
-        "--rootdir=.", "--import-mode=importlib", "--capture=sys",
-        "-W", "ignore:Module already imported",
+        str(place), f"--confcutdir={place}", "--rootdir=.", "-c", os.devnull,
+        "-p", "fieldrecon.course.grading.plugin", "-p", "no:cacheprovider",
+        "--import-mode=importlib", "--capture=sys", "-W", "ignore:Module already imported",
         f"--submissions={run.submissions}", f"--out={run.out}", f"--root={run.root}",
         f"--question={run.choice.question}", f"--student={run.choice.student}",
         f"--tier={run.tier}", f"--jobs={run.jobs}",
     ]  # fmt: skip
     told += [f"--class={run.tables}"] if run.tables else []
+    told += ["-p", "xdist.plugin"] if find_spec("xdist") else []
     return told + [f"--only={number}" for number in sorted(run.choice.notebooks)]

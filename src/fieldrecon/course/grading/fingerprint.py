@@ -137,7 +137,10 @@ SHARED = (
     "answers", "calls", "hidden", "known", "ladder", "question", "seeds", "shapes", "trials",
     "verdict",
 )  # fmt: skip
-ENGINE = ("definitions", "examine", "isolation", "session", "submission", "walls")
+ENGINE = (
+    "checks", "definitions", "examine", "instructors", "isolation", "session", "submission",
+    "walls",
+)  # fmt: skip
 """The modules that have a say in every verdict: those that checks share, and those of the engine;
 besides them all that runs in the sandbox."""
 

@@ -120,7 +120,7 @@ def _error(item: pytest.Function, arguments: dict[str, Any]) -> str:
 def _made_by(item: pytest.Function, check: Check) -> str:
     """Return the digest of a check, of what it is given, and of the fixtures that it uses."""
     given = {name: value for name, value in item.callspec.params.items() if name != FIXTURE}
-    fixtures = item._fixtureinfo.name2fixturedefs
+    fixtures = {k: v for k, v in item._fixtureinfo.name2fixturedefs.items() if k != FIXTURE}
     functions = [definition.func for name in sorted(fixtures) for definition in fixtures[name]]
     return fingerprint(item.function, given, functions, check)
 

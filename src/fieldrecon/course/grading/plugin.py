@@ -57,8 +57,7 @@ def pytest_configure(config: pytest.Config) -> None:
         except ValueError as error:
             raise pytest.UsageError(str(error)) from None
         config.pluginmanager.register(grading)
-    checks = grading.run.tables / "checks" if grading.run.tables else None
-    config.args[:] = [str(checks)] if checks and checks.is_dir() else []
+    config.args[:] = [str(grading.run.checks)] if grading.run.checks else []
     config.addinivalue_line("markers", USAGE)
     if getattr(config.option, "dist", "no") == "load":
         config.option.dist = "loadgroup"

@@ -115,6 +115,12 @@ class Run:
         file = self._table("roster.csv")
         return read_roster(file) if file else {}
 
+    @property
+    def checks(self) -> Path | None:
+        """The folder with the checks of the instructor, if there is one."""
+        folder = self.tables / "checks" if self.tables else None
+        return folder if folder and folder.is_dir() else None
+
     def _table(self, name: str) -> Path | None:
         file = (self.tables or self.out) / name
         return file if self.tables and file.is_file() else None
