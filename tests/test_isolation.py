@@ -1,9 +1,15 @@
 """Tiers: what a machine offers is used, the safest first, and nothing is offered that is not."""
 
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
 import pytest
 
 from fieldrecon.course.grading import isolation
-from fieldrecon.course.sandbox import landlock, seccomp
+from fieldrecon.course.sandbox import homes, landlock, seccomp
 
 
 @pytest.mark.parametrize(
@@ -38,9 +44,52 @@ def test_other_systems_have_no_walls(monkeypatch):
 def test_a_server_leaves_nothing_behind():
     """Its folders and its process are gone at the end of the block, also after an error."""
     server = isolation.Server("none")
-    with pytest.raises(KeyError), server.started():
+    with suppress(KeyError), server.started():
         scratch, process = server._scratch, server._process
         assert scratch.is_dir()
         raise KeyError
     assert not scratch.exists()
     assert process.poll() is not None
+
+
+GRADER = """
+import sys
+from fieldrecon.course.grading import isolation, session
+with isolation.Server(sys.argv[1]).started() as server:
+    print(server._scratch, flush=True)
+    session.run(server, ["open('here', 'w')", "while True: pass"], [session.Task("x", (), 1.0)])
+"""
+
+
+def of(scratch):
+    """The processes that run in a folder."""
+    lines = (p for p in Path("/proc").glob("[0-9]*/cmdline"))
+    found = []
+    for line in lines:
+        with suppress(OSError):
+            if scratch in line.read_bytes().decode(errors="replace"):
+                found.append(line.parent.name)
+    return found
+
+
+def awaited(condition):
+    """Whether something comes true within ten seconds."""
+    end = time.monotonic() + 10
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return condition()
+
+
+if sys.platform == "linux":
+
+    @pytest.mark.parametrize("tier", isolation.tiers())
+    def test_nothing_outlives_a_grader_that_is_killed(tier):
+        """The server and what it made end with it, whatever that is at."""
+        command = [sys.executable, "-c", GRADER, tier]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as grader:
+            scratch = Path(grader.stdout.readline().strip())
+            assert awaited(lambda: list((scratch / "homes").glob("*/here")))
+            assert of(str(scratch))
+            grader.kill()
+        assert awaited(lambda: not of(str(scratch)))
+        homes.remove(str(scratch))
