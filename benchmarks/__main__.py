@@ -23,6 +23,8 @@ NAMES = (
     "mesh_velocities",
     "mesh_scaling",
     "barycentric",
+    "grading",
+    "grading_class",
 )
 RESULTS = Path(__file__).parent / "results"
 CORES = 2

@@ -46,10 +46,18 @@ def section(result: Mapping, figure: str | None = None) -> str:
 
 def _compared(c: Mapping) -> tuple[str, ...]:
     limit = c["at_most"]
-    met = "" if limit is None else f"{limit:.2f} ({'met' if c['ratio'] <= limit else 'NOT met'})"
-    spread = f"{c['least']:.2f}–{c['most']:.2f}"
+    met = "" if limit is None else f"{_ratio(limit)} ({_kept(c['ratio'] <= limit)})"
+    spread = f"{_ratio(c['least'])}–{_ratio(c['most'])}"
     seconds = _cell(c["seconds"]), _cell(c["seconds_of_peer"])
-    return (c["what"], c["peer"], f"{c['ratio']:.2f}", spread, met, *seconds)
+    return (c["what"], c["peer"], _ratio(c["ratio"]), spread, met, *seconds)
+
+
+def _ratio(number: float) -> str:
+    return f"{number:.2f}" if number >= 0.095 else f"{number:.2g}"
+
+
+def _kept(is_kept: bool) -> str:
+    return "met" if is_kept else "NOT met"
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence]) -> str:

@@ -118,7 +118,7 @@ NESTED = {
 @pytest.mark.parametrize("cell", NESTED.values(), ids=NESTED)
 def test_no_code_is_too_intricate_to_be_left_aside(cell):
     """A cell that no parser can stand defines nothing; the others still do."""
-    assert defined(cell) == []
+    assert defined(cell) == ()
     found = Submission("ada", "01.ipynb", notebook(cell, ANSWER))
     assert list(found.definitions) == ["fit"]
     assert "".join(statements(cell)) == cell
@@ -127,13 +127,13 @@ def test_no_code_is_too_intricate_to_be_left_aside(cell):
 def test_a_tree_is_made_of_so_much_code_only():
     """A cell of more than a person writes is not parsed, since trees take a thousand times more."""
     long = "x = 1\n" * (definitions.MOST_PARSED // 6 + 1)
-    assert defined(long + ANSWER) == []
+    assert defined(long + ANSWER) == ()
     assert defined(long[:6000] + ANSWER)[-1] == ("fit", False)
 
 
 def test_bad_escapes_are_no_errors():
     """Code that Python only warns of counts, though warnings are errors here."""
-    assert defined('def fit(x):\n    return "\\d"\n') == [("fit", False)]
+    assert defined('def fit(x):\n    return "\\d"\n') == (("fit", False),)
 
 
 def test_only_what_is_no_python_is_taken_for_a_magic():
@@ -147,12 +147,12 @@ def test_only_what_is_no_python_is_taken_for_a_magic():
 
 def test_what_stands_in_functions_and_classes_is_no_answer():
     """Only names at top level can be called."""
-    assert defined("class A:\n    def fit(self): ...\ndef outer():\n    def rank(p): ...") == [
-        ("outer", False)
-    ]
-    assert defined("for k in 1, 2:\n    def fit(): return k\nfrom x import rank as gradient") == [
+    assert defined("class A:\n    def fit(self): ...\ndef outer():\n    def rank(p): ...") == (
+        ("outer", False),
+    )
+    assert defined("for k in 1, 2:\n    def fit(): return k\nfrom x import rank as gradient") == (
         ("fit", False), ("gradient", False),
-    ]  # fmt: skip
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_what_stands_in_functions_and_classes_is_no_answer():
 )
 def test_a_stub_is_told_from_an_answer(body, stub):
     """What was handed out has not been written, also where some lines are given."""
-    assert defined(f"def fit(points):\n    {body}\n") == [("fit", stub)]
+    assert defined(f"def fit(points):\n    {body}\n") == (("fit", stub),)
 
 
 def test_a_stub_behind_an_answer_is_seen():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from io import StringIO
 
 from fieldrecon.course.grading.quiet import quiet
@@ -18,6 +19,10 @@ CELL_MAGIC = re.compile(r"\s*%%(\w*).*")
 RUNS_IN_PLACE = ("time", "capture", "prun")
 
 
+MOST_REMEMBERED, LONGEST_REMEMBERED = 4096, 4096
+"""Cells, and characters of one, whose tree is read once: most cells of a class are the same."""
+
+
 def plain(cell: str) -> str:
     r"""Return a cell as Python: what only notebooks understand is left out, line by line.
 
@@ -29,12 +34,12 @@ def plain(cell: str) -> str:
     magic = CELL_MAGIC.match(cell)
     if magic:
         cell = cell[magic.end() :] if magic[1] in RUNS_IN_PLACE else ""
-    if _tree(cell):
+    if outline(cell) is not None:
         return cell
     return NO_VALUE.sub(r"\1None", NO_PYTHON.sub(r"\1pass", cell))
 
 
-def defined(cell: str) -> list[tuple[str, bool]]:
+def defined(cell: str) -> tuple[tuple[str, bool], ...]:
     r"""Return the names that a cell gives to something at top level, and whether it is a stub.
 
     What stands inside of ``if``, ``try``, ``with`` and loops counts, in the order of the text.
@@ -42,13 +47,25 @@ def defined(cell: str) -> list[tuple[str, bool]]:
     Examples
     --------
     >>> defined("try:\n    fit = lambda x: x\nexcept NameError:\n    def rank(points): ...")
-    [('fit', False), ('rank', True)]
+    (('fit', False), ('rank', True))
     """
+    return outline(cell) or ()
+
+
+def outline(cell: str) -> tuple[tuple[str, bool], ...] | None:
+    """Return what `defined` does; None if the cell is no Python."""
+    return (_remembered if len(cell) <= LONGEST_REMEMBERED else _outline)(cell)
+
+
+def _outline(cell: str) -> tuple[tuple[str, bool], ...] | None:
     tree = _tree(cell)
     try:
-        return list(_bound(tree.body)) if tree else []
+        return tuple(_bound(tree.body)) if tree else None
     except RecursionError:
-        return []
+        return ()
+
+
+_remembered = lru_cache(MOST_REMEMBERED)(_outline)
 
 
 def statements(script: str) -> list[str]:

@@ -1,0 +1,194 @@
+"""Grading a class, against nbgrader and otter."""
+
+from __future__ import annotations
+
+import json
+import resource
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from benchmarks import peers
+from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
+from benchmarks.measure import Comparison, Outcome, Table, Track
+from fieldrecon.course.grading.isolation import Server
+from fieldrecon.course.grading.run import chosen_tier
+
+COMMAND = "import sys; from fieldrecon.cli import main; sys.exit(main())"
+AT_MOST = {(SMALL, "nbgrader"): 1 / 15, (SMALL, "otter"): 1 / 30}
+MOST_CPU = 0.25
+"""Seconds of processor time for a submission of the small notebook."""
+CALLED = {
+    "nbgrader": "nbgrader {} (autograde, one command for {})",
+    "otter": "otter {} (run, a command each for {})",
+}
+
+
+@dataclass(frozen=True)
+class Size:
+    submissions: int = 100
+    of_nbgrader: int = 6
+    of_otter: int = 3
+    assignments: tuple[str, ...] = (SMALL, LARGE)
+    repeats: int = 3
+
+
+FULL = Size()
+QUICK = Size(submissions=20, of_nbgrader=2, of_otter=1, repeats=1)
+TOY = Size(submissions=2, of_nbgrader=0, of_otter=0, assignments=(SMALL,), repeats=1)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What grading took, for one submission."""
+
+    seconds: float
+    cpu_seconds: float
+
+
+def run(size: Size, track: Track) -> Outcome:
+    comparisons, rows, tiers = [], [], set[str]()
+    for name in size.assignments:
+        with TemporaryDirectory() as folder:
+            bench = Bench(Path(folder), Assignment(name), size)
+            costs = bench.in_turn(track)
+            tiers |= bench.tiers
+        comparisons += list(_compared(name, costs, size))
+        rows += list(_rows(name, costs))
+    return Outcome(
+        comparisons,
+        [Table("Seconds for each submission, medians", COLUMNS, rows)],
+        notes=[NOTE],
+        parameters=asdict(size) | {"walls": ", ".join(sorted(tiers))},
+    )
+
+
+class Bench:
+    """All graders on one assignment."""
+
+    def __init__(self, folder: Path, assignment: Assignment, size: Size) -> None:
+        self.folder, self.assignment, self.tiers = folder, assignment, set[str]()
+        self.right = [assignment.handed_in(k)[1] for k in range(10)]
+        self.count = size.submissions
+        (folder / "tables").mkdir()
+        for k in range(size.submissions):
+            file = folder / "in" / f"s{k:03}" / "work.ipynb"
+            file.parent.mkdir(parents=True)
+            file.write_bytes(assignment.handed_in(k)[0])
+        self.peers = {
+            name: peers.PEERS[name](folder / name, assignment, _files(assignment, number))
+            for name, number in (("nbgrader", size.of_nbgrader), ("otter", size.of_otter)) if number
+        }  # fmt: skip
+        self.repeats = size.repeats
+        self.cpu_of_walls = _cpu_of_walls()
+
+    def in_turn(self, track: Track) -> Mapping[str, list[Cost]]:
+        """Grade with each in turn; a first round is not counted.
+
+        Raises
+        ------
+        RuntimeError
+            A grader finds something else right than what is.
+        """
+        costs: dict[str, list[Cost]] = {"1": [], "2": []} | {name: [] for name in self.peers}
+        rounds = [*costs] * (self.repeats + 1)
+        for turn in track(rounds, f"grading, {self.assignment.name}"):
+            costs[turn].append(self._with_peer(turn) if turn in self.peers else self._ours(turn))
+        return {name: found[1:] for name, found in costs.items()}
+
+    def _ours(self, jobs: str) -> Cost:
+        """Grade all of the class by the command, from nothing."""
+        with TemporaryDirectory() as out:
+            command = [
+                sys.executable, "-c", COMMAND, "grade", self.folder / "in", "--out", out,
+                "--root", ROOT, "--jobs", jobs, "--class", self.folder / "tables",
+            ]  # fmt: skip
+            start, before = time.perf_counter(), _cpu_of_children()
+            subprocess.run(command, cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+            seconds, cpu = time.perf_counter() - start, _cpu_of_children() - before
+            cpu += _cpu_behind_walls(Path(out)) + int(jobs) * self.cpu_of_walls
+            records = json.loads((Path(out) / "results.json").read_text())["records"]
+        self.tiers |= {record["tier"] for record in records}
+        found = [
+            {g["question"] for g in record["grades"] if g["verdict"]["rung"] == "right"}
+            for record in sorted(records, key=lambda record: record["student"])
+        ]
+        self._require_right("fieldrecon", found, self.count)
+        return Cost(seconds / self.count, cpu / self.count)
+
+    def _with_peer(self, name: str) -> Cost:
+        peer = self.peers[name]
+        start, before = time.perf_counter(), _cpu_of_children()
+        found = peer.grade()
+        seconds, cpu = time.perf_counter() - start, _cpu_of_children() - before
+        self._require_right(name, found, len(peer.files))
+        return Cost(seconds / len(peer.files), cpu / len(peer.files))
+
+    def _require_right(self, who: str, found: Sequence[set[str]], count: int) -> None:
+        wanted = [self.right[k % 10] for k in range(count)]
+        if list(found) != wanted:
+            raise RuntimeError(f"{who} grades otherwise: {found} instead of {wanted}")
+
+
+def _files(assignment: Assignment, number: int) -> list[bytes]:
+    return [assignment.handed_in(k)[0] for k in range(number)]
+
+
+def _cpu_of_children() -> float:
+    """Processor time of all processes that were started and have ended, theirs included."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _compared(name: str, costs: Mapping[str, list[Cost]], size: Size) -> list[Comparison]:
+    numbers = {"nbgrader": size.of_nbgrader, "otter": size.of_otter}
+    return [
+        Comparison(
+            f"{name}: {size.submissions} submissions, isolated, two workers",
+            CALLED[peer].format(peers.version(peer), numbers[peer]),
+            [cost.seconds for cost in costs["2"]],
+            [cost.seconds for cost in costs[peer]],
+            AT_MOST.get((name, peer)),
+        )
+        for peer in costs if peer in numbers
+    ]  # fmt: skip
+
+
+def _cpu_behind_walls(out: Path) -> float:
+    """Processor time of what students wrote, which the grader notes as it ends each process."""
+    lines = (out / "ledger.jsonl").read_text().splitlines()
+    return sum(json.loads(line)["cpu_seconds"] for line in lines)
+
+
+def _cpu_of_walls() -> float:
+    """A bound on the processor time of putting up walls, which one worker does once."""
+    tier, _ = chosen_tier()
+    start = time.perf_counter()
+    with Server(tier).started():
+        return time.perf_counter() - start
+
+
+COLUMNS = ("assignment", "grader", "seconds", "least", "most", "CPU seconds", "speed-up by workers")
+NOTE = (
+    f"The grader is the whole command: it starts, archives what was received, grades, writes. On "
+    f"the small notebook its CPU seconds, both sides of the walls together, are to be at most "
+    f"{MOST_CPU}. All graders found the same questions right, as was required of them."
+)
+
+
+def _rows(name: str, costs: Mapping[str, list[Cost]]) -> list[tuple[str | float, ...]]:
+    alone = statistics.median(cost.seconds for cost in costs["1"])
+    called = {"1": "fieldrecon, one worker", "2": "fieldrecon, two workers"}
+    rows = []
+    for who, found in costs.items():
+        seconds = [cost.seconds for cost in found]
+        median = statistics.median(seconds)
+        cpu = statistics.median(cost.cpu_seconds for cost in found)
+        speed_up = alone / median if who in called else ""
+        rows.append((name, called.get(who, who), median, min(seconds), max(seconds), cpu, speed_up))
+    return rows

@@ -1,0 +1,143 @@
+"""Three hundred submissions of all notebooks, a tenth of them hostile, and the grader's memory.
+
+Every tenth is a case of the hostile suite, with its limits. The grader runs in a process of its
+own, and its largest memory so far is read after each third of the class.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from benchmarks.handed_in import ROOT
+from benchmarks.measure import Outcome, Table, Track
+from benchmarks.memory import largest_memory
+
+if TYPE_CHECKING:
+    from hostile.case import Case
+
+WORKERS = 2
+COLUMNS = ("graded", "seconds", "peak memory of the grader in MiB", "statuses")
+
+
+@dataclass(frozen=True)
+class Size:
+    submissions: int = 300
+    notebooks: int = 8
+
+
+FULL = Size()
+QUICK = Size(submissions=60)
+TOY = Size(submissions=6, notebooks=1)
+
+
+def run(size: Size, track: Track) -> Outcome:
+    told = list(track(list(_told(size)), "grading_class"))
+    rows = [tuple(json.loads(line)) for line in told]
+    fair = rows.pop()
+    return Outcome(
+        tables=[Table("After each third of the class", COLUMNS, rows)],
+        notes=[
+            f"{fair[0]} of {size.submissions} submissions got the fair grade for every question, "
+            f"{fair[1]} of them of {fair[2]} hostile ones. The peak is that of the trusted "
+            "process; what students wrote runs in others, with limits of their own."
+        ],
+        parameters=asdict(size) | {"workers": WORKERS, "walls": fair[3]},
+    )
+
+
+def _told(size: Size) -> Iterator[str]:
+    command = [sys.executable, "-m", "benchmarks.grading_class", json.dumps(asdict(size))]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
+        yield from process.stdout or ()
+    if process.returncode:
+        raise RuntimeError("the class was not graded")
+
+
+def grade_class(size: Size) -> None:
+    """What the other process does: it prints a line after each third, and one on the grades."""
+    sys.path.append(str(ROOT / "tests"))
+    from fieldrecon.course.grading import workplace
+    from fieldrecon.course.grading.batch import Batch
+    from fieldrecon.course.grading.isolation import Server
+    from fieldrecon.course.grading.run import Run, chosen_tier
+    from hostile.conftest import LIMITS
+
+    tier, _ = chosen_tier()
+    with TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        fair = dict(_class(folder / "in", size, list(_cases(tier))))
+        plan = Run(folder / "in", folder / "out", ROOT, tier=tier, jobs=WORKERS)
+        start, statuses, good, tamed, done = time.monotonic(), Counter[str](), 0, 0, 0
+        with ThreadPoolExecutor(WORKERS) as executor, workplace.opened():
+            server, kept = Server(tier, LIMITS), (plan.archive, plan.cache, plan.ledger)
+            batch = Batch(plan.course, server, *kept, executor, WORKERS)
+            for _, record in batch.records(plan.portions()):
+                done, statuses[record.status] = done + 1, statuses[record.status] + 1
+                points = {grade.question: grade.points for grade in record.grades}
+                wanted, hostile = fair[record.student]
+                is_fair = points == (wanted if record.status != "unreadable" else {})
+                good, tamed = good + is_fair, tamed + (is_fair and hostile)
+                if not is_fair:
+                    print(record.student, record.status, record.notes, file=sys.stderr)
+                if done % (size.submissions // 3) == 0:
+                    print(json.dumps(_row(done, time.monotonic() - start, statuses)), flush=True)
+    count = sum(hostile for _, hostile in fair.values())
+    if done != size.submissions or "fault" in statuses:
+        raise SystemExit(f"{done} of {size.submissions} were graded: {dict(statuses)}")
+    print(json.dumps([good, tamed, count, tier]), flush=True)
+
+
+def _row(done: int, seconds: float, statuses: Counter[str]) -> tuple[int, float, float, str]:
+    told = ", ".join(f"{number} {status}" for status, number in sorted(statuses.items()))
+    return done, round(seconds, 1), round(largest_memory() / 2**20, 1), told
+
+
+def _class(
+    folder: Path, size: Size, cases: list[Case]
+) -> Iterable[tuple[str, tuple[dict[str, float], bool]]]:
+    """Hand in for everybody; yield each name, the fair points, and whether it is hostile."""
+    from fieldcheck.questions import questions
+    from hostile.case import as_file, notebook
+
+    for k in range(size.submissions):
+        student = folder / f"s{k:03}"
+        student.mkdir(parents=True)
+        if k % 10 == 5:
+            case = cases[(k // 10) * len(cases) // (size.submissions // 10 + 1)]
+            name, content = case.handed_in(dict.fromkeys(PLACES, str(folder / "nothing")))
+            wanted = case.fair()
+        else:
+            number = f"{k % size.notebooks + 1:02}"
+            _, content = as_file(notebook(number))
+            name = "work.ipynb"
+            wanted = {q.name: float(q.points) for q in questions().values() if q.notebook == number}
+        (student / name).write_bytes(content)
+        yield student.name, (wanted, k % 10 == 5)
+
+
+PLACES = ("CANARY", "OUT", "MARK", "ROOT", "HOME", "GRADER", "TCP", "UNIX", "UDP")
+
+
+def _cases(tier: str) -> Iterator[Case]:
+    from hostile import breakdowns, cheats, damage, oddities, trespass
+
+    lists = (
+        cheats.CASES, breakdowns.LOOPS, breakdowns.CRASHES, breakdowns.MEMORY, breakdowns.FLOODS,
+        trespass.LEFTOVERS, trespass.FILES, trespass.NETWORK, trespass.ENVIRONMENT,
+        trespass.POISON, damage.CASES, oddities.CASES,
+    )  # fmt: skip
+    yield from (case for its in lists for case in its if tier in case.tiers)
+
+
+if __name__ == "__main__":
+    grade_class(Size(**json.loads(sys.argv[1])))
