@@ -111,6 +111,8 @@ lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=-
 	@$(compile) requirements.lock pyproject.toml --extra report --extra mesh --extra course --extra test --extra lint
 	@$(compile) requirements-lab.lock pyproject.toml --extra lab --constraints requirements.lock
 	@$(compile) requirements-bench.lock pyproject.toml --extra bench --constraints requirements.lock
+	@$(compile) benchmarks/graders/nbgrader.lock benchmarks/graders/nbgrader.in
+	@$(compile) benchmarks/graders/otter.lock benchmarks/graders/otter.in
 
 compile = $(python) -m uv pip compile --quiet --universal --generate-hashes --no-header \
   --python-version 3.11 $(UPGRADE) --output-file

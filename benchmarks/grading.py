@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from benchmarks import peers
+from benchmarks import graders
 from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
 from benchmarks.measure import Comparison, Outcome, Table, Track
 from fieldrecon.course.grading.isolation import Server
@@ -81,7 +81,7 @@ class Bench:
             file.parent.mkdir(parents=True)
             file.write_bytes(assignment.handed_in(k)[0])
         self.peers = {
-            name: peers.PEERS[name](folder / name, assignment, _files(assignment, number))
+            name: graders.PEERS[name](folder / name, assignment, _files(assignment, number))
             for name, number in (("nbgrader", size.of_nbgrader), ("otter", size.of_otter)) if number
         }  # fmt: skip
         self.repeats = size.repeats
@@ -150,7 +150,7 @@ def _compared(name: str, costs: Mapping[str, list[Cost]], size: Size) -> list[Co
     return [
         Comparison(
             f"{name}: {size.submissions} submissions, isolated, two workers",
-            CALLED[peer].format(peers.version(peer), numbers[peer]),
+            CALLED[peer].format(graders.version(peer), numbers[peer]),
             [cost.seconds for cost in costs["2"]],
             [cost.seconds for cost in costs[peer]],
             AT_MOST.get((name, peer)),

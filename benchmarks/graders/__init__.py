@@ -12,7 +12,7 @@ from pathlib import Path
 from benchmarks.handed_in import ROOT, Assignment
 
 HERE = Path(__file__).parent
-VENV = ROOT / ".venv" / "peers"
+VENV = ROOT / ".venv" / "graders"
 
 
 def environment(name: str) -> Path:
