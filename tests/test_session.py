@@ -21,6 +21,15 @@ LIMITS = Limits(
     seconds_in_all=20, most_starts=4,
 )  # fmt: skip
 DOUBLE = "def double(x):\n    return 2 * x"
+DEAF = """
+import json, os, struct, sys, time
+frame = sys._getframe()
+while "outgoing" not in frame.f_locals:
+    frame = frame.f_back
+text = json.dumps({"frame": frame.f_locals["head"]["frame"], "error": "", "arrays": []}).encode()
+os.write(frame.f_locals["outgoing"], struct.pack("!II", len(text), 0) + text)
+time.sleep(99)
+"""
 FILLING = """
 import time
 for k in range(6):
@@ -127,6 +136,16 @@ def double(x):
     assert statuses(outcomes) == {"double": ["timed out"]}
     assert log.killed == ["time"]
     assert time.monotonic() - begin < LIMITS.seconds_per_call + session.GRACE + 3
+
+
+def test_a_process_that_does_not_read_holds_up_nobody(server):
+    """Code answers in the worker's place and reads no more: what is sent has a deadline too."""
+    large = Task("large", (Call("double", (np.zeros(10**6),), "many"),), 9.0)
+    begin = time.monotonic()
+    outcomes, log = run(server, [DOUBLE, DEAF], [large])
+    assert statuses(outcomes) == {"large": ["timed out"]}
+    assert log.killed == ["time"]
+    assert time.monotonic() - begin < 10
 
 
 def test_after_many_starts_it_is_given_up(server):

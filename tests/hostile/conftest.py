@@ -18,7 +18,7 @@ from fieldrecon.course.sandbox import landlock
 from hostile.case import ROOT
 
 LIMITS = Limits(
-    memory=256 * MEBIBYTE, cpu_seconds=8, seconds_per_cell=1.0, seconds_per_call=0.8,
+    memory=256 * MEBIBYTE, cpu_seconds=8, seconds_per_cell=1.5, seconds_per_call=1.2,
     seconds_in_all=60.0, most_starts=8,
 )  # fmt: skip
 SECONDS_FOR_A_CASE = 120
