@@ -95,10 +95,11 @@ publish: $(ready) ## write the solved notebooks as HTML and PDF to dist/solution
 bundle: $(ready) ## write dist/student-bundle.zip
 	@$(VENV)/bin/fieldrecon course bundle
 
-grade: $(ready) ## grade what a class handed in: SUBMISSIONS=dir; OUT=graded, CLASS=class, ONLY=02, JOBS=4
+grade: $(ready) ## grade what a class handed in: SUBMISSIONS=dir; OUT=graded, CLASS=class, ONLY=02, JOBS=4, DIFF=1
 	@$(if $(SUBMISSIONS),,$(error SUBMISSIONS=dir is missing: what is to be graded))
 	@$(VENV)/bin/fieldrecon grade "$(SUBMISSIONS)" $(if $(OUT),--out "$(OUT)") \
-	  $(if $(CLASS),--class "$(CLASS)") $(if $(ONLY),--only $(ONLY)) $(if $(JOBS),--jobs $(JOBS))
+	  $(if $(CLASS),--class "$(CLASS)") $(if $(ONLY),--only $(ONLY)) $(if $(JOBS),--jobs $(JOBS)) \
+	  $(if $(DIFF),--diff)
 
 # Rest
 
