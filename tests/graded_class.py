@@ -39,10 +39,10 @@ def class_files():
     }
 
 
-def run(folder, files=None, root=ROOT, tables=None, **choice):
+def run(folder, files=None, root=ROOT, tables=None, jobs=1, **choice):
     """A run on files, in a folder of its own."""
     lay(folder / "in", class_files() if files is None else files)
-    return Run(folder / "in", folder / "out", root, tables, TIER, 2, Choice(**choice))
+    return Run(folder / "in", folder / "out", root, tables, TIER, jobs, Choice(**choice))
 
 
 def checkout(folder, *numbers):

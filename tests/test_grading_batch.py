@@ -27,7 +27,7 @@ from handed_in import lay, notebook
 def small(tmp_path_factory):
     """A small class, graded, with what came out."""
     folder = tmp_path_factory.mktemp("class")
-    todo = run(folder)
+    todo = run(folder, jobs=2)
     return todo, graded(todo)
 
 

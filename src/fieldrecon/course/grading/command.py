@@ -66,7 +66,8 @@ def _came_out(run: Run, graded: Sequence[Record], earlier: int) -> Iterator[str]
     """Yield what came out, and where it is."""
     counted = Counter(record.status for record in graded)
     told = ", ".join(f"{counted[status]} {status}" for status in STATUSES if counted[status])
-    yield f"{len(graded)} submissions, walls: {run.tier}; {told or 'nothing was chosen'}"
+    submissions = "1 submission" if len(graded) == 1 else f"{len(graded)} submissions"
+    yield f"{submissions}, walls: {run.tier}; {told or 'nothing was chosen'}"
     for record in graded:
         if record.status in ("unreadable", "fault"):
             yield f"  {record.student}, {record.file}: {'; '.join(record.notes)}"
