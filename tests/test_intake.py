@@ -2,16 +2,18 @@
 
 import hashlib
 import io
-import json
 import os
+import resource
 import zipfile
 import zlib
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fieldrecon.course.grading import collection
+from fieldcheck.questions import questions
+from fieldrecon.course.grading import collection, examine
 from fieldrecon.course.grading.archive import Archive
 from fieldrecon.course.grading.intake import Intake
 from fieldrecon.course.grading.roster import Student
@@ -316,6 +318,19 @@ def test_a_class_of_thousands_of_files_is_taken(tmp_path):
     assert {*graded(handed)} == {(s, n) for s in roster for n in ("01", "02")}
 
 
+def test_a_zip_file_for_each_of_many_is_taken(tmp_path):
+    """More than a process may have open at a time."""
+    most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    count = 60
+    resource.setrlimit(resource.RLIMIT_NOFILE, (len([*Path("/dev/fd").iterdir()]) + 40, _))
+    try:
+        pack = packed({"01.ipynb": RIGHT})
+        handed = taken(tmp_path, {f"s{k}.zip": pack for k in range(count)})
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, _))
+    assert len(graded(handed)) == count
+
+
 def test_two_students_with_the_same_file_are_both_graded(tmp_path):
     """The archive holds it once."""
     handed = taken(tmp_path, {"s1/01.ipynb": RIGHT, "s2/01.ipynb": RIGHT})
@@ -386,13 +401,18 @@ def test_a_file_in_place_of_the_class_is_told(tmp_path):
         intake(tmp_path).take(lay(tmp_path, {"a.ipynb": RIGHT}) / "a.ipynb")
 
 
-def test_a_stale_stub_is_graded_and_seen(tmp_path):
-    """The last definition counts; that an answer stood before it can be told."""
-    stale = notebook(code(ANSWER, id="q-01-2"), code(STUB, id="q-01-2"))
-    (only,) = taken(tmp_path, {"s1/01.ipynb": stale})
-    found = only.submission(Archive(tmp_path / "received"))
-    assert found.definitions["fit"] == (False, True)
-    assert json.loads(found.content)["cells"][0]["id"] == "q-01-2"
+def test_a_stale_stub_behind_an_answer_is_told(tmp_path):
+    """It takes the place of the answer, whatever ids and metadata say, and the instructor hears."""
+    answer, copy = (code(text, id="q-01-2") for text in (ANSWER, STUB))
+    stale, fresh = notebook(answer, copy), notebook(copy, answer)
+    handed = taken(tmp_path, {"s1/01.ipynb": stale, "s2/01.ipynb": fresh})
+    told = [list(_notes_on(h, Archive(tmp_path / "received"))) for h in handed]
+    assert told == [["01.2: a stub stands behind an answer, and takes its place"], []]
+
+
+def _notes_on(handed, archive):
+    fit = [question for question in questions().values() if question.name == "01.2"]
+    return examine._notes(handed.submission(archive), fit, {})
 
 
 names = st.text(st.characters(exclude_characters="/\0", codec="utf-8"), min_size=1, max_size=30)

@@ -103,15 +103,15 @@ def test_no_bytes_raise_anything_but_that(content, name):
 NESTED = {
     "minus": "-" * 200_000 + "1",
     "brackets": "(" * 200_000,
-    "sums": "1" + "+1" * 50_000,
-    "calls": "f" + "()" * 50_000,
+    "sums": "1" + "+1" * 20_000,
+    "calls": "f" + "()" * 20_000,
     "lambdas": "lambda:" * 30_000 + "1",
     "branches": "if 1: pass\n" + "elif 1: pass\n" * 15_000,
     "blocks": "\n".join(" " * i + "if 1:" for i in range(90)) + "\n" + " " * 90 + "pass",
     "nul": "x = '\0'",
     "half a character": "x = '\ud800'",
     "digits": "9" * 100_000,
-    "statements": "a;" * 120_000,
+    "statements": "a;" * 30_000,
 }
 
 

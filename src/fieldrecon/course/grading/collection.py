@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from pathlib import Path
 
 from fieldrecon.course.grading.archive import Archive, NotTaken
@@ -99,8 +100,10 @@ class Collection:
         loose = [item for item in items if len(item.parts) == 1]
         packs_only = len(loose) == len(items) and all(i.is_zip and not i.refused for i in loose)
         if packs_only and not any(self._is_student(item.name) for item in loose):
-            packs = [self._begun(self._inside(item), packed=True) for item in loose]
-            if all(map(_is_bulk, packs)) or (len(packs) == 1 and _is_class(packs[0])):
+            inside = (self._begun(self._inside(item), packed=True) for item in loose)
+            is_download = _is_class if len(loose) == 1 else _is_bulk
+            packs = list(takewhile(is_download, inside))  # not all are open at once
+            if len(packs) == len(loose):
                 return [item for pack in packs for item in pack]
         return self._begun(items)
 

@@ -126,15 +126,15 @@ def zip_items(path: Path) -> list[Item]:
     try:
         if _members(path) > MOST_MEMBERS:
             raise NoZip(f"the zip file holds more than {MOST_MEMBERS} files")
-        with zipfile.ZipFile(path) as pack:
-            members = [info for info in pack.infolist() if not info.is_dir()]
+        pack = zipfile.ZipFile(path)  # open as long as one of its items is there
+        members = [info for info in pack.infolist() if not info.is_dir()]
     except NoZip:
         raise
     except Exception as error:  # what is no zip file can be wrong in any way
         raise NoZip(f"the zip file is damaged ({error})") from None
     if sum(m.file_size for m in members) > MOST_UNPACKED:
         raise NoZip(f"the zip file holds more than {MOST_UNPACKED // MEBIBYTE} MiB")
-    items = (_member(path, info) for info in members)
+    items = (_member(pack, info) for info in members)
     return sorted((i for i in items if not is_chaff(i.parts)), key=lambda item: item.parts)
 
 
@@ -145,7 +145,7 @@ def _members(path: Path) -> int:
         return sum(1 for _, _ in zip(found, range(MOST_MEMBERS + 1), strict=False))
 
 
-def _member(path: Path, info: zipfile.ZipInfo) -> Item:
+def _member(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> Item:
     parts = tuple(_printable(part) for part in info.filename.replace("\\", "/").split("/"))
     refused = ""
     if stat.S_ISLNK(info.external_attr >> 16):
@@ -157,12 +157,11 @@ def _member(path: Path, info: zipfile.ZipInfo) -> Item:
     elif info.flag_bits & 1:
         refused = "it is encrypted"
     kept = tuple(part[:LONGEST_NAME] for part in parts if part not in ("", ".", "..")) or ("?",)
-    return Item(kept, partial(_open, path, info), _local(info.date_time), "zip", refused)
+    return Item(kept, partial(_open, pack, info), _local(info.date_time), "zip", refused)
 
 
-def _open(path: Path, info: zipfile.ZipInfo) -> IO[bytes]:
-    with zipfile.ZipFile(path) as pack:  # the member keeps the file open that it is read from
-        return pack.open(info)
+def _open(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> IO[bytes]:
+    return pack.open(info)
 
 
 def _local(time: tuple[int, int, int, int, int, int]) -> str:
