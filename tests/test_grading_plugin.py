@@ -1,7 +1,9 @@
 """pytest as the engine: items to be chosen, reports to be read, checks that an instructor adds."""
 
+import re
 import subprocess
 import sys
+import textwrap
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
@@ -80,6 +82,16 @@ def test_a_check_of_an_instructor_has_its_say(tmp_path):
     assert str(lost.verdict).endswith("Values that all grow by one move the plane up by one.")
     assert (lost.check, kept.check) == ("constants add", "")
     assert lost.made_by == kept.made_by != found["ada", "01.1"].made_by
+
+
+def test_the_check_that_is_shown_to_instructors_works(tmp_path, calls):
+    """As it stands in the docs."""
+    page = (ROOT / "docs" / "instructors.md").read_text(encoding="utf-8")
+    shown = textwrap.dedent(re.search(r"^ *```python\n(.*?)^ *```", page, re.M | re.S)[1])
+    text = shown.replace("test_order", "test_shown")
+    found = grades(graded(with_own_checks(tmp_path, text)))
+    assert calls == ["fit"] * 4
+    assert found["ada", "01.2"].points == found["eve", "01.2"].points == 3.0
 
 
 def test_an_edited_check_is_made_again_and_no_other(tmp_path, calls):
