@@ -156,7 +156,8 @@ for path in ("/proc/self/environ", f"/proc/{os.getppid()}/environ", "/proc/@GRAD
         told += open(path, "rb").read().decode("latin-1")
     except OSError:
         pass
-raise ValueError(told[told.find("GRADER_SECRET"):][:300])
+import re
+raise ValueError(str(re.findall("GRADER_SECRET=[a-z0-9]+", told)))
 """, notes="ValueError"),
     tries("the grader's memory", EACH_TRY + """
 import ctypes, os
