@@ -1,5 +1,6 @@
 """pytest as the engine: items to be chosen, reports to be read, checks that an instructor adds."""
 
+import os
 import re
 import subprocess
 import sys
@@ -305,6 +306,20 @@ def test_the_command_tells_what_came_out(tmp_path, capsys):
     assert "1 submission," in printed
     assert "4 of earlier runs stay as they were" in printed
     assert "no grade changed" in printed
+
+
+def test_names_of_files_do_no_harm(tmp_path, capsys):
+    """Neither to the terminal, nor to the report, nor to others."""
+    odd = os.fsdecode(b"eve\xe4\x1b[2J\n.ipynb")
+    files = {odd: notebook(*right()), "zoe/01.ipynb": notebook(*right()), "\x1b]0;.ipynb": b"{"}
+    run(tmp_path, files)
+    report = f"--pytest=-v --junit-xml={tmp_path / 'junit.xml'}"
+    assert grade_by_command(tmp_path, report) == 0
+    printed = capsys.readouterr()
+    assert "2 graded, 1 unreadable" in printed.out
+    assert "\x1b" not in printed.out + printed.err
+    assert ET.parse(tmp_path / "junit.xml").getroot().tag == "testsuites"
+    assert read_results(tmp_path / "out" / "results.json").records
 
 
 def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):

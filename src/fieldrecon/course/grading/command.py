@@ -8,6 +8,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
+from fieldrecon.course.grading.items import printable
 from fieldrecon.course.grading.options import declare, run_of
 from fieldrecon.course.grading.progress import progress
 from fieldrecon.course.grading.results import STATUSES, Record
@@ -56,7 +57,8 @@ def grade(options: argparse.Namespace) -> int:
         print(f"fieldrecon: {fault}", file=sys.stderr)
     records = list(grading.findings.records.values())
     results = grading.results.records if grading.results else ()
-    print("\n".join(_came_out(run, records, len(results) - len(records))))
+    for line in _came_out(run, records, len(results) - len(records)):
+        print(printable(line))
     _compare(options, grading.changed)
     failed = grading.findings.faults or any(record.status == "fault" for record in records)
     return int(bool(failed))

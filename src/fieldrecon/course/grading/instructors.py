@@ -15,7 +15,7 @@ from fieldrecon.course.grading.batch import Portion
 from fieldrecon.course.grading.checks import Check, Checked, of_solution
 from fieldrecon.course.grading.examine import Fault, Finding, code_digest
 from fieldrecon.course.grading.fingerprint import environment, fingerprint, grader
-from fieldrecon.course.grading.items import Place, group, places
+from fieldrecon.course.grading.items import Place, group, places, printable
 from fieldrecon.course.grading.run import Run
 from fieldrecon.course.grading.submission import Submission
 
@@ -50,7 +50,7 @@ def parametrized(metafunc: pytest.Metafunc, portions: Sequence[Portion]) -> None
         raise ValueError(f"{name} needs both @pytest.mark.{MARK}(...) and an argument {FIXTURE!r}")
     asked = [p for portion in portions for p in places(portion) if p.question == check.question]
     parameters = [
-        pytest.param(place, id=f"{place.student}-{place.notebook}", marks=group(place))
+        pytest.param(place, id=printable(f"{place.student}-{place.notebook}"), marks=group(place))
         for place in asked
     ]
     metafunc.parametrize(FIXTURE, parameters, indirect=True)

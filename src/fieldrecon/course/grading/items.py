@@ -48,9 +48,20 @@ def places(portion: Portion) -> Iterator[Place]:
         yield Place(handed.student, handed.notebook, file.name, file.digest, question)
 
 
+def printable(text: str) -> str:
+    r"""Return a text without what a terminal or a file could not bear, such as names of files have.
+
+    Examples
+    --------
+    >>> printable("a\x1b[2J\udce4.ipynb")
+    'a?[2J?.ipynb'
+    """
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
 def group(place: Place) -> pytest.MarkDecorator:
     """Return the mark by which pytest-xdist keeps a submission in one process."""
-    return pytest.mark.xdist_group(f"{place.student} {place.notebook}")
+    return pytest.mark.xdist_group(printable(f"{place.student} {place.notebook}"))
 
 
 class Item(pytest.Item):
@@ -68,20 +79,20 @@ class Item(pytest.Item):
         record = self.record(self.place)
         if self.check == READABLE or not record.grades:
             if record.status in ("unreadable", "fault"):
-                pytest.fail("; ".join(record.notes), pytrace=False)
+                pytest.fail(printable("; ".join(record.notes)), pytrace=False)
             return
         grade = next(g for g in record.grades if g.question == self.place.question)
         told(grade, self.check, self.checks)
 
     def reportinfo(self) -> tuple[str, None, str]:
         """Return what stands in the head of a report."""
-        return self.place.file, None, self.check
+        return printable(self.place.file), None, self.check
 
 
 def told(grade: Grade, check: str, checks: list[str]) -> None:
     """Let pytest know what a grade says of a check: passed, failed, or not reached."""
     if grade.check == check:
-        pytest.fail(str(grade.verdict), pytrace=False)
+        pytest.fail(printable(str(grade.verdict)), pytrace=False)
     if grade.check in checks and checks.index(check) > checks.index(grade.check):
         pytest.skip(f"{grade.question} did not pass: {grade.check}")
 
@@ -92,7 +103,7 @@ def items(
     """Yield the items of a portion: ``ada::01_fit.ipynb::01.2::public cases``."""
     for place in places(portion):
         checks = course.checks(place.question) if place.question else [READABLE]
-        owner = "::".join(filter(None, (place.student, place.file, place.question)))
+        owner = printable("::".join(filter(None, (place.student, place.file, place.question))))
         for check in checks:
             item = Item.from_parent(
                 session, name=f"{owner}::{check}", nodeid=f"{owner}::{check}",
