@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fieldcheck.calls import Call
-from fieldrecon.course.grading import session, walls
+from fieldrecon.course.grading import process, walls
 from fieldrecon.course.grading.isolation import MEBIBYTE, Limits, Server, tiers
 from fieldrecon.course.grading.session import Task, run
 from fieldrecon.course.sandbox import frames
@@ -135,7 +135,7 @@ def double(x):
     outcomes, log = run(server, [code], [task()])
     assert statuses(outcomes) == {"double": ["timed out"]}
     assert log.killed == ["time"]
-    assert time.monotonic() - begin < LIMITS.seconds_per_call + session.GRACE + 3
+    assert time.monotonic() - begin < LIMITS.seconds_per_call + process.GRACE + 3
 
 
 def test_a_process_that_does_not_read_holds_up_nobody(server):
@@ -219,7 +219,7 @@ def test_a_server_that_does_not_start_is_a_fault(monkeypatch):
 
 def test_what_a_student_tells_is_short_and_steers_no_terminal():
     """Words are kept, as far as they can be shown; anything else is no word."""
-    assert session._text("caf\u00e9\nok") == "caf\u00e9\nok"
-    assert session._text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
-    assert len(session._text("x" * 10**6)) == session.MOST_TEXT
-    assert session._text(["x"]) == session._text(None) == ""
+    assert process._text("caf\u00e9\nok") == "caf\u00e9\nok"
+    assert process._text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
+    assert len(process._text("x" * 10**6)) == process.MOST_TEXT
+    assert process._text(["x"]) == process._text(None) == ""
