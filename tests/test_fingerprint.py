@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fieldcheck.questions import questions
-from fieldrecon.course.grading.examine import Course
 from fieldrecon.course.grading.fingerprint import fingerprint
+from fieldrecon.course.grading.trusted import Course
 from fieldrecon.course.sources import Source
 from graded_class import ROOT, checkout
 

@@ -340,13 +340,15 @@ def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
         (["--question", "01.2", "--only", "02"], "question 01.2 is not in 02"),
         (["--student", "nobody"], "holds nothing of what was chosen"),
         (["--class", "nowhere"], "nowhere is no folder with the tables of a class"),
+        (["--out", "IN/graded"], "results are no submissions"),
         (["--pytest", "--no-such"], "pytest does not understand --no-such"),
     ],
 )
 def test_what_cannot_be_is_said(tmp_path, capsys, more, told):
     """With the exit status of a mistake of the user's."""
     run(tmp_path, {"ada/01.ipynb": notebook(*right())})
-    more = [f"{more[0]}={more[1]}"] if more[0] == "--pytest" else more
+    more = [word.replace("IN", str(tmp_path / "in")) for word in more]
+    more = ["=".join(more)] if more[0] == "--pytest" else more
     assert grade_by_command(tmp_path, *more) == 2
     assert told in capsys.readouterr().err
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from fieldrecon.course.build import all_sources
-from fieldrecon.course.grading.examine import Course
 from fieldrecon.course.grading.isolation import MEBIBYTE, Limits, Server
+from fieldrecon.course.grading.trusted import Course
 from fieldrecon.course.sandbox import landlock
 from hostile.case import ROOT
 

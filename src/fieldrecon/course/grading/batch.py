@@ -15,7 +15,6 @@ from fieldrecon.course.grading import workplace
 from fieldrecon.course.grading.archive import Archive
 from fieldrecon.course.grading.cache import Cache, key
 from fieldrecon.course.grading.examine import (
-    Course,
     Examined,
     Finding,
     assembled,
@@ -26,6 +25,7 @@ from fieldrecon.course.grading.isolation import Server
 from fieldrecon.course.grading.ledger import Ledger
 from fieldrecon.course.grading.results import Record
 from fieldrecon.course.grading.submission import Submission
+from fieldrecon.course.grading.trusted import Course
 
 T = TypeVar("T")
 S = TypeVar("S")

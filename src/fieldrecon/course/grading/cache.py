@@ -15,11 +15,12 @@ from typing import get_args
 
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Rung, Verdict
-from fieldrecon.course.grading.examine import Course, Finding, code_digest
+from fieldrecon.course.grading.examine import Finding, code_digest
 from fieldrecon.course.grading.fingerprint import environment, grader
 from fieldrecon.course.grading.isolation import Server
 from fieldrecon.course.grading.results import write_whole
 from fieldrecon.course.grading.submission import Submission
+from fieldrecon.course.grading.trusted import Course
 
 
 def key(course: Course, server: Server, submission: Submission, question: str) -> str:

@@ -139,7 +139,7 @@ SHARED = (
 )  # fmt: skip
 ENGINE = (
     "checks", "definitions", "examine", "instructors", "isolation", "process", "session",
-    "submission", "walls",
+    "submission", "trusted", "walls",
 )  # fmt: skip
 """The modules that have a say in every verdict: those that checks share, and those of the engine;
 besides them all that runs in the sandbox."""

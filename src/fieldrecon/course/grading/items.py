@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from fieldrecon.course.grading.batch import Portion
-from fieldrecon.course.grading.examine import Course
 from fieldrecon.course.grading.results import Grade, Record
+from fieldrecon.course.grading.trusted import Course
 
 READABLE = "can be read"
 

@@ -14,7 +14,6 @@ from fieldrecon.course.build import all_sources
 from fieldrecon.course.grading.archive import Archive
 from fieldrecon.course.grading.batch import Portion
 from fieldrecon.course.grading.cache import Cache
-from fieldrecon.course.grading.examine import Course
 from fieldrecon.course.grading.fingerprint import environment, grader
 from fieldrecon.course.grading.intake import Handed, Intake
 from fieldrecon.course.grading.isolation import BANNER, Server, Tier, tiers
@@ -28,6 +27,7 @@ from fieldrecon.course.grading.roster import (
     read_roster,
     read_times,
 )
+from fieldrecon.course.grading.trusted import Course
 from fieldrecon.course.secret import Salt, read_salt
 from fieldrecon.course.sources import Source
 
@@ -165,6 +165,8 @@ class Run:
             raise ValueError(f"there is no notebook {', '.join(sorted(unknown))}")
         if not self.submissions.exists():
             raise ValueError(f"{self.submissions} is not there")
+        if self.out.resolve().is_relative_to(self.submissions.resolve()):
+            raise ValueError(f"{self.out} lies in {self.submissions}: results are no submissions")
         file = self._table("received.csv")
         times = read_times(file) if file else {}
         intake = Intake(self.archive, self.course.functions(), self.roster, times)

@@ -1,0 +1,110 @@
+"""The trusted side: the sources of a course, and what answers are held against."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from fieldcheck.question import Question
+from fieldcheck.questions import questions
+from fieldrecon.course.catalogue import Entry, entries
+from fieldrecon.course.grading.fingerprint import fingerprint
+from fieldrecon.course.grading.quiet import LOCK
+from fieldrecon.course.hidden import Hidden, hidden_cases
+from fieldrecon.course.sources import Source
+from fieldrecon.course.trials import OWN, PUBLIC, Trial, public_trial, trials
+
+
+@dataclass(frozen=True)
+class Course:
+    """The trusted side: the sources, and what each question is worth.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        The notebooks.
+    salt : str
+        From which hidden inputs are drawn.
+    worth : mapping
+        Points that differ from those of the questions.
+    """
+
+    sources: Sequence[Source]
+    salt: str
+    worth: Mapping[str, float] = field(default_factory=dict)
+
+    def asked(self, number: str, only: Collection[str] = ()) -> list[Question]:
+        """Return the questions of a notebook, or those of them that are chosen."""
+        return [
+            q for q in questions().values()
+            if q.notebook == number and (not only or q.name in only)
+        ]  # fmt: skip
+
+    def functions(self) -> dict[str, list[str]]:
+        """Return which functions each notebook asks for."""
+        return {s.number: [q.function for q in self.asked(s.number)] for s in self.sources}
+
+    def source(self, number: str) -> Source:
+        """Return the source of a notebook."""
+        return next(source for source in self.sources if source.number == number)
+
+    def checks(self, name: str) -> list[str]:
+        """Return the names of the checks of a question, in the order in which they are made."""
+        hidden = _material(self.source(name.partition(".")[0]).path).hidden
+        return [PUBLIC, OWN, *(h.name for h in hidden if h.question == name)]
+
+    def solution(self, name: str) -> dict[str, Any]:
+        """Return the functions of the notebook of a question, as the solution has them."""
+        return _material(self.source(name.partition(".")[0]).path).functions
+
+    def made_by(self, name: str) -> str:
+        """Return the digest of what the verdict on a question depends on, but for the answer."""
+        return _made_by(self.source(name.partition(".")[0]).path, name)
+
+    def trials(
+        self, number: str, student: str, only: Collection[str] = ()
+    ) -> dict[str, tuple[Trial, ...]]:
+        """Return what the answers of a student to a notebook go through, by question."""
+        path = self.source(number).path
+        with LOCK:
+            made = _material(path)
+            return {
+                q.name: trials(
+                    q, made.functions, made.mistakes, made.hidden, student, self.salt,
+                    _public(path, q.name),
+                )
+                for q in self.asked(number, only)
+            }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Material:
+    functions: dict[str, Any]
+    mistakes: list[Entry]
+    hidden: list[Hidden]
+
+
+@cache
+def _material(path: Path) -> _Material:
+    """Return what a source defines; each process reads it once."""
+    with LOCK:
+        source = Source(path)
+        mistakes = entries(source, "misconceptions")
+        return _Material(source.functions(), mistakes, hidden_cases(source))
+
+
+@cache
+def _public(path: Path, name: str) -> Trial:
+    made = _material(path)
+    return public_trial(questions()[name], made.functions, made.mistakes)
+
+
+@cache
+def _made_by(path: Path, name: str) -> str:
+    made, question = _material(path), questions()[name]
+    mistakes = [m for m in made.mistakes if m.question == name]
+    hidden = [h for h in made.hidden if h.question == name]
+    return fingerprint(question, made.functions[question.function], mistakes, hidden)
