@@ -208,6 +208,32 @@ if sys.platform == "linux":
         assert statuses(outcomes) == {"double": ["returned"]}
 
 
+def test_after_a_time_out_the_others_begin_anew(server):
+    """What was interrupted in the middle, a lock that it holds perhaps, is nobody else's trouble."""
+    slow = """
+import threading, time
+lock = threading.Lock()
+def slow(x):
+    lock.acquire()
+    time.sleep(9)
+def double(x):
+    assert lock.acquire(timeout=0.1)
+    return 2 * x
+"""
+    outcomes, log = run(server, [slow], [task("slow", "slow"), task()])
+    assert statuses(outcomes) == {"slow": ["timed out"], "double": ["returned"]}
+    assert log.killed == []
+    assert len(log.processes) == 2
+
+
+def test_a_process_that_does_not_start_is_a_fault(monkeypatch):
+    """Nobody is given nothing because a machine lacks something: the grader says so."""
+    with Server("none", LIMITS).started() as bare:
+        monkeypatch.setattr(process, "SECONDS_TO_START", 0.0)
+        with pytest.raises(process.NotStarted, match="no process starts behind none"):
+            run(bare, [DOUBLE], [task()])
+
+
 def test_a_server_that_does_not_start_is_a_fault(monkeypatch):
     """It is said, and nothing is left behind."""
     monkeypatch.setattr(walls.Place, "python", lambda _: ["false"])

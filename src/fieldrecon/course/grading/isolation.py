@@ -36,7 +36,8 @@ class Limits:
     memory : int
         Bytes beyond what NumPy and matplotlib take.
     cpu_seconds : int
-        Processor time of one process; after it was killed, the rest is tried in another.
+        Processor time of one process, for what computes in the background; it is as long as a
+        submission may take, so that no answer pays for what others have used.
     file_size : int
         Bytes of a file.
     seconds_per_cell, seconds_per_call : float
@@ -49,7 +50,7 @@ class Limits:
     """
 
     memory: int = 1024 * MEBIBYTE
-    cpu_seconds: int = 60
+    cpu_seconds: int = 600
     file_size: int = 16 * MEBIBYTE
     seconds_per_cell: float = 10.0
     seconds_per_call: float = 60.0

@@ -36,6 +36,10 @@ class Broken(Exception):
         self.reason = reason
 
 
+class NotStarted(RuntimeError):
+    """No process comes into being, or it cannot lock itself in."""
+
+
 class Process:
     """A process of a submission, from its start to its end.
 
@@ -53,17 +57,17 @@ class Process:
         self.to_it, self.from_it = server.run()
 
     def await_start(self) -> None:
-        """Wait for what comes before any code of a student's has run; no cell is at fault.
+        """Wait for what comes before any code of a student's has run.
 
         Raises
         ------
-        Broken
-            The process does not start.
+        NotStarted
+            It does not come.
         """
         try:
             frames.receive(self.from_it, time.monotonic() + SECONDS_TO_START)
         except (frames.Late, frames.BadFrame, frames.Gone):
-            raise Broken("crash", "it did not start") from None
+            raise NotStarted(f"no process starts behind {self.server.tier}") from None
 
     def cell(self, number: int, code: str) -> str:
         """Run a cell, and return its error, or nothing."""

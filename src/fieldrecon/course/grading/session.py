@@ -12,7 +12,10 @@ from dataclasses import dataclass, field
 
 from fieldcheck.calls import Call, Outcome
 from fieldrecon.course.grading.isolation import Ended, Server
-from fieldrecon.course.grading.process import Broken, Process
+from fieldrecon.course.grading.process import Broken, NotStarted, Process
+
+MOST_FAILURES = 3
+"""So often may a process not start."""
 
 
 @dataclass
@@ -75,10 +78,15 @@ def run(
         What came of the calls, by the name of the task.
     log : Log
         What else happened.
+
+    Raises
+    ------
+    NotStarted
+        Time and again no process starts, which is no submission's fault.
     """
     log, outcomes, skipped = Log(), dict[str, tuple[Outcome, ...]](), set[int]()
     started, todo = time.monotonic(), list(tasks)
-    last = started + server.limits.seconds_in_all
+    last, failures = started + server.limits.seconds_in_all, 0
     for _ in range(server.limits.most_starts):
         if not todo or time.monotonic() > last:
             break
@@ -90,6 +98,11 @@ def run(
                 outcomes[task.name] = attempt.make_calls(task)
                 if outcomes[task.name][-1].status == "timed out":
                     todo = _without(todo, task)
+                    break  # who knows what was interrupted: the others begin anew
+        except NotStarted:
+            failures += 1
+            if failures == MOST_FAILURES:
+                raise
         except Broken as broken:
             log.killed.append(broken.reason)
             if attempt.task:
