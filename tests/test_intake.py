@@ -129,6 +129,31 @@ def test_what_a_platform_tells_is_kept(tmp_path):
     ]  # fmt: skip
 
 
+def test_several_downloads_are_taken_together(tmp_path):
+    """One for each notebook, as a platform makes them; each tells whose its folders are."""
+    second = METADATA.replace(b"submission_90", b"submission_80")
+    files = {
+        "one.zip": bulk(GRADESCOPE),
+        "two.zip": bulk({"submission_metadata.yml": second, "submission_802/b.ipynb": SECOND}),
+    }
+    handed = taken(tmp_path, files, roster=ROSTER)
+    assert [(h.student, h.notebook) for h in handed] == [("s1", "01"), ("s2", "01"), ("s2", "02")]
+    folders = {f"hw{k}/{name}": content for k in (1, 2) for name, content in CANVAS.items()}
+    handed = taken(tmp_path / "folders", folders, roster=ROSTER)
+    assert [(h.student, h.notebook) for h in handed] == [("s1", "01"), ("s2", "01")]
+
+
+def test_a_list_of_owners_that_cannot_be_read_is_told(tmp_path):
+    """The folders are graded under their own names."""
+    place = tmp_path / "class.zip"
+    files = {"submission_metadata.yml": METADATA, "submission_901/01.ipynb": RIGHT}
+    place.write_bytes(encrypted(packed(files)))
+    taking = intake(tmp_path)
+    (only,) = taking.take(place)
+    assert (only.student, only.problem) == ("submission_901", "it is encrypted")
+    assert taking.strays == ["submission_metadata.yml: it is encrypted"]
+
+
 def test_a_group_of_gradescope_hands_in_for_each(tmp_path):
     """One file, a record for each member."""
     bob = b"  - :name: Bob Byte\n    :sid: '78'\n  :created_at"

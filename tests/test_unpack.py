@@ -61,10 +61,12 @@ def test_names_of_windows_are_folders_and_names(tmp_path):
 
 def test_links_and_long_names_in_a_zip_file_are_refused(tmp_path):
     """The content of a link is a path, not a file."""
-    pack = packed([(link("01.ipynb"), b"/etc/passwd"), ("n" * 60_000, b"")])
+    pack = packed([(link("01.ipynb"), b"/etc/passwd"), ("n" * 60_000, b""), ("d/" * 5000, b""),
+                   ("d/" * 5000 + "x", b"")])  # fmt: skip
     assert told(items_of(tmp_path, pack)) == {
         "01.ipynb": "it is a link",
         "n" * 255: "its name is too long",
+        "d/" * 99 + "x": "its name is too long",
     }
 
 

@@ -6,7 +6,7 @@ student's, whatever the names in it say: nobody can hand in for somebody else.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from pathlib import Path
@@ -99,7 +99,7 @@ class Collection:
         items = folder_items(place_of_all)
         loose = [item for item in items if len(item.parts) == 1]
         packs_only = len(loose) == len(items) and all(i.is_zip and not i.refused for i in loose)
-        if packs_only and not any(self._is_student(item.name) for item in loose):
+        if packs_only and not self._are_students(item.name for item in loose):
             inside = (self._begun(self._inside(item), packed=True) for item in loose)
             is_download = _is_class if len(loose) == 1 else _is_bulk
             packs = list(takewhile(is_download, inside))  # not all are open at once
@@ -122,7 +122,7 @@ class Collection:
         folders: dict[str, list[Item]] = {}
         for item in items:
             folders.setdefault(item.parts[0], []).append(item.below(1))
-        if any(is_platform(name) or self._is_student(name) for name in folders):
+        if any(map(is_platform, folders)) or self._are_students(folders):
             return items
         inside = list(folders.values())
         if all(map(_is_bulk, inside)) or (packed and len(inside) == 1 and _is_class(inside[0])):
@@ -132,19 +132,23 @@ class Collection:
             return items if below is inside[0] else below
         return items
 
-    def _is_student(self, name: str) -> bool:
-        """Whether a folder or a zip file is that of somebody on the roster."""
-        (owner,) = place([name], {}).owners
-        return students_of([owner], self.roster)[owner] in self.roster
+    def _are_students(self, names: Iterable[str]) -> bool:
+        """Whether folders or zip files are those of people on the roster: of any of them."""
+        owners = (owner for name in names for owner in place([name], {}).owners)
+        return not self.roster.keys().isdisjoint(students_of(owners, self.roster).values())
 
     def _described(self, items: Sequence[Item]) -> tuple[list[Item], Metadata]:
-        """Take out the file in which Gradescope tells whose each folder is."""
-        found = next((i for i in items if i.parts == (METADATA,) and not i.refused), None)
-        if found is None:
-            return list(items), {}
-        with found.open() as stream:
-            text = stream.read(MOST_FILE).decode("utf-8", "replace")
-        return [i for i in items if i is not found], gradescope_metadata(text)
+        """Take out the files in which Gradescope tells whose each folder is."""
+        told: dict[str, Place] = {}
+        for item in items:
+            if item.parts == (METADATA,):
+                kept = self._kept(File("", item.name, ""), item, _Left())
+                if kept.problem:
+                    self.strays.append(f"{item.name}: {kept.problem}")
+                else:
+                    content = self.archive.read(kept.digest, MOST_FILE)
+                    told |= gradescope_metadata(content.decode("utf-8", "replace"))
+        return [item for item in items if item.parts != (METADATA,)], told
 
     # What a student handed in.
 

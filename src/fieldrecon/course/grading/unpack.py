@@ -21,7 +21,7 @@ from typing import IO
 MEBIBYTE = 1 << 20
 MOST_MEMBERS = 20_000
 MOST_UNPACKED = 8192 * MEBIBYTE
-LONGEST_NAME = 255
+LONGEST_NAME, MOST_FOLDERS = 255, 100
 MEMBER = re.compile(rb"PK\x01\x02")
 """How each entry in the list of a zip file begins."""
 DRIVE = re.compile(r"[A-Za-z]:")
@@ -152,11 +152,12 @@ def _member(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> Item:
         refused = "it is a link"
     elif any(part in ("", ".", "..") for part in parts) or DRIVE.match(parts[0]):
         refused = LEADS_OUT
-    elif any(len(part) > LONGEST_NAME for part in parts):
+    elif len(parts) > MOST_FOLDERS or any(len(part) > LONGEST_NAME for part in parts):
         refused = "its name is too long"
     elif info.flag_bits & 1:
         refused = "it is encrypted"
-    kept = tuple(part[:LONGEST_NAME] for part in parts if part not in ("", ".", "..")) or ("?",)
+    kept = tuple(part[:LONGEST_NAME] for part in parts if part not in ("", ".", ".."))
+    kept = kept[-MOST_FOLDERS:] or ("?",)
     return Item(kept, partial(_open, pack, info), _local(info.date_time), "zip", refused)
 
 
