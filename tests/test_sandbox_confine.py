@@ -3,6 +3,7 @@
 import ctypes
 import fcntl
 import os
+import re
 import resource
 import signal
 import socket
@@ -172,6 +173,24 @@ def test_the_filter_is_a_program(machine):
     known = [number for number in numbers if number is not None]
     assert len(known) == len(set(known))
     assert max(known) < seccomp.FIRST_UNKNOWN
+
+
+HEADERS = {
+    "x86_64": Path("/usr/include/x86_64-linux-gnu/asm/unistd_64.h"),
+    "aarch64": Path("/usr/include/asm-generic/unistd.h"),
+}
+"""Where the kernel tells its numbers; not every machine has these files."""
+
+
+@pytest.mark.parametrize("machine", [m for m, header in HEADERS.items() if header.is_file()])
+def test_the_numbers_are_those_of_the_kernel(machine):
+    """Of every call that is named, on both kinds of machines."""
+    lines = re.findall(r"__NR(?:3264)?_(\w+)[ \t]+(\d+)", HEADERS[machine].read_text())
+    told = {name: int(number) for name, number in lines}
+    column = list(seccomp.ARCHITECTURES).index(machine)
+    for name, numbers in (seccomp.REFUSED | seccomp.ABSENT).items():
+        assert told.get(name, numbers[column]) == numbers[column], name
+        assert numbers[column] is not None or name not in told, name
 
 
 if LANDLOCK:

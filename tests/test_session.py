@@ -209,7 +209,7 @@ if sys.platform == "linux":
 
 
 def test_after_a_time_out_the_others_begin_anew(server):
-    """What was interrupted in the middle, a lock that it holds perhaps, is nobody else's trouble."""
+    """What was interrupted in the middle, a lock perhaps that it holds, troubles nobody else."""
     slow = """
 import threading, time
 lock = threading.Lock()
