@@ -109,7 +109,9 @@ class Bench:
                 "--root", ROOT, "--jobs", jobs, "--class", self.folder / "tables",
             ]  # fmt: skip
             start, before = time.perf_counter(), _cpu_of_children()
-            subprocess.run(command, cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+            done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
+            if done.returncode:
+                raise RuntimeError(f"fieldrecon grade: {done.stderr}")
             seconds, cpu = time.perf_counter() - start, _cpu_of_children() - before
             cpu += _cpu_behind_walls(Path(out)) + int(jobs) * self.cpu_of_walls
             records = json.loads((Path(out) / "results.json").read_text())["records"]

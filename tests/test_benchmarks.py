@@ -15,7 +15,8 @@ if str(ROOT) not in sys.path:
     sys.path.append(str(ROOT))
 
 from benchmarks import __main__ as command  # noqa: E402
-from benchmarks import charts, memory, mesh_scaling, pages  # noqa: E402
+from benchmarks import charts, graders, memory, mesh_scaling, pages  # noqa: E402
+from benchmarks.handed_in import SMALL, Assignment  # noqa: E402
 from benchmarks.measure import Chart, Comparison, Outcome, cores, in_turn, threads  # noqa: E402
 from benchmarks.mesh_velocities import Flow  # noqa: E402
 from benchmarks.moving_least_squares import Problem  # noqa: E402
@@ -151,3 +152,26 @@ def test_an_exponent_is_that_of_the_larger_meshes():
     sizes = (10, 20, 40, 80, 160)
     costs = [mesh_scaling.Cost(2 * n**1.5 if n > 20 else 1e3, 0.1) for n in sizes]
     assert mesh_scaling.exponent(sizes, costs) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("number", range(10))
+def test_what_is_handed_in_is_right_where_it_says_so(number):
+    """The test behind a question passes if and only if the question is among the right ones."""
+    content, right = Assignment(SMALL).handed_in(number)
+    names, passed = {}, set()
+    for cell in json.loads(content)["cells"]:
+        told = cell["metadata"].get("nbgrader", {})
+        try:
+            exec(cell["source"], names)
+        except Exception:
+            continue
+        if told.get("grade"):
+            passed.add(told["grade_id"].removeprefix("test-").replace("-", "."))
+    assert passed == right
+    assert (len(right) == 3) == (number < 4)
+
+
+def test_graders_are_pinned():
+    """Their versions are those that the comparison names."""
+    assert graders.version("nbgrader") == "0.9.6"
+    assert graders.version("otter") == "7.0.0"
