@@ -13,7 +13,7 @@ from multiprocessing import get_context
 import pytest
 
 from fieldrecon.course import leaks
-from fieldrecon.course.grading import workplace
+from fieldrecon.course.grading import examine, workplace
 from fieldrecon.course.grading.batch import as_they_come
 from fieldrecon.course.grading.engine import graded
 from fieldrecon.course.grading.examine import Fault
@@ -146,6 +146,25 @@ def test_a_part_is_graded_and_the_rest_stays(tmp_path):
     asked = points(found.results)
     assert {s for s, q in asked if q.startswith("02")} == {"ada"}
     assert {s for s, q in asked if q == "01.4"} == {"ada", "bob", "cai"}
+
+
+@pytest.mark.parametrize(("busy", "left"), [(1, 2.0), (2, 1.0)])
+def test_what_was_slow_is_tried_once_more(tmp_path, monkeypatch, busy, left):
+    """A machine that is busy for a moment costs nobody points."""
+    runs = []
+
+    def hindered(server, cells, tasks):
+        outcomes, log = real(server, cells, tasks)
+        runs.append({task.question for task in tasks})
+        if len(runs) <= busy:
+            outcomes["01.4 0"] = tuple(replace(o, seconds=6.0) for o in outcomes["01.4 0"])
+        return outcomes, log
+
+    real = examine.run
+    monkeypatch.setattr(examine, "run", hindered)
+    found = graded(run(tmp_path, {"ada/01.ipynb": notebook(*right())})).results
+    assert points(found)["ada", "01.4"] == left
+    assert runs[1:] == [{"01.4"}]
 
 
 # What goes wrong

@@ -103,9 +103,27 @@ def examine(
 
     Nothing of it is imported, executed or unpickled on this side: its code goes to the server as
     text, and arrays come back. All public cases are tried before the first hidden one, so that no
-    error that is told to a student can speak of hidden inputs.
+    error that is told to a student can speak of hidden inputs. What is right but slow is tried once
+    more: the machine may have been busy.
     """
     tried = course.trials(number, submission.student, only)
+    found = _examined(server, submission, tried)
+    slow = {name: tried[name] for name, f in found.findings.items() if f.verdict.rung == "slow"}
+    if not slow:
+        return found
+    again = _examined(server, submission, slow)
+    faster = {name: f for name, f in again.findings.items() if f.verdict.right}
+    return Examined(
+        {**found.findings, **faster},
+        found.seconds + again.seconds,
+        found.cpu_seconds + again.cpu_seconds,
+        max(found.peak, again.peak),
+    )
+
+
+def _examined(
+    server: Server, submission: Submission, tried: Mapping[str, Sequence[Trial]]
+) -> Examined:
     tasks = [
         (k, Task(f"{name} {k}", trial.calls, PATIENCE * trial.question.limit, name))
         for name, gone_through in tried.items() for k, trial in enumerate(gone_through)
