@@ -182,15 +182,18 @@ HEADERS = {
 """Where the kernel tells its numbers; not every machine has these files."""
 
 
-@pytest.mark.parametrize("machine", [m for m, header in HEADERS.items() if header.is_file()])
-def test_the_numbers_are_those_of_the_kernel(machine):
-    """Of every call that is named, on both kinds of machines."""
-    lines = re.findall(r"__NR(?:3264)?_(\w+)[ \t]+(\d+)", HEADERS[machine].read_text())
-    told = {name: int(number) for name, number in lines}
-    column = list(seccomp.ARCHITECTURES).index(machine)
-    for name, numbers in (seccomp.REFUSED | seccomp.ABSENT).items():
-        assert told.get(name, numbers[column]) == numbers[column], name
-        assert numbers[column] is not None or name not in told, name
+TOLD = [machine for machine, header in HEADERS.items() if header.is_file()]
+if TOLD:
+
+    @pytest.mark.parametrize("machine", TOLD)
+    def test_the_numbers_are_those_of_the_kernel(machine):
+        """Of every call that is named, on both kinds of machines."""
+        lines = re.findall(r"__NR(?:3264)?_(\w+)[ \t]+(\d+)", HEADERS[machine].read_text())
+        told = {name: int(number) for name, number in lines}
+        column = list(seccomp.ARCHITECTURES).index(machine)
+        for name, numbers in (seccomp.REFUSED | seccomp.ABSENT).items():
+            assert told.get(name, numbers[column]) == numbers[column], name
+            assert numbers[column] is not None or name not in told, name
 
 
 if LANDLOCK:
