@@ -106,6 +106,11 @@ def one_is_missing(made):
     made["cells"] = [c for c in made["cells"] if "def objective" not in c["source"]]
 
 
+def with_cell(code):
+    """A notebook with one more cell."""
+    return changed(lambda made: made["cells"].append(code_cell(code)))
+
+
 CASES = [
     unreadable("a file cut off in the middle",
                lambda made: ("01.ipynb", as_file(made)[1][:9000]), "broken"),
@@ -137,6 +142,14 @@ CASES = [
     file("pictures of ten megabytes", changed(huge)),
     file("a stub after an answer", changed(stale), lost=("01.2",), notes="stub"),
     file("an answer deleted", changed(one_is_missing), lost=("01.6",)),
+    file("a hundred thousand brackets", with_cell("(" * 10**5 + "1" + ")" * 10**5)),
+    file("a million signs", with_cell("-" * 10**6 + "1")),
+    file("a sum of a hundred thousand", with_cell("1" + "+1" * 10**5)),
+    file("calls of calls of calls", with_cell("f" + "()" * 10**5)),
+    file("blocks a hundred deep",
+         with_cell("\n".join(" " * k + "if 1:" for k in range(120)) + " pass")),
+    file("a number of a million digits", with_cell("x = " + "9" * 10**6)),
+    file("a line of ten million letters", with_cell("x = '" + "x" * 10**7 + "'")),
     file("lone surrogates and zeros in the code",
          changed(lambda made: made["cells"].append(code_cell("x = '\udc80\\0'\n\x00")))),
 ]  # fmt: skip

@@ -113,7 +113,7 @@ class Process:
         except frames.Late:
             raise Broken("time", f"it was stopped after {seconds:.3g} seconds") from None
         except frames.BadFrame as error:
-            raise Broken("output", f"what it returns cannot be read: {error}") from None
+            raise Broken("output", f"no answer can be had: {error}") from None
         except frames.Gone:
             limit = self.server.limits.cpu_seconds
             raise _death(self.end(patiently=True), limit) from None
