@@ -24,6 +24,7 @@ NAMES = (
     "mesh_scaling",
     "barycentric",
     "grading",
+    "grading_workers",
     "grading_class",
 )
 RESULTS = Path(__file__).parent / "results"

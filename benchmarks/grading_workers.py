@@ -1,0 +1,84 @@
+"""What a second worker brings to grading.
+
+The batch alone is timed, once its workers have put up their walls: the command that `grading`
+times also starts, reads, and tells what it found, which no worker shares.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
+from benchmarks.measure import Outcome, Table, Track
+from fieldrecon.course.grading import workplace
+from fieldrecon.course.grading.batch import Batch
+from fieldrecon.course.grading.isolation import Server
+from fieldrecon.course.grading.run import Run, chosen_tier
+
+COLUMNS = ("assignment", "workers", "seconds", "least", "most", "speed-up", "range of it")
+WARM_UP = 10
+"""So many submissions at the start of each round are not counted."""
+
+
+@dataclass(frozen=True)
+class Size:
+    submissions: int = 100
+    assignments: tuple[str, ...] = (SMALL, LARGE)
+    repeats: int = 3
+
+
+FULL = Size()
+QUICK = Size(submissions=20, repeats=1)
+TOY = Size(submissions=2, assignments=(SMALL,), repeats=1)
+
+
+def run(size: Size, track: Track) -> Outcome:
+    tier, _ = chosen_tier()
+    rows: list[tuple[str | int | float, ...]] = []
+    for name in size.assignments:
+        with TemporaryDirectory() as scratch:
+            folder = Path(scratch)
+            for k in range(WARM_UP + size.submissions):
+                file = folder / "in" / f"s{k:03}" / "work.ipynb"
+                file.parent.mkdir(parents=True)
+                file.write_bytes(Assignment(name).handed_in(k)[0])
+            seconds: dict[int, list[float]] = {1: [], 2: []}
+            for workers in track(["1", "2"] * size.repeats, f"grading_workers, {name}"):
+                seconds[int(workers)].append(_seconds(folder, tier, int(workers)))
+        rows += [_row(name, workers, seconds) for workers in seconds]
+    return Outcome(
+        tables=[Table("Seconds for each submission", COLUMNS, rows)],
+        notes=["speed-up: time of one worker divided by that of two in the same round."],
+        parameters=asdict(size) | {"walls": tier},
+    )
+
+
+def _seconds(folder: Path, tier: str, workers: int) -> float:
+    """Seconds for each submission of a class that is graded anew."""
+    with TemporaryDirectory() as out:
+        plan = Run(folder / "in", Path(out), ROOT, tier=tier, jobs=workers)  # type: ignore[arg-type]
+        with _batch(plan, workers) as batch:
+            ends = [time.perf_counter() for _ in batch.records(plan.portions())]
+    return (ends[-1] - ends[WARM_UP - 1]) / (len(ends) - WARM_UP)
+
+
+@contextmanager
+def _batch(plan: Run, workers: int) -> Iterator[Batch]:
+    kept = (plan.archive, plan.cache, plan.ledger)
+    with ThreadPoolExecutor(workers) as executor, workplace.opened():
+        yield Batch(plan.course, Server(plan.tier), *kept, executor, workers)
+
+
+def _row(name: str, workers: int, seconds: dict[int, list[float]]) -> tuple[str | int | float, ...]:
+    found = seconds[workers]
+    gains = [alone / shared for alone, shared in zip(seconds[1], found, strict=True)]
+    spread = f"{min(gains):.2f}–{max(gains):.2f}"
+    times = statistics.median(found), min(found), max(found)
+    return (name, workers, *times, statistics.median(gains), spread)
