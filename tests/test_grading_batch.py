@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from multiprocessing import get_context
 
@@ -77,17 +78,31 @@ def test_grading_again_does_nothing_again(small):
     assert not (todo.out / "history").exists()
 
 
-@pytest.mark.parametrize("kind", ["one thread", "processes"])
+@contextmanager
+def pool_of(kind):
+    """An executor: threads or processes of this one, or a cluster of Dask's."""
+    if kind == "one thread":
+        yield ThreadPoolExecutor(1)
+    elif kind == "processes":
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            yield pool
+    else:
+        from distributed import Client, LocalCluster
+
+        settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+        with LocalCluster(**settings) as cluster, Client(cluster) as client:
+            yield client.get_executor()
+
+
+KINDS = ["one thread", "processes", pytest.param("a cluster", marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_any_executor_gives_the_same_bytes(small, tmp_path, kind):
     """What is to be done can be sent to other processes; each starts walls of its own."""
     todo, _ = small
     other = replace(todo, out=tmp_path / "out")
-    pool = (
-        ThreadPoolExecutor(1)
-        if kind == "one thread"
-        else ProcessPoolExecutor(2, mp_context=get_context("spawn"))
-    )
-    with pool:
+    with pool_of(kind) as pool:
         graded(other, pool)
     assert len(ledger(other.out)) == 4
     assert (other.out / "results.json").read_bytes() == (todo.out / "results.json").read_bytes()
