@@ -33,6 +33,7 @@ from fieldcheck import (
     draw,
     figure,
     progress,
+    start_over,
 )
 
 
