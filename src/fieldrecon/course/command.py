@@ -108,4 +108,7 @@ def _chosen(options: argparse.Namespace, number: str = "") -> list[Source]:
     unknown = set(wanted) - {source.number for source in found}
     if unknown:
         raise ValueError(f"there is no notebook {', '.join(sorted(unknown))}")
-    return [source for source in found if not wanted or source.number in wanted]
+    chosen = [source for source in found if not wanted or source.number in wanted]
+    for source in chosen:
+        building.require_questions(source)
+    return chosen
