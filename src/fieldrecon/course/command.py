@@ -64,6 +64,7 @@ def _check(options: argparse.Namespace) -> int:
             for p in proofs
         ],
         title="What the graders say of answers whose worth is known",
+        whole=True,
     )
     for proof in proofs:
         for problem in proof.problems:
