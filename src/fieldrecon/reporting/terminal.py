@@ -53,7 +53,7 @@ def print_table(
 ) -> None:
     """Print a table; one with many columns lies on its side, so that it fits a terminal.
 
-    Of a long one the first rows are shown, since a file has the others, unless the `whole` is asked.
+    Of a long one the first rows are shown, since a file has the others, unless it is to be whole.
     """
     most = max(len(rows), len(columns)) if whole else _MOST_ROWS
     texts = [[escape(_typed(cell)) for cell in row] for row in (columns, *rows)]
