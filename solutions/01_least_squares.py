@@ -34,6 +34,7 @@ from fieldcheck import (
     draw,
     figure,
     progress,
+    start_over,
 )
 
 # %% [markdown]

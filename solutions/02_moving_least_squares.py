@@ -38,6 +38,7 @@ from fieldcheck import (
     draw,
     figure,
     progress,
+    start_over,
 )
 
 # %% [markdown]
@@ -514,8 +515,8 @@ def valley(place, epsilon):
 # Often it is not $f$ that is wanted but its slope: a force is the gradient of a pressure. By the
 # product rule, (2.6) has
 #
-# $$ \frac{\partial f}{\partial x_k} = c_k(\mathbf{x})
-#    + \mathbf{b}(\mathbf{x})^T \frac{\partial \mathbf{c}}{\partial x_k}(\mathbf{x}). \tag{2.8} $$
+# $$ \frac{\partial f}{\partial x_k} = c_k(\mathbf{x}) +
+#    \mathbf{b}(\mathbf{x})^T \frac{\partial \mathbf{c}}{\partial x_k}(\mathbf{x}). \tag{2.8} $$
 #
 # The first term is the slope of the plane that was fitted. It is tempting to stop there. But the
 # plane turns while $\mathbf{x}$ moves, and the second term says how that changes the value.

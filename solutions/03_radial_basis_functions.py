@@ -35,6 +35,7 @@ from fieldcheck import (
     draw,
     figure,
     progress,
+    start_over,
 )
 
 # %% [markdown]

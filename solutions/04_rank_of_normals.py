@@ -33,6 +33,7 @@ from fieldcheck import (
     draw,
     figure,
     progress,
+    start_over,
 )
 
 
@@ -43,7 +44,7 @@ def velocity(c, x):
 
 
 # %% [markdown]
-# The next cell has nothing to be learned from; it draws edges and flows.
+# The next cell draws edges and flows. Run it; you need not read it.
 
 
 # %%
@@ -523,7 +524,7 @@ def star(neighbours, shift):
 #
 # ## In words
 #
-# **04.8** Let $n \ge 6$ and let $\mathbf{B}$ have full column rank. Which "obvious" conditions must one
+# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. Which "obvious" conditions must one
 # require of the normals $\mathbf{n}_i$, such that $\mathbf{B}'$ does not lose full column rank? Why are
 # they necessary, and are they sufficient?
 #

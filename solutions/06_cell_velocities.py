@@ -39,6 +39,7 @@ from fieldcheck import (
     draw,
     figure,
     progress,
+    start_over,
 )
 
 # %% [markdown]
@@ -108,7 +109,10 @@ def the_problem(direction, speed):
 
 # %% question="06.1"
 def outward_normals(q):
-    """Return N of (6.1), of shape (3, 2), for the corners q (3, 2); row a belongs to the side opposite q[a]."""
+    """Return N of (6.1), of shape (3, 2), for the corners q (3, 2).
+
+    Row a belongs to the side opposite q[a].
+    """
     # BEGIN SOLUTION
     result = np.empty((3, 2))
     for a in range(3):
@@ -132,7 +136,10 @@ check("06.1")
 
 # %% question="06.2"
 def cell_velocity(q, v):
-    """Return u of (6.2), of shape (2,), for the corners q (3, 2) and outward normal velocities v (3,)."""
+    """Return u of (6.2), of shape (2,).
+
+    Given are the corners q (3, 2) and the outward normal velocities v (3,).
+    """
     # BEGIN SOLUTION
     return np.linalg.lstsq(outward_normals(q), v, rcond=None)[0]
     # END SOLUTION
@@ -169,6 +176,7 @@ def three_lines(source, shape):
         left.quiver(*q.mean(axis=0), *u, color=ORANGE, angles="xy", scale_units="xy", scale=1.8, width=0.013)
         right.plot(*u, "o", ms=8, color=ORANGE, label="your $\\mathbf{u}$")
         left.set(aspect="equal", xticks=[], yticks=[], xlim=(-1.6, 2.0), ylim=(-1.3, 1.6), title=r"$v_a\,\mathbf{n}_a$, and your $\mathbf{u}$")
+        left.axis("off")
         right.set(aspect="equal", xlabel="$u_1$", ylabel="$u_2$", xlim=(-1, 2.6), ylim=(-1, 2), title=r"the lines $\mathbf{n}_a \cdot \mathbf{u} = v_a$")
         right.legend(loc="upper right")
     return page
@@ -196,7 +204,10 @@ def three_lines(source, shape):
 
 # %% question="06.3"
 def defect(q, v):
-    """Return d of (6.4), a number, for the corners q (3, 2) and outward normal velocities v (3,)."""
+    """Return d of (6.4), a number.
+
+    Given are the corners q (3, 2) and the outward normal velocities v (3,).
+    """
     # BEGIN SOLUTION
     return np.linalg.norm(outward_normals(q) @ cell_velocity(q, v) - v)
     # END SOLUTION
@@ -255,7 +266,10 @@ check("06.4")
 
 # %% question="06.5"
 def truth(x, m, s):
-    """Return u of (6.6) at places x (M, 2), of shape (M, 2), for the centre m (2,) and a number s."""
+    """Return u of (6.6) at places x (M, 2), of shape (M, 2).
+
+    The centre m has the shape (2,), and s is a number.
+    """
     # BEGIN SOLUTION
     z = x - m
     return np.column_stack([s * z[:, 0] - z[:, 1], z[:, 0] + s * z[:, 1]])
@@ -315,6 +329,7 @@ def cells(s, seed):
         axes.quiver(*places.T, *found.T, color=ORANGE, width=0.005, label="yours", **look)
         axes.plot(*middle, "+", ms=11, color="black", label=r"$\mathbf{m}$")
         axes.set(aspect="equal", xticks=[], yticks=[], xlim=(-0.2, 1.2), ylim=(-0.2, 1.2))
+        axes.axis("off")
         worst = np.hypot(*(found - right).T).max()
         axes.set_title(f"$s$ = {s:.2g}: largest error {worst:.1g}, largest defect {left.max():.1g}")
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
@@ -332,14 +347,18 @@ def cells(s, seed):
 # returns the root mean squares
 #
 # $$ E_{\mathbf{O}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{O}_T) \rVert^2}, \qquad
-#    E_{\mathbf{M}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{M}_T) \rVert^2}, \qquad
-#    E_{\mathbf{q}} = \sqrt{\operatorname{mean}_{T, a} \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{q}_{T,a}) \rVert^2} \tag{6.7} $$
+#    E_{\mathbf{M}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{M}_T) \rVert^2}, $$
+#
+# $$ E_{\mathbf{q}} = \sqrt{\operatorname{mean}_{T, a} \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{q}_{T,a}) \rVert^2} \tag{6.7} $$
 #
 # at the circumcentres $\mathbf{O}_T$, at the centroids $\mathbf{M}_T$, and at the three corners of each cell.
 
 # %% question="06.6"
 def errors(points, triangles, s):
-    """Return the three errors of (6.7), of shape (3,), for points (K, 2), triangles (T, 3), a number s."""
+    """Return the three errors of (6.7), of shape (3,).
+
+    Given are the points (K, 2), the triangles (T, 3), and the number s.
+    """
     # BEGIN SOLUTION
     m = points.mean(axis=0)
     missed = []
@@ -412,6 +431,7 @@ def wandering_place(s, apex, height):
         axes.plot(*np.average(q, axis=0, weights=squares), "s", ms=7, color=PURPLE, label=r"symmedian point $\mathbf{K}$")
         axes.plot(*q.mean(axis=0), "x", ms=8, mew=2, color=GREEN, label=r"centroid $\mathbf{M}$")
         axes.set(aspect="equal", xticks=[], yticks=[], xlim=(-1.1, 1.8), ylim=(-1.2, 1.3))
+        axes.axis("off")
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
@@ -471,7 +491,10 @@ def wandering_place(s, apex, height):
 
 # %% question="06.8"
 def raviart_thomas(q, v, x):
-    """Return w of (6.8) at the place x (2,), of shape (2,), for corners q (3, 2) and velocities v (3,)."""
+    """Return w of (6.8) at the place x (2,), of shape (2,).
+
+    Given are the corners q (3, 2) and the outward normal velocities v (3,).
+    """
     # BEGIN SOLUTION
     n = outward_normals(q)
     heights = np.ptp(n @ q.T, axis=1)

@@ -40,6 +40,7 @@ from fieldcheck import (
     draw,
     figure,
     progress,
+    start_over,
 )
 
 # %% [markdown]

@@ -34,6 +34,7 @@ from fieldcheck import (
     draw,
     figure,
     progress,
+    start_over,
 )
 
 # %% [markdown]
@@ -125,12 +126,11 @@ def the_problem(angle):
 # %% [markdown]
 # ## What is to be proved
 #
-# At a corner $\mathbf{p}_a$ of a polyhedron let three faces meet, with the outward unit normals $\mathbf{n}_b$, $b \in \mathcal{N}_a$. Its weight at a place
+# At a corner $\mathbf{p}_a$ of a polyhedron let three faces meet, with the outward unit normals $\mathbf{n}_b$, $b \in \mathcal{N}_a = \{j, k, m\}$. Its weight at a place
 # $\mathbf{x}$ is
 #
 # $$ w_a(\mathbf{x}) = \frac{\operatorname{vol}(\mathcal{N}_a)}{\prod_{b \in \mathcal{N}_a} \mathbf{n}_b^T (\mathbf{p}_a - \mathbf{x})},
-#    \qquad \operatorname{vol}(\mathcal{N}_a) = \lvert \det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) \rvert
-#    \quad\text{for}\quad \mathcal{N}_a = \{j, k, m\}. \tag{8.1} $$
+#    \qquad \operatorname{vol}(\mathcal{N}_a) = \lvert \det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) \rvert . \tag{8.1} $$
 #
 # Let the polyhedron be the Voronoi cell of a vertex $\mathbf{x}_i$ of a Delaunay mesh. The tetrahedron number $a$ has the vertices
 # $\mathbf{x}_i, \mathbf{x}_j, \mathbf{x}_k, \mathbf{x}_m$, the volume $V_a$ and the circumcentre $\mathbf{p}_a$. The claim is
@@ -269,8 +269,11 @@ def conjecture(power):
 
 # %% [markdown] answer="08.5" points=3
 # By step 1 the rows of the determinant are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$. A determinant is linear in each row, so each length can be
-# taken out: $\det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) = \det(\mathbf{x}_j - \mathbf{x}_i, \mathbf{x}_k - \mathbf{x}_i, \mathbf{x}_m - \mathbf{x}_i)/(l_j l_k l_m)$. Lengths are positive, so
-# this holds for the absolute values. The determinant on the right is, up to its sign, the volume of the parallelepiped over the three edges at $\mathbf{x}_i$. That consists
+# taken out:
+#
+# $$ \det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) = \frac{\det(\mathbf{x}_j - \mathbf{x}_i, \mathbf{x}_k - \mathbf{x}_i, \mathbf{x}_m - \mathbf{x}_i)}{l_j l_k l_m} . $$
+#
+# Lengths are positive, so this holds for the absolute values. The determinant on the right is, up to its sign, the volume of the parallelepiped over the three edges at $\mathbf{x}_i$. That consists
 # of $3! = 6$ tetrahedra of equal volume, one for each order of the three edges; or: a tetrahedron is a third of base times height, and its base is half of a parallelogram. So the absolute value is $6V_a$.
 
 # %% [markdown] rubric="08.5"

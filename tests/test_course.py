@@ -60,9 +60,41 @@ def test_the_known_answers_are_those_of_the_source(source):
 
 
 def test_the_stubs_are_those_of_the_sources():
-    """What `reset` gives back is what was handed out."""
+    """What `start_over` gives back is what was handed out."""
     handed_out = (ROOT / "src/fieldcheck/stubs.json").read_text(encoding="utf-8")
     assert handed_out == build.stubs_file(ROOT)
+
+
+LIST = re.compile(r"\s*([-+*>#]|\d+[.)])\s|\s*(=+|-+)\s*$")
+
+
+@each_source
+def test_no_line_of_a_formula_is_taken_for_a_list(source):
+    """Editors differ in whether they look for formulas or for lists first, so none may look so."""
+    text = "\n".join(cell.text for cell in source.cells if cell.kind == "markdown")
+    lines = [line for formula in re.findall(r"\$\$.*?\$\$", text, re.DOTALL)
+             for line in formula.splitlines()]  # fmt: skip
+    assert lines
+    assert not [line for line in lines if LIST.match(line)]
+    assert all(LIST.match(line) for line in ("   + b", "- b", "2. b", "==="))
+
+
+@each_source
+def test_code_that_draws_is_folded_and_questions_are_not(source):
+    """One sees the picture; where an editor does not fold, the code is merely shown."""
+    cells = notebooks.student_notebook(source).cells
+    folded = [c for c in cells if c.metadata.get("jupyter", {}).get("source_hidden")]
+    assert folded
+    assert all("@draw(" in c.source or "@drag(" in c.source for c in folded)
+    assert not any("question" in c.metadata for c in folded)
+    assert not any(c.source.startswith("@dra") for c in cells if c not in folded)
+
+
+@each_source
+def test_a_cell_can_be_reset_in_every_notebook(source):
+    """Each notebook imports what gives an empty cell back."""
+    setup = [cell.text for cell in source.cells if cell.is_setup]
+    assert any("start_over" in text for text in setup)
 
 
 @each_source
@@ -133,7 +165,7 @@ def test_the_graders_are_proved(source):
     """The solution scores all and the stub nothing; mistakes hear their own sentence; other right
     answers score all; small changes to the solution lose points."""
     proofs = list(proof.prove(source, PUBLIC_SALT))
-    assert {p.question for p in proofs} == set(source.answer_cells())
+    assert [p.question for p in proofs] == list(source.answer_cells())
     assert not [f"{p.question}: {problem}" for p in proofs for problem in p.problems]
 
 

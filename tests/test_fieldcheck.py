@@ -16,6 +16,7 @@ from fieldcheck.calls import Call, Outcome, perform
 from fieldcheck.ladder import judge
 from fieldcheck.question import Law, Question, relative
 from fieldcheck.questions import get, questions
+from fieldcheck.seeds import seed
 from fieldcheck.shapes import fitted
 from fieldcheck.verdict import LADDER, TITLES, Verdict
 
@@ -75,9 +76,10 @@ def last_wrong(x):
         (None, "missing", "There is no function twice"),
         (unwritten, "unwritten", "Write twice"),
         (raises, "exception", "twice stops with ValueError: no such thing. It arises in line"),
-        (lambda _: None, "type", "nothing \\(None\\): is the `return` missing"),
+        (lambda _: None, "type", "nothing \\(None\\), as a function without `return` does"),
         (lambda _: "two", "type", "an object of type str"),
         (lambda _: [[1], [1, 2]], "type", "no rectangular array"),
+        (lambda x: [2 * float(t) for t in x], "right", r"But twice returns a list\. "),
         (lambda x: 1j * x, "type", "complex"),
         (lambda x: x[:-1], "shape", r"of shape \(4,\)\. It should be an array of shape \(5,\)"),
         (lambda x: x[:, None], "shape", r"shape \(5, 1\)"),
@@ -86,7 +88,6 @@ def last_wrong(x):
         (lambda x: x**2, "misconception", "These are the squares"),
         (last_wrong, "wrong", r"twice the sum\. For \d numbers, entry \[\d\] is off by 1, where"),
         (lambda x: 2 * x, "right", ""),
-        (lambda x: [2 * float(t) for t in x], "right", ""),
         (lambda x: tuple(2 * x), "right", ""),
         (lambda x: 2 * x + 0j, "right", ""),
     ],
@@ -232,7 +233,7 @@ def test_inputs_depend_on_the_seed_alone(name):
 
 def test_there_is_no_such_question():
     """The message names those that there are."""
-    with pytest.raises(ValueError, match=r"no question '77.1'; there are 01.1, 01.2"):
+    with pytest.raises(ValueError, match=r"in question '77.1'; there are 01.1, 01.2"):
         get("77.1")
 
 
@@ -292,9 +293,29 @@ def test_a_damaged_record_only_forgets(tmp_path, monkeypatch):
     assert fieldcheck.progress().earned == 0
 
 
-def test_reset_gives_the_stub_back(capsys):
+@pytest.mark.parametrize("name", ["02.3", "2.5", 2.5])
+def test_a_name_that_is_none_is_answered_with_those_of_its_notebook(name):
+    """Questions in words have no check, and a zero is soon forgotten."""
+    with pytest.raises(ValueError, match=rf"in question {name!r}; there are 02.1, .*02.9$"):
+        fieldcheck.check(name)
+
+
+def test_whole_numbers_are_not_compared_with_rounding():
+    """A rank that is one too large is not "off by 1, where rounding explains 1e-09"."""
+    question = questions()["01.4"]
+    calls = question.inputs(seed("", "01.4"))
+    right = answers.public_answers("01")["01.4"].right
+    known = Answers(right, ())
+    outcomes = [Outcome("returned", values=(np.array(float(v[0]) + 7),)) for v in right]
+    verdict = judge(question, calls, outcomes, known)
+    assert verdict.rung == "wrong"
+    assert "rounding" not in verdict.sentence
+    assert "off by 7; all values here are whole numbers" in verdict.sentence
+
+
+def test_start_over_gives_the_stub_back(capsys):
     """Outside a notebook it is printed."""
-    fieldcheck.reset("01.1")
+    fieldcheck.start_over("01.1")
     printed = capsys.readouterr().out
     assert "def basis_matrix(points):" in printed
     assert "NotImplementedError" in printed

@@ -52,7 +52,7 @@ def test_normals_are_those_of_the_library_turned_outward(mesh):
 
 @each_mesh
 def test_velocity_and_defect_are_those_of_the_library(mesh):
-    """The library forms no matrix: it takes the field of Raviart and Thomas at the symmedian point."""
+    """The library forms no matrix: it takes the Raviart–Thomas field at the symmedian point."""
     for v in data_of(mesh):
         by_library = cell_velocities(mesh, v)
         for k, (q, out) in enumerate(cells(mesh, v)):

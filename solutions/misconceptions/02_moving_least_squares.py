@@ -197,6 +197,14 @@ def constant_not_weighted(points, values, w):
     return np.linalg.lstsq(b, values * w, rcond=None)[0]
 
 
+@answers("02.2")
+def values_weighted_alone(points, values, w):
+    """The values are multiplied by the weights, and the rows of B are not: each equation of (2.4) has
+    its weight on both sides. As it is, no equation holds even where the field is affine.
+    """
+    return np.linalg.lstsq(basis(points), w * values)[0]
+
+
 # 02.4 field
 
 
@@ -231,6 +239,14 @@ def evaluated_at_the_points(points, values, x, epsilon):
     points. In (2.6) the same x stands in b and in c; the points are in B only.
     """
     return np.array([value_at(local(points, values, place, epsilon), p) for place, p in zip(x, points)])
+
+
+@answers("02.4")
+def constant_forgotten(points, values, x, epsilon):
+    """The slopes of each local plane are used, and its constant is not: even values that are all one
+    give zero. The first entry of b in (2.1) belongs to it.
+    """
+    return np.array([place @ local(points, values, place, epsilon)[1:] for place in x])
 
 
 @answers("02.4")

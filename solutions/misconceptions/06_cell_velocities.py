@@ -90,6 +90,15 @@ def in_another_order(q):
 
 
 @answers("06.1")
+def of_the_side_that_begins_here(q):
+    """Two things at once: row a has the normal of the side that begins at corner a instead of the one opposite, and it is outward only if the corners are
+    listed anticlockwise. Begin with the first row, and name its side by its two ends.
+    """
+    along = np.roll(q, -1, axis=0) - q
+    return clockwise_turn(along) / np.hypot(*along.T)[:, None]
+
+
+@answers("06.1")
 def from_the_centre(q):
     """These unit vectors point from the centroid to the middles of the sides. They are perpendicular to the sides only in an
     equilateral triangle. Check the scalar product with a side.

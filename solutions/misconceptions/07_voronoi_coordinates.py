@@ -127,6 +127,15 @@ def lengths_not_squared(a, b, c):
 
 
 @answers("07.2")
+def edges_in_columns(a, b, c):
+    """Rows and columns of the system are exchanged. Each equation speaks of one edge, so an edge is a
+    row of the matrix; in the columns stand its coordinates. Write the first equation out.
+    """
+    edges = np.column_stack([b - a, c - a])
+    return a + np.linalg.solve(edges, np.sum(edges**2, axis=0) / 2)
+
+
+@answers("07.2")
 def incenter(a, b, c):
     """This is the centre of the inscribed circle, where the bisectors of the angles meet: it is
     equally far from the sides. Asked for is the point equally far from the corners.

@@ -16,10 +16,11 @@ from fieldcheck.figures import (
     figure,
     svg,
 )
-from fieldcheck.notebook import Progress, check, data, progress, reset
+from fieldcheck.notebook import Progress, check, data, progress, start_over
 from fieldcheck.verdict import Verdict
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "ORANGE", "PURPLE", "Picture", "Progress", "Slider", "Verdict",
-    "check", "data", "drag", "draw", "figure", "progress", "reset", "svg",
+    "check", "data", "drag", "draw", "figure", "progress", "start_over",
+    "svg",
 ]  # fmt: skip

@@ -57,7 +57,7 @@ class Outcome:
         What was returned, a tuple as several arrays, anything else as one; None for what is no
         numbers.
     returned : str
-        What was returned instead of numbers, in words.
+        What was returned instead of numbers or arrays of them, in words.
     error : str
         Type and message of the exception.
     line : str
@@ -115,7 +115,7 @@ def _perform_one(function: Callable[..., Any] | None, call: Call, limit: float) 
     return Outcome(
         "returned",
         values=values,
-        returned="" if values is not None else _kind(result),
+        returned=_kind(result) if values is None or isinstance(result, list) else "",
         seconds=time.perf_counter() - start,
         modified=tuple(
             i for i, (now, before) in enumerate(zip(arguments, call.arguments, strict=True))
@@ -151,9 +151,10 @@ def _as_array(part: object) -> np.ndarray | None:
 
 def _kind(result: object) -> str:
     if result is None:
-        return "nothing (None): is the `return` missing?"
+        return "nothing (None), as a function without `return` does"
     if isinstance(result, list):
-        return "a list that is no rectangular array of numbers"
+        ragged = as_arrays(result) is None
+        return "a list that is no rectangular array of numbers" if ragged else "a list"
     return f"an object of type {type(result).__name__}"
 
 

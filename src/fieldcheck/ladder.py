@@ -11,7 +11,7 @@ import numpy as np
 
 from fieldcheck.answers import Answers
 from fieldcheck.calls import Call, Outcome, Values
-from fieldcheck.question import Question, scale
+from fieldcheck.question import LEAST_TOLERANCE, Question, scale
 from fieldcheck.shapes import fitted, in_words, shape_in_words
 from fieldcheck.verdict import LADDER, Rung, Verdict
 
@@ -42,13 +42,23 @@ def judge(
     """
     faults = list(_faults(question, calls, outcomes, answers))
     if not faults:
-        return Verdict(question.name, "right", "")
+        return Verdict(question.name, "right", _note(question, outcomes))
     rung, sentence, call = min(faults, key=lambda fault: LADDER.index(fault[0]))
     if answers and rung not in NOT_RECOGNISABLE:
         mistake = answers.recognise(question, calls, outcomes)
         if mistake:
             return Verdict(question.name, "misconception", mistake.sentence, mistake.name, call)
     return Verdict(question.name, rung, sentence, call=call)
+
+
+def _note(question: Question, outcomes: Sequence[Outcome]) -> str:
+    """Return what is worth saying of a right answer: that one cannot calculate with a list."""
+    if not any(outcome.returned for outcome in outcomes):
+        return ""
+    return (
+        f"But {question.function} returns a list. Where it is used below, arithmetic needs an "
+        "array: return np.array(…) of the list."
+    )
 
 
 Fault = tuple[Rung, str, int | None]
@@ -131,8 +141,7 @@ def _wrong(
     for law in question.laws:
         deviation = float(law.deviation(calls, values))
         if not deviation <= law.tolerance:
-            off = f"It is off by {deviation:.2g}; rounding explains {law.tolerance:.0e}."
-            yield "wrong", f"{law.sentence} {told or off}", place
+            yield "wrong", f"{law.sentence} {told or _off(deviation, law.tolerance)}".strip(), place
             return
     if told:
         yield "wrong", told, place
@@ -152,12 +161,26 @@ def _difference(
     if units.max(initial=0.0) <= 1:
         return None, ""
     call, wanted = calls[worst], answers.right[worst][part]
-    tolerance = max(question.tolerance(call), 1e-9) * scale(wanted)
+    tolerance = max(question.tolerance(call), LEAST_TOLERANCE) * scale(wanted)
+    off = units.max() * tolerance
+    told = f"For {call.case}, {_entry(units, part, len(differences[worst]))} is off by {off:.2g}"
+    if _whole(wanted):
+        return worst, f"{told}; all values here are whole numbers."
     return worst, (
-        f"For {call.case}, {_entry(units, part, len(differences[worst]))} is off by "
-        f"{units.max() * tolerance:.2g}, where the largest right value is {scale(wanted):.2g}; "
+        f"{told}, where the largest right value is {scale(wanted):.2g}; "
         f"rounding explains {tolerance:.0e}."
     )
+
+
+def _off(deviation: float, tolerance: float) -> str:
+    """Return by how much a law is broken, where that is a matter of more or less."""
+    if not np.isfinite(deviation) or deviation == round(deviation):
+        return ""
+    return f"It is off by {deviation:.2g}; rounding explains {tolerance:.0e}."
+
+
+def _whole(values: np.ndarray) -> bool:
+    return bool((values == np.round(values)).all())
 
 
 def _entry(units: np.ndarray, part: int, parts: int) -> str:

@@ -1,4 +1,4 @@
-"""What a notebook calls: `check` an answer, see the `progress`, get the `data`, `reset` a cell."""
+"""What a notebook calls: `check` an answer, see the `progress`, get the `data`, `start_over`."""
 
 from __future__ import annotations
 
@@ -72,8 +72,12 @@ def progress() -> Progress:
     return Progress(_record())
 
 
-def reset(name: str) -> None:
-    """Put the cell of a question back as it was, as a new cell below; copy yours first."""
+def start_over(name: str) -> None:
+    """Give the cell of a question back as it was handed out, as a new cell below.
+
+    It is not called ``reset``: without an import that is a command of IPython, which deletes all
+    variables.
+    """
     stub = stubs()[get(name).name]
     shell = _shell()
     if shell is None:

@@ -64,7 +64,7 @@ class Verdict:
         return str(self)
 
     def _repr_html_(self) -> str:
-        color = "#2a6428" if self.right else "#6b6b6b" if self.rung == "unwritten" else "#a33b00"
+        color = "#2e8540" if self.right else "#767676" if self.rung == "unwritten" else "#c4501b"
         text = html.escape(self.sentence)
         return (
             f'<div style="border-left:4px solid {color};padding:.3em .8em;margin:.3em 0;'

@@ -32,9 +32,13 @@ def get(name: str) -> Question:
     Raises
     ------
     ValueError
-        There is none of this name; the sentence names those that there are.
+        There is none of this name; the sentence names those of the notebook.
     """
     known = questions()
     if name not in known:
-        raise ValueError(f"there is no question {name!r}; there are {', '.join(known)}")
+        notebook = str(name).partition(".")[0].zfill(2)
+        there = [other for other in known if other.startswith(f"{notebook}.")] or list(known)
+        raise ValueError(
+            f"no function is asked for in question {name!r}; there are {', '.join(there)}"
+        )
     return known[name]

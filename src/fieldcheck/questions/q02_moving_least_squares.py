@@ -275,7 +275,7 @@ QUESTIONS = (
         "02.7", "gradient", 4, gradient_inputs, lambda call: (call.arguments[2].shape,),
         (
             Law("Once round a circle the field is what it was, so the slopes along the way must add up to "
-                "zero. What does not is the gradient of no function.", comes_back_to_the_same_value, LOCAL),
+                "zero. Where they do not, no field has this gradient.", comes_back_to_the_same_value, LOCAL),
             Law("Adding an affine field to the values must add its slope to the gradient.",
                 adds_the_slope_of_affine_fields, LOCAL),
         ),

@@ -42,6 +42,16 @@ def all_sources(root: Path) -> list[Source]:
     return found
 
 
+def require_questions(source: Source) -> None:
+    """Raise ValueError if a source has cells for questions that nobody judges."""
+    missing = [name for name in source.answer_cells() if name not in questions()]
+    if missing:
+        raise ValueError(
+            f"{source.path.name} has a cell for {', '.join(missing)}, and no module "
+            f"src/fieldcheck/questions/q{source.name}.py says how it is tried"
+        )
+
+
 def build(root: Path, chosen: list[Source], each: Each = map) -> None:
     """Write exercises, known answers, stubs, and the executed solutions that are out of date.
 

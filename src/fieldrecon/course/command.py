@@ -66,6 +66,7 @@ def _check(options: argparse.Namespace) -> int:
             for p in proofs
         ],
         title="What the graders say of answers whose worth is known",
+        whole=True,
     )
     for proof in proofs:
         for problem in proof.problems:
@@ -110,4 +111,7 @@ def _chosen(options: argparse.Namespace, number: str = "") -> list[Source]:
     unknown = set(wanted) - {source.number for source in found}
     if unknown:
         raise ValueError(f"there is no notebook {', '.join(sorted(unknown))}")
-    return [source for source in found if not wanted or source.number in wanted]
+    chosen = [source for source in found if not wanted or source.number in wanted]
+    for source in chosen:
+        building.require_questions(source)
+    return chosen

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Iterator
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -18,6 +19,8 @@ from fieldrecon.course.sources import REGION, Cell, Source
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 TOLD = ("question", "answer", "rubric")
+DRAWS = re.compile(r"^@dra(w|g)\(", re.MULTILINE)
+"""What begins a picture; JupyterLab shows the picture, and the code at a click."""
 YOUR_WORDS = "*Write your answer here.*"
 SECONDS_PER_CELL = 120
 """After so long a cell of a solution has failed; the text promises less than ten."""
@@ -103,8 +106,9 @@ def _metadata(name: str) -> nbformat.NotebookNode:
 
 
 def _told(cell: Cell) -> dict[str, Any]:
-    """Return what a notebook says of a cell: which question it is about."""
-    return {key: value for key, value in cell.metadata.items() if key in TOLD}
+    """Return what a notebook says of a cell: its question, and that drawing code is folded."""
+    told = {key: value for key, value in cell.metadata.items() if key in TOLD}
+    return told | ({"jupyter": {"source_hidden": True}} if DRAWS.search(cell.text) else {})
 
 
 def _identifier(source: Source, cell: Cell, text: str, seen: set[str]) -> str:

@@ -48,17 +48,23 @@ def progress(mapping: Map, label: str) -> Iterator[Map]:
         yield each
 
 
-def print_table(columns: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "") -> None:
-    """Print a table; one with many columns lies on its side, so that it fits a terminal."""
+def print_table(
+    columns: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "", whole: bool = False
+) -> None:
+    """Print a table; one with many columns lies on its side, so that it fits a terminal.
+
+    Of a long one the first rows are shown, since a file has the others, unless it is to be whole.
+    """
+    most = max(len(rows), len(columns)) if whole else _MOST_ROWS
     texts = [[escape(_typed(cell)) for cell in row] for row in (columns, *rows)]
     if len(columns) > _WIDEST >= len(rows) or len(columns) > 2 * _WIDEST:
         texts = [list(column) for column in zip(*texts, strict=True)]
     table = Table(*texts[0], title=escape(title) or None, title_justify="left")
-    for row in texts[1 : 1 + _MOST_ROWS]:
+    for row in texts[1 : 1 + most]:
         table.add_row(*row)
     Terminal().print(table)
-    if len(texts) - 1 > _MOST_ROWS:
-        Terminal().print(f"… and {len(texts) - 1 - _MOST_ROWS} rows more, in the file")
+    if len(texts) - 1 > most:
+        Terminal().print(f"… and {len(texts) - 1 - most} rows more, in the file")
 
 
 def _typed(cell: Any) -> str:

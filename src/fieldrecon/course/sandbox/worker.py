@@ -97,7 +97,7 @@ def quiet_fieldcheck() -> None:
     def undrawn(*_: object, **__: object) -> Any:
         return lambda picture: picture
 
-    for name in ("check", "progress", "reset"):
+    for name in ("check", "progress", "start_over"):
         setattr(fieldcheck, name, _nothing)
     fieldcheck.draw = fieldcheck.drag = undrawn
 
