@@ -139,7 +139,7 @@ def test_what_is_wrong_anyway_is_not_tried(tmp_path, calls):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ('"01.2", "Values', '"01.99", "Values', "there is no question '01.99'"),
+        ('"01.2", "Values', '"01.99", "Values', "asked for in question '01.99'"),
         ("Values that all grow by one move the plane up by one.", " ", "needs a sentence"),
         ("costs=1", "costs=0", "costs points, not 0"),
         ("costs=1", "price=1", "write @pytest.mark.question"),
@@ -336,7 +336,7 @@ def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
     ("more", "told"),
     [
         (["--only", "99"], "there is no notebook 99"),
-        (["--question", "01.99"], "there is no question '01.99'"),
+        (["--question", "01.99"], "asked for in question '01.99'"),
         (["--question", "01.2", "--only", "02"], "question 01.2 is not in 02"),
         (["--student", "nobody"], "holds nothing of what was chosen"),
         (["--class", "nowhere"], "nowhere is no folder with the tables of a class"),
