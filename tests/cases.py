@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from fieldrecon import _validation as valid
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
@@ -20,6 +21,7 @@ from fieldrecon.radial import (
 )
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Reconstruction
+from fieldrecon.splines import NaturalCubicSpline
 from polytopes import POLYTOPES, voronoi_cell
 
 EXACT = 1e-10
@@ -212,6 +214,24 @@ def rbf_cases() -> Iterator[Case]:
     yield Case("RBF r³ with cubics in 2-D", lambda p, _: RBF(p, polyharmonic(3), 3), 2, SITES[2])
 
 
+class SplineWithAxis(NaturalCubicSpline):
+    """The spline behind the doors of the other methods: points (n, 1), queries (..., 1)."""
+
+    _queries = Reconstruction._queries
+    field = Reconstruction.field
+
+    def __init__(self, points):
+        super().__init__(valid.as_points(points)[:, 0])
+
+
+def spline_cases() -> Iterator[Case]:
+    def make(p, _):
+        return SplineWithAxis(p)
+
+    yield Case("natural spline", make, 1, SITES[1], removable=False)
+    yield Case("natural spline on four sites", make, 1, 4, removable=False)
+
+
 def polytope_cases() -> Iterator[Case]:
     for name, corners in POLYTOPES.items():
         n, d = corners.shape
@@ -228,7 +248,7 @@ def polytope_cases() -> Iterator[Case]:
         )
 
 
-CASES = [*least_squares_cases(), *moving_cases(), *rbf_cases(), *polytope_cases()]
+CASES = [*least_squares_cases(), *moving_cases(), *rbf_cases(), *spline_cases(), *polytope_cases()]
 
 
 def case(name: str) -> Case:

@@ -23,6 +23,8 @@ from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern,
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.spline_bases import b_splines, cardinal_b_spline
+from fieldrecon.splines import NaturalCubicSpline
 from fieldrecon.velocity import (
     divergence,
     normal_velocities,
@@ -37,10 +39,13 @@ __all__ = [
     "Field",
     "LeastSquares",
     "MovingLeastSquares",
+    "NaturalCubicSpline",
     "Reconstruction",
     "SimplexMesh",
     "VoronoiCell",
+    "b_splines",
     "barycentric_dual",
+    "cardinal_b_spline",
     "cell_velocities",
     "circumcenter_weights",
     "circumcentric_dual",

@@ -61,7 +61,9 @@ def as_augmentation(degree: int | None, kernel: Radial) -> int:
     return valid.as_degree(degree, lowest=-1)
 
 
-def refuse_duplicates(points: np.ndarray) -> None:
+def refuse_duplicates(
+    points: np.ndarray, remedy: str = "merge them, or give smoothing > 0"
+) -> None:
     """Two equal rows of the system make it singular."""
     # adding zero makes -0.0 equal to 0.0
     _, first, inverse = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
@@ -71,7 +73,7 @@ def refuse_duplicates(points: np.ndarray) -> None:
         more = f" and {len(twice) - 5} more" if len(twice) > 5 else ""
         raise ValueError(
             f"points must be distinct to be interpolated; these coincide: {', '.join(pairs)}"
-            f"{more}; merge them, or give smoothing > 0"
+            f"{more}; {remedy}"
         )
 
 
