@@ -211,6 +211,17 @@ def rbf_cases() -> Iterator[Case]:
             SITES[2],
             units=SMOOTHED_UNITS,
         )
+    for name, degree, smoothing in (("", None, 0.0), (", a plane and smoothing", 1, 1e-3)):
+        yield Case(
+            f"RBF Wendland 2 on near pairs{name}, in 2-D",
+            lambda p, u, degree=degree, smoothing=smoothing: RBF(
+                p, wendland(3, 2, 0.1 * u), degree, smoothing
+            ),
+            2,
+            400,
+            exact=FLAT,
+            units=EXTREME_UNITS if smoothing == 0 else SMOOTHED_UNITS,
+        )
     yield Case("RBF r³ with cubics in 2-D", lambda p, _: RBF(p, polyharmonic(3), 3), 2, SITES[2])
 
 

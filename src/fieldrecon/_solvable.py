@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
 from fieldrecon.polynomials import EPS
@@ -77,15 +78,24 @@ def refuse_duplicates(
         )
 
 
-def refuse_beyond_memory(n: int) -> None:
-    """A matrix of n^2 numbers that this machine cannot hold."""
-    needed = 8 * n * n
+def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
+    """A matrix of n^2 numbers, or a sparse factor of so many, that this machine cannot hold."""
+    needed = 8 * n * n if entries is None else 12 * entries
     available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    form = "matrix" if entries is None else "sparse factor"
     if needed > 0.8 * available:
         raise MemoryError(
-            f"a global fit of {n} points needs a matrix of {needed / 2**30:.0f} GiB, and this "
+            f"a global fit of {n} points needs a {form} of {needed / 2**30:.0f} GiB, and this "
             f"machine has {available / 2**30:.0f}; MovingLeastSquares with neighbors is local"
         )
+
+
+def refuse_sites(kernel: Radial, x: np.ndarray, points: np.ndarray) -> None:
+    """Queries at which a field of this kernel has no gradient."""
+    distance, _ = cKDTree(points).query(x)
+    if (distance == 0).any():
+        where = ", ".join(f"{v:.6g}" for v in x[int(np.argmin(distance))])
+        raise ValueError(f"{kernel!r} has no gradient at a site, and the query ({where}) is one")
 
 
 def refuse_a_miss(lam: np.ndarray, phi: np.ndarray, values: np.ndarray) -> None:
