@@ -15,8 +15,10 @@ from fieldrecon.local_gradients import (
     local_rbf,
 )
 from fieldrecon.mesh import SimplexMesh
+from fieldrecon.mesh_audit import MeshAudit, audit_mesh
 from fieldrecon.mesh_files import read_mesh, read_mesh_and_data, read_surface, write_mesh
 from fieldrecon.mesh_gradients import vertex_gradients
+from fieldrecon.mesh_repair import MeshRepair, repair_mesh
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
@@ -25,6 +27,7 @@ from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.spline_bases import b_splines, cardinal_b_spline
 from fieldrecon.splines import NaturalCubicSpline
+from fieldrecon.triangle_files import read_triangles, write_triangles
 from fieldrecon.velocity import (
     divergence,
     normal_velocities,
@@ -38,11 +41,14 @@ __all__ = [
     "BarycentricCoordinates",
     "Field",
     "LeastSquares",
+    "MeshAudit",
+    "MeshRepair",
     "MovingLeastSquares",
     "NaturalCubicSpline",
     "Reconstruction",
     "SimplexMesh",
     "VoronoiCell",
+    "audit_mesh",
     "b_splines",
     "barycentric_dual",
     "cardinal_b_spline",
@@ -67,6 +73,8 @@ __all__ = [
     "read_mesh",
     "read_mesh_and_data",
     "read_surface",
+    "read_triangles",
+    "repair_mesh",
     "thin_plate_spline",
     "velocity_weights",
     "vertex_gradients",
@@ -75,4 +83,5 @@ __all__ = [
     "voronoi_weights",
     "wendland",
     "write_mesh",
+    "write_triangles",
 ]
