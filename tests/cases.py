@@ -3,11 +3,14 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from fieldrecon import _validation as valid
 from fieldrecon.barycentric import BarycentricCoordinates
+from fieldrecon.functionals import values_at
+from fieldrecon.hermite import HermiteRBF
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.polynomials import dimension
@@ -225,6 +228,23 @@ def rbf_cases() -> Iterator[Case]:
     yield Case("RBF r³ with cubics in 2-D", lambda p, _: RBF(p, polyharmonic(3), 3), 2, SITES[2])
 
 
+def hermite_cases() -> Iterator[Case]:
+    """Of values alone, which are data at points as those of the others are."""
+    kernels = ("r³", "r⁴ log r", "gaussian", "Wendland 2")
+    for name, d in product(kernels, (1, 2, 3)):
+        spread = 0.4 if d == 1 else 1.0
+        yield Case(
+            f"Hermite {name} in {d}-D",
+            lambda p, u, kernel=KERNELS[name], spread=spread: HermiteRBF(
+                values_at(p), kernel(spread * u)
+            ),
+            d,
+            SITES[d],
+            exact=FLAT,
+            removable=False,
+        )
+
+
 class SplineWithAxis(NaturalCubicSpline):
     """The spline behind the doors of the other methods: points (n, 1), queries (..., 1)."""
 
@@ -259,7 +279,14 @@ def polytope_cases() -> Iterator[Case]:
         )
 
 
-CASES = [*least_squares_cases(), *moving_cases(), *rbf_cases(), *spline_cases(), *polytope_cases()]
+CASES = [
+    *least_squares_cases(),
+    *moving_cases(),
+    *rbf_cases(),
+    *hermite_cases(),
+    *spline_cases(),
+    *polytope_cases(),
+]
 
 
 def case(name: str) -> Case:

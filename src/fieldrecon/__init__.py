@@ -8,6 +8,8 @@ from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
+from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
+from fieldrecon.hermite import HermiteRBF
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.local_gradients import (
     local_least_squares,
@@ -40,6 +42,7 @@ __all__ = [
     "RBF",
     "BarycentricCoordinates",
     "Field",
+    "HermiteRBF",
     "LeastSquares",
     "MeshAudit",
     "MeshRepair",
@@ -56,10 +59,12 @@ __all__ = [
     "circumcenter_weights",
     "circumcentric_dual",
     "datasets",
+    "derivatives_at",
     "divergence",
     "gaussian",
     "inverse_multiquadric",
     "inverse_square",
+    "laplacians_at",
     "leave_one_out",
     "local_least_squares",
     "local_moving_least_squares",
@@ -76,6 +81,7 @@ __all__ = [
     "read_triangles",
     "repair_mesh",
     "thin_plate_spline",
+    "values_at",
     "velocity_weights",
     "vertex_gradients",
     "vertex_velocities",
