@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldrecon._predicates import collinear, crossing_side, orient2d, orient3d
+from fieldrecon._predicates import collinear, orient2d, orient3d
 
 _EDGES = ((0, 1), (1, 2), (2, 0))
 
@@ -41,8 +41,8 @@ def contacts(
 ) -> Contacts:
     """How the triangles of each pair (k, 2) meet.
 
-    What is not farther away than the tolerance counts as touching; with the tolerance 0 the answer
-    is exact. No triangle is degenerate.
+    What moving points by the tolerance could undo counts as touching; with the tolerance 0 the
+    answer is exact. No triangle is degenerate.
     """
     one, other = (_Side(points, triangles[pairs[:, s]], tolerance) for s in (0, 1))
     flat_one, flat_other = one.above(other), other.above(one)
@@ -139,7 +139,7 @@ class _Side:
         p, q, corners = p[rows], q[rows], self.corners[rows]
         signs = np.stack(
             [
-                crossing_side(p, q, corners[:, e], corners[:, f], tolerance=self.tolerance)
+                orient3d(p, q, corners[:, e], corners[:, f], tolerance=self.tolerance)
                 for e, f in _EDGES
             ]
         )

@@ -6,8 +6,7 @@ power of two.
 
 References
 ----------
-Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates (1997);
-Ericson, Real-Time Collision Detection (2005), for determinants as distances.
+Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates (1997).
 """
 
 from __future__ import annotations
@@ -24,14 +23,13 @@ BOUND_3D = 4 * _EPS
 def orient2d(a: np.ndarray, b: np.ndarray, c: np.ndarray, *, tolerance: float = 0.0) -> np.ndarray:
     """Sign of det(b - a, c - a): 1 where a, b, c (k, 2) turn anticlockwise, -1 clockwise, else 0.
 
-    Points c not farther than the tolerance from the line through a and b count as on it.
+    It is 0, too, where to move the points by the tolerance could make it so.
     """
     u, v = b - a, c - a
     left, right = u[:, 0] * v[:, 1], u[:, 1] * v[:, 0]
-    size = np.sqrt(u[:, 0] ** 2 + u[:, 1] ** 2)
-    return _signs(
-        left - right, BOUND_2D * (np.abs(left) + np.abs(right)), (a, b, c), tolerance * size
-    )
+    bound = BOUND_2D * (np.abs(left) + np.abs(right))
+    slack = tolerance * (_length(u) + _length(v) + _length(v - u)) if tolerance else 0.0
+    return _signs(left - right, bound, (a, b, c), slack)
 
 
 def orient3d(
@@ -39,42 +37,35 @@ def orient3d(
 ) -> np.ndarray:
     """Sign of det(b - a, c - a, d - a): 1 where d lies where the normal of a, b, c (k, 3) points.
 
-    Points d not farther than the tolerance from the plane count as in it.
+    It is also that of how the line a b passes the line c d. It is 0, too, where to move the points
+    by the tolerance could make it so: the determinant grows by that times the areas of the
+    tetrahedron's faces.
     """
     u, v, w = b - a, c - a, d - a
     normal, terms = cross_with_terms(u, v)
-    scale = tolerance * np.sqrt(np.einsum("ki,ki->k", normal, normal))
-    return _signs(*_determinant(normal, terms, w), (a, b, c, d), scale)
-
-
-def crossing_side(
-    p: np.ndarray, q: np.ndarray, a: np.ndarray, b: np.ndarray, *, tolerance: float = 0.0
-) -> np.ndarray:
-    """Sign of det(q - p, a - p, b - p): on which side the line p q passes the line a b.
-
-    Lines not farther apart than the tolerance count as meeting.
-    """
-    normal, terms = cross_with_terms(q - p, b - a)
-    scale = tolerance * np.sqrt(np.einsum("ki,ki->k", normal, normal))
-    determinant, bound = _determinant(normal, terms, a - p)
-    return _signs(-determinant, bound, (p, q, a, b), scale)
+    value = np.einsum("ki,ki->k", normal, w)
+    bound = BOUND_3D * np.einsum("ki,ki->k", terms, np.abs(w))
+    slack: np.ndarray | float = 0.0
+    if tolerance:
+        sides = (np.cross(u, w), np.cross(v, w), np.cross(v - u, w - u))
+        slack = tolerance * sum(map(_length, sides), start=_length(normal))
+    return _signs(value, bound, (a, b, c, d), slack)
 
 
 def collinear(a: np.ndarray, b: np.ndarray, c: np.ndarray, *, tolerance: float = 0.0) -> np.ndarray:
-    """Whether points (k, 3) lie on one line, or not farther than the tolerance from their longest.
+    """Whether points (k, 3) lie on one line, or could if moved by the tolerance.
 
     Points do so if and only if their projections along all three axes do.
     """
-    sides = np.stack([b - a, c - b, a - c])
-    longest = np.sqrt(np.einsum("eki,eki->ek", sides, sides).max(axis=0))
-    normal, terms = cross_with_terms(sides[0], -sides[2])
-    area = np.sqrt(np.einsum("ki,ki->k", normal, normal))
-    flat = area <= tolerance * longest
-    doubtful = np.flatnonzero(~flat & (np.abs(normal) <= BOUND_2D * terms).all(axis=1))
+    u, v = b - a, c - a
+    normal, terms = cross_with_terms(u, v)
+    flat = _length(normal) <= tolerance * (_length(u) + _length(v) + _length(v - u))
+    doubtful = np.flatnonzero((np.abs(normal) <= BOUND_2D * terms).all(axis=1))
     on_line = np.ones(len(doubtful), dtype=bool)
     for axes in ([0, 1], [1, 2], [2, 0]):
-        on_line &= orient2d(*(p[doubtful][:, axes] for p in (a, b, c))) == 0
-    flat[doubtful] = on_line
+        x, y, z = (p[doubtful][:, axes] for p in (a, b, c))
+        on_line &= orient2d(x, y, z) == 0
+    flat[doubtful] = on_line | (flat[doubtful] & (tolerance > 0))
     return flat
 
 
@@ -85,22 +76,18 @@ def cross_with_terms(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return left - right, np.abs(left) + np.abs(right)
 
 
-def _determinant(
-    normal: np.ndarray, terms: np.ndarray, w: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Product of normal and w, and the bound of its rounding error."""
-    value = np.einsum("ki,ki->k", normal, w)
-    return value, BOUND_3D * np.einsum("ki,ki->k", terms, np.abs(w))
+def _length(vectors: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.einsum("ki,ki->k", vectors, vectors))
 
 
 def _signs(
-    value: np.ndarray, bound: np.ndarray, points: tuple[np.ndarray, ...], scale: np.ndarray
+    value: np.ndarray, bound: np.ndarray, points: tuple[np.ndarray, ...], slack: np.ndarray | float
 ) -> np.ndarray:
-    """Signs of determinants: of the value, or exact; 0 where it does not exceed the scale."""
+    """Signs of determinants: of the value, or exact; 0 where it does not exceed the slack."""
     signs = np.sign(value).astype(np.int8)
     doubtful = np.flatnonzero((np.abs(value) <= bound) & (bound > 0))
     signs[doubtful] = _exact_signs(tuple(p[doubtful] for p in points))
-    signs[(scale > 0) & (np.abs(value) <= scale)] = 0
+    signs[(slack > 0) & (np.abs(value) <= slack)] = 0
     return signs
 
 

@@ -22,7 +22,7 @@ def close_pairs(
     tolerance: float = 0.0,
     progress: Progress | None = None,
 ) -> np.ndarray:
-    """Pairs (k, 2) of triangles that no tried plane keeps farther apart than the tolerance.
+    """Pairs (k, 2) of triangles that none of the planes parts.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def close_pairs(
     triangles : (m, 3) ndarray of int
         None of them degenerate. Points with the same number are the same point.
     tolerance : float
-        Triangles that come so close without sharing the corner are kept.
+        Pairs that a plane would not part if points moved so far are kept.
     progress : callable, optional
         Called with what is done and the total.
     """
@@ -56,8 +56,7 @@ class _Triangles:
         left, right = u[[1, 2, 0]] * v[[2, 0, 1]], u[[2, 0, 1]] * v[[1, 2, 0]]
         self.normals = left - right
         self.terms = (np.abs(left) + np.abs(right)).sum(axis=0)
-        n = self.normals
-        self.margins = tolerance * np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+        self.sizes = np.maximum(np.abs(u), np.abs(v)).max(axis=0)
 
     def not_parted(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
         """Those of the pairs that no plane parts."""
@@ -70,14 +69,15 @@ class _Triangles:
     def by_own_plane(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
         """Whether the other corners of j lie strictly on one side of the plane of i."""
         normal, first = self.normals.take(i, axis=1), self.corners[0].take(i, axis=1)
-        terms, margin = self.terms[i], self.margins[i]
+        terms, reach = self.terms[i], self.sizes[i]
         same = self.same_corners(i, j)
         above, below = np.ones((2, len(i)), dtype=bool)
         for c in range(3):
             w = self.corners[c].take(j, axis=1) - first
             distance = normal[0] * w[0] + normal[1] * w[1] + normal[2] * w[2]
             size = np.maximum(np.maximum(abs(w[0]), abs(w[1])), abs(w[2]))
-            bound, shared = BOUND_3D * terms * size + margin, same[c].any(axis=0)
+            bound, shared = BOUND_3D * terms * size, same[c].any(axis=0)
+            bound += 12 * self.tolerance * (size + reach) ** 2  # more than the faces' areas allow
             above &= shared | (distance > bound)
             below &= shared | (distance < -bound)
         return above | below
@@ -114,5 +114,5 @@ class _Triangles:
         left, right = u[0] * v[1], u[1] * v[0]
         bound = BOUND_2D * (abs(left) + abs(right))
         if self.tolerance:
-            bound += self.tolerance * np.sqrt(u[0] * u[0] + u[1] * u[1])
+            bound += 2 * self.tolerance * (abs(u[0]) + abs(u[1]) + abs(v[0]) + abs(v[1]))
         return (right - left) * np.sign(area) > bound

@@ -40,7 +40,7 @@ class MeshAudit:
     vertices, triangles, parts : int
         How many there are; parts are connected by edges.
     tolerance : float
-        Lengths not larger count as zero.
+        By how much points may be off.
     soup : bool
         Whether each triangle has vertices of its own, as in STL files. That is the format, and no
         error: what follows is said of the surface with equal vertices welded, and a vertex is
@@ -147,9 +147,10 @@ def audit_mesh(
     triangles : (m, 3) array_like of int
         Vertices of each triangle.
     tolerance : float, optional
-        Lengths not larger count as zero: vertices so near are one, and a vertex so near to an edge
-        or plane is on it. By default four roundings of the largest coordinate, in the precision of
-        `points`; with 0 every decision is exact.
+        By how much points may be off. Vertices so near to one another are one; a vertex is on an
+        edge, a triangle flat, and two in one plane, if to move points so far could make it so. By
+        default four roundings of the largest coordinate, in the precision of `points`; with 0
+        every decision is exact.
     progress : callable, optional
         Called with what is done and the total while self-intersections are looked for.
 

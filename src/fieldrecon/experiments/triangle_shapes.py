@@ -52,7 +52,8 @@ def cube(cells: int) -> Surface:
     a, b, c, d = (q.ravel() for q in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:],
                                       corner[:-1, 1:]))  # fmt: skip
     cut = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    points, triangles = [], []
+    points: list[np.ndarray] = []
+    triangles: list[np.ndarray] = []
     for axis in range(3):
         for height in (0, cells):
             face = np.insert(square, 2, height, axis=1)[:, np.roll([0, 1, 2], axis)]
