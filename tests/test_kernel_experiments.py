@@ -100,6 +100,7 @@ def test_what_fails_without_a_premise(kernels):
     assert (facts["even_zero"], facts["even_size"]) == (3, 5)
     assert facts["cone_least"] == pytest.approx(-0.105, abs=5e-4)
     assert facts["cone_wave"] == pytest.approx(5.88, abs=0.06)
+    assert facts["late_wave"] == pytest.approx(88.52, abs=0.05)
     waves = cpd_kernels.WAVES
     exact = (1 - np.cos(waves)) / waves**2 * np.sqrt(2 / np.pi)
     assert np.abs(kernels.arrays["waves"][0] - exact).max() < 1e-14

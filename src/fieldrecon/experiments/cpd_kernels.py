@@ -93,7 +93,7 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={"conditions": table},
-        facts=_facts(params, x, table, waves, apart),
+        facts=_facts(params, x, table, apart),
         arrays={
             "orders": np.array([k.order for k in known.values()]),
             "with": np.array([row[1] for row in rows]),
@@ -134,10 +134,15 @@ def inertia(h: np.ndarray) -> tuple[int, int, int]:
 
 def transform(phi: Radial, d: int, waves: np.ndarray) -> np.ndarray:
     """Fourier transform of phi(|x|) in d variables at the frequencies, up to a factor."""
-    nodes, weights = np.polynomial.legendre.leggauss(80)
+    nodes, weights = np.polynomial.legendre.leggauss(160)
     r = (nodes + 1) / 2
     z = r * waves[:, None]
     return (jv(d / 2 - 1, z) * z ** (1 - d / 2)) @ (weights / 2 * phi(r) * r ** (d - 1))
+
+
+def first_negative(phi: Radial, d: int, waves: np.ndarray) -> float:
+    """Return the first of the frequencies at which the transform is negative."""
+    return float(waves[np.argmax(transform(phi, d, waves) < 0)])
 
 
 def on_the_diagonal() -> tuple[np.ndarray, np.ndarray]:
@@ -162,7 +167,7 @@ def two_fields() -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def _facts(
-    params: Params, x: np.ndarray, table: Table, waves: np.ndarray, apart: float
+    params: Params, x: np.ndarray, table: Table, apart: float
 ) -> dict[str, float | int | str]:
     line_x, _ = on_the_diagonal()
     h = system(thin_plate_spline(), line_x)
@@ -197,8 +202,8 @@ def _facts(
         "even_size": len(even),
         "refusal": refusal(line_x),
         "cone_least": float(np.linalg.eigvalsh(cone(cdist(square, square))).min()),
-        "cone_wave": float(WAVES[np.argmax(waves[1] < 0)]),
-        "cone_least_on_line": float(waves[0].min()),
+        "cone_wave": first_negative(cone, 2, WAVES),
+        "late_wave": first_negative(wendland(3, 1, 1.0), 4, np.linspace(80.0, 95.0, 751)),
         "alone_positive": alone[0],
         "alone_negative": alone[1],
     }
