@@ -1,8 +1,9 @@
 """Pairs of triangles that may meet beyond the corners they share, out of all pairs.
 
 Two triangles do not if a plane has one of them on its one side and the other, shared corners
-excepted, strictly on the other side. Three kinds of planes are tried: those of the triangles, and
-those through an edge of one of them along the axis nearest to its normal.
+excepted, strictly on the other side. Three kinds of planes are tried: those of the triangles; those
+through an edge of one of them along the axis nearest to its normal; and those across one of them at
+a corner that they share.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class _Triangles:
 
     def not_parted(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
         """Those of the pairs that no plane parts."""
-        for parted in (self.by_own_plane, self.beside):
+        for parted in (self.by_own_plane, self.beside, self.opposite):
             for swap in (False, True):
                 kept = ~(parted(j, i) if swap else parted(i, j))
                 i, j = i[kept], j[kept]
@@ -102,6 +103,32 @@ class _Triangles:
                 outside &= shared | self._right_of(ours[e], ours[f], theirs[c], area)
             parted |= outside
         return parted & (np.abs(area) > BOUND_2D * self.terms[i])
+
+    def opposite(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """Whether they share one corner, and lie on either side of a plane across that of i.
+
+        Its normal halves the angle of i there. In a flat fan, where edges go straight on through
+        the corner, no other plane parts triangles that face each other.
+        """
+        same = self.same_corners(i, j)
+        ours, theirs = (
+            self._from_corner(np.logical_or.reduce(same, axis=k), t) for k, t in ((0, i), (1, j))
+        )
+        normal = sum(d / np.sqrt((d * d).sum(axis=0)) for d in ours)
+        parted = same.sum(axis=(0, 1)) == 1
+        for side, directions in ((1, ours), (-1, theirs)):
+            for direction in directions:
+                terms = normal * direction
+                bound = BOUND_3D * np.abs(terms).sum(axis=0)
+                bound += 4 * self.tolerance * np.abs(normal).sum(axis=0)
+                parted &= side * terms.sum(axis=0) > bound
+        return parted
+
+    def _from_corner(self, chosen: np.ndarray, t: np.ndarray) -> list[np.ndarray]:
+        """Edges (3, k) from the first chosen corner of each triangle to the two others."""
+        c = chosen.argmax(axis=0)
+        start = self.corners[c, :, t].T
+        return [self.corners[(c + step) % 3, :, t].T - start for step in (1, 2)]
 
     def same_corners(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
         """Which corner of j is which of i, (corner of j, corner of i, pair)."""

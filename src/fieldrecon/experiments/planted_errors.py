@@ -131,7 +131,7 @@ def _capped(level: int) -> Surface:
 def _with_fin(level: int) -> Surface:
     """Set a tetrahedron on an edge, so that they share it."""
     points, triangles = sphere(level)
-    a, b, _ = triangles[_toward((points, triangles))]
+    _, a, b = triangles[_toward((points, triangles))]
     along = points[b] - points[a]
     out = points[a] + points[b]
     out *= np.linalg.norm(along) / np.linalg.norm(out)
@@ -140,7 +140,7 @@ def _with_fin(level: int) -> Surface:
     c, d = len(points), len(points) + 1
     fin = [[a, c, b], [a, d, c], [b, c, d], [a, b, d]]
     tops = [middle + out + across, middle + out - across]
-    if np.linalg.det([points[b] - points[a], tops[0] - points[a], tops[1] - points[a]]) > 0:
+    if np.linalg.det([points[b] - points[a], tops[0] - points[a], tops[1] - points[a]]) < 0:
         fin = [t[::-1] for t in fin]
     return np.concatenate([points, tops]), np.concatenate([triangles, fin])
 
