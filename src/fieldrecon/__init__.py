@@ -23,6 +23,8 @@ from fieldrecon.mesh_gradients import vertex_gradients
 from fieldrecon.mesh_repair import MeshRepair, repair_mesh
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.normal_orientation import orient_normals
+from fieldrecon.normals import PointNormals, estimate_normals
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
@@ -48,6 +50,7 @@ __all__ = [
     "MeshRepair",
     "MovingLeastSquares",
     "NaturalCubicSpline",
+    "PointNormals",
     "Reconstruction",
     "SimplexMesh",
     "VoronoiCell",
@@ -61,6 +64,7 @@ __all__ = [
     "datasets",
     "derivatives_at",
     "divergence",
+    "estimate_normals",
     "gaussian",
     "inverse_multiquadric",
     "inverse_square",
@@ -73,6 +77,7 @@ __all__ = [
     "multiquadric",
     "normal_equations",
     "normal_velocities",
+    "orient_normals",
     "polyharmonic",
     "raviart_thomas",
     "read_mesh",
