@@ -208,7 +208,7 @@ def plot(result: Result) -> Figure:
         looks = shades("RBF", len(KERNELS))
         for name, look, errors in zip(KERNELS, looks, a["errors"], strict=True):
             third.loglog(sizes, errors, **look, label=name)
-        third.set(title="Poisson: rms error", xlabel="points along an edge")
+        third.set(title="Poisson: rms error", xlabel="points along an edge", ylim=(5e-8, 2))
         third.set_xticks(sizes[::2], [str(n) for n in sizes[::2]])
         third.minorticks_off()
         third.legend(loc="upper right")
