@@ -23,6 +23,7 @@ NAMES = (
     "mesh_velocities",
     "mesh_scaling",
     "barycentric",
+    "mesh_audit",
 )
 RESULTS = Path(__file__).parent / "results"
 CORES = 2
