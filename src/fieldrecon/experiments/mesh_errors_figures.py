@@ -17,7 +17,6 @@ FROM_THE_SIDE = np.array([0.9, -0.05, 0.65])
 """Whence the errors are seen, so that what sticks out is seen to."""
 WHOLE = ("one side", "inside out", "overlap")
 """Errors that are seen in the picture of the whole body only."""
-_CLOSE = 0.36  # part of the picture in a picture from near
 _THREE = ListedColormap(["#0072b2", "#f2f2f2", "#d55e00"])
 
 
@@ -43,7 +42,7 @@ def plot_repair(result: Result) -> Figure:
     with figure(height=2.75, columns=2) as (page, axes):
         for panel, name in zip(axes, ("before", "after"), strict=True):
             panel.set_title(name, loc="center")
-            _draw(panel, result, name, np.array([0.8, -0.7, 0.6]), near=False, pixels=800)
+            _draw(panel, result, name, np.array([0.8, -0.7, 0.6]), near=False, pixels=700)
     return page
 
 
@@ -83,20 +82,11 @@ def plot_search(result: Result) -> Figure:
 
 
 def _draw(
-    panel: Axes, result: Result, name: str, toward: np.ndarray, *, near: bool, pixels: int = 0
+    panel: Axes, result: Result, name: str, toward: np.ndarray, *, near: bool, pixels: int = 330
 ) -> None:
     key, found = name.replace(" ", "_"), _marks(result, name)
     points, triangles = (result.arrays[f"{key}:{what}"] for what in ("points", "triangles"))
-    pixels = pixels or (900 if near else 360)
-    picture = draw(panel, points, triangles, found, toward, pixels)
-    if near:
-        where = [mark.vertices for mark in found.values()]
-        where += [mark.edges.ravel() for mark in found.values()]
-        where += [triangles[mark.triangles].ravel() for mark in found.values()]
-        seen = picture.points[np.concatenate(where)]
-        x, y = (seen.min(axis=0) + seen.max(axis=0))[:2] / 2
-        half = _CLOSE * pixels / 2
-        panel.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
+    draw(panel, points, triangles, found, toward, pixels, near=near)
 
 
 def _marks(result: Result, name: str) -> dict[str, Marks]:

@@ -25,6 +25,7 @@ OUTSIDE, INSIDE = np.array(to_rgb("#d9dde3")), np.array(to_rgb("#a9927d"))
 
 _AT_ONCE = 2**21  # pixels looked at in one go
 _MOST_MARKS = 2000  # of each kind; more are a cloud
+_NEAR = 0.36  # part of the whole that a picture from near shows
 _WIDE = 7.0  # pixels of an edge, in the median, from which on edges are drawn
 
 
@@ -35,6 +36,12 @@ class Marks:
     triangles: np.ndarray
     edges: np.ndarray
     vertices: np.ndarray
+
+    def of_vertices(self, triangles: np.ndarray) -> np.ndarray:
+        """All vertices of what is marked."""
+        return np.concatenate(
+            [triangles[self.triangles].ravel(), self.edges.ravel(), self.vertices]
+        )
 
 
 def marks(audit: MeshAudit, triangles: np.ndarray) -> dict[str, Marks]:
@@ -72,10 +79,17 @@ class Picture:
         Direction to the viewer; up is up in the picture.
     pixels : int
         Along the longer side.
+    middle : ndarray of int, optional
+        Points that are to be in the middle of a square picture from near.
     """
 
     def __init__(
-        self, points: np.ndarray, triangles: np.ndarray, toward: np.ndarray, pixels: int
+        self,
+        points: np.ndarray,
+        triangles: np.ndarray,
+        toward: np.ndarray,
+        pixels: int,
+        middle: np.ndarray | None = None,
     ) -> None:
         self.triangles = triangles
         self.axes = _view(toward)
@@ -83,7 +97,13 @@ class Picture:
         low, high = seen.min(axis=0), seen.max(axis=0)
         scale = (pixels - 8) / (high - low)[:2].max()
         self.points = (seen - low) * scale + 4
-        self.shape = tuple(int(s) for s in np.ceil((high - low)[1::-1] * scale) + 8)
+        rows, columns = (int(s) for s in np.ceil((high - low)[1::-1] * scale) + 8)
+        if middle is not None:
+            rows = columns = pixels
+            near = self.points[middle, :2] / _NEAR
+            self.points /= _NEAR
+            self.points[:, :2] -= (near.min(axis=0) + near.max(axis=0) - pixels) / 2
+        self.shape = rows, columns
         self.depth = np.full(self.shape[0] * self.shape[1], -np.inf)
         self.front = np.full(len(self.depth), -1)
         self.rim = np.zeros(len(self.depth), dtype=bool)
@@ -159,14 +179,22 @@ class Picture:
 
 
 def draw(
-    panel: Axes, points: np.ndarray, triangles: np.ndarray, found: dict[str, Marks],
-    toward: np.ndarray, pixels: int = 500,
-) -> Picture:  # fmt: skip
+    panel: Axes,
+    points: np.ndarray,
+    triangles: np.ndarray,
+    found: dict[str, Marks],
+    toward: np.ndarray,
+    pixels: int = 500,
+    *,
+    near: bool = False,
+) -> None:
     """Draw a mesh with its errors: triangles tinted, edges and vertices marked.
 
-    What lies behind something is marked faintly.
+    What lies behind something is marked faintly. A picture from near has the errors in its middle.
     """
-    picture = Picture(points, triangles, toward, pixels)
+    marked = [mark.of_vertices(triangles) for mark in found.values()]
+    middle = np.concatenate(marked) if near else None
+    picture = Picture(points, triangles, toward, pixels, middle)
     tints = {
         int(t): np.array(to_rgb(COLORS[CONCERN_OF[kind]]))
         for kind, mark in found.items()
@@ -179,7 +207,6 @@ def draw(
         _draw_vertices(panel, picture, mark.vertices[:_MOST_MARKS], CONCERN_OF[kind])
     panel.set(xlim=(0, columns), ylim=(0, rows), aspect="equal")
     panel.set_axis_off()
-    return picture
 
 
 def _draw_edges(panel: Axes, picture: Picture, edges: np.ndarray, color: str) -> None:
