@@ -177,6 +177,15 @@ def test_neither_origin_nor_unit_matter(unit, offset):
     assert (estimate.planar == estimate_normals(x).planar).all()
 
 
+def test_one_search_serves_both():
+    """The neighbours of the estimate give the orientation that a search of its own gives."""
+    x, _ = BODIES["torus"]
+    estimate = estimate_normals(x)
+    vectors = shuffled_signs(estimate.vectors)
+    again = orient_normals(x, vectors, estimate.neighbors[:, :9])
+    assert (again == orient_normals(x, vectors, 9)).all()
+
+
 def test_vectors_are_turned_and_nothing_else():
     """Each comes back as it was or with the other sign; what came in is not written to."""
     x, true = BODIES["sphere"]
@@ -238,6 +247,9 @@ def test_without_the_votes_noise_turns_more(monkeypatch):
         (lambda: orient_normals(np.eye(3), np.eye(3)[:2]), r"shape of the points, \(3, 3\)"),
         (lambda: orient_normals(np.eye(3), np.eye(3), noise=-1.0), "noise must be zero or"),
         (lambda: orient_normals(np.eye(3), np.eye(3), 1.5), "neighbors must be an integer"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), np.ones((2, 3), int)), r"shape \(3, k\)"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), np.ones((3, 3))), r"got float64 of"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), np.full((3, 2), 3)), "indices of the 3 p"),
     ],
 )
 def test_what_is_no_cloud_is_refused(call, words):

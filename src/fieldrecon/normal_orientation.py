@@ -15,7 +15,7 @@ _SWEEPS = 20  # after so many votes what still wavers is left as it is
 
 
 def orient_normals(
-    points: ArrayLike, normals: ArrayLike, neighbors: int = 8, noise: float = 0.15
+    points: ArrayLike, normals: ArrayLike, neighbors: int | np.ndarray = 9, noise: float = 0.15
 ) -> np.ndarray:
     """Normals turned round where needed, so that neighbours agree and they point outward.
 
@@ -37,8 +37,9 @@ def orient_normals(
         Points on a surface.
     normals : (n, 3) array_like
         Unit normals of any sign, such as those of `estimate_normals`.
-    neighbors : int
-        Nearest points to which each is joined, itself not among them; 2 or more.
+    neighbors : int or (n, k) ndarray of int
+        How many nearest points are joined to each, itself counted among them, 3 or more; or their
+        indices, those of `PointNormals.neighbors` to search only once.
     noise : float
         Distrust of joints across the surface, zero or positive. Noise makes joints steep, and so
         does a sheet thinner than the distance of the points: no rule tells them apart. Zero is
@@ -64,7 +65,8 @@ def orient_normals(
     >>> from fieldrecon.normals import estimate_normals
     >>> x = np.random.default_rng(1).standard_normal((500, 3))
     >>> x /= np.linalg.norm(x, axis=1, keepdims=True)
-    >>> outward = orient_normals(x, estimate_normals(x).vectors)
+    >>> estimate = estimate_normals(x)
+    >>> outward = orient_normals(x, estimate.vectors, estimate.neighbors[:, :9])
     >>> bool((np.sum(outward * x, axis=1) > 0.9).all())
     True
     """
@@ -74,8 +76,9 @@ def orient_normals(
     if n.shape != p.shape:
         raise ValueError(f"normals must have the shape of the points, {p.shape}; got {n.shape}")
     noise = valid.as_length(noise, "noise", zero_allowed=True)
-    index = nearest(p, neighbors + 1)
-    i, j = np.repeat(np.arange(len(p)), index.shape[1] - 1), index[:, 1:].ravel()
+    index = _as_neighbors(neighbors, p)
+    i, j = np.repeat(np.arange(len(p)), index.shape[1]), index.ravel()
+    i, j = i[i != j], j[i != j]
     agreement, steepness = _agreement(p, n, i, j)
     # a joint of cost zero would be none to scipy.sparse, hence the shift
     costs = sparse.csr_array((2 - np.abs(agreement) + noise * steepness, (i, j)), (len(p),) * 2)
@@ -84,6 +87,20 @@ def orient_normals(
     _vote(sign, sparse.csr_array((agreement * flat, (i, j)), shape=costs.shape))
     oriented = sign[:, None] * n
     return oriented * _outward(p, oriented, reach(p, index) ** 2, part)[part, None]
+
+
+def _as_neighbors(neighbors: int | np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Indices (n, k)."""
+    if not isinstance(neighbors, np.ndarray):
+        return nearest(p, neighbors)
+    if neighbors.ndim != 2 or len(neighbors) != len(p) or neighbors.dtype.kind not in "iu":
+        raise ValueError(
+            f"neighbors must be a number, or indices of the shape ({len(p)}, k); got "
+            f"{neighbors.dtype} of the shape {neighbors.shape}"
+        )
+    if not ((neighbors >= 0) & (neighbors < len(p))).all():
+        raise ValueError(f"neighbors must be indices of the {len(p)} points")
+    return neighbors
 
 
 def _agreement(

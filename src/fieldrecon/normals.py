@@ -28,11 +28,14 @@ class PointNormals:
     planar : (n,) ndarray of bool
         Whether a plane can be fitted: the variance across it is at most a quarter of either along
         it, and the neighbours lie on no line.
+    neighbors : (n, k) ndarray of int
+        The points that counted, from near to far.
     """
 
     vectors: np.ndarray
     planarity: np.ndarray
     planar: np.ndarray
+    neighbors: np.ndarray
 
 
 def estimate_normals(points: ArrayLike, neighbors: int = 16) -> PointNormals:
@@ -76,19 +79,18 @@ def estimate_normals(points: ArrayLike, neighbors: int = 16) -> PointNormals:
     for start in range(0, len(p), _ROWS):
         some = slice(start, start + _ROWS)
         # differences first: far from the origin squares would keep no digit
-        offsets = p[index[some]] - p[some, None]
-        offsets -= offsets.mean(axis=1, keepdims=True)
-        size = np.abs(offsets).max(axis=(1, 2))
-        offsets /= np.where(size > 0, size, 1.0)[:, None, None]
-        variances[some], axes = np.linalg.eigh(offsets.mT @ offsets)
+        offsets = p[index[some]]
+        offsets -= p[some, None]
+        mean = offsets.sum(axis=1, keepdims=True) / index.shape[1]
+        covariance = offsets.mT @ offsets - index.shape[1] * mean.mT @ mean
+        variances[some], axes = np.linalg.eigh(covariance)
         normals[some] = axes[..., 0]
     least, middle, largest = np.maximum(variances, 0.0).T
     planarity = 1.0 - np.divide(least, middle, out=np.ones_like(least), where=middle > 0)
     # beyond this the rounding of the covariance turns the normal visibly
     determined = middle - least > 1e3 * EPS * largest
-    rounding = resolution(cloud) / np.maximum(reach(p, index), EPS)
-    wide = middle > 16 * index.shape[1] * rounding**2
-    return PointNormals(normals, planarity, determined & wide & (planarity >= 0.75))
+    wide = middle > 16 * index.shape[1] * resolution(cloud) ** 2
+    return PointNormals(normals, planarity, determined & wide & (planarity >= 0.75), index)
 
 
 def as_cloud(points: ArrayLike) -> np.ndarray:
@@ -103,7 +105,7 @@ def nearest(p: np.ndarray, k: int) -> np.ndarray:
     """Indices (n, k) of the nearest points, itself first; fewer if there are not so many."""
     if isinstance(k, bool) or not isinstance(k, int | np.integer) or k < 3:
         raise ValueError(f"neighbors must be an integer, and 3 points or more; got {k!r}")
-    tree = cKDTree(p)
+    tree = cKDTree(p, balanced_tree=False)
     index = np.empty((len(p), min(int(k), len(p))), dtype=np.int64)
     # in the order of the leaves neighbours are found near each other in memory
     index[tree.indices] = tree.query(p[tree.indices], index.shape[1], workers=-1)[1]
