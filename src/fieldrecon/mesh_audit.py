@@ -202,6 +202,20 @@ def audit_mesh(
     )
 
 
+def in_words(kind: str, n: int) -> str:
+    """How many of a kind, as it is said.
+
+    Examples
+    --------
+    >>> in_words("bow_tie_vertices", 1), in_words("t_junctions", 1200)
+    ('1 bow-tie vertex', '1,200 T-junctions')
+    """
+    words = kind.replace("_", " ").replace("bow tie", "bow-tie").replace("t junction", "T-junction")
+    if n == 1:
+        words = words.replace("vertices", "vertex").removesuffix("s")
+    return f"{n:,} {words}"
+
+
 def as_surface(points: ArrayLike, triangles: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Points in space, and triangles that index them."""
     p = valid.as_points(points)

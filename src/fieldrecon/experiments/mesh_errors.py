@@ -39,7 +39,7 @@ from fieldrecon.experiments.mesh_errors_figures import (
 from fieldrecon.experiments.mesh_pictures import CONCERN_OF, Marks, marks
 from fieldrecon.experiments.planted_errors import Planted, planted_errors
 from fieldrecon.experiments.triangle_shapes import Surface, bumpy, cube
-from fieldrecon.mesh_audit import MeshAudit, audit_mesh
+from fieldrecon.mesh_audit import MeshAudit, audit_mesh, in_words
 from fieldrecon.mesh_repair import MeshRepair, repair_mesh
 
 __all__ = ["QUICK", "Params", "plot", "plot_repair", "plot_search", "plot_signs", "run"]
@@ -152,7 +152,7 @@ def _drawn(name: str, surface: Surface, audit: MeshAudit) -> list[tuple[str, np.
 
 def _told(found: dict[str, int]) -> str:
     """Spell what was found."""
-    return ", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in found.items()) or "nothing"
+    return ", ".join(in_words(kind, n) for kind, n in found.items()) or "nothing"
 
 
 def _error_table(

@@ -24,7 +24,7 @@ from rich.table import Table
 
 from fieldrecon.experiments import Experiment, Map
 from fieldrecon.gridding import Grid, Trial
-from fieldrecon.mesh_audit import MeshAudit
+from fieldrecon.mesh_audit import MeshAudit, in_words
 from fieldrecon.samples import Samples
 
 _WIDEST = 7
@@ -122,34 +122,34 @@ def print_audit(path: Path, audit: MeshAudit, done: dict[str, int] | None = None
     if audit.soup:
         say("Each triangle has vertices of its own, as the format has it; equal ones count as one.")
     if done is not None:
-        told = ", ".join(f"{n:,} {what.replace('_', ' ')}" for what, n in done.items())
+        told = ", ".join(in_words(what, n) for what, n in done.items())
         say(f"Repaired: {told or 'nothing was to be done'}.")
     if audit.clean:
         say("Nothing is wrong: closed, oriented, without self-intersections.")
     else:
-        columns = ("concerns", "what", "how many", "where, by index from 0")
+        columns = ("concerns", "found", "where, by index from 0")
         print_table(columns, _findings(audit))
 
 
-def _findings(audit: MeshAudit) -> list[tuple[str, str, int, str]]:
-    """Return a row for each kind of error that was found: concern, kind, count, where."""
+def _findings(audit: MeshAudit) -> list[tuple[str, str, str]]:
+    """Return a row for each kind of error that was found: concern, how many, where."""
     return [
-        (concern, kind.replace("_", " "), n, _where(getattr(audit, kind)))
+        (concern, in_words(kind, n), _where(getattr(audit, kind)))
         for concern, kinds in audit.counts.items()
         for kind, n in kinds.items()
         if n
     ]
 
 
-def _where(found: Iterable[np.ndarray]) -> str:
+def _where(found: Sequence[np.ndarray]) -> str:
     """Spell the first few of the places."""
-    found = list(found)
-    few = ["-".join(map(str, np.atleast_1d(place)[:_LONG_PLACE])) for place in found[:_FEW_PLACES]]
-    few = [
-        f"{text}-…" if np.size(place) > _LONG_PLACE else text
-        for text, place in zip(few, found, strict=False)
-    ]
-    return ", ".join(few) + (", …" if len(found) > _FEW_PLACES else "")
+    few = [_place(np.atleast_1d(place)) for place in found[:_FEW_PLACES]]
+    return ", ".join([*few, "…"] if len(found) > _FEW_PLACES else few)
+
+
+def _place(indices: np.ndarray) -> str:
+    few = "-".join(map(str, indices[:_LONG_PLACE]))
+    return f"{few}-…" if len(indices) > _LONG_PLACE else few
 
 
 def print_json(content: dict[str, Any]) -> None:
