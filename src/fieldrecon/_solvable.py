@@ -90,9 +90,9 @@ def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
         )
 
 
-def refuse_sites(kernel: Radial, x: np.ndarray, points: np.ndarray) -> None:
+def refuse_sites(kernel: Radial, x: np.ndarray, sites: cKDTree) -> None:
     """Queries at which a field of this kernel has no gradient."""
-    distance, _ = cKDTree(points).query(x)
+    distance, _ = sites.query(x)
     if (distance == 0).any():
         where = ", ".join(f"{v:.6g}" for v in x[int(np.argmin(distance))])
         raise ValueError(f"{kernel!r} has no gradient at a site, and the query ({where}) is one")

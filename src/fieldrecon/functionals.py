@@ -15,7 +15,6 @@ from fieldrecon.polynomials import (
     monomial_gradients,
     monomial_laplacians,
     monomials,
-    power_of_two_above,
 )
 from fieldrecon.radial import Radial
 
@@ -64,7 +63,8 @@ class Functionals:
         """
         gradient, laplacian = self.gradient / frame.scale, self.laplacian / frame.scale**2
         largest = np.maximum(abs(self.value), np.maximum(abs(gradient).max(axis=1), abs(laplacian)))
-        size = np.array([power_of_two_above(x) for x in largest])
+        mantissa, exponent = np.frexp(largest)
+        size = np.ldexp(1.0, exponent - (mantissa == 0.5))
         local = Functionals(
             frame.local(self.points),
             self.value / size,
@@ -97,11 +97,13 @@ class Functionals:
         along = sum(self.gradient[:, k, None] * z for k, z in enumerate(offsets))
         against = sum(others.gradient[:, k] * z for k, z in enumerate(offsets))
         phi = [np.zeros_like(s) if j > top else descent(kernel, s, j) for j in range(5)]
-        laplacian = d * phi[1] + s * phi[2]
-        slope = (d + 2) * phi[2] + s * phi[3]
         a, c = self.value[:, None], self.laplacian[:, None]
         total += (along * others.value - a * against) * phi[1]
         total -= self.gradient @ others.gradient.T * phi[1] + along * against * phi[2]
+        if max(self.order, others.order) < 2:
+            return total
+        laplacian = d * phi[1] + s * phi[2]
+        slope = (d + 2) * phi[2] + s * phi[3]
         total += (c * others.value + a * others.laplacian) * laplacian
         total += (along * others.laplacian - c * against) * slope
         bilaplacian = d * (d + 2) * phi[2] + 2 * (d + 2) * s * phi[3] + s * s * phi[4]

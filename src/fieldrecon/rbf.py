@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from fieldrecon import _validation as valid
@@ -93,6 +94,7 @@ class RBF(Reconstruction):
         require_unisolvent(self.points, p, self.degree)
         if self.interpolates:
             refuse_duplicates(self.points)
+        self._corners = None if kernel.differentiable else cKDTree(self.points)
         sites = self.points / self._frame.scale
         self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))
         self._system = self._pairs.system(p, self._unit_smoothing())
@@ -204,8 +206,8 @@ class RBF(Reconstruction):
         return total / self._frame.scale
 
     def _gradients(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[Block, ...]]]:
-        if not self.kernel.differentiable:
-            refuse_sites(self.kernel, x, self.points)
+        if self._corners is not None:
+            refuse_sites(self.kernel, x, self._corners)
         return self._pairs.gradients(x / self._frame.scale)
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
