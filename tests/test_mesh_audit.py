@@ -352,6 +352,15 @@ def test_the_planes_drop_no_pair_that_meets():
         np.testing.assert_array_equal(fast.corners_on_edges, every.corners_on_edges)
 
 
+def test_few_pairs_are_left_of_a_flat_mesh():
+    """In a flat mesh of squares edges go straight on through corners; still the planes part them.
+
+    What is left lies along the edges of the cube, and does not grow with the area.
+    """
+    few, many = (len(close_pairs(*cube(cells))) for cells in (6, 12))
+    assert 0 < many < 2.5 * few
+
+
 def test_signs_are_exact_where_floating_point_is_not():
     """On the segments of Kettner and others, 2⁻⁵³ apart, each sign is that of rational numbers."""
     k = np.arange(64) * 2.0**-53
@@ -431,6 +440,16 @@ def test_it_can_be_written_as_json():
     assert len(told["indices"]["t_junctions"][0]) == 3
     assert not told["clean"]
     assert {*told["indices"]} == {"boundary_loops", "t_junctions"}
+
+
+def test_many_pairs_are_looked_at_in_pieces(monkeypatch):
+    """The pieces change nothing."""
+    surface = together(sphere(2), moved(sphere(2), 0.3, 0.2, 0.1))
+    whole = audit_mesh(*surface)
+    monkeypatch.setattr(_contacts, "_AT_ONCE", 7)
+    monkeypatch.setattr("fieldrecon._overlaps._MOST", 50)
+    assert audit_mesh(*surface).as_dict() == whole.as_dict()
+    assert len(whole.crossings) > 50
 
 
 def test_progress_is_told():

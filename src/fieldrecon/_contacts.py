@@ -15,6 +15,7 @@ import numpy as np
 from fieldrecon._predicates import collinear, orient2d, orient3d
 
 _EDGES = ((0, 1), (1, 2), (2, 0))
+_AT_ONCE = 2**15  # pairs; bounds the memory
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,17 @@ def contacts(
     What moving points by the tolerance could undo counts as touching; with the tolerance 0 the
     answer is exact. No triangle is degenerate.
     """
+    chunks = [
+        _contacts(points, triangles, pairs[i : i + _AT_ONCE], tolerance)
+        for i in range(0, max(len(pairs), 1), _AT_ONCE)
+    ]
+    crossing, overlapping, on_edges = (np.concatenate(part) for part in zip(*chunks, strict=True))
+    return Contacts(crossing, overlapping, np.unique(on_edges, axis=0))
+
+
+def _contacts(
+    points: np.ndarray, triangles: np.ndarray, pairs: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     one, other = (_Side(points, triangles[pairs[:, s]], tolerance) for s in (0, 1))
     flat_one, flat_other = one.above(other), other.above(one)
     coplanar = (flat_one == 0).all(axis=1) | (flat_other == 0).all(axis=1)
@@ -51,7 +63,7 @@ def contacts(
     overlapping = coplanar & distinct & ~one.beside(other) & ~other.beside(one)
     crossing = one.crossed_by(other, flat_one) | other.crossed_by(one, flat_other)
     on_edges = np.concatenate([one.corners_on_edges(other), other.corners_on_edges(one)])
-    return Contacts(crossing & ~coplanar, overlapping, np.unique(on_edges, axis=0))
+    return crossing & ~coplanar, overlapping, on_edges
 
 
 class _Side:

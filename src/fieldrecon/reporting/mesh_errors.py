@@ -15,6 +15,7 @@ from fieldrecon.mesh_audit import CONCERNS, MeshAudit
 from fieldrecon.reporting.style import figure
 
 PICTURE_FORMATS = ("png", "svg")
+_PIXELS = 800
 _VIEWS = {"from the front, right and above": (0.8, -0.7, 0.6),
           "from behind, left and below": (-0.8, 0.7, -0.6)}  # fmt: skip
 
@@ -35,7 +36,7 @@ def plot(audit: MeshAudit, points: np.ndarray, triangles: np.ndarray) -> Figure:
     found = marks(audit, triangles)
     with figure(height=3.6, columns=2) as (page, axes):
         for panel, (title, toward) in zip(axes, _VIEWS.items(), strict=True):
-            draw(panel, points, triangles, found, np.array(toward), pixels=1000)
+            draw(panel, points, triangles, found, np.array(toward), pixels=_PIXELS)
             panel.set_title(title, loc="center")
         handles = [
             Line2D([], [], color=COLORS[concern], marker=MARKERS[concern],
