@@ -206,10 +206,11 @@ def test_several_errors_at_once_are_each_counted():
         lambda p: np.add(p, [1e7, -1e7, 1e7]),
         lambda p: p @ TURN.T,
         lambda p: np.add(p @ TURN.T * 1e150, [3e150, 0, 0]),
+        lambda p: p * 0.8e308,
         lambda p: p * 2.0**-400,
         lambda p: (p @ TURN.T).astype(np.float32),
     ],
-    ids=["shifted", "turned", "huge", "tiny", "single precision"],
+    ids=["shifted", "turned", "huge", "largest", "tiny", "single precision"],
 )
 def test_findings_do_not_depend_on_place_size_and_position(error, change):
     """Shifted by 10⁷, turned, in another unit or precision: the same is found."""

@@ -59,6 +59,17 @@ def test_each_error_is_undone_or_left_and_told(error):
     assert audit_mesh(repaired.points, repaired.triangles).found == repaired.after.found
 
 
+@pytest.mark.parametrize("unit", [2.0**-500, 2.0**1023])
+@pytest.mark.parametrize("error", DONE)
+def test_a_repair_does_not_depend_on_the_unit(error, unit):
+    """Bit for bit, in any power of two."""
+    points, triangles = PLANTED[error].surface
+    here, there = repair_mesh(points, triangles), repair_mesh(points * unit, triangles)
+    assert there.done == here.done
+    np.testing.assert_array_equal(there.points, here.points * unit)
+    np.testing.assert_array_equal(there.triangles, here.triangles)
+
+
 @pytest.mark.parametrize("error", DONE)
 def test_a_second_repair_finds_nothing_to_do(error):
     """What is repaired stays as it is."""

@@ -186,7 +186,7 @@ def audit_mesh(
     if tolerance is None:
         tolerance = default_tolerance(points)
     tolerance = valid.as_length(tolerance, "tolerance", zero_allowed=True)
-    unit = _unit(p)
+    unit = unit_of(p)
     p = np.where(np.abs(p / unit) > 2.0**-200, p / unit, 0.0)
     place = welded(p, tolerance / unit)
     referenced = np.bincount(t.ravel(), minlength=len(p))
@@ -245,6 +245,6 @@ def default_tolerance(points: ArrayLike) -> float:
     return ROUNDING * float(precision) * float(np.abs(given.astype(float)).max())
 
 
-def _unit(p: np.ndarray) -> float:
-    """A power of two near the largest coordinate."""
-    return float(np.ldexp(1.0, int(np.frexp(np.abs(p).max())[1])))
+def unit_of(p: np.ndarray) -> float:
+    """The power of two in which the largest coordinate is from 1 to 2."""
+    return float(np.ldexp(1.0, int(np.frexp(np.abs(p).max())[1]) - 1))

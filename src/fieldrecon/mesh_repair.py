@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +11,7 @@ from fieldrecon import _mending as mending
 from fieldrecon import _validation as valid
 from fieldrecon._chunks import Progress
 from fieldrecon._welding import welded
-from fieldrecon.mesh_audit import MeshAudit, as_surface, audit_mesh
+from fieldrecon.mesh_audit import MeshAudit, as_surface, audit_mesh, unit_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,17 +102,19 @@ def repair_mesh(
     before = audit_mesh(points, given, tolerance, progress)
     if before.clean and not before.soup:
         return MeshRepair(p.copy(), given, before, before, {})
-    place = _places(before, p)
+    unit = unit_of(p)
+    p, tolerance = p / unit, before.tolerance / unit
+    place = _places(before, p, tolerance)
     t = mending.without_copies(place[given], len(p))
-    t = mending.without_flat(p, t, before.tolerance)
+    t = mending.without_flat(p, t, tolerance)
     if len(t) == 0:
         raise ValueError("triangles must not all be degenerate; none is left to repair")
     kept = len(t)
-    t = mending.sewn(p, t, before.tolerance)
+    t = mending.sewn(p, t, tolerance)
     p_new, t = mending.parted(p, t)
     oriented = mending.oriented(p_new, t)
     patches, hole = mending.hole_patches(p_new, oriented, largest_hole)
-    result, after, put_in = _patched(p_new, oriented, patches, hole, before.tolerance, progress)
+    result, after, put_in = _patched(p_new, oriented, patches, hole, tolerance, progress)
     done = {
         "welded_vertices": int((place != np.arange(len(p))).sum()),
         "removed_triangles": len(given) - kept,
@@ -124,13 +126,15 @@ def repair_mesh(
         "removed_vertices": int((np.bincount(place, minlength=len(p)) > 0).sum())
         + len(p_new) - len(p) - len(result[0]),
     }  # fmt: skip
-    return MeshRepair(*result, before, after, {what: n for what, n in done.items() if n})
+    after = replace(after, tolerance=before.tolerance)
+    done = {what: n for what, n in done.items() if n}
+    return MeshRepair(result[0] * unit, result[1], before, after, done)
 
 
-def _places(before: MeshAudit, p: np.ndarray) -> np.ndarray:
+def _places(before: MeshAudit, p: np.ndarray, tolerance: float) -> np.ndarray:
     """For each vertex the one it is welded to."""
     if before.soup:
-        return welded(p, before.tolerance)
+        return welded(p, tolerance)
     place = np.arange(len(p))
     place[before.duplicate_vertices[:, 0]] = before.duplicate_vertices[:, 1]
     return place
