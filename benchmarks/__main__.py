@@ -26,6 +26,7 @@ NAMES = (
     "grading",
     "grading_workers",
     "grading_class",
+    "mesh_audit",
 )
 RESULTS = Path(__file__).parent / "results"
 CORES = 2

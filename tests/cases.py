@@ -3,10 +3,14 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
+from fieldrecon import _validation as valid
 from fieldrecon.barycentric import BarycentricCoordinates
+from fieldrecon.functionals import values_at
+from fieldrecon.hermite import HermiteRBF
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.polynomials import dimension
@@ -20,6 +24,7 @@ from fieldrecon.radial import (
 )
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Reconstruction
+from fieldrecon.splines import NaturalCubicSpline
 from polytopes import POLYTOPES, voronoi_cell
 
 EXACT = 1e-10
@@ -209,7 +214,53 @@ def rbf_cases() -> Iterator[Case]:
             SITES[2],
             units=SMOOTHED_UNITS,
         )
+    for name, degree, smoothing in (("", None, 0.0), (", a plane and smoothing", 1, 1e-3)):
+        yield Case(
+            f"RBF Wendland 2 on near pairs{name}, in 2-D",
+            lambda p, u, degree=degree, smoothing=smoothing: RBF(
+                p, wendland(3, 2, 0.1 * u), degree, smoothing
+            ),
+            2,
+            400,
+            exact=FLAT,
+            units=EXTREME_UNITS if smoothing == 0 else SMOOTHED_UNITS,
+        )
     yield Case("RBF r³ with cubics in 2-D", lambda p, _: RBF(p, polyharmonic(3), 3), 2, SITES[2])
+
+
+def hermite_cases() -> Iterator[Case]:
+    """Of values alone, which are data at points as those of the others are."""
+    kernels = ("r³", "r⁴ log r", "gaussian", "Wendland 2")
+    for name, d in product(kernels, (1, 2, 3)):
+        spread = 0.4 if d == 1 else 1.0
+        yield Case(
+            f"Hermite {name} in {d}-D",
+            lambda p, u, kernel=KERNELS[name], spread=spread: HermiteRBF(
+                values_at(p), kernel(spread * u)
+            ),
+            d,
+            SITES[d],
+            exact=FLAT,
+            removable=False,
+        )
+
+
+class SplineWithAxis(NaturalCubicSpline):
+    """The spline behind the doors of the other methods: points (n, 1), queries (..., 1)."""
+
+    _queries = Reconstruction._queries
+    field = Reconstruction.field
+
+    def __init__(self, points):
+        super().__init__(valid.as_points(points)[:, 0])
+
+
+def spline_cases() -> Iterator[Case]:
+    def make(p, _):
+        return SplineWithAxis(p)
+
+    yield Case("natural spline", make, 1, SITES[1], removable=False)
+    yield Case("natural spline on four sites", make, 1, 4, removable=False)
 
 
 def polytope_cases() -> Iterator[Case]:
@@ -228,7 +279,14 @@ def polytope_cases() -> Iterator[Case]:
         )
 
 
-CASES = [*least_squares_cases(), *moving_cases(), *rbf_cases(), *polytope_cases()]
+CASES = [
+    *least_squares_cases(),
+    *moving_cases(),
+    *rbf_cases(),
+    *hermite_cases(),
+    *spline_cases(),
+    *polytope_cases(),
+]
 
 
 def case(name: str) -> Case:

@@ -62,7 +62,8 @@ def concrete(base: type) -> set[type]:
 
 def test_every_method_is_among_the_cases():
     """A new method is judged, or this fails."""
-    assert {type(case.method) for case in CASES} == concrete(Reconstruction)
+    bases = {c for case in CASES for c in type(case.method).__mro__ if not isabstract(c)}
+    assert {c for c in bases if c.__module__.startswith("fieldrecon.")} == concrete(Reconstruction)
 
 
 def test_every_radial_function_is_among_the_cases():

@@ -10,7 +10,7 @@ from fieldrecon.mesh import SimplexMesh
 from fieldrecon.mesh_files import read_mesh, read_mesh_and_data, read_surface, write_mesh
 
 WITH_DATA = [".vtk", ".vtu", ".msh"]
-SURFACES = [".ply", ".stl", ".obj"]
+SURFACES = [".ply", ".stl", ".obj", ".off"]
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
 
 
@@ -22,7 +22,7 @@ def corner_sets(mesh: SimplexMesh) -> set:
     return {frozenset(map(tuple, corners)) for corners in mesh.points[mesh.cells].tolist()}
 
 
-@pytest.mark.parametrize("suffix", [*WITH_DATA, ".ply", ".obj"])
+@pytest.mark.parametrize("suffix", [*WITH_DATA, ".ply", ".obj", ".off"])
 def test_a_mesh_of_the_plane_comes_back(suffix, tmp_path):
     """The same points and cells, to the last bit, in the same order."""
     mesh = mesh_in(2)

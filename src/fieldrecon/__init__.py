@@ -8,6 +8,8 @@ from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
+from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
+from fieldrecon.hermite import HermiteRBF
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.local_gradients import (
     local_least_squares,
@@ -15,14 +17,21 @@ from fieldrecon.local_gradients import (
     local_rbf,
 )
 from fieldrecon.mesh import SimplexMesh
+from fieldrecon.mesh_audit import MeshAudit, audit_mesh
 from fieldrecon.mesh_files import read_mesh, read_mesh_and_data, read_surface, write_mesh
 from fieldrecon.mesh_gradients import vertex_gradients
+from fieldrecon.mesh_repair import MeshRepair, repair_mesh
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.normal_orientation import orient_normals
+from fieldrecon.normals import PointNormals, estimate_normals
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.spline_bases import b_splines, cardinal_b_spline
+from fieldrecon.splines import NaturalCubicSpline
+from fieldrecon.triangle_files import read_triangles, write_triangles
 from fieldrecon.velocity import (
     divergence,
     normal_velocities,
@@ -35,20 +44,31 @@ __all__ = [
     "RBF",
     "BarycentricCoordinates",
     "Field",
+    "HermiteRBF",
     "LeastSquares",
+    "MeshAudit",
+    "MeshRepair",
     "MovingLeastSquares",
+    "NaturalCubicSpline",
+    "PointNormals",
     "Reconstruction",
     "SimplexMesh",
     "VoronoiCell",
+    "audit_mesh",
+    "b_splines",
     "barycentric_dual",
+    "cardinal_b_spline",
     "cell_velocities",
     "circumcenter_weights",
     "circumcentric_dual",
     "datasets",
+    "derivatives_at",
     "divergence",
+    "estimate_normals",
     "gaussian",
     "inverse_multiquadric",
     "inverse_square",
+    "laplacians_at",
     "leave_one_out",
     "local_least_squares",
     "local_moving_least_squares",
@@ -57,12 +77,16 @@ __all__ = [
     "multiquadric",
     "normal_equations",
     "normal_velocities",
+    "orient_normals",
     "polyharmonic",
     "raviart_thomas",
     "read_mesh",
     "read_mesh_and_data",
     "read_surface",
+    "read_triangles",
+    "repair_mesh",
     "thin_plate_spline",
+    "values_at",
     "velocity_weights",
     "vertex_gradients",
     "vertex_velocities",
@@ -70,4 +94,5 @@ __all__ = [
     "voronoi_weights",
     "wendland",
     "write_mesh",
+    "write_triangles",
 ]

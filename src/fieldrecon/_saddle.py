@@ -52,13 +52,16 @@ class SaddlePoint:
         c = self._triangular(head - self._a11 @ first - self._a21.T @ y[q:])
         return self._rotated_back(y, transpose=False), c
 
+    def __len__(self) -> int:
+        return len(self._factor)
+
     def _triangular(self, g: np.ndarray, trans: str = "N") -> np.ndarray:
         # what is not finite comes out not finite, and is told by the caller
         return solve_triangular(self._r, g, trans=trans, check_finite=False)
 
     def inverse_diagonal(self) -> np.ndarray:
         """Diagonal (n,) of the leading block of the inverse, Z (Z^T A Z)^-1 Z^T."""
-        n = len(self._factor)
+        n = len(self)
         diagonal = np.empty(n)
         for start in range(0, n, 512):
             rows = np.arange(start, min(start + 512, n))

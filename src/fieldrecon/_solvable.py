@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
 from fieldrecon.polynomials import EPS
@@ -61,7 +62,9 @@ def as_augmentation(degree: int | None, kernel: Radial) -> int:
     return valid.as_degree(degree, lowest=-1)
 
 
-def refuse_duplicates(points: np.ndarray) -> None:
+def refuse_duplicates(
+    points: np.ndarray, remedy: str = "merge them, or give smoothing > 0"
+) -> None:
     """Two equal rows of the system make it singular."""
     # adding zero makes -0.0 equal to 0.0
     _, first, inverse = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
@@ -71,19 +74,28 @@ def refuse_duplicates(points: np.ndarray) -> None:
         more = f" and {len(twice) - 5} more" if len(twice) > 5 else ""
         raise ValueError(
             f"points must be distinct to be interpolated; these coincide: {', '.join(pairs)}"
-            f"{more}; merge them, or give smoothing > 0"
+            f"{more}; {remedy}"
         )
 
 
-def refuse_beyond_memory(n: int) -> None:
-    """A matrix of n^2 numbers that this machine cannot hold."""
-    needed = 8 * n * n
+def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
+    """A matrix of n^2 numbers, or a sparse factor of so many, that this machine cannot hold."""
+    needed = 8 * n * n if entries is None else 12 * entries
     available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    form = "matrix" if entries is None else "sparse factor"
     if needed > 0.8 * available:
         raise MemoryError(
-            f"a global fit of {n} points needs a matrix of {needed / 2**30:.0f} GiB, and this "
+            f"a global fit of {n} points needs a {form} of {needed / 2**30:.0f} GiB, and this "
             f"machine has {available / 2**30:.0f}; MovingLeastSquares with neighbors is local"
         )
+
+
+def refuse_sites(kernel: Radial, x: np.ndarray, sites: cKDTree) -> None:
+    """Queries at which a field of this kernel has no gradient."""
+    distance, _ = sites.query(x)
+    if (distance == 0).any():
+        where = ", ".join(f"{v:.6g}" for v in x[int(np.argmin(distance))])
+        raise ValueError(f"{kernel!r} has no gradient at a site, and the query ({where}) is one")
 
 
 def refuse_a_miss(lam: np.ndarray, phi: np.ndarray, values: np.ndarray) -> None:

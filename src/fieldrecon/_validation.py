@@ -26,6 +26,14 @@ def as_points(points: ArrayLike, name: str = "points") -> np.ndarray:
     return p
 
 
+def as_line(points: ArrayLike, name: str = "points") -> np.ndarray:
+    """Sites on a line, given without an axis, as a read-only float array (n, 1), n at least 1."""
+    p = _as_numbers(points, name, complex_allowed=False)
+    if p.ndim != 1 or len(p) == 0:
+        raise ValueError(f"{name} must have the shape (n,), without an axis; got {p.shape}")
+    return as_points(p[:, None], name)
+
+
 def as_queries(x: ArrayLike, d: int) -> np.ndarray:
     """Queries as a float array (..., d)."""
     q = _as_numbers(x, "x", complex_allowed=False)

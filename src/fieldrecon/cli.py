@@ -67,6 +67,17 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
             "in turn; nodes outside the convex hull of the samples are marked as extrapolated.",
         )
     )
+    _add_audit(
+        commands.add_parser(
+            "audit",
+            help="what is wrong with a mesh of triangles in a file, and a repair of it",
+            description="Look for all that is wrong with a mesh of triangles in space: repeated "
+            "vertices and triangles, triangles without area, edges of more than two triangles, "
+            "bow-ties, holes, wrong orientation, self-intersections, T-junctions. The status is 0 "
+            "if there is nothing, 1 if there is something, also after a repair, and 2 if the file "
+            "cannot be read.",
+        )
+    )
     report = commands.add_parser("report", help="run the experiments and set the report")
     if "report" in arguments:
         _add_report(report)
@@ -138,6 +149,32 @@ def _add_reconstruct(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--grid", type=_shape, default=(200, 200), metavar="NXxNY")
     parser.add_argument("--out", type=Path, default=Path("reconstruction"), metavar="DIR")
     parser.set_defaults(command=_reconstruct)
+
+
+def _add_audit(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("mesh", type=Path, metavar="MESH", help=".stl, .ply, .obj or .off")
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="LENGTH",
+        help="by how much vertices may be off, 0 for none (four roundings of the coordinates)",
+    )
+    parser.add_argument(
+        "--open", action="store_true", help="the surface may have a boundary: that is no error"
+    )
+    parser.add_argument(
+        "--repair", type=Path, metavar="FILE", help="write a repaired mesh; its name tells how"
+    )
+    parser.add_argument(
+        "--largest-hole",
+        type=float,
+        default=0.1,
+        metavar="SHARE",
+        help="holes up to this share of the area around are filled (0.1)",
+    )
+    parser.add_argument("--json", action="store_true", help="print the findings as JSON only")
+    parser.add_argument("--out", type=Path, default=Path("audit"), metavar="DIR")
+    parser.set_defaults(command=_audit)
 
 
 def _positive(text: str) -> int:
@@ -217,6 +254,37 @@ def _reconstruct(options: argparse.Namespace) -> None:
     written = write_reconstruction(options.out, samples, grid, trials, chosen)
     print_trials(samples, grid, trials, chosen)
     print_files(written)
+
+
+def _audit(options: argparse.Namespace) -> int:
+    from fieldrecon.mesh_audit import audit_mesh
+    from fieldrecon.mesh_repair import repair_mesh
+    from fieldrecon.reporting.mesh_errors import write_audit
+    from fieldrecon.reporting.terminal import counting, print_audit, print_files, print_json
+    from fieldrecon.triangle_files import read_triangles, write_triangles
+
+    points, triangles = read_triangles(options.mesh)
+    with counting("looking for self-intersections") as progress:
+        if options.repair is None:
+            audit = audit_mesh(points, triangles, options.tolerance, progress)
+            done = None
+        else:
+            repaired = repair_mesh(
+                points, triangles, options.tolerance, options.largest_hole, progress
+            )
+            write_triangles(options.repair, repaired.points, repaired.triangles)
+            audit, done = repaired.before, repaired.done
+    written = write_audit(options.out, audit, points, triangles)
+    last = audit if done is None else repaired.after
+    if options.json:
+        print_json(last.as_dict() if done is None else {"done": done, "left": last.as_dict()})
+    else:
+        print_audit(options.mesh, audit)
+        if done is not None:
+            print_audit(options.repair, last, done)
+        print_files(written if done is None else [*written, options.repair])
+    boundary = {"boundary_loops"} if options.open else set()
+    return int(bool({*last.found} - boundary))
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Meshes in files: VTK, Gmsh, PLY, STL and OBJ, read and written through meshio."""
+"""Meshes in files: VTK, Gmsh, PLY, STL, OBJ and OFF, read and written through meshio."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ _MODULES = {
     ".ply": "ply",
     ".stl": "stl",
     ".obj": "obj",
+    ".off": "off",
 }
-_SURFACES_ONLY = (".ply", ".stl", ".obj")
+_SURFACES_ONLY = (".ply", ".stl", ".obj", ".off")
 _LOWER = {"triangle": {"line", "vertex"}, "tetra": {"triangle", "line", "vertex"}}
 _PLURAL = {"triangle": "triangles", "tetra": "tetrahedra"}
 
@@ -31,9 +32,9 @@ Data = dict[str, np.ndarray]
 def read_mesh(path: str | Path) -> SimplexMesh:
     """Read the triangles or the tetrahedra of a file.
 
-    The suffix names the format: .vtk and .vtu (VTK), .msh (Gmsh), .ply, .stl, .obj. Tetrahedra go
-    before triangles, which then are the marked boundary, and both before lines and points. The
-    third coordinates of a mesh of triangles must all be the same, and are left out.
+    The suffix names the format: .vtk and .vtu (VTK), .msh (Gmsh), .ply, .stl, .obj, .off.
+    Tetrahedra go before triangles, which then are the marked boundary, and both before lines and
+    points. The third coordinates of a mesh of triangles must all be the same, and are left out.
 
     Parameters
     ----------
@@ -130,7 +131,8 @@ def write_mesh(
     Parameters
     ----------
     path : str or pathlib.Path
-        Its suffix names the format, as for `read_mesh`; .ply, .stl and .obj hold triangles only.
+        Its suffix names the format, as for `read_mesh`. Those of surfaces, .ply, .stl, .obj
+        and .off, hold triangles only.
     mesh : SimplexMesh
         A mesh of the plane gets third coordinates of zero.
     point_data, cell_data : mapping of str to array_like, optional

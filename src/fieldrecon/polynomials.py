@@ -114,6 +114,25 @@ def monomial_gradients(x: ArrayLike, degree: int) -> np.ndarray:
     return g
 
 
+def monomial_laplacians(x: ArrayLike, degree: int) -> np.ndarray:
+    """Laplacians of the monomials, sum_k alpha_k (alpha_k - 1) x^(alpha - 2 e_k), (..., q).
+
+    >>> monomial_laplacians([2.0, 3.0], 3)[6:]  # of x^3, x^2 y, x y^2, y^3
+    array([12.,  6.,  4., 18.])
+    """
+    x = np.asarray(x, dtype=np.float64)
+    b = monomials(x, degree)
+    total = np.zeros_like(b)
+    alpha = exponents(x.shape[-1], degree)
+    index = {tuple(a): i for i, a in enumerate(alpha)}
+    for j, a in enumerate(alpha):
+        for k in np.flatnonzero(a > 1):
+            lower = a.copy()
+            lower[k] -= 2
+            total[..., j] += a[k] * (a[k] - 1) * b[..., index[tuple(lower)]]
+    return total
+
+
 @dataclass(frozen=True)
 class Frame:
     """Local frame y = (x - center) / scale, in which sites have size one.
@@ -209,7 +228,9 @@ def undetermined(
     )
 
 
-def require_unisolvent(points: np.ndarray, b: np.ndarray, degree: int) -> None:
+def require_unisolvent(
+    points: np.ndarray, b: np.ndarray, degree: int, who: str = "the points do"
+) -> None:
     """Refuse sites on which a polynomial (basis values `b`, shape (n, q)) can vanish.
 
     Raises
@@ -223,4 +244,4 @@ def require_unisolvent(points: np.ndarray, b: np.ndarray, degree: int) -> None:
     tolerance = 4 * (max(n, q) * EPS + max(degree, 1) * resolution(points))
     rank = int((sigma > tolerance * sigma[:1].sum()).sum()) if q else 0
     if rank < q:
-        raise undetermined(points.shape[1], degree, rank)
+        raise undetermined(points.shape[1], degree, rank, who)

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from fieldrecon import _validation as valid
-from fieldrecon._chunks import chunked, rows_of
-from fieldrecon._saddle import SaddlePoint
+from fieldrecon._chunks import rows_of
+from fieldrecon._kernel_pairs import Block, dense, pairs_of, tiles
 from fieldrecon._solvable import (
     as_augmentation,
     as_finite,
     as_kernel,
     refuse_a_miss,
-    refuse_beyond_memory,
     refuse_duplicates,
+    refuse_sites,
     within_range,
 )
 from fieldrecon.least_squares import LeastSquares, monomial_matrix
@@ -31,8 +33,6 @@ from fieldrecon.polynomials import (
 )
 from fieldrecon.radial import Radial
 from fieldrecon.reconstruction import Reconstruction
-
-_TILE = 1024  # centres at once: their distances from a chunk of queries stay in the cache
 
 
 class RBF(Reconstruction):
@@ -94,12 +94,10 @@ class RBF(Reconstruction):
         require_unisolvent(self.points, p, self.degree)
         if self.interpolates:
             refuse_duplicates(self.points)
-        refuse_beyond_memory(len(self.points))
-        self._sites = self.points / self._frame.scale
-        self._unit_kernel = as_finite(kernel.in_units(self._frame.scale))
-        a = self._kernel_matrix()
-        a[np.diag_indices_from(a)] += self._unit_smoothing()
-        self._system = valid.without_warnings(SaddlePoint, a, p)
+        self._corners = None if kernel.differentiable else cKDTree(self.points)
+        sites = self.points / self._frame.scale
+        self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))
+        self._system = self._pairs.system(p, self._unit_smoothing())
 
     @valid.finite("the entries of H_RBF")
     def matrix(self) -> np.ndarray:
@@ -170,24 +168,9 @@ class RBF(Reconstruction):
 
     def _kernel_sum(self, lam: np.ndarray) -> np.ndarray:
         total = np.zeros_like(lam)
-        for start in range(0, len(self.points), _TILE):
-            part = slice(start, start + _TILE)
-            squared = cdist(self.points, self.points[part], "sqeuclidean")
-            total += self.kernel.of_squared(squared) @ lam[part]
+        for part, values in type(self._pairs)(self.points, self.kernel).values(self.points):
+            total += values @ lam[part]
         return total
-
-    def _kernel_matrix(self) -> np.ndarray:
-        """Lower triangle of the kernel between all sites, of size one."""
-        n = len(self._sites)
-        a = np.zeros((n, n), order="F")
-        for part, block in chunked(self._kernel_rows, np.arange(n), rows_of(64 * n)):
-            a[part.start :, part] = block.T
-        return a
-
-    def _kernel_rows(self, rows: np.ndarray) -> np.ndarray:
-        squared = cdist(self._sites[rows], self._sites[rows[0] :], "sqeuclidean")
-        values = valid.without_warnings(self._unit_kernel.of_squared, squared)
-        return within_range(values, f"values of {self.kernel!r}")
 
     def _unit_smoothing(self) -> float:
         power = np.array([-self.kernel.homogeneity])
@@ -204,72 +187,62 @@ class RBF(Reconstruction):
         lam, c = self._system.solve(values)
         # in the unit frame no two points are farther apart than this
         farthest = 2.0 * math.sqrt(self.points.shape[1])
-        refuse_a_miss(lam, self._unit_kernel(np.array([0.0, farthest])), values)
+        refuse_a_miss(lam, self._pairs.kernel(np.array([0.0, farthest])), values)
         return lam, c
 
     def _value_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         lam, c = prepared
         total = self._basis(x) @ c
-        queries = x / self._frame.scale
-        for start in range(0, len(lam), _TILE):
-            part = slice(start, start + _TILE)
-            squared = cdist(queries, self._sites[part], "sqeuclidean")
-            total += self._unit_kernel.of_squared(squared) @ lam[part]
+        for part, values in self._pairs.values(x / self._frame.scale):
+            total += values @ lam[part]
         return total
 
     def _gradient_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         lam, c = prepared
         total = np.einsum("mqd,qv->mvd", monomial_gradients(self._frame.local(x), self.degree), c)
-        queries = x / self._frame.scale
-        for start in range(0, len(lam), _TILE):
-            part = slice(start, start + _TILE)
-            slope = self._slopes(queries, self._sites[part])
-            for k in range(x.shape[1]):
-                offset = queries[:, k, None] - self._sites[part, k]
-                total[..., k] += (slope * offset) @ lam[part]
+        for part, slopes in self._gradients(x):
+            for k, slope in enumerate(slopes):
+                total[..., k] += slope @ lam[part]
         return total / self._frame.scale
 
-    def _slopes(self, queries: np.ndarray, sites: np.ndarray) -> np.ndarray:
-        """phi'(r)/r (m, n) in the local frame."""
-        squared = cdist(queries, sites, "sqeuclidean")
-        if not self.kernel.differentiable and (squared == 0).any():
-            where = queries[np.argwhere(squared == 0)[0][0]] * self._frame.scale
-            raise ValueError(
-                f"{self.kernel!r} has no gradient at a site, and the query "
-                f"({', '.join(f'{v:.6g}' for v in where)}) is one"
-            )
-        return self._unit_kernel.slope_of_squared(squared)
+    def _gradients(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[Block, ...]]]:
+        if self._corners is not None:
+            refuse_sites(self.kernel, x, self._corners)
+        return self._pairs.gradients(x / self._frame.scale)
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
         self._refuse_if_too_large(len(x))
-        squared = cdist(self._sites, x / self._frame.scale, "sqeuclidean")
-        return self._system.solve(self._unit_kernel.of_squared(squared), self._basis(x).T)[0].T
+        rows = np.empty((len(x), len(self.points)))
+        for some in tiles(len(x)):
+            right = np.empty((len(self.points), len(x[some])))
+            for part, values in self._pairs.values(x[some] / self._frame.scale):
+                right[part] = dense(values).T
+            rows[some] = self._system.solve(right, self._basis(x[some]).T)[0].T
+        return rows
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
         d = x.shape[1]
         self._refuse_if_too_large(len(x), 3 * d)
-        queries = x / self._frame.scale
-        slope = self._slopes(queries, self._sites)
-        slopes_of_basis = monomial_gradients(self._frame.local(x), self.degree)
-        return tuple(
-            self._system.solve(
-                (slope * (queries[:, k, None] - self._sites[:, k])).T, slopes_of_basis[..., k].T
-            )[0].T
-            / self._frame.scale
-            for k in range(d)
-        )
+        rows = np.empty((d, len(x), len(self.points)))
+        for some in tiles(len(x)):
+            right = np.empty((d, len(self.points), len(x[some])))
+            for part, slopes in self._gradients(x[some]):
+                for k, slope in enumerate(slopes):
+                    right[k, part] = dense(slope).T
+            of_basis = monomial_gradients(self._frame.local(x[some]), self.degree)
+            for k in range(d):
+                rows[k, some] = self._system.solve(right[k], of_basis[..., k].T)[0].T
+        return tuple(rows / self._frame.scale)
 
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
         moments = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
-        queries = x / self._frame.scale
-        for start in range(0, len(x), _TILE):
-            part = slice(start, start + _TILE)
-            squared = cdist(self._sites, queries[part], "sqeuclidean")
-            moments += self._unit_kernel.of_squared(squared) @ f[part]
+        for some in tiles(len(x)):
+            for part, values in self._pairs.values(x[some] / self._frame.scale):
+                moments[part] += values.T @ f[some]
         return self._system.solve(moments, self._basis(x).T @ f)[0]
 
     def _chunk_rows(self, columns: int) -> int:
         q = dimension(self.points.shape[1], self.degree)
         return rows_of(
-            8 * (8 * min(_TILE, len(self.points)) + (q + columns) * (self.points.shape[1] + 2))
+            self._pairs.bytes_per_query() + 8 * (q + columns) * (self.points.shape[1] + 2)
         )

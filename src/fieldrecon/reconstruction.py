@@ -79,7 +79,7 @@ class Reconstruction(ABC):
         OverflowError
             If a weight exceeds the range of floating-point numbers.
         """
-        queries = self._queries(x)
+        queries = self._queries(x).reshape(-1, self.points.shape[1])
         return valid.finite_rows(valid.without_warnings(self._weight_rows, queries), queries)
 
     def gradient_weights(self, x: ArrayLike) -> tuple[Weights, ...]:
@@ -100,7 +100,7 @@ class Reconstruction(ABC):
         MemoryError
             If the dense matrices would exceed DENSE_LIMIT_BYTES.
         """
-        queries = self._queries(x)
+        queries = self._queries(x).reshape(-1, self.points.shape[1])
         matrices = valid.without_warnings(self._gradient_weight_rows, queries)
         return tuple(valid.finite_rows(matrix, queries) for matrix in matrices)
 
@@ -124,15 +124,15 @@ class Reconstruction(ABC):
         ValueError
             If there is not one finite value for each query.
         """
-        queries = self._queries(x)
+        queries = self._queries(x).reshape(-1, self.points.shape[1])
         f = valid.as_values(f, len(queries), name="f", of="query")
         columns = f.reshape(len(f), math.prod(f.shape[1:]))  # of no queries too
         result = valid.without_warnings(self._adjoint, queries, columns)
         return valid.finite_rows(result, self.points).reshape((len(self.points), *f.shape[1:]))
 
     def _queries(self, x: ArrayLike) -> np.ndarray:
-        d = self.points.shape[1]
-        return valid.as_queries(x, d).reshape(-1, d)
+        """Queries (..., d)."""
+        return valid.as_queries(x, self.points.shape[1])
 
     def _refuse_if_too_large(self, m: int, matrices: int = 1) -> None:
         size = 8 * m * len(self.points) * matrices
@@ -282,7 +282,7 @@ class Field:
         executor: Executor | None,
         progress: Progress | None,
     ) -> np.ndarray:
-        x = valid.as_queries(x, self.method.points.shape[1])
+        x = self.method._queries(x)
         queries = x.reshape(-1, x.shape[-1])
         columns = int(np.prod(self._shape, dtype=int))
         result = np.empty((len(queries), columns, *tail), dtype=self._dtype)

@@ -2,24 +2,35 @@
 
 from __future__ import annotations
 
+import json
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskProgressColumn,
+    TimeElapsedColumn,
+)
 from rich.table import Table
 
 from fieldrecon.experiments import Experiment, Map
 from fieldrecon.gridding import Grid, Trial
+from fieldrecon.mesh_audit import MeshAudit, in_words
 from fieldrecon.samples import Samples
 
 _WIDEST = 7
 _MOST_ROWS = 40
+_FEW_PLACES = 3
+_LONG_PLACE = 6
 
 
 class Terminal(Console):
@@ -46,6 +57,17 @@ def progress(mapping: Map, label: str) -> Iterator[Map]:
                 yield done
 
         yield each
+
+
+@contextmanager
+def counting(label: str) -> Iterator[Callable[[int, int], None]]:
+    """Give a function of what is done and the total, with a bar that tells it on a terminal."""
+    columns = ("{task.description}", BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
+    on_terminal = sys.stderr.isatty()
+    errors = Terminal(stderr=True)
+    with Progress(*columns, console=errors, transient=True, disable=not on_terminal) as bar:
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def print_table(
@@ -93,6 +115,52 @@ def print_trials(samples: Samples, grid: Grid, trials: list[Trial], chosen: Tria
         f"{grid.extrapolated.sum()} of {grid.values.size} nodes lie outside the convex hull of "
         "the samples: extrapolated, and marked so in every file."
     )
+
+
+def print_audit(path: Path, audit: MeshAudit, done: dict[str, int] | None = None) -> None:
+    """Print what was found in a mesh, and, of a repaired one, what was done."""
+    parts = "1 part" if audit.parts == 1 else f"{audit.parts:,} parts"
+    say = Terminal(highlight=False, markup=False).print
+    say(
+        f"{path}: {audit.triangles:,} triangles in {parts}, {audit.vertices:,} "
+        f"vertices; tolerance {audit.tolerance:.3g}."
+    )
+    if audit.soup:
+        say("Each triangle has vertices of its own, as the format has it; equal ones count as one.")
+    if done is not None:
+        told = ", ".join(in_words(what, n) for what, n in done.items())
+        say(f"Repaired: {told or 'nothing was to be done'}.")
+    if audit.clean:
+        say("Nothing is wrong: closed, oriented, without self-intersections.")
+    else:
+        columns = ("concerns", "found", "where, by index from 0")
+        print_table(columns, _findings(audit))
+
+
+def _findings(audit: MeshAudit) -> list[tuple[str, str, str]]:
+    """Return a row for each kind of error that was found: concern, how many, where."""
+    return [
+        (concern, in_words(kind, n), _where(getattr(audit, kind)))
+        for concern, kinds in audit.counts.items()
+        for kind, n in kinds.items()
+        if n
+    ]
+
+
+def _where(found: Sequence[np.ndarray]) -> str:
+    """Spell the first few of the places."""
+    few = [_place(np.atleast_1d(place)) for place in found[:_FEW_PLACES]]
+    return ", ".join([*few, "…"] if len(found) > _FEW_PLACES else few)
+
+
+def _place(indices: np.ndarray) -> str:
+    few = "-".join(map(str, indices[:_LONG_PLACE]))
+    return f"{few}-…" if len(indices) > _LONG_PLACE else few
+
+
+def print_json(content: dict[str, Any]) -> None:
+    """Print a dictionary as JSON and nothing else."""
+    print(json.dumps(content))
 
 
 def print_experiment(experiment: Experiment) -> None:

@@ -1,0 +1,158 @@
+"""How triangles hang together: edges, what is connected, fans round vertices, boundary loops."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+
+class Sheets:
+    """Triangles (m, 3) as combinatorics; three distinct vertices each, and no two have the same.
+
+    A *side* 3 t + k of triangle t goes from its k-th vertex to the next; the *corner* 3 t + k is
+    at its k-th vertex. Sides with the same ends are one edge.
+    """
+
+    def __init__(self, triangles: np.ndarray, n: int) -> None:
+        self.triangles, self.n = triangles, n
+        self.start = triangles.ravel()
+        self.end = triangles[:, [1, 2, 0]].ravel()
+        key = np.minimum(self.start, self.end) * np.int64(n) + np.maximum(self.start, self.end)
+        self._order = np.argsort(key)
+        key = key[self._order]
+        again = np.zeros(len(key), dtype=bool)
+        again[1:] = key[1:] == key[:-1]
+        self._linked = np.flatnonzero(again)
+        self._first = np.flatnonzero(~again)
+        self._count = np.diff(self._first, append=len(key))
+
+    @cached_property
+    def links(self) -> np.ndarray:
+        """Pairs (l, 2) of sides at a common edge; k - 1 of them where there are k sides."""
+        return np.column_stack([self._order[self._linked - 1], self._order[self._linked]])
+
+    @cached_property
+    def manifold_links(self) -> np.ndarray:
+        """Those of the links (l, 2) where exactly two sides meet."""
+        first = self._first[self._count == 2]
+        return np.column_stack([self._order[first], self._order[first + 1]])
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """Ends (e, 2) of each edge, the lower first."""
+        return self._ends(self._order[self._first])
+
+    @cached_property
+    def crowded_edges(self) -> np.ndarray:
+        """Ends (k, 2) of the edges of more than two triangles."""
+        return self._ends(self._order[self._first[self._count > 2]])
+
+    @cached_property
+    def free_sides(self) -> np.ndarray:
+        """Sides (b,) that no other triangle has, increasing."""
+        return np.sort(self._order[self._first[self._count == 1]])
+
+    @cached_property
+    def parts(self) -> np.ndarray:
+        """Number (m,) of the part that each triangle is in; parts are connected by edges."""
+        return labels(len(self.triangles), self.links // 3)
+
+    @cached_property
+    def closed_parts(self) -> np.ndarray:
+        """Whether each part has two triangles at every edge."""
+        closed = np.ones(self.parts.max(initial=-1) + 1, dtype=bool)
+        closed[self.parts[self.free_sides // 3]] = False
+        if len(self.crowded_edges):
+            links = self.links
+            usual = np.isin(links[:, 0], self.manifold_links[:, 0])
+            closed[self.parts[links[~usual, 0] // 3]] = False
+        return closed
+
+    @cached_property
+    def fans(self) -> np.ndarray:
+        """Number (3m,) of the fan that each corner is in.
+
+        A fan is the corners at a vertex that are connected by edges which end there.
+        """
+        one, other = self.links.T
+        along = (self.start[one] == self.start[other])[:, None]
+        corners = np.column_stack([one, other]), np.column_stack([_next(one), _next(other)])
+        straight = np.where(along, corners[0], np.column_stack([one, _next(other)]))
+        turned = np.where(along, corners[1], np.column_stack([_next(one), other]))
+        return labels(len(self.start), np.concatenate([straight, turned]))
+
+    @cached_property
+    def bow_ties(self) -> np.ndarray:
+        """Vertices of more than one fan, increasing."""
+        count = self.fans.max(initial=-1) + 1
+        vertex = np.empty(count, dtype=np.intp)
+        vertex[self.fans] = self.start
+        return np.flatnonzero(np.bincount(vertex, minlength=self.n) > 1)
+
+    @cached_property
+    def loops(self) -> tuple[np.ndarray, ...]:
+        """Sides round each hole, in order, most of them in their own direction.
+
+        At a vertex with several fans the loop stays in one. What ends at an edge of more than two
+        triangles is a chain.
+        """
+        free = self.free_sides
+        if len(free) == 0:
+            return ()
+        fan = np.column_stack([self.fans[free], self.fans[_next(free)]]).ravel()
+        where = np.arange(len(fan))
+        onward = _partners(fan)[where ^ 1]
+        label, rank = _cycles(onward)
+        smaller = np.lexsort((rank, label))
+        place = np.empty_like(smaller)
+        place[smaller] = where
+        seen = smaller[place[smaller] < place[smaller ^ 1]]  # each side once, one way round
+        cuts = np.flatnonzero(np.diff(label[seen])) + 1
+        return tuple(np.split(free[seen // 2], cuts))
+
+    def _ends(self, sides: np.ndarray) -> np.ndarray:
+        ends = np.column_stack([self.start[sides], self.end[sides]])
+        ends.sort(axis=1)
+        return ends
+
+
+def labels(n: int, links: np.ndarray) -> np.ndarray:
+    """Number of the part that each of n things is in, given the links (l, 2) between them."""
+    ones = np.ones(len(links), dtype=np.int8)
+    graph = sparse.csr_array((ones, (links[:, 0], links[:, 1])), shape=(n, n))
+    return connected_components(graph, directed=False)[1]
+
+
+def _next(sides: np.ndarray) -> np.ndarray:
+    """The next side of the same triangle."""
+    return sides + 1 - 3 * (sides % 3 == 2)
+
+
+def _partners(groups: np.ndarray) -> np.ndarray:
+    """For each element another of its group, two and two; itself where none is left."""
+    order = np.argsort(groups, kind="stable")
+    ordered = groups[order]
+    starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
+    size = np.diff(starts, append=len(groups))
+    place = np.arange(len(groups)) - np.repeat(starts, size)
+    other = np.arange(len(groups)) + 1 - 2 * (place % 2)
+    alone = (place % 2 == 0) & (place == np.repeat(size, size) - 1)
+    partner = np.empty_like(order)
+    partner[order] = order[np.where(alone, np.arange(len(groups)), other)]
+    return partner
+
+
+def _cycles(onward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of a permutation: the least element of the cycle of each element, and the steps from it."""
+    label, jump = np.arange(len(onward)), onward
+    for _ in range(len(onward).bit_length()):
+        label, jump = np.minimum(label, label[jump]), jump[jump]
+    least = label == np.arange(len(onward))
+    steps, jump = np.where(least, 0, 1), np.where(least, np.arange(len(onward)), onward)
+    for _ in range(len(onward).bit_length()):
+        steps, jump = steps + steps[jump], jump[jump]
+    size = np.bincount(label, minlength=len(onward))[label]
+    return label, np.where(least, 0, size - steps)

@@ -1,0 +1,49 @@
+"""What a user gets for a file of triangles: what is wrong with it, where, and a picture."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from fieldrecon.experiments.files import write_atomically, write_figure
+from fieldrecon.experiments.mesh_pictures import COLORS, MARKERS, draw, marks
+from fieldrecon.mesh_audit import CONCERNS, MeshAudit
+from fieldrecon.reporting.style import figure
+
+PICTURE_FORMATS = ("png", "svg")
+_PIXELS = 800
+_VIEWS = {"from the front, right and above": (0.8, -0.7, 0.6),
+          "from behind, left and below": (-0.8, 0.7, -0.6)}  # fmt: skip
+
+
+def write_audit(
+    folder: Path, audit: MeshAudit, points: np.ndarray, triangles: np.ndarray
+) -> list[Path]:
+    """Write ``audit.json`` and the picture; return the files."""
+    text = json.dumps(audit.as_dict(), indent=1) + "\n"
+    return [
+        write_atomically(folder / "audit.json", text.encode()),
+        *write_figure(plot(audit, points, triangles), folder / "audit", PICTURE_FORMATS),
+    ]
+
+
+def plot(audit: MeshAudit, points: np.ndarray, triangles: np.ndarray) -> Figure:
+    """Draw the mesh from two sides with each error marked; faintly what lies behind."""
+    found = marks(audit, triangles)
+    with figure(height=3.6, columns=2) as (page, axes):
+        for panel, (title, toward) in zip(axes, _VIEWS.items(), strict=True):
+            draw(panel, points, triangles, found, np.array(toward), pixels=_PIXELS)
+            panel.set_title(title, loc="center")
+        handles = [
+            Line2D([], [], color=COLORS[concern], marker=MARKERS[concern],
+                   label=f"{concern}: {sum(audit.counts[concern].values())}")
+            for concern in CONCERNS
+            if any(audit.counts[concern].values())
+        ]  # fmt: skip
+        if handles:
+            page.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    return page
