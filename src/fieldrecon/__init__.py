@@ -19,6 +19,7 @@ from fieldrecon.mesh_files import read_mesh, read_mesh_and_data, read_surface, w
 from fieldrecon.mesh_gradients import vertex_gradients
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
@@ -37,6 +38,7 @@ __all__ = [
     "Field",
     "LeastSquares",
     "MovingLeastSquares",
+    "PartitionOfUnityRBF",
     "Reconstruction",
     "SimplexMesh",
     "VoronoiCell",

@@ -190,6 +190,9 @@ class Field:
         The method with its sites.
     values : (n, ...) ndarray
         The data.
+    prepare : callable, optional
+        Takes the data (n, v) and returns what evaluation needs of them; the method's own routine
+        by default.
 
     Attributes
     ----------
@@ -207,11 +210,18 @@ class Field:
     array([2., 3.])
     """
 
-    def __init__(self, method: Reconstruction, values: np.ndarray) -> None:
+    def __init__(
+        self,
+        method: Reconstruction,
+        values: np.ndarray,
+        prepare: Callable[[np.ndarray], Any] | None = None,
+    ) -> None:
         self.method = method
         self._shape = values.shape[1:]
         self._dtype = values.dtype
-        self._prepared = valid.without_warnings(method._prepare, values.reshape(len(values), -1))
+        self._prepared = valid.without_warnings(
+            prepare or method._prepare, values.reshape(len(values), -1)
+        )
 
     def __call__(
         self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None

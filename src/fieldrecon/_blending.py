@@ -1,0 +1,129 @@
+"""Levels of patches, and the part that each patch has in the value at a query.
+
+Where the patches of a level cover a query badly, those of the next level, which has a tenth of the
+sites, take over: with W the sum of the weights, by c (1 - W/c)^3 for W < c and by nothing
+otherwise, so that the parts are twice continuously differentiable. The last level covers all space.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from fieldrecon._patch_systems import PatchSystems, Problem
+from fieldrecon._patches import Patches, bump
+
+COVERED = 5e-3
+"""The sum c of the weights from which on patches are alone."""
+ALONE = 4
+"""As many sites as these many patches hold are a patch of their own."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """Patches on some of the sites.
+
+    Attributes
+    ----------
+    sites : (s,) ndarray
+        Which of all sites.
+    patches : Patches
+        Where they are.
+    systems : tuple of PatchSystems
+        Their problems, those of one size together.
+    group, member : (p,) ndarray
+        In which of the systems each patch is, and where in it.
+    """
+
+    sites: np.ndarray
+    patches: Patches
+    systems: tuple[PatchSystems, ...]
+    group: np.ndarray
+    member: np.ndarray
+
+
+class Share(NamedTuple):
+    """The part of patches of one level in the values at queries, ordered by query.
+
+    Attributes
+    ----------
+    level : Level
+        Whose patches.
+    query, patch : (p,) ndarray
+        The pairs.
+    weight : (p,) ndarray
+        Over all shares, the weights of a query sum to one.
+    gradient : (p, d) ndarray
+        Their gradients.
+    """
+
+    level: Level
+    query: np.ndarray
+    patch: np.ndarray
+    weight: np.ndarray
+    gradient: np.ndarray
+
+    def systems(self) -> Iterator[tuple[PatchSystems, int, np.ndarray, np.ndarray]]:
+        """Yield each of the systems, its number, the pairs of its patches, and which they are."""
+        group = self.level.group[self.patch]
+        for number, systems in enumerate(self.level.systems):
+            pairs = np.flatnonzero(group == number)
+            yield systems, number, pairs, self.level.member[self.patch[pairs]]
+
+
+def levels_of(points: np.ndarray, k: int, problem: Problem) -> Iterator[Level]:
+    """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
+    sites = np.arange(len(points))
+    while True:
+        own = points[sites]
+        tree = cKDTree(own)
+        alone = len(sites) <= ALONE * k
+        patches = Patches.of(own, tree, len(sites) if alone else k)
+        yield Level(sites, patches, *PatchSystems.of(own, tree, patches, problem))
+        if len(patches) == 1:
+            return
+        sites = sites[patches.representatives]
+
+
+def shares(levels: Sequence[Level], x: np.ndarray) -> Iterator[Share]:
+    """Yield the shares of the levels in the values at the queries (m, d)."""
+    query, left, slope = np.arange(len(x)), np.ones(len(x)), np.zeros_like(x)
+    for number, level in enumerate(levels):
+        own, patch, offset = level.patches.containing(x[query])
+        weight, gradient = bump(offset)
+        gradient /= level.patches.radii[patch, None]
+        total, change = summed(own, weight, len(query)), summed(own, gradient, len(query))
+        behind = 1.0 - total / COVERED if number + 1 < len(levels) else np.zeros_like(total)
+        behind = np.maximum(behind, 0.0)[:, None]
+        rest, restchange = COVERED * behind[:, 0] ** 3, -3.0 * behind**2 * change
+        whole, wholechange = total + rest, change + restchange
+        left = left / whole
+        slope = slope / whole[:, None] - left[:, None] * wholechange / whole[:, None]
+        part = left[own] * weight
+        yield Share(
+            level,
+            query[own],
+            patch,
+            part,
+            left[own, None] * gradient + slope[own] * weight[:, None],
+        )
+        slope = slope * rest[:, None] + left[:, None] * restchange
+        left = left * rest
+        further = np.flatnonzero(rest)
+        if not len(further):
+            return
+        query, left, slope = query[further], left[further], slope[further]
+
+
+def summed(query: np.ndarray, terms: np.ndarray, m: int) -> np.ndarray:
+    """Sums (m, ...) of the terms (p, ...) of each query, which are in the order of queries."""
+    start = np.searchsorted(query, np.arange(m + 1))
+    adds = sparse.csr_array((np.ones(len(query)), np.arange(len(query)), start), (m, len(query)))
+    columns = terms.reshape(len(terms), math.prod(terms.shape[1:]))
+    return (adds @ columns).reshape(m, *terms.shape[1:])
