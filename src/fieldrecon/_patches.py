@@ -115,7 +115,10 @@ def _covering(
         radius = distance[:, -1]
         covers = reach <= REACH * radius
         found.append((center[covers], radius[covers], index[covers, :-1]))
-        rows = _without_empty(halved(points, rows[~covers])[2]) if not covers.all() else rows[:0]
+        rows = rows[~covers]
+        if len(rows):
+            rows = halved(rows, points.T[:, rows])[2]
+            rows = rows[(rows >= 0).any(axis=1)]
     centers, radii, sites = (np.concatenate(part) for part in zip(*found, strict=True))
     return centers, radii, sites
 
@@ -136,10 +139,6 @@ def _nearest_to_middle(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
     squared = ((points[rows] - center[:, None, :]) ** 2).sum(axis=2)
     nearest = np.argmin(np.where(rows >= 0, squared, np.inf), axis=1)
     return np.sort(rows[np.arange(len(rows)), nearest])
-
-
-def _without_empty(rows: np.ndarray) -> np.ndarray:
-    return rows[(rows >= 0).any(axis=1)]
 
 
 def bump(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

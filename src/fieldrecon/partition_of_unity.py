@@ -234,6 +234,10 @@ class PartitionOfUnityRBF(Reconstruction):
                 _add_rows(total, sites, systems.adjoint(moment).reshape(len(sites), -1))
         return total
 
+    def _order(self, x: np.ndarray) -> np.ndarray:
+        boxes = self._levels[0].patches.boxes
+        return np.argsort(boxes.containing(self._frame.local(x)), kind="stable")
+
     def _chunk_rows(self, columns: int) -> int:
         systems = self._levels[0].systems[0]
         d = self.points.shape[1]

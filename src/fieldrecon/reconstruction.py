@@ -165,6 +165,10 @@ class Reconstruction(ABC):
         """Gradients (m, v, d)."""
         return np.stack([g @ prepared for g in self._gradient_weight_rows(x)], axis=-1)
 
+    def _order(self, x: np.ndarray) -> np.ndarray | None:  # noqa: ARG002 - by default as they come
+        """Order of the queries (m, d) in which neighbours are evaluated together; None as is."""
+        return None
+
     def _chunk_rows(self, columns: int) -> int:
         """Queries of one chunk, for data of so many columns."""
         return rows_of(8 * (columns + len(self.points)) * (self.points.shape[1] + 1))
@@ -294,12 +298,15 @@ class Field:
     ) -> np.ndarray:
         x = valid.as_queries(x, self.method.points.shape[1])
         queries = x.reshape(-1, x.shape[-1])
+        order = self.method._order(queries)
+        queries = queries if order is None else queries[order]
         columns = int(np.prod(self._shape, dtype=int))
         result = np.empty((len(queries), columns, *tail), dtype=self._dtype)
         work = partial(_evaluated, rows_of_result, self._prepared)
         rows = self.method._chunk_rows(columns)
         for part, values in chunked(work, queries, rows, executor, progress):
-            result[part] = valid.finite_rows(values, queries[part])
+            where = part if order is None else order[part]
+            result[where] = valid.finite_rows(values, queries[part])
         return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
 
 
