@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from benchmarks.measure import Track
 
 NAMES = (
+    "peers",
     "moving_least_squares",
     "radial_basis_functions",
     "memory",

@@ -16,8 +16,9 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from fieldrecon._halving import Boxes
 from fieldrecon._patch_systems import PatchSystems, Problem
-from fieldrecon._patches import Patches, bump
+from fieldrecon._patches import SITES_PER_BOX, Patches, bump
 
 COVERED = 5e-3
 """The sum c of the weights from which on patches are alone."""
@@ -81,12 +82,15 @@ def levels_of(points: np.ndarray, k: int, problem: Problem) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
     sites = np.arange(len(points))
     while True:
+        alone = len(sites) <= ALONE * k
+        boxes = Boxes.around(points[sites], len(sites) if alone else SITES_PER_BOX * k)
+        boxes, order = boxes.in_order()
+        sites = sites[order]
         own = points[sites]
         tree = cKDTree(own)
-        alone = len(sites) <= ALONE * k
-        patches = Patches.of(own, tree, len(sites) if alone else k)
+        patches = Patches.single(own, boxes) if alone else Patches.of(own, tree, boxes, k)
         yield Level(sites, patches, *PatchSystems.of(own, tree, patches, problem))
-        if len(patches) == 1:
+        if alone:
             return
         sites = sites[patches.representatives]
 

@@ -7,12 +7,13 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 Progress = Callable[[int, int], object]
+Result = TypeVar("Result")
 
 CHUNK_BYTES = 2**22
 """Working memory of one chunk, in bytes; it never depends on the number of cores."""
@@ -26,12 +27,12 @@ def rows_of(bytes_per_row: float) -> int:
 
 
 def chunked(
-    work: Callable[[np.ndarray], np.ndarray],
+    work: Callable[[np.ndarray], Result],
     x: np.ndarray,
     rows: int,
     executor: Executor | None = None,
     progress: Progress | None = None,
-) -> Iterator[tuple[slice, np.ndarray]]:
+) -> Iterator[tuple[slice, Result]]:
     """Yield each slice of rows of `x` with work(x[slice]), in order.
 
     The chunks run on `executor` (a pool of threads if None); `progress(done, total)` is called
@@ -41,7 +42,7 @@ def chunked(
     pool: AbstractContextManager[Executor] = (
         nullcontext(executor) if executor else _threads(len(slices))
     )
-    pending: deque[tuple[slice, Future[np.ndarray]]] = deque()
+    pending: deque[tuple[slice, Future[Result]]] = deque()
     done, ahead = 0, iter(slices)
     # threads share the cores among chunks; BLAS threads below them would only compete
     with pool as workers, threadpool_limits(1) if len(slices) > 1 else nullcontext():

@@ -1,69 +1,134 @@
-"""Space cut into boxes that hold equally many sites, and the balls that reach into each box."""
+"""Space cut into boxes that hold nearly equally many sites, and the balls that reach into each."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
+from scipy import sparse
+
+from fieldrecon._chunks import chunked, rows_of
+
+MOST_SLABS = 7
+"""Parts of the first cut, so that boxes need not be as large as powers of two make them."""
+
+Cuts: TypeAlias = tuple[np.ndarray, np.ndarray]
+"""Of each box of a level (b,): across which axis it is cut, and where."""
 
 
 @dataclass(frozen=True)
 class Boxes:
-    """A balanced binary tree of boxes, each cut across its longest side; they fill all space.
+    """A few slabs, each halved across the longest side again and again; they fill all space.
 
     Attributes
     ----------
-    axes, cuts : tuple of (2^l,) ndarray
-        Of each level: across which axis each box is cut, and where.
-    sites : (2^L, s) ndarray
-        Sites in the boxes of the last level; -1 where there is none.
+    across : int
+        Axis that the slabs are cut across.
+    slabs : (s - 1,) ndarray
+        Where.
+    halvings : sequence of Cuts
+        Of each level, for its s 2^l boxes.
+    sites : (s 2^L, m) ndarray
+        Sites in the boxes of the last level, as many in each or one fewer; -1 where there is none.
     """
 
-    axes: tuple[np.ndarray, ...]
-    cuts: tuple[np.ndarray, ...]
+    across: int
+    slabs: np.ndarray
+    halvings: Sequence[Cuts]
     sites: np.ndarray
 
     @classmethod
-    def around(cls, points: np.ndarray, most: int) -> Boxes:
-        """Boxes with at most so many of the sites (n, d), one or more."""
-        every = np.append(np.arange(len(points)), -1)[None, :]
-        return cls((), (), every).finer(points, most)
+    def around(cls, points: np.ndarray, size: float) -> Boxes:
+        """Boxes of so many of the sites (n, d) or fewer, but not by more than a fifth."""
+        number, levels = _slabs_and_levels(len(points) / size)
+        across = int(np.argmax(points.max(axis=0) / 2 - points.min(axis=0) / 2))
+        cuts, slabs = _slabs(points[:, across], number)
+        parts = chunked(partial(_cut, points, levels), slabs, 1)
+        *halvings, sites = zip(*(part for _, part in parts), strict=True)
+        return cls(across, cuts, [_joined(level) for level in halvings], np.concatenate(sites))
 
-    def finer(self, points: np.ndarray, most: int) -> Boxes:
-        """The same boxes, cut on until there are at most so many sites in each."""
-        axes, cuts, rows = list(self.axes), list(self.cuts), self.sites
-        places = points.T[:, rows]
-        while rows.shape[1] - 1 > most:
-            axis, cut, rows, places = halved(rows, places)
-            axes.append(axis)
-            cuts.append(cut)
-        return Boxes(tuple(axes), tuple(cuts), rows)
+    def in_order(self) -> tuple[Boxes, np.ndarray]:
+        """The same boxes for sites renumbered so that neighbours follow each other; the order."""
+        there = self.sites >= 0
+        sites = np.full_like(self.sites, -1)
+        sites[there] = np.arange(there.sum())
+        return replace(self, sites=sites), self.sites[there]
 
     def containing(self, x: np.ndarray) -> np.ndarray:
         """The box (m,) of each of the places (m, d)."""
-        box, each = np.zeros(len(x), dtype=np.intp), np.arange(len(x))
-        for axis, cut in zip(self.axes, self.cuts, strict=True):
+        box, each = np.searchsorted(self.slabs, x[:, self.across]), np.arange(len(x))
+        for axis, cut in self.halvings:
             box = 2 * box + (x[each, axis[box]] > cut[box])
         return box
 
     def reached(self, centers: np.ndarray, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Which balls reach into each box: `ball[start[b] : start[b + 1]]`."""
-        ball, box = np.arange(len(centers)), np.zeros(len(centers), dtype=np.intp)
-        outside = np.zeros_like(centers)  # how far the centre lies outside the box, by axis
-        for axis, cut in zip(self.axes, self.cuts, strict=True):
+        """Which balls reach into each box: `ball[start[b] : start[b + 1]]`, rising."""
+        rows = rows_of(2**7 * 8 * centers.shape[1])
+        parts = chunked(partial(self._reach, centers, radii), np.arange(len(centers)), rows)
+        ball, box = np.concatenate([part for _, part in parts], axis=1)
+        shape = len(self.sites), len(centers)
+        there = sparse.coo_array((np.ones(len(ball), dtype=bool), (box, ball)), shape).tocsr()
+        return there.indices, there.indptr
+
+    def _reach(self, centers: np.ndarray, radii: np.ndarray, balls: np.ndarray) -> np.ndarray:
+        """Pairs (2, p) of a ball and a box that it reaches into."""
+        x, r = centers[balls], radii[balls]
+        along = x[:, self.across, None]
+        low, high = np.append(-np.inf, self.slabs), np.append(self.slabs, np.inf)
+        beside = np.maximum(np.maximum(low - along, along - high), 0.0)
+        ball, box = np.nonzero(beside <= r[:, None])
+        outside = np.zeros((len(ball), x.shape[1]))  # of the box, by axis
+        outside[:, self.across] = beside[ball, box]
+        for axis, cut in self.halvings:
             across = axis[box]
-            beyond = centers[ball, across] - cut[box]
-            sides = []
-            for side, excess in ((0, beyond), (1, -beyond)):
-                to_box = outside.copy()
-                each = np.arange(len(ball)), across
-                to_box[each] = np.maximum(to_box[each], excess)
-                near = np.einsum("pd,pd->p", to_box, to_box) <= radii[ball] ** 2
-                sides.append((ball[near], 2 * box[near] + side, to_box[near]))
-            ball, box, outside = (np.concatenate(part) for part in zip(*sides, strict=True))
-        order = np.argsort(box, kind="stable")
-        start = np.searchsorted(box[order], np.arange(len(self.sites) + 1))
-        return ball[order], start
+            beyond = x[ball, across] - cut[box]
+            further = outside.copy()  # the half in which the centre lies is no farther
+            each = np.arange(len(ball)), across
+            further[each] = np.maximum(further[each], np.abs(beyond))
+            near = np.einsum("pd,pd->p", further, further) <= r[ball] ** 2
+            here = 2 * box + (beyond > 0)
+            ball = np.concatenate([ball, ball[near]])
+            box = np.concatenate([here, here[near] ^ 1])
+            outside = np.concatenate([outside, further[near]])
+        return np.stack([balls[ball], box])
+
+
+def _slabs_and_levels(boxes: float) -> tuple[int, int]:
+    """The least s 2^L that is no fewer boxes."""
+    levels = max(0, math.ceil(math.log2(max(boxes, 1.0) / MOST_SLABS)))
+    return math.ceil(boxes / 2**levels), levels
+
+
+def _slabs(along: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where to cut (s - 1,) the coordinates (n,), and the sites of each slab (s, n // s + 1)."""
+    n = len(along)
+    ends = np.arange(1, number) * n // number
+    order = np.argpartition(along, ends) if number > 1 else np.arange(n)
+    parts = np.split(order, ends)
+    rows = np.full((number, n // number + 1), -1)
+    for row, part in zip(rows, parts, strict=True):
+        row[: len(part)] = part
+    pairs = zip(parts[:-1], parts[1:], strict=True)
+    cuts = [along[left].max() / 2 + along[right].min() / 2 for left, right in pairs]
+    return np.array(cuts), rows
+
+
+def _cut(points: np.ndarray, levels: int, rows: np.ndarray) -> tuple[Cuts | np.ndarray, ...]:
+    """Halve each of the rows so many times: the cuts of each level, and the rows of the last."""
+    cuts, places = [], points.T[:, rows]
+    for _ in range(levels):
+        axis, cut, rows, places = halved(rows, places)
+        cuts.append((axis, cut))
+    return (*cuts, rows)
+
+
+def _joined(cuts: Sequence[Cuts]) -> Cuts:
+    axes, places = zip(*cuts, strict=True)
+    return np.concatenate(axes), np.concatenate(places)
 
 
 def halved(

@@ -10,24 +10,21 @@ the polynomial of the plane, constant across it.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon._chunks import chunked, rows_of
+from fieldrecon._determined import doubtful, ranks, told_apart
 from fieldrecon._patches import Patches
-from fieldrecon._weighted_fits import by_elimination
-from fieldrecon.polynomials import EPS, dimension, exponents, monomial_gradients, monomials
+from fieldrecon._small_systems import COLUMNS, solved, solved_for_each
+from fieldrecon.polynomials import dimension, monomial_gradients, monomials
 from fieldrecon.radial import Radial
 
 MOST_GROWTH = 4
 """So many times more sites are given to a patch that does not determine its polynomials."""
-COLUMNS = 16
-"""Right-hand sides that are solved for with one factored matrix, where there are many."""
 _TOLERATED_MISS = 1e-2  # of the size of the data, before a field is refused
 
 
@@ -66,7 +63,7 @@ class PatchSystems:
     problem: Problem
     origin: np.ndarray
     radius: np.ndarray
-    reduced: dict[int, np.ndarray]
+    reduced: dict[int, np.ndarray] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -81,16 +78,13 @@ class PatchSystems:
         member, sites = np.zeros(len(patches), dtype=int), patches.sites
         rest = np.arange(len(patches))
         while len(rest):
-            systems = cls._about(points, sites, problem)
+            systems, doubt = cls._about(points, sites, problem)
             enough = sites.shape[1] >= min(len(points), MOST_GROWTH * patches.sites.shape[1])
-            every = np.arange(len(rest))
-            doubtful = systems.each(PatchSystems.doubtful, every)
-            grows = np.zeros_like(doubtful) if enough else doubtful
-            member[rest[~grows]], group[rest[~grows]] = np.arange((~grows).sum()), len(groups)
-            kept = systems if not grows.any() else cls._about(points, sites[~grows], problem)
+            grows = np.zeros_like(doubt) if enough else doubt
+            kept = systems if not grows.any() else systems._only(~grows)
             if enough:
-                for patch in np.flatnonzero(doubtful).tolist():
-                    kept.reduce(patch)
+                kept._reduce(np.flatnonzero(doubt))
+            member[rest[~grows]], group[rest[~grows]] = np.arange(len(kept)), len(groups)
             groups.append(kept)
             rest = rest[grows]
             more = min(2 * sites.shape[1], len(points))
@@ -98,12 +92,27 @@ class PatchSystems:
         return tuple(groups), group, member
 
     @classmethod
-    def _about(cls, points: np.ndarray, sites: np.ndarray, problem: Problem) -> PatchSystems:
-        places = points[sites]
-        origin = places.mean(axis=1)
-        radius = np.linalg.norm(places - origin[:, None, :], axis=2).max(axis=1)
-        radius = np.exp2(np.ceil(np.log2(np.where(radius > 0, radius, 1.0))))
-        return cls(points, sites, problem, origin, radius, {})
+    def _about(
+        cls, points: np.ndarray, sites: np.ndarray, problem: Problem
+    ) -> tuple[PatchSystems, np.ndarray]:
+        """Systems of patches with these sites (p, k), and which are doubtful."""
+        k, d = sites.shape[1], points.shape[1]
+        rows = rows_of(16 * k * (d + dimension(d, problem.degree)))
+        parts = chunked(partial(_frames, points, problem.degree), sites, rows)
+        origin, radius, doubt = map(np.concatenate, zip(*(p for _, p in parts), strict=True))
+        return cls(points, sites, problem, origin, radius), doubt
+
+    def _only(self, some: np.ndarray) -> PatchSystems:
+        """Some of the patches."""
+        arrays = self.sites[some], self.problem, self.origin[some], self.radius[some]
+        return PatchSystems(self.points, *arrays)
+
+    def _reduce(self, patches: np.ndarray) -> None:
+        """Have patches use those polynomials only that their sites tell apart."""
+        for patch in patches.tolist():
+            transform = told_apart(self.frames(np.array([patch]))[0], self.degree)
+            if transform is not None:
+                self.reduced[patch] = transform
 
     def __len__(self) -> int:
         return len(self.sites)
@@ -112,11 +121,6 @@ class PatchSystems:
     def degree(self) -> int:
         """Degree of the polynomials."""
         return self.problem.degree
-
-    def each(self, work: Callable[..., np.ndarray], patches: np.ndarray) -> np.ndarray:
-        """What `work` returns for each of many patches, in chunks."""
-        parts = chunked(partial(work, self), patches, self.rows())
-        return np.concatenate([part for _, part in parts] or [np.zeros(0, dtype=bool)])
 
     def rows(self, columns: int = 0) -> int:
         """Patches of one chunk."""
@@ -131,16 +135,19 @@ class PatchSystems:
         """Places x (p, s, d) in the frames of patches (p,)."""
         return (x - self.origin[patch, None, :]) / self.radius[patch, None, None]
 
+    def frames(self, patch: np.ndarray) -> np.ndarray:
+        """Sites (p, k, d) of patches (p,) in their frames."""
+        return self.offsets(patch, self.points[self.sites[patch]])
+
     def matrices(self, patch: np.ndarray) -> np.ndarray:
         """Matrices (p, k + q, k + q) of the patches."""
-        y = self.offsets(patch, self.points[self.sites[patch]])
+        y = self.frames(patch)
         k, q = y.shape[1], self.size - y.shape[1]
         matrix = np.zeros((len(patch), k + q, k + q))
         self._kernel(patch, y, y, out=matrix[:, :k, :k])
         matrix[:, range(k), range(k)] += self._smoothing(patch)[:, None]
         basis = monomials(y, self.degree)
-        for i in np.flatnonzero([int(j) in self.reduced for j in patch]):
-            transform = self.reduced[int(patch[i])]
+        for i, transform in self._reduced_among(patch):
             basis[i] = basis[i] @ transform
             matrix[i, range(k, k + q), range(k, k + q)] = ~transform.any(axis=0)
         matrix[:, :k, k:] = basis
@@ -179,26 +186,7 @@ class PatchSystems:
         The systems are symmetric: S w = t gives them more accurately than t^T S^-1, whose rows
         are large where sites are close.
         """
-        order = np.argsort(patch, kind="stable")
-        # tickets of at most so many right-hand sides of the same matrix
-        first = np.searchsorted(patch[order], patch[order])
-        column = (np.arange(len(order)) - first) % COLUMNS
-        ticket = np.cumsum(column == 0) - 1
-        begin = np.append(np.flatnonzero(column == 0), len(order))
-        weights = np.empty((len(patch), self.sites.shape[1]))
-
-        def solved_tickets(tickets: np.ndarray) -> np.ndarray:
-            pairs = slice(begin[tickets[0]], begin[tickets[-1] + 1])
-            right = np.zeros((len(tickets), self.size, COLUMNS))
-            own = order[pairs]
-            right[ticket[pairs] - tickets[0], :, column[pairs]] = terms[own]
-            found = self._solved_for_data(patch[order[begin[tickets]]], right)
-            weights[own] = found[ticket[pairs] - tickets[0], :, column[pairs]]
-            return tickets
-
-        for _ in chunked(solved_tickets, np.arange(len(begin) - 1), self.rows(COLUMNS)):
-            pass
-        return weights
+        return solved_for_each(self._solved_for_data, patch, terms, self.rows(COLUMNS))
 
     def adjoint(self, moments: np.ndarray) -> np.ndarray:
         """C^T m (p, k, v) of moments (p, k + q, v), without forming C."""
@@ -214,14 +202,14 @@ class PatchSystems:
     def _solved_for_data(self, patch: np.ndarray, right: np.ndarray) -> np.ndarray:
         """The first k rows (p, k, v) of the solutions of the transposed systems."""
         k = self.sites.shape[1]
-        for i in np.flatnonzero([int(j) in self.reduced for j in patch]):
-            right[i, k:] = self.reduced[int(patch[i])].T @ right[i, k:]
+        for i, transform in self._reduced_among(patch):
+            right[i, k:] = transform.T @ right[i, k:]
         return solved(self.matrices(patch), right)[:, :k]
 
     def basis(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Kernels and monomials (p, k + q) of the patches (p,) at places x (p, d)."""
         at = self.offsets(patch, x[:, None, :])
-        y = self.offsets(patch, self.points[self.sites[patch]])
+        y = self.frames(patch)
         k = y.shape[1]
         b = np.empty((len(patch), self.size))
         self._kernel(patch, at, y, out=b[:, None, :k])
@@ -231,7 +219,7 @@ class PatchSystems:
     def basis_gradient(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Their gradients (p, k + q, d) by x."""
         at = self.offsets(patch, x[:, None, :])
-        y = at - self.offsets(patch, self.points[self.sites[patch]])
+        y = at - self.frames(patch)
         k = y.shape[1]
         g = np.empty((len(patch), self.size, x.shape[1]))
         unit = self._unit(patch)[:, None]
@@ -242,45 +230,15 @@ class PatchSystems:
 
     def least_degree(self) -> int:
         """Highest degree of which every patch reproduces all polynomials."""
-        degree, some = self.degree, np.array(list(self.reduced), dtype=int)
-        while degree >= 0 and len(some) and (self._ranks(some, degree) < self._full(degree)).any():
+        degree, some = self.degree, self.frames(np.array(list(self.reduced), dtype=int))
+        while len(some) and (ranks(some, degree) < dimension(some.shape[2], degree)).any():
             degree -= 1
         return degree
 
-    def _full(self, degree: int) -> int:
-        return dimension(self.points.shape[1], degree)
-
-    def _ranks(self, patch: np.ndarray, degree: int) -> np.ndarray:
-        """Dimension (p,) of the polynomials that the sites of the patches tell apart."""
-        sigma = np.linalg.svd(self._equilibrated(patch, degree), compute_uv=False)
-        return (sigma > self._tolerance() * sigma[:, :1]).sum(axis=1)
-
-    def doubtful(self, patch: np.ndarray) -> np.ndarray:
-        """Where (p,) the sites may not determine the polynomials, or only just."""
-        basis = monomials(self.offsets(patch, self.points[self.sites[patch]]), self.degree)
-        if not basis.shape[2]:
-            return np.zeros(len(patch), dtype=bool)
-        if basis.shape[1] < basis.shape[2]:
-            return np.ones(len(patch), dtype=bool)
-        return ~by_elimination(basis.mT @ basis, 1)[1]
-
-    def reduce(self, patch: int) -> None:
-        """Have a patch use those polynomials only that its sites tell apart."""
-        basis = self._equilibrated(np.array([patch]), self.degree)[0]
-        _, sigma, vt = np.linalg.svd(basis, full_matrices=False)
-        rank = int((sigma > self._tolerance() * sigma[0]).sum())
-        if rank < basis.shape[1]:
-            transform = np.zeros((basis.shape[1], basis.shape[1]))
-            transform[:, :rank] = vt[:rank].T / sigma[:rank]
-            weight = _bombieri(self.points.shape[1], self.degree)
-            self.reduced[patch] = weight[:, None] * transform
-
-    def _equilibrated(self, patch: np.ndarray, degree: int) -> np.ndarray:
-        basis = monomials(self.offsets(patch, self.points[self.sites[patch]]), degree)
-        return basis * _bombieri(self.points.shape[1], degree)
-
-    def _tolerance(self) -> float:
-        return 1e3 * EPS * self.size
+    def _reduced_among(self, patch: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        if not self.reduced:
+            return []
+        return [(i, self.reduced[j]) for i, j in enumerate(patch.tolist()) if j in self.reduced]
 
     def _kernel(self, patch: np.ndarray, x: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
         squared = out
@@ -303,8 +261,8 @@ class PatchSystems:
 
     def _in_monomials(self, patch: np.ndarray, found: np.ndarray) -> np.ndarray:
         k = self.sites.shape[1]
-        for i in np.flatnonzero([int(j) in self.reduced for j in patch]):
-            found[i, k:] = self.reduced[int(patch[i])] @ found[i, k:]
+        for i, transform in self._reduced_among(patch):
+            found[i, k:] = transform @ found[i, k:]
         return found
 
     def _refuse_a_miss(
@@ -318,15 +276,16 @@ class PatchSystems:
             raise _too_flat(self.origin[patch[worst]])
 
 
-def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions of the systems, refused in words where one is singular."""
-    try:
-        return np.linalg.solve(matrix, right)
-    except np.linalg.LinAlgError:
-        raise np.linalg.LinAlgError(
-            "the system of a patch is singular in floating-point numbers: the kernel is too flat "
-            "for sites this close; choose a smaller scale or a rougher kernel"
-        ) from None
+def _frames(
+    points: np.ndarray, degree: int, sites: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Origins and units of length of patches with these sites (p, k), and which are doubtful."""
+    places = points[sites]
+    origin = places.mean(axis=1)
+    y = places - origin[:, None, :]
+    radius = np.sqrt(np.einsum("pkd,pkd->pk", y, y).max(axis=1))
+    radius = np.exp2(np.ceil(np.log2(np.where(radius > 0, radius, 1.0))))
+    return origin, radius, doubtful(y / radius[:, None, None], degree)
 
 
 def _too_flat(where: np.ndarray) -> np.linalg.LinAlgError:
@@ -336,12 +295,3 @@ def _too_flat(where: np.ndarray) -> np.linalg.LinAlgError:
         "too flat for sites this close and data this rough; choose a smaller scale, a rougher "
         "kernel or some smoothing"
     )
-
-
-def _bombieri(d: int, degree: int) -> np.ndarray:
-    """Square roots of the multinomial coefficients: with them rotations keep the norm."""
-    factorial = np.vectorize(math.factorial, otypes=[float])
-    alpha = exponents(d, degree)
-    if not len(alpha):
-        return np.ones(0)
-    return np.sqrt(factorial(alpha.sum(axis=1)) / factorial(alpha).prod(axis=1))

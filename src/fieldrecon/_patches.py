@@ -8,19 +8,19 @@ interpolates in each patch interpolates after blending. Where sites are dense, b
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._chunks import chunked, rows_of
 from fieldrecon._halving import Boxes, halved
 
 SITES_PER_BOX = 1 / 3
 """Sites of the box that a patch is made for, as a part of the sites of the patch."""
 REACH = 0.8
 """A box is covered if no site in it is farther from the centre, as a part of the radius."""
-FINER = 4
-"""Balls are looked up in boxes with so many times fewer sites."""
 
 
 class Pairs(NamedTuple):
@@ -64,22 +64,21 @@ class Patches:
     start: np.ndarray
 
     @classmethod
-    def of(cls, points: np.ndarray, tree: cKDTree, k: int) -> Patches:
-        """Patches of k of the sites (n, d) each, or a single one if there are no more."""
-        n = len(points)
-        if n <= k:
-            one = Boxes.around(points, n)
-            center = points.min(axis=0) / 2 + points.max(axis=0) / 2
-            every = np.arange(n)[None, :]
-            none = np.zeros(1, dtype=int), np.array([0, 1])
-            return cls(center[None, :], np.array([np.inf]), every, every[0, :1], one, *none)
-        most = max(1, int(SITES_PER_BOX * k))
-        boxes = Boxes.around(points, most)
+    def of(cls, points: np.ndarray, tree: cKDTree, boxes: Boxes, k: int) -> Patches:
+        """Patches of k of the sites (n, d) each, which follow each other by box."""
         centers, radii, sites = _covering(points, tree, boxes.sites, k)
         representatives = _nearest_to_middle(points, boxes.sites)
-        boxes = boxes.finer(points, max(1, most // FINER))
         reached = boxes.reached(centers, radii)
         return cls(centers, radii, sites, representatives, boxes, *reached)
+
+    @classmethod
+    def single(cls, points: np.ndarray, boxes: Boxes) -> Patches:
+        """One patch of all sites (n, d)."""
+        center = points.min(axis=0) / 2 + points.max(axis=0) / 2
+        every = np.arange(len(points))[None, :]
+        start = np.array([0, 1])
+        infinite = np.array([np.inf])
+        return cls(center[None, :], infinite, every, every[0, :1], boxes, start[:1], start)
 
     def __len__(self) -> int:
         return len(self.centers)
@@ -110,17 +109,25 @@ def _covering(
     """Balls about the middles of boxes; boxes that their ball does not cover are halved."""
     found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     while len(rows):
-        center, reach = _middles(points, rows)
-        distance, index = tree.query(center, k + 1, workers=-1)
-        radius = distance[:, -1]
-        covers = reach <= REACH * radius
-        found.append((center[covers], radius[covers], index[covers, :-1]))
+        parts = chunked(partial(_balls, points, tree, k), rows, rows_of(8 * 8 * k))
+        *balls, covers = map(np.concatenate, zip(*(part for _, part in parts), strict=True))
+        found.append(tuple(ball[covers] for ball in balls))
         rows = rows[~covers]
         if len(rows):
             rows = halved(rows, points.T[:, rows])[2]
             rows = rows[(rows >= 0).any(axis=1)]
     centers, radii, sites = (np.concatenate(part) for part in zip(*found, strict=True))
     return centers, radii, sites
+
+
+def _balls(
+    points: np.ndarray, tree: cKDTree, k: int, rows: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Centre, radius and sites of the ball of each box, and whether it covers the box."""
+    center, reach = _middles(points, rows)
+    distance, index = tree.query(center, k + 1)
+    radius = distance[:, -1]
+    return center, radius, index[:, :-1], reach <= REACH * radius
 
 
 def _middles(points: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,74 @@
+"""Stacks of small symmetric systems, each solved as well as its numbers allow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from fieldrecon._chunks import chunked
+from fieldrecon.polynomials import EPS
+
+COLUMNS = 16
+"""Right-hand sides that are solved for with one factored matrix, where there are many."""
+FLAT = 1e14
+"""Size of the inverse, times that of the matrix, from which on elimination finds rounding only."""
+
+
+def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solutions (p, s, v) of symmetric systems (p, s, s), of least length where one is singular.
+
+    A further right-hand side of size one shows which are, to rounding. Of these only what
+    eigenvectors can tell is kept: the rest would be rounding many times as large as the data.
+    """
+    probe = np.cos(np.arange(matrix.shape[1]))[None, :, None]
+    probes = np.broadcast_to(probe, (len(matrix), *probe.shape[1:]))
+    try:
+        found = np.linalg.solve(matrix, np.concatenate([right, probes], axis=2))
+    except np.linalg.LinAlgError:  # one of them is, exactly, and NumPy solves all or none
+        return _by_eigenvectors(matrix, right)
+    size = np.sqrt(np.einsum("pij,pij->p", matrix, matrix))
+    flat = ~(np.abs(found[..., -1]).max(axis=1) * size <= FLAT)
+    found = found[..., :-1]
+    if flat.any():
+        found[flat] = _by_eigenvectors(matrix[flat], right[flat])
+    return found
+
+
+def _by_eigenvectors(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    sigma, u = np.linalg.eigh(matrix)
+    size = np.abs(sigma)
+    kept = size > EPS * matrix.shape[1] / 4 * size.max(axis=1, keepdims=True)
+    inverse = np.where(kept, 1.0, 0.0) / np.where(kept, sigma, 1.0)
+    return u @ (inverse[..., None] * (u.mT @ right))
+
+
+def solved_for_each(
+    solve: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    system: np.ndarray,
+    right: np.ndarray,
+    rows: int,
+) -> np.ndarray:
+    """Solutions for the right-hand sides (m, s), each of a system (m,) by its number.
+
+    `solve` takes systems (p,) and right-hand sides (p, s, COLUMNS) for them, `rows` systems at a
+    time; those of one system go together, so that its matrix is made and factored once for many.
+    """
+    order = np.argsort(system, kind="stable")
+    first = np.searchsorted(system[order], system[order])
+    column = (np.arange(len(order)) - first) % COLUMNS
+    stack = np.cumsum(column == 0) - 1
+    begin = np.append(np.flatnonzero(column == 0), len(order))
+
+    def work(stacks: np.ndarray) -> np.ndarray:
+        part = slice(begin[stacks[0]], begin[stacks[-1] + 1])
+        columns = np.zeros((len(stacks), right.shape[1], COLUMNS))
+        place = stack[part] - stacks[0], slice(None), column[part]
+        columns[place] = right[order[part]]
+        return solve(system[order[begin[stacks]]], columns)[place]
+
+    parts = [part for _, part in chunked(work, np.arange(len(begin) - 1), rows)]
+    solutions = np.concatenate(parts) if parts else solve(system, right[..., None])[..., 0]
+    result = np.empty_like(solutions)
+    result[order] = solutions
+    return result
