@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -112,7 +113,7 @@ def _slabs(along: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
     rows = np.full((number, n // number + 1), -1)
     for row, part in zip(rows, parts, strict=True):
         row[: len(part)] = part
-    pairs = zip(parts[:-1], parts[1:], strict=True)
+    pairs = pairwise(parts)
     cuts = [along[left].max() / 2 + along[right].min() / 2 for left, right in pairs]
     return np.array(cuts), rows
 
