@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from benchmarks.measure import Track
 
 NAMES = (
-    "peers",
     "moving_least_squares",
     "radial_basis_functions",
     "memory",
@@ -24,6 +23,7 @@ NAMES = (
     "mesh_velocities",
     "mesh_scaling",
     "barycentric",
+    "peers",
 )
 RESULTS = Path(__file__).parent / "results"
 CORES = 2
