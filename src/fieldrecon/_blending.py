@@ -22,6 +22,8 @@ from fieldrecon._patches import SITES_PER_BOX, Patches, bump
 
 COVERED = 5e-3
 """The sum c of the weights from which on patches are alone."""
+FEW_COLUMNS = 3
+"""Up to which sums by counting are faster than by a sparse matrix."""
 ALONE = 4
 """As many sites as these many patches hold are a patch of their own."""
 
@@ -95,13 +97,17 @@ def levels_of(points: np.ndarray, k: int, problem: Problem) -> Iterator[Level]:
         sites = sites[patches.representatives]
 
 
-def shares(levels: Sequence[Level], x: np.ndarray) -> Iterator[Share]:
-    """Yield the shares of the levels in the values at the queries (m, d)."""
-    query, left, slope = np.arange(len(x)), np.ones(len(x)), np.zeros_like(x)
+def shares(levels: Sequence[Level], x: np.ndarray, gradients: bool) -> Iterator[Share]:
+    """Yield the shares of the levels in the values at the queries (m, d).
+
+    Without gradients, those of the weights have no columns.
+    """
+    columns = x.shape[1] if gradients else 0
+    query, left, slope = np.arange(len(x)), np.ones(len(x)), np.zeros((len(x), columns))
     for number, level in enumerate(levels):
         own, patch, offset = level.patches.containing(x[query])
         weight, gradient = bump(offset)
-        gradient /= level.patches.radii[patch, None]
+        gradient = gradient[:, :columns] / level.patches.radii[patch, None]
         total, change = summed(own, weight, len(query)), summed(own, gradient, len(query))
         behind = 1.0 - total / COVERED if number + 1 < len(levels) else np.zeros_like(total)
         behind = np.maximum(behind, 0.0)[:, None]
@@ -127,7 +133,21 @@ def shares(levels: Sequence[Level], x: np.ndarray) -> Iterator[Share]:
 
 def summed(query: np.ndarray, terms: np.ndarray, m: int) -> np.ndarray:
     """Sums (m, ...) of the terms (p, ...) of each query, which are in the order of queries."""
-    start = np.searchsorted(query, np.arange(m + 1))
-    adds = sparse.csr_array((np.ones(len(query)), np.arange(len(query)), start), (m, len(query)))
     columns = terms.reshape(len(terms), math.prod(terms.shape[1:]))
-    return (adds @ columns).reshape(m, *terms.shape[1:])
+    if columns.dtype == float and columns.shape[1] <= FEW_COLUMNS:
+        sums = np.empty((m, columns.shape[1]))
+        for total, column in zip(sums.T, columns.T, strict=True):
+            total[:] = np.bincount(query, column, m)
+    else:
+        start = np.searchsorted(query, np.arange(m + 1))
+        pairs = np.ones(len(query)), np.arange(len(query)), start
+        sums = sparse.csr_array(pairs, (m, len(query))) @ columns
+    return sums.reshape(m, *terms.shape[1:])
+
+
+def add_rows(total: np.ndarray, rows: np.ndarray, terms: np.ndarray) -> None:
+    """Add terms (p, ...) to rows of the total; rows come more than once, in any order."""
+    order = np.argsort(rows, kind="stable")
+    rows = rows[order]
+    new = np.diff(rows, prepend=-1) > 0
+    total[rows[new]] += summed(np.cumsum(new) - 1, terms[order], int(new.sum()))

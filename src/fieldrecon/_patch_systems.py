@@ -11,7 +11,7 @@ the polynomial of the plane, constant across it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -131,22 +131,23 @@ class PatchSystems:
         """Number of coefficients, k + q."""
         return self.sites.shape[1] + dimension(self.points.shape[1], self.degree)
 
-    def offsets(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Places x (p, s, d) in the frames of patches (p,)."""
-        return (x - self.origin[patch, None, :]) / self.radius[patch, None, None]
-
     def frames(self, patch: np.ndarray) -> np.ndarray:
         """Sites (p, k, d) of patches (p,) in their frames."""
-        return self.offsets(patch, self.points[self.sites[patch]])
+        return self._offsets(patch[:, None], self.points[self.sites[patch]])
+
+    def _offsets(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Places x (..., d) in the frames of patches (...)."""
+        return (x - self.origin[patch]) / self.radius[patch][..., None]
 
     def matrices(self, patch: np.ndarray) -> np.ndarray:
         """Matrices (p, k + q, k + q) of the patches."""
-        y = self.frames(patch)
-        k, q = y.shape[1], self.size - y.shape[1]
+        k = self.sites.shape[1]
+        q = self.size - k
         matrix = np.zeros((len(patch), k + q, k + q))
-        self._kernel(patch, y, y, out=matrix[:, :k, :k])
+        y = self._coordinates[:, self.sites[patch]]
+        matrix[:, :k, :k] = self._kernel(patch, y[..., None] - y[:, :, None])
         matrix[:, range(k), range(k)] += self._smoothing(patch)[:, None]
-        basis = monomials(y, self.degree)
+        basis = monomials(self.frames(patch), self.degree)
         for i, transform in self._reduced_among(patch):
             basis[i] = basis[i] @ transform
             matrix[i, range(k, k + q), range(k, k + q)] = ~transform.any(axis=0)
@@ -208,24 +209,22 @@ class PatchSystems:
 
     def basis(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Kernels and monomials (p, k + q) of the patches (p,) at places x (p, d)."""
-        at = self.offsets(patch, x[:, None, :])
-        y = self.frames(patch)
-        k = y.shape[1]
         b = np.empty((len(patch), self.size))
-        self._kernel(patch, at, y, out=b[:, None, :k])
-        b[:, k:] = monomials(at[:, 0], self.degree)
+        k = self.sites.shape[1]
+        b[:, :k] = self._kernel(patch, self._from_sites(patch, x))
+        b[:, k:] = monomials(self._offsets(patch, x), self.degree)
         return b
 
     def basis_gradient(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Their gradients (p, k + q, d) by x."""
-        at = self.offsets(patch, x[:, None, :])
-        y = at - self.frames(patch)
-        k = y.shape[1]
         g = np.empty((len(patch), self.size, x.shape[1]))
-        unit = self._unit(patch)[:, None]
-        squared = np.einsum("pkd,pkd->pk", y, y) * unit**2
-        g[:, :k] = (self.problem.kernel.slope_of_squared(squared) * unit**2)[..., None] * y
-        g[:, k:] = monomial_gradients(at[:, 0], self.degree)
+        k, unit = self.sites.shape[1], self._unit(patch)[:, None]
+        y = self._from_sites(patch, x)
+        y /= self.radius[patch, None]
+        squared = np.einsum("apk,apk->pk", y, y) * unit**2
+        slope = self.problem.kernel.slope_of_squared(squared) * unit**2
+        g[:, :k] = np.moveaxis(slope * y, 0, 2)
+        g[:, k:] = monomial_gradients(self._offsets(patch, x), self.degree)
         return g / self.radius[patch, None, None]
 
     def least_degree(self) -> int:
@@ -240,13 +239,23 @@ class PatchSystems:
             return []
         return [(i, self.reduced[j]) for i, j in enumerate(patch.tolist()) if j in self.reduced]
 
-    def _kernel(self, patch: np.ndarray, x: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
-        squared = out
-        squared[...] = 0.0
-        for axis in range(x.shape[2]):
-            difference = x[:, :, None, axis] - y[:, None, :, axis]
-            squared += difference * difference
-        out[...] = self.problem.kernel.of_squared(squared * self._unit(patch)[:, None, None] ** 2)
+    def _from_sites(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """From the sites of patches (p,) to places x (p, d), by axis (d, p, k)."""
+        y = self._coordinates[:, self.sites[patch]]
+        return np.subtract(x.T[:, :, None], y, out=y)
+
+    def _kernel(self, patch: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Kernel (p, ...) between places that are y (d, p, ...) apart, which is written to."""
+        y *= _per_patch(self._unit(patch) / self.radius[patch], y[0])
+        y *= y
+        squared = y[0]
+        for more in y[1:]:
+            squared += more
+        return self.problem.kernel.of_squared(squared)
+
+    @cached_property
+    def _coordinates(self) -> np.ndarray:
+        return np.ascontiguousarray(self.points.T)
 
     def _smoothing(self, patch: np.ndarray) -> np.ndarray:
         return (
@@ -286,6 +295,11 @@ def _frames(
     radius = np.sqrt(np.einsum("pkd,pkd->pk", y, y).max(axis=1))
     radius = np.exp2(np.ceil(np.log2(np.where(radius > 0, radius, 1.0))))
     return origin, radius, doubtful(y / radius[:, None, None], degree)
+
+
+def _per_patch(factor: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """Factors (p,) as an array that multiplies one of shape (p, ...)."""
+    return factor.reshape(len(factor), *(1 for _ in like.shape[1:]))
 
 
 def _too_flat(where: np.ndarray) -> np.linalg.LinAlgError:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon import _validation as valid
-from fieldrecon._blending import levels_of, shares, summed
+from fieldrecon._blending import add_rows, levels_of, shares, summed
 from fieldrecon._chunks import Progress, chunked, rows_of
 from fieldrecon._patch_systems import PatchSystems, Problem
 from fieldrecon._solvable import as_augmentation, as_finite, as_kernel, refuse_duplicates
@@ -167,7 +167,9 @@ class PartitionOfUnityRBF(Reconstruction):
         x = self._frame.local(x)
         columns = prepared[0][0].shape[2]
         total = np.zeros((len(x), columns), dtype=prepared[0][0].dtype)
-        for share, coefficients in zip(shares(self._levels, x), prepared, strict=False):
+        for share, coefficients in zip(
+            shares(self._levels, x, gradients=False), prepared, strict=False
+        ):
             values = np.empty((len(share.query), columns), dtype=total.dtype)
             for systems, own, pairs, member in share.systems():
                 values[pairs] = systems.values(member, x[share.query[pairs]], coefficients[own])
@@ -178,7 +180,9 @@ class PartitionOfUnityRBF(Reconstruction):
         middle = self._value_rows(x, prepared)
         x = self._frame.local(x)
         total = np.zeros((*middle.shape, x.shape[1]), dtype=middle.dtype)
-        for share, coefficients in zip(shares(self._levels, x), prepared, strict=False):
+        for share, coefficients in zip(
+            shares(self._levels, x, gradients=True), prepared, strict=False
+        ):
             terms = np.empty((len(share.query), *total.shape[1:]), dtype=total.dtype)
             for systems, own, pairs, member in share.systems():
                 query, weight = share.query[pairs], share.weight[pairs, None, None]
@@ -191,7 +195,7 @@ class PartitionOfUnityRBF(Reconstruction):
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
         x, parts = self._frame.local(x), _Triples(len(x), len(self.points))
-        for share in shares(self._levels, x):
+        for share in shares(self._levels, x, gradients=False):
             for systems, _, pairs, member in share.systems():
                 query = share.query[pairs]
                 basis = systems.basis(member, x[query]) * share.weight[pairs, None]
@@ -203,7 +207,7 @@ class PartitionOfUnityRBF(Reconstruction):
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
         x = self._frame.local(x)
         parts = [_Triples(len(x), len(self.points)) for _ in range(x.shape[1])]
-        for share in shares(self._levels, x):
+        for share in shares(self._levels, x, gradients=True):
             for systems, _, pairs, member in share.systems():
                 query = share.query[pairs]
                 basis = systems.basis(member, x[query])
@@ -222,16 +226,17 @@ class PartitionOfUnityRBF(Reconstruction):
         ]
         for part, _ in chunked(lambda rows: rows, np.arange(len(x)), self._chunk_rows(f.shape[1])):
             here = self._frame.local(x[part])
-            for share, own in zip(shares(self._levels, here), moments, strict=False):
+            parts = shares(self._levels, here, gradients=False)
+            for share, own in zip(parts, moments, strict=False):
                 for systems, number, pairs, member in share.systems():
                     query = share.query[pairs]
                     basis = systems.basis(member, here[query]) * share.weight[pairs, None]
-                    _add_rows(own[number], member, basis[..., None] * f[part][query, None, :])
+                    add_rows(own[number], member, basis[..., None] * f[part][query, None, :])
         total = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
         for level, own in zip(self._levels, moments, strict=True):
             for systems, moment in zip(level.systems, own, strict=True):
                 sites = level.sites[systems.sites].ravel()
-                _add_rows(total, sites, systems.adjoint(moment).reshape(len(sites), -1))
+                add_rows(total, sites, systems.adjoint(moment).reshape(len(sites), -1))
         return total
 
     def _order(self, x: np.ndarray) -> np.ndarray:
@@ -294,12 +299,6 @@ def _left_out(systems: PatchSystems, values: np.ndarray, patches: np.ndarray) ->
     k = c.shape[2]
     found = c @ values[systems.sites[patches]]
     return found[:, :k] / c[:, range(k), range(k), None]
-
-
-def _add_rows(total: np.ndarray, rows: np.ndarray, terms: np.ndarray) -> None:
-    """Add terms (p, ...) to rows of the total; rows come more than once."""
-    order = np.argsort(rows, kind="stable")
-    total += summed(rows[order], terms[order], len(total))
 
 
 def _as_patch_size(size: int | None, d: int, degree: int) -> int:
