@@ -17,6 +17,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fieldrecon._halving import Boxes
+from fieldrecon._patch_growth import systems_of
 from fieldrecon._patch_systems import PatchSystems, Problem
 from fieldrecon._patches import SITES_PER_BOX, Patches, bump
 
@@ -91,7 +92,7 @@ def levels_of(points: np.ndarray, k: int, problem: Problem) -> Iterator[Level]:
         own = points[sites]
         tree = cKDTree(own)
         patches = Patches.single(own, boxes) if alone else Patches.of(own, tree, boxes, k)
-        yield Level(sites, patches, *PatchSystems.of(own, tree, patches, problem))
+        yield Level(sites, patches, *systems_of(own, tree, patches, problem))
         if alone:
             return
         sites = sites[patches.representatives]
@@ -143,11 +144,3 @@ def summed(query: np.ndarray, terms: np.ndarray, m: int) -> np.ndarray:
         pairs = np.ones(len(query)), np.arange(len(query)), start
         sums = sparse.csr_array(pairs, (m, len(query))) @ columns
     return sums.reshape(m, *terms.shape[1:])
-
-
-def add_rows(total: np.ndarray, rows: np.ndarray, terms: np.ndarray) -> None:
-    """Add terms (p, ...) to rows of the total; rows come more than once, in any order."""
-    order = np.argsort(rows, kind="stable")
-    rows = rows[order]
-    new = np.diff(rows, prepend=-1) > 0
-    total[rows[new]] += summed(np.cumsum(new) - 1, terms[order], int(new.sum()))

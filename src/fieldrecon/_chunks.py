@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 from collections import deque
+import pickle
+import tempfile
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import lru_cache, partial
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -36,7 +40,8 @@ def chunked(
     """Yield each slice of rows of `x` with work(x[slice]), in order.
 
     The chunks run on `executor` (a pool of threads if None); `progress(done, total)` is called
-    after each. An exception or an interrupt cancels what has not begun.
+    after each. An exception or an interrupt cancels what has not begun. Processes of a pool read
+    `work`, which may hold millions of sites, once, and not with every chunk.
     """
     slices = [slice(i, min(i + rows, len(x))) for i in range(0, len(x), rows)]
     pool: AbstractContextManager[Executor] = (
@@ -45,11 +50,12 @@ def chunked(
     pending: deque[tuple[slice, Future[Result]]] = deque()
     done, ahead = 0, iter(slices)
     # threads share the cores among chunks; BLAS threads below them would only compete
-    with pool as workers, threadpool_limits(1) if len(slices) > 1 else nullcontext():
+    limits = threadpool_limits(1) if len(slices) > 1 else nullcontext()
+    with pool as workers, _at_hand(work, executor) as work_there, limits:
         try:
             while True:
                 while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
-                    pending.append((s, workers.submit(work, x[s])))
+                    pending.append((s, workers.submit(work_there, x[s])))
                 if not pending:
                     return
                 s, future = pending.popleft()
@@ -61,6 +67,30 @@ def chunked(
         finally:
             for _, future in pending:
                 future.cancel()
+
+
+@contextmanager
+def _at_hand(
+    work: Callable[[np.ndarray], Result], executor: Executor | None
+) -> Iterator[Callable[[np.ndarray], Result]]:
+    """The work as threads take it; for processes, in a file until all is done."""
+    if not isinstance(executor, ProcessPoolExecutor):
+        yield work
+        return
+    with tempfile.TemporaryDirectory(prefix="fieldrecon-") as folder:
+        file = Path(folder) / "work.pickle"
+        file.write_bytes(pickle.dumps(work, protocol=pickle.HIGHEST_PROTOCOL))
+        yield partial(_do, file)
+
+
+def _do(file: Path, x: np.ndarray) -> Any:
+    return _read(file)(x)
+
+
+@lru_cache(maxsize=1)
+def _read(file: Path) -> Callable[[np.ndarray], Any]:
+    work: Callable[[np.ndarray], Any] = pickle.loads(file.read_bytes())
+    return work
 
 
 class _Inline(Executor):

@@ -41,6 +41,13 @@ def told_apart(y: np.ndarray, degree: int) -> np.ndarray | None:
     return _bombieri(y.shape[1], degree)[:, None] * transform
 
 
+def leverages(y: np.ndarray, degree: int) -> np.ndarray:
+    """Weights (p, k) of the data at the sites (p, k, d) in their own least-squares polynomial."""
+    u, sigma, _ = np.linalg.svd(_equilibrated(y, degree), full_matrices=False)
+    kept = sigma > _tolerance(y, degree) * sigma.max(axis=1, keepdims=True, initial=0.0)
+    return np.einsum("pkq,pq->pk", u**2, kept.astype(float))
+
+
 def _equilibrated(y: np.ndarray, degree: int) -> np.ndarray:
     return monomials(y, degree) * _bombieri(y.shape[-1], degree)
 

@@ -10,21 +10,21 @@ the polynomial of the plane, constant across it.
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from fieldrecon._chunks import chunked, rows_of
-from fieldrecon._determined import doubtful, ranks, told_apart
-from fieldrecon._patches import Patches
+from fieldrecon._chunks import Progress, chunked, rows_of
+from fieldrecon._determined import leverages, ranks
 from fieldrecon._small_systems import COLUMNS, solved, solved_for_each
+from fieldrecon._validation import without_warnings
 from fieldrecon.polynomials import dimension, monomial_gradients, monomials
 from fieldrecon.radial import Radial
 
-MOST_GROWTH = 4
-"""So many times more sites are given to a patch that does not determine its polynomials."""
+MOST_LEVERAGE = 1 - 1e-4
+"""Of a site in the least-squares polynomial of its patch, if the others determine it without."""
 _TOLERATED_MISS = 1e-2  # of the size of the data, before a field is refused
 
 
@@ -64,55 +64,6 @@ class PatchSystems:
     origin: np.ndarray
     radius: np.ndarray
     reduced: dict[int, np.ndarray] = field(default_factory=dict)
-
-    @classmethod
-    def of(
-        cls, points: np.ndarray, tree: cKDTree, patches: Patches, problem: Problem
-    ) -> tuple[tuple[PatchSystems, ...], np.ndarray, np.ndarray]:
-        """Systems of the patches, in which of them each patch is, and where in it.
-
-        A patch that does not determine its polynomials, or only just, is given more sites.
-        """
-        groups: list[PatchSystems] = []
-        group = np.zeros(len(patches), dtype=int)
-        member, sites = np.zeros(len(patches), dtype=int), patches.sites
-        rest = np.arange(len(patches))
-        while len(rest):
-            systems, doubt = cls._about(points, sites, problem)
-            enough = sites.shape[1] >= min(len(points), MOST_GROWTH * patches.sites.shape[1])
-            grows = np.zeros_like(doubt) if enough else doubt
-            kept = systems if not grows.any() else systems._only(~grows)
-            if enough:
-                kept._reduce(np.flatnonzero(doubt))
-            member[rest[~grows]], group[rest[~grows]] = np.arange(len(kept)), len(groups)
-            groups.append(kept)
-            rest = rest[grows]
-            more = min(2 * sites.shape[1], len(points))
-            sites = tree.query(patches.centers[rest], more)[1].reshape(len(rest), more)
-        return tuple(groups), group, member
-
-    @classmethod
-    def _about(
-        cls, points: np.ndarray, sites: np.ndarray, problem: Problem
-    ) -> tuple[PatchSystems, np.ndarray]:
-        """Systems of patches with these sites (p, k), and which are doubtful."""
-        k, d = sites.shape[1], points.shape[1]
-        rows = rows_of(16 * k * (d + dimension(d, problem.degree)))
-        parts = chunked(partial(_frames, points, problem.degree), sites, rows)
-        origin, radius, doubt = map(np.concatenate, zip(*(p for _, p in parts), strict=True))
-        return cls(points, sites, problem, origin, radius), doubt
-
-    def _only(self, some: np.ndarray) -> PatchSystems:
-        """Some of the patches."""
-        arrays = self.sites[some], self.problem, self.origin[some], self.radius[some]
-        return PatchSystems(self.points, *arrays)
-
-    def _reduce(self, patches: np.ndarray) -> None:
-        """Have patches use those polynomials only that their sites tell apart."""
-        for patch in patches.tolist():
-            transform = told_apart(self.frames(np.array([patch]))[0], self.degree)
-            if transform is not None:
-                self.reduced[patch] = transform
 
     def __len__(self) -> int:
         return len(self.sites)
@@ -155,8 +106,19 @@ class PatchSystems:
         matrix[:, k:, :k] = basis.mT
         return matrix
 
-    def coefficients(self, patch: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Coefficients (p, k + q, v) of the patches for the data (n, v) of all sites."""
+    def fitted(
+        self, values: np.ndarray, executor: Executor | None, progress: Progress | None
+    ) -> np.ndarray:
+        """Coefficients (p, k + q, v) of all patches for the data (n, v) of all sites."""
+        found = np.empty((len(self), self.size, values.shape[1]), dtype=values.dtype)
+        work = partial(without_warnings, self.coefficients, values)
+        rows = self.rows(values.shape[1])
+        for part, some in chunked(work, np.arange(len(self)), rows, executor, progress):
+            found[part] = some
+        return found
+
+    def coefficients(self, values: np.ndarray, patch: np.ndarray) -> np.ndarray:
+        """Coefficients (p, k + q, v) of patches (p,) for the data (n, v) of all sites."""
         matrix = self.matrices(patch)
         data = values[self.sites[patch]]
         k = data.shape[1]
@@ -164,14 +126,23 @@ class PatchSystems:
         right[:, :k] = data
         found = solved(matrix, right)
         self._refuse_a_miss(patch, matrix, found, right)
-        return self._in_monomials(patch, found)
+        for i, transform in self._reduced_among(patch):
+            found[i, k:] = transform @ found[i, k:]
+        return found
 
-    def cardinal_coefficients(self, patch: np.ndarray) -> np.ndarray:
-        """C (p, k + q, k): C f are the coefficients for the data f of the patch."""
+    def left_out(self, values: np.ndarray, patch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals (p, k, v) of the sites, each against the others of its patch; where they tell.
+
+        lambda_i / (S^-1)_ii; they tell (p, k) where the others determine the polynomials too.
+        """
         k = self.sites.shape[1]
         unit = np.zeros((len(patch), self.size, k))
         unit[:, range(k), range(k)] = 1.0
-        return self._in_monomials(patch, solved(self.matrices(patch), unit))
+        inverse = solved(self.matrices(patch), unit)[:, :k]
+        tell = leverages(self.frames(patch), self.degree) <= MOST_LEVERAGE
+        diagonal = np.where(tell, inverse[:, range(k), range(k)], 1.0)
+        residuals = inverse @ values[self.sites[patch]] / diagonal[..., None]
+        return np.where(tell[..., None], residuals, 0.0), tell
 
     def values(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
         """Values (p, v) at places x (p, d), with the coefficients of all patches."""
@@ -187,7 +158,8 @@ class PatchSystems:
         The systems are symmetric: S w = t gives them more accurately than t^T S^-1, whose rows
         are large where sites are close.
         """
-        return solved_for_each(self._solved_for_data, patch, terms, self.rows(COLUMNS))
+        k, rows = self.sites.shape[1], self.rows(COLUMNS)
+        return solved_for_each(self._solved_for_data, patch, terms, k, rows)
 
     def adjoint(self, moments: np.ndarray) -> np.ndarray:
         """C^T m (p, k, v) of moments (p, k + q, v), without forming C."""
@@ -222,6 +194,11 @@ class PatchSystems:
         y = self._from_sites(patch, x)
         y /= self.radius[patch, None]
         squared = np.einsum("apk,apk->pk", y, y) * unit**2
+        if not self.problem.kernel.differentiable and (squared == 0).any():
+            raise ValueError(
+                f"{self.problem.kernel!r} has no gradient at a site, and some of the queries are "
+                "sites"
+            )
         slope = self.problem.kernel.slope_of_squared(squared) * unit**2
         g[:, :k] = np.moveaxis(slope * y, 0, 2)
         g[:, k:] = monomial_gradients(self._offsets(patch, x), self.degree)
@@ -268,12 +245,6 @@ class PatchSystems:
         homogeneous = self.problem.kernel.in_units(2.0) is self.problem.kernel
         return np.ones(len(patch)) if homogeneous else self.radius[patch]
 
-    def _in_monomials(self, patch: np.ndarray, found: np.ndarray) -> np.ndarray:
-        k = self.sites.shape[1]
-        for i, transform in self._reduced_among(patch):
-            found[i, k:] = transform @ found[i, k:]
-        return found
-
     def _refuse_a_miss(
         self, patch: np.ndarray, matrix: np.ndarray, found: np.ndarray, right: np.ndarray
     ) -> None:
@@ -283,18 +254,6 @@ class PatchSystems:
         if not (relative <= _TOLERATED_MISS).all():
             worst = int(np.argmax(np.where(np.isnan(relative), np.inf, relative).max(axis=1)))
             raise _too_flat(self.origin[patch[worst]])
-
-
-def _frames(
-    points: np.ndarray, degree: int, sites: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Origins and units of length of patches with these sites (p, k), and which are doubtful."""
-    places = points[sites]
-    origin = places.mean(axis=1)
-    y = places - origin[:, None, :]
-    radius = np.sqrt(np.einsum("pkd,pkd->pk", y, y).max(axis=1))
-    radius = np.exp2(np.ceil(np.log2(np.where(radius > 0, radius, 1.0))))
-    return origin, radius, doubtful(y / radius[:, None, None], degree)
 
 
 def _per_patch(factor: np.ndarray, like: np.ndarray) -> np.ndarray:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fieldrecon._chunks import chunked
 from fieldrecon.polynomials import EPS
 
 COLUMNS = 16
@@ -47,9 +46,10 @@ def solved_for_each(
     solve: Callable[[np.ndarray, np.ndarray], np.ndarray],
     system: np.ndarray,
     right: np.ndarray,
+    size: int,
     rows: int,
 ) -> np.ndarray:
-    """Solutions for the right-hand sides (m, s), each of a system (m,) by its number.
+    """Solutions (m, size) for the right-hand sides (m, s), each of a system (m,) by its number.
 
     `solve` takes systems (p,) and right-hand sides (p, s, COLUMNS) for them, `rows` systems at a
     time; those of one system go together, so that its matrix is made and factored once for many.
@@ -60,15 +60,12 @@ def solved_for_each(
     stack = np.cumsum(column == 0) - 1
     begin = np.append(np.flatnonzero(column == 0), len(order))
 
-    def work(stacks: np.ndarray) -> np.ndarray:
-        part = slice(begin[stacks[0]], begin[stacks[-1] + 1])
-        columns = np.zeros((len(stacks), right.shape[1], COLUMNS))
-        place = stack[part] - stacks[0], slice(None), column[part]
+    found = np.empty((len(right), size))
+    for start in range(0, len(begin) - 1, rows):
+        stacks = slice(start, min(start + rows, len(begin) - 1))
+        part = slice(begin[stacks.start], begin[stacks.stop])
+        columns = np.zeros((stacks.stop - start, right.shape[1], COLUMNS))
+        place = stack[part] - start, slice(None), column[part]
         columns[place] = right[order[part]]
-        return solve(system[order[begin[stacks]]], columns)[place]
-
-    parts = [part for _, part in chunked(work, np.arange(len(begin) - 1), rows)]
-    solutions = np.concatenate(parts) if parts else solve(system, right[..., None])[..., 0]
-    result = np.empty_like(solutions)
-    result[order] = solutions
-    return result
+        found[order[part]] = solve(system[order[begin[stacks]]], columns)[place]
+    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from typing import TypeAlias
@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon import _validation as valid
-from fieldrecon._blending import add_rows, levels_of, shares, summed
+from fieldrecon._blended_weights import Moments, gradient_weight_rows, moments, weight_rows
+from fieldrecon._blending import levels_of, shares, summed
 from fieldrecon._chunks import Progress, chunked, rows_of
-from fieldrecon._patch_systems import PatchSystems, Problem
+from fieldrecon._patch_systems import Problem
+from fieldrecon._small_systems import COLUMNS
 from fieldrecon._solvable import as_augmentation, as_finite, as_kernel, refuse_duplicates
 from fieldrecon.polynomials import Frame, dimension, powers_of_scale
 from fieldrecon.radial import Radial, polyharmonic
@@ -138,12 +140,19 @@ class PartitionOfUnityRBF(Reconstruction):
         weights = np.zeros(len(values))
         for number, systems in enumerate(level.systems):
             patches = np.flatnonzero(level.group == number)
-            work = partial(_left_out, systems, values)
-            for part, rest in chunked(work, np.arange(len(systems)), systems.rows(systems.size)):
+            work = partial(systems.left_out, values[level.sites])
+            for part, (rest, tell) in chunked(work, np.arange(len(systems)), systems.rows()):
                 own = systems.sites[part]
-                weight = level.patches.weights(patches[part], systems.points[own])
-                np.add.at(weights, own, weight)
-                np.add.at(total, own, weight[..., None] * rest)
+                weight = level.patches.weights(patches[part], systems.points[own]) * tell
+                np.add.at(weights, level.sites[own], weight)
+                np.add.at(total, level.sites[own], weight[..., None] * rest)
+        if not weights.all():
+            i = int(np.flatnonzero(weights == 0)[0])
+            where = ", ".join(f"{c:.6g}" for c in self.points[i])
+            raise np.linalg.LinAlgError(
+                f"without point {i}, ({where}), the others of its patches do not determine the "
+                "polynomial: it cannot be left out"
+            )
         return total / weights[:, None]
 
     def _unit_smoothing(self) -> float:
@@ -158,10 +167,16 @@ class PartitionOfUnityRBF(Reconstruction):
         executor: Executor | None = None,
         progress: Progress | None = None,
     ) -> Coefficients:
-        return [
-            [_coefficients(s, values[level.sites], executor, progress) for s in level.systems]
-            for level in self._levels
-        ]
+        total = sum(len(s) for level in self._levels for s in level.systems)
+        found, done = [], 0
+        for level in self._levels:
+            own = []
+            for systems in level.systems:
+                told = progress and partial(_told, progress, done, total)
+                own.append(systems.fitted(values[level.sites], executor, told))
+                done += len(systems)
+            found.append(own)
+        return found
 
     def _value_rows(self, x: np.ndarray, prepared: Coefficients) -> np.ndarray:
         x = self._frame.local(x)
@@ -194,50 +209,28 @@ class PartitionOfUnityRBF(Reconstruction):
         return total / self._frame.scale
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
-        x, parts = self._frame.local(x), _Triples(len(x), len(self.points))
-        for share in shares(self._levels, x, gradients=False):
-            for systems, _, pairs, member in share.systems():
-                query = share.query[pairs]
-                basis = systems.basis(member, x[query]) * share.weight[pairs, None]
-                parts.add(
-                    query, share.level.sites[systems.sites[member]], systems.of_data(member, basis)
-                )
-        return parts.matrix()
+        return self._in_chunks(weight_rows, x)[0]
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
-        x = self._frame.local(x)
-        parts = [_Triples(len(x), len(self.points)) for _ in range(x.shape[1])]
-        for share in shares(self._levels, x, gradients=True):
-            for systems, _, pairs, member in share.systems():
-                query = share.query[pairs]
-                basis = systems.basis(member, x[query])
-                change = systems.basis_gradient(member, x[query])
-                sites = share.level.sites[systems.sites[member]]
-                for k, part in enumerate(parts):
-                    terms = change[..., k] * share.weight[pairs, None]
-                    terms += basis * share.gradient[pairs, k, None]
-                    part.add(query, sites, systems.of_data(member, terms))
-        return tuple(part.matrix() / self._frame.scale for part in parts)
+        return tuple(g / self._frame.scale for g in self._in_chunks(gradient_weight_rows, x))
+
+    def _in_chunks(
+        self, rows_of_weights: Callable[..., list[Weights]], x: np.ndarray
+    ) -> list[Weights]:
+        """Matrices of weights, made in the order in which queries share their patches."""
+        order = self._order(x)
+        work = partial(rows_of_weights, self._levels, len(self.points))
+        parts = chunked(work, self._frame.local(x[order]), self._chunk_rows(COLUMNS))
+        chunks = [part for _, part in parts] or [work(x)]
+        back = np.argsort(order)
+        return [sparse.vstack(rows, "csr")[back] for rows in zip(*chunks, strict=True)]
 
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-        moments = [
-            [np.zeros((len(s), s.size, f.shape[1]), dtype=f.dtype) for s in level.systems]
-            for level in self._levels
-        ]
-        for part, _ in chunked(lambda rows: rows, np.arange(len(x)), self._chunk_rows(f.shape[1])):
-            here = self._frame.local(x[part])
-            parts = shares(self._levels, here, gradients=False)
-            for share, own in zip(parts, moments, strict=False):
-                for systems, number, pairs, member in share.systems():
-                    query = share.query[pairs]
-                    basis = systems.basis(member, here[query]) * share.weight[pairs, None]
-                    add_rows(own[number], member, basis[..., None] * f[part][query, None, :])
-        total = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
-        for level, own in zip(self._levels, moments, strict=True):
-            for systems, moment in zip(level.systems, own, strict=True):
-                sites = level.sites[systems.sites].ravel()
-                add_rows(total, sites, systems.adjoint(moment).reshape(len(sites), -1))
-        return total
+        total = Moments(self._levels, f.shape[1], f.dtype)
+        work = partial(moments, self._levels, self._frame.local(x), f)
+        for _, part in chunked(work, self._order(x), self._chunk_rows(f.shape[1])):
+            total.add(part)
+        return total.of_sites(len(self.points))
 
     def _order(self, x: np.ndarray) -> np.ndarray:
         boxes = self._levels[0].patches.boxes
@@ -249,56 +242,8 @@ class PartitionOfUnityRBF(Reconstruction):
         return rows_of(8 * OVERLAP * (systems.size * (d + 3) + columns * (d + 2)))
 
 
-class _Triples:
-    """Entries of a sparse matrix, as they come; entries of one place add."""
-
-    def __init__(self, m: int, n: int) -> None:
-        self._shape = m, n
-        self._rows: list[np.ndarray] = []
-        self._columns: list[np.ndarray] = []
-        self._entries: list[np.ndarray] = []
-
-    def add(self, rows: np.ndarray, columns: np.ndarray, entries: np.ndarray) -> None:
-        """Add entries (p, k) in the rows (p,) and columns (p, k)."""
-        self._rows.append(np.repeat(rows, columns.shape[1]))
-        self._columns.append(columns.ravel())
-        self._entries.append(entries.ravel())
-
-    def matrix(self) -> sparse.csr_array:
-        """The matrix of all that came."""
-        rows, columns, entries = map(_joined, (self._rows, self._columns, self._entries))
-        return sparse.coo_array((entries, (rows, columns)), self._shape).tocsr()
-
-
-def _joined(parts: list[np.ndarray]) -> np.ndarray:
-    return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
-
-
-def _coefficients(
-    systems: PatchSystems,
-    values: np.ndarray,
-    executor: Executor | None,
-    progress: Progress | None,
-) -> np.ndarray:
-    found = np.empty((len(systems), systems.size, values.shape[1]), dtype=values.dtype)
-    rows = systems.rows(values.shape[1])
-    work = partial(_solved, systems, values)
-    for part, coefficients in chunked(work, np.arange(len(systems)), rows, executor, progress):
-        found[part] = coefficients
-    return found
-
-
-def _solved(systems: PatchSystems, values: np.ndarray, patches: np.ndarray) -> np.ndarray:
-    found: np.ndarray = valid.without_warnings(systems.coefficients, patches, values)
-    return found
-
-
-def _left_out(systems: PatchSystems, values: np.ndarray, patches: np.ndarray) -> np.ndarray:
-    """Residuals (p, k, v) of the sites of patches, each against the others of its patch."""
-    c = systems.cardinal_coefficients(patches)
-    k = c.shape[2]
-    found = c @ values[systems.sites[patches]]
-    return found[:, :k] / c[:, range(k), range(k), None]
+def _told(progress: Progress, before: int, total: int, done: int, _: int) -> None:
+    progress(before + done, total)
 
 
 def _as_patch_size(size: int | None, d: int, degree: int) -> int:
