@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections import deque
 import pickle
 import tempfile
+from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
