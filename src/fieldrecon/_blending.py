@@ -86,7 +86,7 @@ def levels_of(points: np.ndarray, k: int, problem: Problem) -> Iterator[Level]:
     sites = np.arange(len(points))
     while True:
         alone = len(sites) <= ALONE * k
-        boxes = Boxes.around(points[sites], len(sites) if alone else SITES_PER_BOX * k)
+        boxes = Boxes.around(points[sites], len(sites) if alone else max(1, SITES_PER_BOX * k))
         boxes, order = boxes.in_order()
         sites = sites[order]
         own = points[sites]

@@ -66,8 +66,9 @@ class Patches:
     @classmethod
     def of(cls, points: np.ndarray, tree: cKDTree, boxes: Boxes, k: int) -> Patches:
         """Patches of k of the sites (n, d) each, which follow each other by box."""
-        centers, radii, sites = _covering(points, tree, boxes.sites, k)
-        representatives = _nearest_to_middle(points, boxes.sites)
+        rows = boxes.sites[(boxes.sites >= 0).any(axis=1)]
+        centers, radii, sites = _covering(points, tree, rows, k)
+        representatives = _nearest_to_middle(points, rows)
         reached = boxes.reached(centers, radii)
         return cls(centers, radii, sites, representatives, boxes, *reached)
 
@@ -117,6 +118,11 @@ def _covering(
             rows = halved(rows, points.T[:, rows])[2]
             rows = rows[(rows >= 0).any(axis=1)]
     centers, radii, sites = (np.concatenate(part) for part in zip(*found, strict=True))
+    if not radii.all():
+        raise ValueError(
+            f"points must not coincide in numbers above {k}, the sites of a patch; merge those "
+            "that do, or give a larger patch_size"
+        )
     return centers, radii, sites
 
 
