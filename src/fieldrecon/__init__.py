@@ -3,11 +3,12 @@
 Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(values)(x)``.
 """
 
-from fieldrecon import datasets
+from fieldrecon import datasets, sphere
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
+from fieldrecon.field_files import load, save
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.local_gradients import (
     local_least_squares,
@@ -24,6 +25,7 @@ from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern,
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.sphere import OnGlobe
 from fieldrecon.velocity import (
     divergence,
     normal_velocities,
@@ -38,6 +40,7 @@ __all__ = [
     "Field",
     "LeastSquares",
     "MovingLeastSquares",
+    "OnGlobe",
     "PartitionOfUnityRBF",
     "Reconstruction",
     "SimplexMesh",
@@ -52,6 +55,7 @@ __all__ = [
     "inverse_multiquadric",
     "inverse_square",
     "leave_one_out",
+    "load",
     "local_least_squares",
     "local_moving_least_squares",
     "local_rbf",
@@ -64,6 +68,8 @@ __all__ = [
     "read_mesh",
     "read_mesh_and_data",
     "read_surface",
+    "save",
+    "sphere",
     "thin_plate_spline",
     "velocity_weights",
     "vertex_gradients",

@@ -11,6 +11,7 @@ from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Reconstruction
+from fieldrecon.sphere import OnGlobe
 
 # Below this 1 - h_ii the closed form has lost four digits and more: the point is dropped instead.
 _ACCURATE = 1e-4
@@ -68,6 +69,8 @@ def _residuals(method: Reconstruction, values: np.ndarray) -> np.ndarray:
         return _polynomial_residuals(method, values)
     if isinstance(method, MovingLeastSquares):
         return _moving_residuals(method, values)
+    if isinstance(method, OnGlobe):
+        return _residuals(method.method, values)
     if isinstance(method, PartitionOfUnityRBF):
         return method.left_out(values)
     if isinstance(method, RBF):

@@ -155,7 +155,7 @@ class Reconstruction(ABC):
 
     def _prepare(self, values: np.ndarray) -> Any:
         """What evaluation needs of the data (n, v): coefficients, or the data themselves."""
-        return values.copy()  # a field does not change when the caller's array does
+        return values
 
     def _value_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
         """Values (m, v)."""
@@ -202,6 +202,8 @@ class Field:
     ----------
     method : Reconstruction
         The method with its sites.
+    values : (n, ...) ndarray
+        The data; they do not change when the caller's array does.
 
     Examples
     --------
@@ -221,10 +223,12 @@ class Field:
         prepare: Callable[[np.ndarray], Any] | None = None,
     ) -> None:
         self.method = method
+        self.values = values.copy()
+        self.values.flags.writeable = False
         self._shape = values.shape[1:]
         self._dtype = values.dtype
         self._prepared = valid.without_warnings(
-            prepare or method._prepare, values.reshape(len(values), -1)
+            prepare or method._prepare, self.values.reshape(len(values), -1)
         )
 
     def __call__(
