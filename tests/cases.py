@@ -328,8 +328,8 @@ def tracks(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
 def partition_cases() -> Iterator[Case]:
     sizes = {1: (80, 10), 2: (130, 16), 3: (180, 25), 4: (200, 30), 6: (260, 60)}
     for d, (n, k) in sizes.items():
-        for name, degree in (("r³", None), ("r⁵", None), ("r³", 3)):
-            if d <= 3 or (name, degree) == ("r³", None):
+        for name, degree in (("r³", 1), ("r⁵", 2), ("r³", 3)):
+            if d <= 3 or degree == 1:
                 yield PatchesCase(
                     f"PU {name} on {k} sites, degree {degree} in {d}-D",
                     lambda p, u, kernel=KERNELS[name], degree=degree, k=k: PartitionOfUnityRBF(
@@ -358,14 +358,14 @@ def partition_cases() -> Iterator[Case]:
     ):
         yield PatchesCase(
             f"PU, {cloud.__name__} in {d}-D",
-            lambda p, _: PartitionOfUnityRBF(p, polyharmonic(3), patch_size=14),
+            lambda p, _: PartitionOfUnityRBF(p, polyharmonic(3), 1, 14),
             d,
             n,
             cloud=cloud,
         )
     yield PatchesCase(
         "PU r³ smoothed in 2-D",
-        lambda p, u: PartitionOfUnityRBF(p, polyharmonic(3), None, 16, 1e-3 * u**3),
+        lambda p, u: PartitionOfUnityRBF(p, polyharmonic(3), 1, 16, 1e-3 * u**3),
         2,
         130,
         units=SMOOTHED_UNITS,

@@ -36,7 +36,7 @@ FARTHER = replace(PLATE, units=(3.0,))
 SMOOTHED = case("RBF thin plate, one degree more, smoothed, in 2-D")
 
 
-PATCHES = case("PU r³ on 16 sites, degree None in 2-D")
+PATCHES = case("PU r³ on 16 sites, degree 1 in 2-D")
 SPHERE = case("PU, sphere in 3-D")
 
 
@@ -487,7 +487,7 @@ class InSamplePatches(PartitionOfUnityRBF):
 
 def patches(mutant: type[PartitionOfUnityRBF], right: Case = PATCHES) -> Case:
     """The case of small patches, by the mutant."""
-    return made(right, mutant.__name__, lambda p, _: mutant(p, polyharmonic(3), None, 14))
+    return made(right, mutant.__name__, lambda p, _: mutant(p, polyharmonic(3), 1, 14))
 
 
 # --- leave one out --------------------------------------------------------------------------------

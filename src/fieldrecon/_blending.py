@@ -1,7 +1,7 @@
 """Levels of patches, and the part that each patch has in the value at a query.
 
-Where the patches of a level cover a query badly, those of the next level, which has a tenth of the
-sites, take over: with W the sum of the weights, by c (1 - W/c)^3 for W < c and by nothing
+Where the patches of a level cover a query badly, those of the next level, which has a fraction of
+the sites, take over: with W the sum of the weights, by c (1 - W/c)^3 for W < c and by nothing
 otherwise, so that the parts are twice continuously differentiable. The last level covers all space.
 """
 

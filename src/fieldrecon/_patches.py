@@ -21,6 +21,8 @@ SITES_PER_BOX = 1 / 3
 """Sites of the box that a patch is made for, as a part of the sites of the patch."""
 REACH = 0.8
 """A box is covered if no site in it is farther from the centre, as a part of the radius."""
+THINNED = 10
+"""Of at most so many sites one is kept for patches that cover more."""
 
 
 class Pairs(NamedTuple):
@@ -52,7 +54,7 @@ class Patches:
     sites : (p, k) ndarray
         The nearest sites of each centre, nearest first.
     representatives : (b,) ndarray
-        A site for each box of sites that a patch was made for.
+        Sites for patches that cover more: one of every few that lie together.
     """
 
     centers: np.ndarray
@@ -68,7 +70,7 @@ class Patches:
         """Patches of k of the sites (n, d) each, which follow each other by box."""
         rows = boxes.sites[(boxes.sites >= 0).any(axis=1)]
         centers, radii, sites = _covering(points, tree, rows, k)
-        representatives = _nearest_to_middle(points, rows)
+        representatives = _thinned(points, rows)
         reached = boxes.reached(centers, radii)
         return cls(centers, radii, sites, representatives, boxes, *reached)
 
@@ -147,7 +149,10 @@ def _middles(points: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return center, distance.max(axis=1)
 
 
-def _nearest_to_middle(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def _thinned(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """One site for each box, the nearest to its middle; large boxes are halved for that."""
+    while rows.shape[1] - 1 > THINNED:
+        rows = halved(rows, points.T[:, rows])[2]
     center, _ = _middles(points, rows)
     squared = ((points[rows] - center[:, None, :]) ** 2).sum(axis=2)
     nearest = np.argmin(np.where(rows >= 0, squared, np.inf), axis=1)

@@ -42,11 +42,12 @@ class PartitionOfUnityRBF(Reconstruction):
     points : (n, d) array_like
         Sites, distinct unless there is smoothing.
     kernel : Radial
-        Kernel of the patches; r^5 by default.
+        Kernel of the patches; r^3 by default.
     degree : int, optional
-        Degree of the polynomials; `kernel.order - 1` by default, and no less. -1 for none.
+        Degree of the polynomials, `kernel.order - 1` or more; -1 for none. By default 3 in up to
+        three variables, 2 in up to five, and 1 beyond, unless the kernel needs more.
     patch_size : int, optional
-        Sites of each patch; by default twice as many as polynomials, or the kernel, need.
+        Sites of each patch; by default four times the number of polynomials, at least 12 d.
     smoothing : float
         Added to the diagonal, as in `RBF`. In units of the kernel.
 
@@ -56,6 +57,14 @@ class PartitionOfUnityRBF(Reconstruction):
         Number of patches whose sites do not determine a polynomial of the degree, not even with
         four times as many: sites on a line or in a plane, say. They use the polynomials that their
         sites tell apart, constant across that line or plane, and `degree` is what is left.
+
+    Notes
+    -----
+    The defaults are measured (experiment `partition_of_unity`). On smooth data the error falls
+    with the degree, at nearly the same cost; on rough data, where it cannot, r^3 with polynomials
+    of degree 3 is as accurate as with linear ones and the plate of least energy, while r^5 and r^7
+    amplify noise, and degree 4 overshoots in gaps. Larger patches cost little more, since there
+    are fewer of them.
 
     Raises
     ------
@@ -74,7 +83,7 @@ class PartitionOfUnityRBF(Reconstruction):
     >>> import numpy as np, fieldrecon as fr
     >>> points = fr.datasets.halton(5000, 2)
     >>> s = PartitionOfUnityRBF(points).field(fr.datasets.franke(points))
-    >>> bool(abs(s([0.5, 0.5]) - fr.datasets.franke([0.5, 0.5])) < 1e-5)
+    >>> bool(abs(s([0.5, 0.5]) - fr.datasets.franke([0.5, 0.5])) < 1e-6)
     True
     """
 
@@ -88,7 +97,9 @@ class PartitionOfUnityRBF(Reconstruction):
     ) -> None:
         self.points = valid.as_points(points)
         d = self.points.shape[1]
-        self.kernel = as_kernel(polyharmonic(5) if kernel is None else kernel, d)
+        self.kernel = as_kernel(polyharmonic(3) if kernel is None else kernel, d)
+        if degree is None:
+            degree = max(usual_degree(d), self.kernel.order - 1)
         degree = as_augmentation(degree, self.kernel)
         self.patch_size = _as_patch_size(patch_size, d, degree)
         self.smoothing = valid.as_length(smoothing, "smoothing", zero_allowed=True)
@@ -246,11 +257,18 @@ def _told(progress: Progress, before: int, total: int, done: int, _: int) -> Non
     progress(before + done, total)
 
 
+def usual_degree(d: int) -> int:
+    """Degree of polynomials in d variables that pays, by measurement."""
+    if d <= 3:
+        return 3
+    return 2 if d <= 5 else 1
+
+
 def _as_patch_size(size: int | None, d: int, degree: int) -> int:
     """Sites of a patch: more than there are polynomials."""
     q = dimension(d, degree)
     if size is None:
-        return max(2 * q, 2 * d, 12) + 8
+        return max(4 * q, 12 * d)
     if isinstance(size, bool) or not isinstance(size, int | np.integer) or size <= q:
         raise ValueError(
             f"patch_size must be an integer above {q}, the number of polynomials of degree "
