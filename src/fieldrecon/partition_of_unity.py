@@ -53,6 +53,9 @@ class PartitionOfUnityRBF(Reconstruction):
 
     Attributes
     ----------
+    patch_sizes : (p,) ndarray
+        Sites of each patch; more than `patch_size` where it took these to determine its
+        polynomials.
     reduced : int
         Number of patches whose sites do not determine a polynomial of the degree, not even with
         four times as many: sites on a line or in a plane, say. They use the polynomials that their
@@ -111,6 +114,10 @@ class PartitionOfUnityRBF(Reconstruction):
         problem = Problem(unit_kernel, degree, self._unit_smoothing())
         local = self._frame.local(self.points)
         self._levels = tuple(levels_of(local, min(self.patch_size, len(local)), problem))
+        self.patch_sizes = np.repeat(
+            [s.sites.shape[1] for s in self._levels[0].systems],
+            [len(s) for s in self._levels[0].systems],
+        )
         systems = [s for level in self._levels for s in level.systems]
         self.reduced = sum(len(s.reduced) for s in systems)
         self.degree = min(s.least_degree() for s in systems)
