@@ -23,6 +23,7 @@ NAMES = (
     "mesh_velocities",
     "mesh_scaling",
     "barycentric",
+    "patch_sizes",
     "peers",
 )
 RESULTS = Path(__file__).parent / "results"
