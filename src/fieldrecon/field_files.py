@@ -79,7 +79,7 @@ def save(path: str | Path, field: Field, names: Sequence[str] = ()) -> None:
     >>> bool(again([7.0]) == s([7.0]))
     True
     """
-    described = _of_method(field.method)
+    described = description(field.method)
     header = {"format": FORMAT, "version": VERSION, "method": described, "names": list(names)}
     text = np.frombuffer(json.dumps(header, allow_nan=False, default=_plain).encode(), np.uint8)
     with whole_file(Path(path)) as temporary, temporary.open("wb") as file:
@@ -135,7 +135,14 @@ def _content(path: str | Path) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
     return header, *arrays
 
 
-def _of_method(method: Reconstruction) -> dict[str, Any]:
+def description(method: Reconstruction) -> dict[str, Any]:
+    """Name of a method and the arguments it was made with besides the points, as in a file.
+
+    Raises
+    ------
+    TypeError
+        If method or kernel is not one of the library's.
+    """
     if type(method) not in _ARGUMENTS:
         raise TypeError(f"a field of {type(method).__name__} cannot be saved; known methods can")
     arguments = {name: _argument(getattr(method, name)) for name in _ARGUMENTS[type(method)]}
@@ -146,7 +153,7 @@ def _of_method(method: Reconstruction) -> dict[str, Any]:
 
 def _argument(value: Any) -> Any:
     if isinstance(value, Reconstruction):
-        return _of_method(value)
+        return description(value)
     if not isinstance(value, radial.Radial):
         return value
     if _KERNELS.get(type(value).__name__) is not type(value):
