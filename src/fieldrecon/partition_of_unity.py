@@ -24,8 +24,8 @@ from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 Coefficients: TypeAlias = Sequence[Sequence[np.ndarray]]
 """Of each level, of each of its systems: (p, k + q, v)."""
-OVERLAP = 10
-"""Patches that reach a query, at the most that is usual."""
+CROWDED = 2
+"""So many times more patches than usual reach the queries of a chunk, at the most."""
 
 
 class PartitionOfUnityRBF(Reconstruction):
@@ -255,9 +255,9 @@ class PartitionOfUnityRBF(Reconstruction):
         return np.argsort(boxes.containing(self._frame.local(x)), kind="stable")
 
     def _chunk_rows(self, columns: int) -> int:
-        systems = self._levels[0].systems[0]
-        d = self.points.shape[1]
-        return rows_of(8 * OVERLAP * (systems.size * (d + 3) + columns * (d + 2)))
+        systems, d = self._levels[0].systems[0], self.points.shape[1]
+        overlap = CROWDED * self.patch_sizes.sum() / len(self.points)
+        return rows_of(8 * overlap * (systems.size * (d + 3) + columns * (d + 2)))
 
 
 def _told(progress: Progress, before: int, total: int, done: int, _: int) -> None:
