@@ -3,8 +3,9 @@
 The estimate is t r(x), with r(x) the root mean square of the leave-one-out residuals of the k
 samples nearest to x, weighted by (1 - (distance / that of the next one)^2)^2, so that it is
 continuous. The factor t is such that 95 of 100 samples, when left out, are missed by no
-more than t times the r of the others about them: so it holds for the samples by construction, and
-for a place among them as far as it is like them. It is a band for what would be measured there, its
+more than t times the r of the others about them, the few nearest passed over, whose residuals bear
+the noise of the one that was left out; a new place has lent its noise to none. So it holds for
+the samples by construction, and for a place among them as far as it is like them. It is a band for what would be measured there, its
 noise included; where the samples are sparser than anywhere among them, in gaps and outside, it
 promises nothing. The idea is that of cross-conformal prediction (the jackknife, scaled locally).
 """
@@ -68,7 +69,8 @@ class ErrorEstimate:
         self._squares = abs(valid.as_values(residuals, n, name="residuals")) ** 2
         self._floor = _FLOOR**2 * self._squares.mean()
         self._tree = cKDTree(self.points)
-        self.neighbors = min(8 * (d + 1), n - 1)
+        self._passed_over = min(2 * (d + 1), (n - 1) // 4)
+        self.neighbors = min(8 * (d + 1), n - 1 - self._passed_over)
         some = np.arange(0, n, -(-n // _CALIBRATED_AT))
         own = np.sqrt(self._squares[some])
         near = np.concatenate([r for _, r in self._chunks(self._of_others, some)])
@@ -94,12 +96,10 @@ class ErrorEstimate:
         return self._mean(distance, nearest)
 
     def _of_others(self, sites: np.ndarray) -> np.ndarray:
-        """The same at sites, of the others nearest to them."""
-        distance, nearest = self._tree.query(self.points[sites], range(1, self.neighbors + 3))
-        own = nearest == sites[:, None]
-        own[~own.any(axis=1), -1] = True  # among coincident sites it may not be the nearest
-        shape = len(sites), self.neighbors + 1
-        return self._mean(distance[~own].reshape(shape), nearest[~own].reshape(shape))
+        """The same at sites, of the others near to them but for the nearest."""
+        first = 2 + self._passed_over
+        ranks = range(first, first + self.neighbors + 1)
+        return self._mean(*self._tree.query(self.points[sites], ranks))
 
     def _mean(self, distance: np.ndarray, nearest: np.ndarray) -> np.ndarray:
         """Of the residuals of all but the last of the nearest, whose distance sets the scale.

@@ -3,7 +3,7 @@
 Up to some thousands of samples each is left out in turn, of all the others. Of more, a method is
 judged at samples in the midst of blocks of neighbours, drawn at random: of their density and their
 noise, as the whole cloud is, and enough for any method whose value depends on the samples near by.
-A polynomial for the whole domain is fitted to other samples drawn at random.
+A polynomial for the whole domain is fitted to these and to others drawn at random from all of it.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from fieldrecon.model_selection import leave_one_out
 NO_FIELD = (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError)
 FEW = 8000
 """Samples of which each one is left out."""
+EVERYWHERE = 40_000
+"""Samples of more that a polynomial is fitted to."""
 BLOCKS, BLOCK, MIDST = 24, 1000, 250
 """Blocks of samples, how many each has, and how many of these, the most central, are judged."""
 
@@ -68,14 +70,14 @@ class Judge:
     values : ndarray of shape (n,)
     blocks : ndarray of shape (b, k), optional
         Samples of each block, the most central first.
-    others : ndarray of shape (k,), optional
-        Samples outside the midst of any block.
+    everywhere : ndarray of shape (k,), optional
+        Samples drawn from all, without those in the midst of blocks.
     """
 
     points: np.ndarray
     values: np.ndarray
     blocks: np.ndarray | None = None
-    others: np.ndarray | None = None
+    everywhere: np.ndarray | None = None
 
     @classmethod
     def of(cls, points: np.ndarray, values: np.ndarray, seed: int = 0) -> Judge:
@@ -86,7 +88,7 @@ class Judge:
         rng = np.random.default_rng(seed)
         middles = points[rng.choice(n, BLOCKS, replace=False)]
         blocks = cKDTree(points).query(middles, BLOCK)[1]
-        drawn = rng.choice(n, min(n, 4 * FEW), replace=False)
+        drawn = rng.choice(n, min(n, EVERYWHERE), replace=False)
         return cls(points, values, blocks, np.setdiff1d(drawn, blocks[:, :MIDST]))
 
     @property
@@ -113,12 +115,13 @@ class Judge:
         return Trial(candidate, None, None, reason)
 
     def _residuals(self, maker: Maker, candidate: Candidate) -> np.ndarray:
-        if self.blocks is None or self.others is None:
+        if self.blocks is None or self.everywhere is None:
             return leave_one_out(maker(self.points), self.values)
         if candidate.family == "LS":
             midst = self.blocks[:, :MIDST].ravel()
-            rest = maker(self.points[self.others]).field(self.values[self.others])
-            return self.values[midst] - rest(self.points[midst])
+            own = np.append(np.unique(midst), self.everywhere)
+            residuals = leave_one_out(maker(self.points[own]), self.values[own])
+            return residuals[: len(own) - len(self.everywhere)]
         return np.concatenate([*self._in_blocks(maker, self.blocks)])
 
     def _in_blocks(self, maker: Maker, blocks: np.ndarray) -> Iterator[np.ndarray]:

@@ -138,9 +138,10 @@ def vertices_of(path: Path, d: int) -> Places:
 
 
 def _unrolled(longitudes: np.ndarray) -> np.ndarray:
-    """Longitudes that start after the widest gap between them."""
+    """Longitudes that start after the widest gap between them, in [-180, 180)."""
     ordered = np.unique(longitudes % 360)
     gaps = np.diff(ordered, append=ordered[0] + 360)
-    start = ordered[(int(gaps.argmax()) + 1) % len(ordered)]
-    start -= 360 * (start >= 180)
-    return start + (longitudes - start) % 360
+    widest = int(gaps.argmax())
+    cut = ordered[widest] + gaps[widest] / 2
+    unrolled = cut + (longitudes - cut) % 360
+    return unrolled - 360 * np.floor((unrolled.min() + 180) / 360)
