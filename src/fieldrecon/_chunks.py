@@ -73,7 +73,14 @@ def chunked(
 def _at_hand(
     work: Callable[[np.ndarray], Result], executor: Executor | None
 ) -> Iterator[Callable[[np.ndarray], Result]]:
-    """The work as threads take it; for processes, in a file until all is done."""
+    """The work as threads take it; for processes, in a file until all is done.
+
+    An executor that has a place of its own for it says so by `holding`.
+    """
+    if hasattr(executor, "holding"):
+        with executor.holding(work) as held:
+            yield held
+        return
     if not isinstance(executor, ProcessPoolExecutor):
         yield work
         return
