@@ -77,8 +77,9 @@ def _at_hand(
 
     An executor that has a place of its own for it says so by `holding`.
     """
-    if hasattr(executor, "holding"):
-        with executor.holding(work) as held:
+    holding = getattr(executor, "holding", None)
+    if holding is not None:
+        with holding(work) as held:
             yield held
         return
     if not isinstance(executor, ProcessPoolExecutor):

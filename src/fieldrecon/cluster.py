@@ -6,7 +6,7 @@ Dask is an extra, `fieldrecon[dask]`; nothing else needs it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -49,10 +49,9 @@ class Cluster(Executor):
         finally:
             held.release()
 
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """A task; `fn` may be what `holding` gave."""
-        future: Future[Any] = self._client.submit(_call, fn, *args, pure=False, **kwargs)
-        return future
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
+        """Start a task, whose future is Dask's; `fn` may be what `holding` gave."""
+        return self._client.submit(_call, fn, *args, pure=False, **kwargs)
 
 
 def evaluated(field: Field, x: dask.array.Array) -> dask.array.Array:
