@@ -69,6 +69,15 @@ def test_the_patches_of_a_query_are_those_whose_balls_contain_it(d, seed, lattic
         assert surely <= found <= perhaps
 
 
+@pytest.mark.parametrize("k", [2, 3, 5, 11, 50])
+def test_levels_have_fewer_and_fewer_sites(k):
+    """Also where patches are as small as they can be; the last is a single one."""
+    levels = PartitionOfUnityRBF(X, polyharmonic(1), 0, k)._levels
+    sizes = np.array([len(level.sites) for level in levels])
+    assert (sizes[1:] < sizes[:-1] / 2).all()
+    assert len(levels[-1].patches) == 1
+
+
 @pytest.mark.parametrize("d", [1, 2, 3])
 def test_few_sites_are_one_patch_and_that_is_a_radial_basis_function(d):
     """The same values and gradients as `RBF`."""

@@ -22,7 +22,9 @@ SITES_PER_BOX = 1 / 3
 REACH = 0.8
 """A box is covered if no site in it is farther from the centre, as a part of the radius."""
 THINNED = 10
-"""Of at most so many sites one is kept for patches that cover more."""
+"""Of at most so many sites one is kept for patches that cover more,"""
+FEW = 3
+"""and of no fewer than so many."""
 
 
 class Pairs(NamedTuple):
@@ -150,13 +152,17 @@ def _middles(points: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _thinned(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """One site for each box, the nearest to its middle; large boxes are halved for that."""
+    """One of few sites: the nearest to the middle of its box, which is halved if it is large.
+
+    Of boxes of very few sites each, which follow each other in space, only some have one.
+    """
     while rows.shape[1] - 1 > THINNED:
         rows = halved(rows, points.T[:, rows])[2]
     center, _ = _middles(points, rows)
     squared = ((points[rows] - center[:, None, :]) ** 2).sum(axis=2)
     nearest = np.argmin(np.where(rows >= 0, squared, np.inf), axis=1)
-    return np.sort(rows[np.arange(len(rows)), nearest])
+    every = -(-FEW * len(rows) // len(points))
+    return np.sort(rows[np.arange(len(rows)), nearest])[::every]
 
 
 def bump(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

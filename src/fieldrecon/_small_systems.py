@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from fieldrecon._solvable import within_range
 from fieldrecon.polynomials import EPS
 
 COLUMNS = 16
@@ -20,13 +21,14 @@ def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     A further right-hand side of size one shows which are, to rounding. Of these only what
     eigenvectors can tell is kept: the rest would be rounding many times as large as the data.
     """
+    size = np.sqrt(np.einsum("pij,pij->p", matrix, matrix))
+    within_range(size, "values of the kernel in a patch")
     probe = np.cos(np.arange(matrix.shape[1]))[None, :, None]
     probes = np.broadcast_to(probe, (len(matrix), *probe.shape[1:]))
     try:
         found = np.linalg.solve(matrix, np.concatenate([right, probes], axis=2))
     except np.linalg.LinAlgError:  # one of them is, exactly, and NumPy solves all or none
         return _by_eigenvectors(matrix, right)
-    size = np.sqrt(np.einsum("pij,pij->p", matrix, matrix))
     flat = ~(np.abs(found[..., -1]).max(axis=1) * size <= FLAT)
     found = found[..., :-1]
     if flat.any():
