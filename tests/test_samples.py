@@ -78,7 +78,7 @@ def test_repeated_points_bear_the_mean(table):
     assert samples.values.tolist() == [3, 2, 3]
     assert (samples.merged, samples.conflicts, samples.spread) == (3, 1, 3)
     assert samples.remarks == [
-        "3 rows repeat a point; it bears the mean of its values, which differ at 1 points, by up "
+        "3 rows repeat a point; it bears the mean of its values, which differ at 1 point, by up "
         "to 3."
     ]
     same = read_samples(table("x,y,z\n5,5,0.1\n5,5,0.1\n5,5,0.1\n0,0,2\n"))
@@ -148,6 +148,11 @@ def test_a_latitude_beyond_the_pole_is_a_bad_row(table):
     path = table("lon,lat,t\n0,0,1\n10,95,1\n")
     assert read_samples(path).bad == ()
     assert read_samples(path, lonlat=True).bad == ((3, "lat must lie within ±90; got 95"),)
+    metres = table("lon,lat,t\n0,0,1\n1000,9,1\n10,2000,1\n")
+    with pytest.raises(
+        ValueError, match="most rows of .* are no degrees .* line 3: lon must lie wi"
+    ):
+        read_samples(metres, lonlat=True)
 
 
 def test_many_bad_rows_are_counted(table):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -10,16 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from fieldrecon._chunks import Progress
+from fieldrecon._column_names import bare_name, chosen_columns
 from fieldrecon._wanted_columns import BadRow, Wanted
 from fieldrecon.sphere import principal
 from fieldrecon.tables import read_table
 
-_USUAL = {
-    "x": ("x", "easting", "east", "lon", "long", "longitude"),
-    "y": ("y", "northing", "north", "lat", "latitude"),
-    "z": ("z", "height", "elevation", "depth", "altitude"),
-    "value": ("value", "f", "v", "z", "h", "height", "elevation", "depth", "intensity"),
-}
 _IN_METRES = ("east", "north")
 _ROUNDED = 9  # decimals of degrees within which places are one: a tenth of a millimetre
 _SHOWN = 5
@@ -69,18 +64,19 @@ class Samples:
         if self.bad:
             shown = "; ".join(f"{row.line}: {row.reason}" for row in self.bad[:_SHOWN])
             more = f"; and {len(self.bad) - _SHOWN} more" if len(self.bad) > _SHOWN else ""
-            yield f"{_rows(len(self.bad))} left out, by line: {shown}{more}."
+            yield f"{_count(len(self.bad), 'row')} left out, by line: {shown}{more}."
         if self.merged:
             yield (
-                f"{_rows(self.merged)} repeat a point; it bears the mean of its values, which "
-                + (f"differ at {self.conflicts} points, by up to {self.spread:.4g}."
+                f"{_count(self.merged, 'row')} repeat{'s' * (self.merged == 1)} a point; it bears "
+                "the mean of its values, which "
+                + (f"differ at {_count(self.conflicts, 'point')}, by up to {self.spread:.4g}."
                    if self.conflicts else "are the same.")
             )  # fmt: skip
 
     def _of_columns(self) -> Iterator[str]:
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         sizes = np.maximum(abs(low), abs(high))
-        bare = [_bare(name) for name in self.names[:-1]]
+        bare = [bare_name(name) for name in self.names[:-1]]
         if self.lonlat or len(bare) != 2:
             pass
         elif any(name.startswith(("lon", "lat")) for name in bare):
@@ -92,7 +88,7 @@ class Samples:
             any(name.startswith(_IN_METRES) for name in bare)
         ):  # fmt: skip
             yield "If the coordinates, all within ±180 and ±90, are degrees, add --lonlat."
-        if unread := [name for name in self.left if _bare(name) == "z"]:
+        if unread := [name for name in self.left if bare_name(name) == "z"]:
             yield (
                 f"The column {unread[0]} was not read: the points lie in a plane. "
                 f"--z {unread[0]} makes them points in space."
@@ -141,12 +137,18 @@ def read_samples(
 
     def choose(found: list[str]) -> list[int]:
         columns[:] = found
-        return _chosen(path, found, names)
+        return chosen_columns(path, found, names)
 
     table = read_table(path, Wanted(choose, limits), progress)
     if table.bad and (strict or not len(table.numbers)):
         row = table.bad[0]
         raise ValueError(f"{path}, line {row.line}: {row.reason}")
+    if lonlat and len(table.bad) > len(table.numbers):
+        row = table.bad[0]
+        raise ValueError(
+            f"most rows of {path} are no degrees of longitude and latitude, such as line "
+            f"{row.line}: {row.reason}; are they lengths, or the other way round?"
+        )
     points = table.numbers[:, :-1]
     places = np.round(principal(points), _ROUNDED) if lonlat else points
     return _merged(
@@ -188,45 +190,8 @@ def refuse_flat(samples: Samples) -> None:
     )
 
 
-def _rows(count: int) -> str:
-    return f"{count} row" if count == 1 else f"{count} rows"
-
-
-def _chosen(path: Path, columns: list[str], names: dict[str, str | None]) -> list[int]:
-    """Find the columns of the coordinates and of the value."""
-    for name in names.values():
-        if name is not None and name not in columns:
-            raise ValueError(f"{path} has no column {name!r}; it has {', '.join(columns)}")
-    named = [columns.index(name) for name in names.values() if name is not None]
-    found: dict[str, int | None] = {}
-    for role, name in names.items():
-        taken = {*named, *found.values()}
-        usual = _usual(columns, _USUAL[role], taken)
-        found[role] = columns.index(name) if name is not None else usual
-    left = set(range(len(columns))) - set(found.values())
-    if found["value"] is None and len(left) == 1:
-        found["value"] = left.pop()
-    for role, column in found.items():
-        if column is None:
-            raise ValueError(
-                f"it is not clear which column of {path} to take; "
-                f"name it with --{role}: {', '.join(columns)}"
-            )
-    chosen = [column for column in found.values() if column is not None]
-    if len(set(chosen)) < len(chosen):
-        raise ValueError("the coordinates and the value must be different columns")
-    return chosen
-
-
-def _usual(columns: list[str], usual: Sequence[str], taken: Iterable[int | None]) -> int | None:
-    """Find the column of the most usual name, if any is left; units in brackets do not count."""
-    taken = set(taken)
-    bare = {_bare(name): k for k, name in reversed([*enumerate(columns)]) if k not in taken}
-    return next((bare[name] for name in usual if name in bare), None)
-
-
-def _bare(name: str) -> str:
-    return name.lower().split("(")[0].split("[")[0].strip()
+def _count(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def _merged(samples: partial[Samples], points: np.ndarray, values: np.ndarray) -> Samples:
