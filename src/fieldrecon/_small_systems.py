@@ -13,10 +13,12 @@ COLUMNS = 16
 """Right-hand sides that are solved for with one factored matrix, where there are many."""
 FLAT = 1e14
 """Size of the inverse, times that of the matrix, from which on elimination finds rounding only."""
+BALANCING = 10
+"""Steps, each of which halves the order of magnitude by which rows differ."""
 
 
 def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions (p, s, v) of symmetric systems (p, s, s), of least length where one is singular.
+    """Solutions (p, s, v) of symmetric systems (p, s, s), and the least where one is singular.
 
     A further right-hand side of size one shows which are, to rounding. Of these only what
     eigenvectors can tell is kept: the rest would be rounding many times as large as the data.
@@ -37,11 +39,27 @@ def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def _by_eigenvectors(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    sigma, u = np.linalg.eigh(matrix)
+    scale = _balance(matrix)
+    balanced = scale[:, :, None] * matrix * scale[:, None, :]
+    sigma, u = np.linalg.eigh(balanced)
     size = np.abs(sigma)
     kept = size > EPS * matrix.shape[1] / 4 * size.max(axis=1, keepdims=True)
     inverse = np.where(kept, 1.0, 0.0) / np.where(kept, sigma, 1.0)
-    return u @ (inverse[..., None] * (u.mT @ right))
+    solution: np.ndarray = u @ (inverse[..., None] * (u.mT @ (scale[..., None] * right)))
+    return scale[..., None] * solution
+
+
+def _balance(matrix: np.ndarray) -> np.ndarray:
+    """Factors (p, s) of rows and columns, after which the largest entry of each is about one.
+
+    Kernels may be far larger than polynomials, which must not be taken for rounding beside them
+    (Ruiz 2001).
+    """
+    scale = np.ones(matrix.shape[:2])
+    for _ in range(BALANCING):
+        largest = np.abs(scale[:, :, None] * matrix * scale[:, None, :]).max(axis=2)
+        scale /= np.sqrt(np.where(largest > 0, largest, 1.0))
+    return scale
 
 
 def solved_for_each(

@@ -252,7 +252,8 @@ class PartitionOfUnityRBF(Reconstruction):
 
     def _order(self, x: np.ndarray) -> np.ndarray:
         boxes = self._levels[0].patches.boxes
-        return np.argsort(boxes.containing(self._frame.local(x)), kind="stable")
+        box = boxes.containing(valid.without_warnings(self._frame.local, x))
+        return np.argsort(box, kind="stable")
 
     def _chunk_rows(self, columns: int) -> int:
         systems, d = self._levels[0].systems[0], self.points.shape[1]
