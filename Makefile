@@ -77,8 +77,15 @@ $(manifest): $(ready) $(sources) $(if $(missing),FORCE)
 check-reproducible: $(ready) ## build the report twice and compare the bytes; AGAINST=manifest.json of another machine
 	@$(VENV)/bin/fieldrecon report $(if $(AGAINST),--against "$(AGAINST)",--check-reproducible)
 
-bench: $(VENV)/ready-bench ## measure the speed; the results go to benchmarks/results/
-	@$(python) -m benchmarks
+# The peers live in an environment of their own, with the packages of the other one beside them.
+peers := $(VENV)-bench
+
+bench: $(peers)/ready-bench ## measure the speed; the results go to benchmarks/results/
+	@$(peers)/bin/python -m benchmarks $(ONLY)
+
+$(peers)/ready-bench: requirements-bench.lock requirements.lock pyproject.toml
+	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(peers)" -r $<
+	@touch $@
 
 
 # Course
@@ -109,7 +116,7 @@ lab: $(VENV)/ready-lab ## open JupyterLab on the exercises
 
 lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=--upgrade takes new versions
 	@$(compile) requirements-setup.lock --group setup
-	@$(compile) requirements.lock pyproject.toml --extra report --extra mesh --extra course --extra cluster --extra test --extra lint
+	@$(compile) requirements.lock pyproject.toml --extra report --extra mesh --extra parquet --extra dask --extra course --extra test --extra lint
 	@$(compile) requirements-lab.lock pyproject.toml --extra lab --constraints requirements.lock
 	@$(compile) requirements-bench.lock pyproject.toml --extra bench --constraints requirements.lock
 	@$(compile) benchmarks/graders/nbgrader.lock benchmarks/graders/nbgrader.in

@@ -27,6 +27,8 @@ NAMES = (
     "grading_workers",
     "grading_class",
     "mesh_audit",
+    "patch_sizes",
+    "peers",
 )
 RESULTS = Path(__file__).parent / "results"
 CORES = 2

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_info
 
 from benchmarks.measure import cores
 
-PACKAGES = ("fieldrecon", "numpy", "scipy", "wlsqm", "ferreus_rbf")
+PACKAGES = ("fieldrecon", "numpy", "scipy", "wlsqm", "ferreus_rbf", "verde", "scikit-learn")
 
 
 def describe() -> dict[str, str | int]:

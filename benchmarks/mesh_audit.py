@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
-from benchmarks.peers import Peer
+from benchmarks.other_environment import Peer
 from fieldrecon.experiments.triangle_shapes import Surface, bumpy, sphere, together
 from fieldrecon.mesh_audit import MeshAudit, audit_mesh
 

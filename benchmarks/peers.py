@@ -1,7 +1,8 @@
-"""A peer in an environment of its own, kept running, and asked over its standard input.
+"""Error against time, beside what else one could take: peers on the same data, in one run.
 
-Some packages do not go into the environment of the benchmarks: for their licence, their size or
-what they depend on. uv makes them one, and a worker in it does the work when told to.
+Each run is a process of its own on the same two cores: it imports its method, fits a few sites to
+warm up, then times the fit and the evaluation. So memory is that of one method, and one that does
+not come to an end can be stopped.
 """
 
 from __future__ import annotations
@@ -9,37 +10,146 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from benchmarks.contestants import CONTESTANTS, OURS
+from benchmarks.measure import Comparison, Outcome, Table, Track
+from benchmarks.memory import largest_memory
+from benchmarks.scattered import DATA
+
+PATIENCE = 900.0
+"""Seconds until a run is stopped."""
+NOT_LARGER = ("front", "noisy", "clusters")
+COLUMNS = ("data", "sites", "method", "fit s", "evaluate s", "total s", "rms error",
+           "largest error", "left out", "memory MiB")  # fmt: skip
 
 
-class Peer:
-    """A worker script in an environment with some packages, asked for one thing after the other.
+@dataclass(frozen=True)
+class Size:
+    """Sites of each set of data; as many queries, but for the terrain."""
 
-    Parameters
-    ----------
-    worker : Path
-        Prints a line when it is ready, and then one of JSON for each line it reads.
-    packages : tuple of str
-        With their versions.
-    arguments : str
-        Of the worker.
-    """
+    sites: tuple[tuple[str, tuple[int, ...]], ...] = (
+        ("smooth", (10**3, 10**4, 10**5, 10**6)),
+        *((name, (10**3, 10**4, 10**5)) for name in NOT_LARGER),
+        ("cube", (2 * 10**5,)),
+        ("terrain", (50_000,)),
+    )
+    repeats: int = 3
+    methods: tuple[str, ...] = tuple(CONTESTANTS)
 
-    def __init__(self, worker: Path, packages: tuple[str, ...], *arguments: str) -> None:
-        environment = [option for package in packages for option in ("--with", package)]
-        command = [sys.executable, "-m", "uv", "run", "--quiet", "--no-project", "--python",
-                   sys.executable, *environment, "python", str(worker), *arguments]  # fmt: skip
-        self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+
+FULL = Size()
+QUICK = Size(tuple((name, (10**3,)) for name in DATA), 1)
+TOY = Size((("smooth", (60,)), ("terrain", (80,))), 1, (OURS, "SciPy LinearND"))
+
+
+@dataclass(frozen=True)
+class Run:
+    """What came of one method on one set of data; seconds for each repetition."""
+
+    data: str
+    sites: int
+    method: str
+    fit: Sequence[float]
+    evaluate: Sequence[float]
+    rms: float
+    largest: float
+    left_out: int
+    memory: int
+
+    @property
+    def total(self) -> list[float]:
+        return [a + b for a, b in zip(self.fit, self.evaluate, strict=True)]
+
+    def row(self) -> tuple[str | int | float, ...]:
+        fit, evaluate, total = map(median, (self.fit, self.evaluate, self.total))
+        return (
+            self.data, self.sites, self.method, fit, evaluate, total, self.rms, self.largest,
+            self.left_out, round(self.memory / 2**20),
+        )  # fmt: skip
+
+
+def run(size: Size, track: Track) -> Outcome:
+    asked = [
+        (data, n, method) for data, sizes in size.sites for n in sizes
+        for method, c in CONTESTANTS.items()
+        if method in size.methods and n <= c.most and (3 if data == "cube" else 2) in c.dimensions
+    ]  # fmt: skip
+    names = {" ".join(map(str, a)): a for a in asked}
+    runs, missing = [], []
+    for name in track([*names], "peers"):
+        done = apart(*names[name], repeats=1 if names[name][1] >= 10**6 else size.repeats)
+        (runs if isinstance(done, Run) else missing).append(done)
+    return Outcome(
+        parameters={"repeats": size.repeats, "patience in seconds": int(PATIENCE)},
+        comparisons=[
+            c for data, sizes in size.sites for n in sizes for c in _ratios(runs, data, n)
+        ],
+        tables=[Table("Runs", COLUMNS, [r.row() for r in runs])],
+        notes=[
+            "As many queries as sites; of the terrain all nodes that were not drawn. An error is "
+            "against the truth, over the queries that a method answers; \"left out\" are those it "
+            "does not (outside of the hull).",
+            *(f"Did not end well: {what}." for what in missing),
+        ],
+    )  # fmt: skip
+
+
+def _ratios(runs: Sequence[Run], data: str, n: int) -> list[Comparison]:
+    here = {r.method: r for r in runs if (r.data, r.sites) == (data, n)}
+    if OURS not in here:
+        return []
+    ours = here[OURS]
+    return [
+        Comparison(f"{data}, {n} sites: fit and evaluate", r.method, ours.total, r.total)
+        for r in here.values() if r.method != OURS
+    ]  # fmt: skip
+
+
+def apart(data: str, n: int, method: str, repeats: int) -> Run | str:
+    """Return what a process of its own finds, or why it found nothing."""
+    command = [sys.executable, "-m", "benchmarks.peers", data, str(n), method, str(repeats)]
+    root = Path(__file__).parents[1]
+    about = f"{method} on {data}, {n} sites"
+    try:
+        done = subprocess.run(
+            command, cwd=root, capture_output=True, text=True, timeout=PATIENCE, check=False
         )
-        self.ready = bool(self._process.stdout.readline())
+    except subprocess.TimeoutExpired:
+        return f"{about}: stopped after {PATIENCE:.0f} s"
+    if done.returncode:
+        return f"{about}: {(done.stderr.strip().splitlines() or ['?'])[-1]}"
+    return Run(**json.loads(done.stdout.splitlines()[-1]))
 
-    def ask(self, what: str) -> dict:
-        """Answer of the worker."""
-        self._process.stdin.write(what + "\n")
-        self._process.stdin.flush()
-        return json.loads(self._process.stdout.readline())
 
-    def close(self) -> None:
-        """End the worker."""
-        self._process.communicate()
+def here(data: str, n: int, method: str, repeats: int) -> Run:
+    """Time a method in this process."""
+    fit, given = CONTESTANTS[method].fit, DATA[data](n)
+    some = min(n, 500)
+    fit(given.points[:some], given.values[:some])(given.x[:10])
+    fits, evaluations = [], []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        interpolant = fit(given.points, given.values)
+        fitted = time.perf_counter()
+        found = np.ravel(interpolant(given.x))
+        fits.append(fitted - start)
+        evaluations.append(time.perf_counter() - fitted)
+    answered = np.isfinite(found)
+    error = np.abs(found - given.truth)[answered]
+    rms = float(np.sqrt(np.mean(error**2)))
+    left_out = int((~answered).sum())
+    return Run(
+        data, n, method, fits, evaluations, rms, float(error.max()), left_out, largest_memory()
+    )
+
+
+if __name__ == "__main__":
+    data, n, method, repeats = sys.argv[1:]
+    print(json.dumps(asdict(here(data, int(n), method, int(repeats)))))

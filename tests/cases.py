@@ -6,6 +6,7 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+from scipy.stats import ortho_group
 
 from fieldrecon import _validation as valid
 from fieldrecon.barycentric import BarycentricCoordinates
@@ -13,6 +14,7 @@ from fieldrecon.functionals import values_at
 from fieldrecon.hermite import HermiteRBF
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.polynomials import dimension
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import (
@@ -84,6 +86,17 @@ class Case:
         """Smooth data (n,) of size one, of no finite degree."""
         return np.cos(self.sites @ np.linspace(1.0, 3.0, self.d)) + self.sites[:, 0] ** 4
 
+    @property
+    def turn(self) -> np.ndarray:
+        """An orthogonal matrix (d, d) with which points may be turned and nothing changes."""
+        return ortho_group.rvs(self.d, random_state=5) if self.d > 1 else -np.eye(1)
+
+    def without(self, i: int) -> float:
+        """What the field of the other data is at site i."""
+        others = np.arange(self.n) != i
+        refit = self.make(self.sites[others], 1.0).field(self.data[others])
+        return refit(self.sites[i])
+
 
 @dataclass(frozen=True)
 class CornersCase(Case):
@@ -96,6 +109,51 @@ class CornersCase(Case):
     def sites(self) -> np.ndarray:
         """The corners, round the unit cube or across it."""
         return on_a_lattice(np.array(self.corners))
+
+
+@dataclass(frozen=True)
+class PatchesCase(Case):
+    """A method on patches, of clouds (n, d) of any shape; their boxes lie along the axes."""
+
+    exact: float = FLAT
+    cloud: Callable[[np.random.Generator, int, int], np.ndarray] | None = None
+
+    @cached_property
+    def sites(self) -> np.ndarray:
+        """The cloud, in the unit cube."""
+        if self.cloud is None:
+            return super().sites
+        return on_a_lattice(self.cloud(np.random.default_rng(self.d), self.n, self.d))
+
+    @property
+    def turn(self) -> np.ndarray:
+        """The axes in another order."""
+        return np.roll(np.eye(self.d), 1, axis=0)
+
+    def without(self, i: int) -> float:
+        """The mean of radial basis functions on the patches of site i, each made without it."""
+        total = weights = 0.0
+        level = self.method._levels[0]
+        for j in range(len(level.patches)):
+            systems = level.systems[level.group[j]]
+            own = level.sites[systems.sites[level.member[j]]]
+            here = self.method._frame.local(self.sites[i])
+            weight = level.patches.weights(np.array([j]), here[None, None])[0, 0]
+            if i in own and weight > 0:
+                x = flattened(self.sites[own])
+                s = RBF(
+                    x[own != i], self.method.kernel, systems.degree, self.method.smoothing
+                ).field(self.data[own[own != i]])
+                total += weight * s(x[own == i][0])
+                weights += weight
+        return total / weights
+
+
+def flattened(x: np.ndarray) -> np.ndarray:
+    """The same points in as many coordinates as they need."""
+    y = x - x.mean(axis=0)
+    sigma, vt = np.linalg.svd(y, full_matrices=False)[1:]
+    return y @ vt[sigma > 1e-9 * sigma[0]].T
 
 
 def on_a_lattice(x: np.ndarray) -> np.ndarray:
@@ -279,12 +337,103 @@ def polytope_cases() -> Iterator[Case]:
         )
 
 
+def clusters(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Half of the sites crowd in a twentieth of each side."""
+    x = rng.random((n, d))
+    x[::2] = 0.3 + 0.05 * x[::2]
+    return x
+
+
+def hole(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """No site within 0.3 of the middle."""
+    x = 2 * rng.random((8 * n, d)) - 1
+    return 0.5 + x[np.linalg.norm(x, axis=1) > 0.6][:n] / 2
+
+
+def line(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Along the diagonal, which twenty binary places can tell."""
+    t = on_a_lattice(((np.arange(n) + 0.2 + 0.6 * rng.random(n)) / n)[:, None])
+    return np.repeat(t, d, axis=1)
+
+
+def plane(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """The last coordinate is the sum of the others."""
+    x = on_a_lattice(rng.random((n, d - 1)) / (d - 1))
+    return np.column_stack([x, x.sum(axis=1)])
+
+
+def sphere(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """About the middle of the cube, as good as the lattice can."""
+    x = rng.normal(size=(n, d))
+    return 0.5 + x / np.linalg.norm(x, axis=1)[:, None] / 2
+
+
+def tracks(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Dense along lines of a scan that are far apart."""
+    along = (np.arange(n // 8) + 0.5) / (n // 8)
+    across = (np.arange(8) + 0.5) / 8
+    x = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
+    return x + 1e-4 * rng.random((n, d))
+
+
+def partition_cases() -> Iterator[Case]:
+    sizes = {1: (80, 10), 2: (130, 16), 3: (180, 25), 4: (200, 30), 6: (260, 60)}
+    for d, (n, k) in sizes.items():
+        for name, degree in (("r³", 1), ("r⁵", 2), ("r³", 3)):
+            if d <= 3 or degree == 1:
+                yield PatchesCase(
+                    f"PU {name} on {k} sites, degree {degree} in {d}-D",
+                    lambda p, u, kernel=KERNELS[name], degree=degree, k=k: PartitionOfUnityRBF(
+                        p, kernel(u), degree, k
+                    ),
+                    d,
+                    n,
+                )
+    for name in ("thin plate", "r⁴ log r", "gaussian", "inverse multiquadric", "Wendland 2"):
+        degree = max(1, KERNELS[name](1.0).order - 1)
+        yield PatchesCase(
+            f"PU {name} in 2-D",
+            lambda p, u, kernel=KERNELS[name], degree=degree: PartitionOfUnityRBF(
+                p, kernel(u), degree, 16
+            ),
+            2,
+            130,
+        )
+    for cloud, d, n in (
+        (clusters, 2, 150),
+        (hole, 2, 150),
+        (line, 3, 90),
+        (plane, 3, 150),
+        (sphere, 3, 180),
+        (tracks, 2, 160),
+    ):
+        yield PatchesCase(
+            f"PU, {cloud.__name__} in {d}-D",
+            lambda p, _: PartitionOfUnityRBF(p, polyharmonic(3), 1, 14),
+            d,
+            n,
+            cloud=cloud,
+        )
+    yield PatchesCase(
+        "PU r³ smoothed in 2-D",
+        lambda p, u: PartitionOfUnityRBF(p, polyharmonic(3), 1, 16, 1e-3 * u**3),
+        2,
+        130,
+        units=SMOOTHED_UNITS,
+    )
+    for d in (1, 2, 3):
+        yield PatchesCase(
+            f"PU with one patch in {d}-D", lambda p, _: PartitionOfUnityRBF(p), d, SITES[d]
+        )
+
+
 CASES = [
     *least_squares_cases(),
     *moving_cases(),
     *rbf_cases(),
     *hermite_cases(),
     *spline_cases(),
+    *partition_cases(),
     *polytope_cases(),
 ]
 

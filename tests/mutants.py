@@ -6,6 +6,8 @@ Each mutant is a case like those of the real methods, and all else about it is r
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import islice
+from unittest import mock
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -13,9 +15,11 @@ from scipy.spatial.distance import cdist
 import laws
 from cases import Case, case
 from fieldrecon import _validation as valid
+from fieldrecon import partition_of_unity
 from fieldrecon._neighborhoods import Nearest
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import gaussian, wendland
 from fieldrecon.radial import inverse_square, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
@@ -30,6 +34,10 @@ NEAREST = case("MLS wendland on 8 nearest, degree 1 in 2-D")
 PLATE = case("RBF thin plate in 2-D")
 FARTHER = replace(PLATE, units=(3.0,))
 SMOOTHED = case("RBF thin plate, one degree more, smoothed, in 2-D")
+
+
+PATCHES = case("PU r³ on 16 sites, degree 1 in 2-D")
+SPHERE = case("PU, sphere in 3-D")
 
 
 class Spoiled(Reconstruction):
@@ -414,6 +422,74 @@ class WorksInItsOwnUnit(Spoiled):
         return np.where(np.abs(rows) < 1e-100, 0.0, rows)
 
 
+# --- patches --------------------------------------------------------------------------------------
+
+
+class BallsTooLarge(PartitionOfUnityRBF):
+    """Balls hold a site that is none of their patch, and does not count in it."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        first, *others = self._levels
+        larger = replace(first.patches, radii=1.1 * first.patches.radii)
+        self._levels = (replace(first, patches=larger), *others)
+
+
+class OtherShares(PartitionOfUnityRBF):
+    """Blends otherwise: a mutant says how."""
+
+    def _value_rows(self, x, prepared):
+        with mock.patch.object(partition_of_unity, "shares", self.shares):
+            return super()._value_rows(x, prepared)
+
+    def _gradient_rows(self, x, prepared):
+        with mock.patch.object(partition_of_unity, "shares", self.shares):
+            return super()._gradient_rows(x, prepared)
+
+
+SHARES = partition_of_unity.shares
+
+
+class NotNormalised(OtherShares):
+    """The weights of the patches do not sum to one."""
+
+    @staticmethod
+    def shares(levels, x, gradients):
+        for share in SHARES(levels, x, gradients):
+            offset = x[share.query] - share.level.patches.centers[share.patch]
+            r = np.linalg.norm(offset, axis=1) / share.level.patches.radii[share.patch]
+            yield share._replace(weight=(1 - r) ** 4 * (4 * r + 1))
+
+
+class WeightsHeldFixed(OtherShares):
+    """The gradients of the patches are blended, as if the weights had none."""
+
+    @staticmethod
+    def shares(levels, x, gradients):
+        for share in SHARES(levels, x, gradients):
+            yield share._replace(gradient=0 * share.gradient)
+
+
+class NothingOutside(OtherShares):
+    """Zero where no ball reaches."""
+
+    @staticmethod
+    def shares(levels, x, gradients):
+        yield from islice(SHARES(levels, x, gradients), 1)
+
+
+class InSamplePatches(PartitionOfUnityRBF):
+    """The residual of the fit that knew the datum."""
+
+    def left_out(self, values):
+        return values - self.field(values)(self.points)
+
+
+def patches(mutant: type[PartitionOfUnityRBF], right: Case = PATCHES) -> Case:
+    """The case of small patches, by the mutant."""
+    return made(right, mutant.__name__, lambda p, _: mutant(p, polyharmonic(3), 1, 14))
+
+
 # --- leave one out --------------------------------------------------------------------------------
 
 
@@ -451,6 +527,8 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         spoiled(LINE, BoastfulDegree),
         spoiled(PLATE, BoastfulDegree),
         made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
+        patches(NotNormalised),
+        patches(NothingOutside, SPHERE),
     ],
     laws.polynomials_of_the_next_degree_do_not: [
         spoiled(LINE, ShyDegree),
@@ -466,6 +544,7 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         spoiled(LINE, WrongAboutInterpolation),
         spoiled(SMOOTHED, WrongAboutInterpolation),
         spoiled(MOVING, WrongAboutInterpolation),
+        patches(BallsTooLarge),
     ],
     laws.the_field_is_linear_in_the_data: [
         spoiled(PLATE, ClippedToTheData),
@@ -473,7 +552,10 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
     ],
     laws.components_do_not_mix: [spoiled(MOVING, FirstComponentForAll)],
     laws.no_components_are_no_trouble: [spoiled(LINE, AtLeastOneComponent)],
-    laws.the_field_is_weights_times_data: [spoiled(LINE, WeightsWithoutConstant)],
+    laws.the_field_is_weights_times_data: [
+        spoiled(LINE, WeightsWithoutConstant),
+        patches(NothingOutside, SPHERE),
+    ],
     laws.the_gradient_is_gradient_weights_times_data: [spoiled(PLATE, GradientWeightsSwapped)],
     laws.the_gradient_is_the_derivative: [
         spoiled(PARABOLA, GradientInTheFrame),
@@ -481,6 +563,7 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made(MOVING, "NotSquared", lambda p, u: MovingLeastSquares(p, weight_not_squared(u / 10))),
         made(NEAREST, "ReachHeldFixed", lambda p, _: ReachHeldFixed(p, wendland(3, 2), 1, 8)),
         made(PLATE, "NoLimit", lambda p, _: RBF(p, no_limit_at_the_centre())),
+        patches(WeightsHeldFixed),
     ],
     laws.the_adjoint_is_the_transpose: [
         spoiled(LINE, AdjointByThePseudoInverse),
@@ -514,5 +597,6 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made(MOVING, "InSampleMoving", lambda p, u: InSampleMoving(p, inverse_square(u / 10))),
         made(NEAREST, "WithoutTheNext", lambda p, _: WithoutTheNext(p, wendland(3, 2), 1, 8)),
         made(PLATE, "WrongDiagonal", lambda p, _: WrongDiagonal(p, thin_plate_spline())),
+        patches(InSamplePatches),
     ],
 }

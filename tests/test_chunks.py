@@ -1,9 +1,11 @@
 """Chunks: in order, bounded, on any executor, stopped by the first error, the same everywhere."""
 
+import multiprocessing
 import os
+import tempfile
 import threading
 import tracemalloc
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from fieldrecon import _chunks
 from fieldrecon._chunks import chunked, rows_of
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import wendland
 from fieldrecon.radial import thin_plate_spline
 from fieldrecon.rbf import RBF
@@ -124,6 +127,30 @@ def test_an_interrupt_stops_the_others():
     assert len(begun) <= _chunks._AHEAD
 
 
+class Told:
+    """Work that knows how often it was packed to be sent."""
+
+    packed = 0
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        return 2 * x
+
+    def __getstate__(self) -> dict:
+        Told.packed += 1
+        return {}
+
+
+def test_processes_are_told_the_work_once(tmp_path, monkeypatch):
+    """Not with every chunk: it may hold millions of sites. And nothing stays behind."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=spawn) as processes:
+        parts = [part for _, part in chunked(Told(), X, 1, processes)]
+    np.testing.assert_array_equal(np.concatenate(parts), 2 * X)
+    assert Told.packed == 1
+    assert not list(tmp_path.iterdir())
+
+
 def test_one_chunk_needs_no_thread():
     """It runs where it is called."""
     where = []
@@ -150,8 +177,9 @@ def test_blas_has_one_thread_while_chunks_run():
         lambda p: LeastSquares(p, 3),
         lambda p: MovingLeastSquares(p, wendland(3, 1), 2, 20),
         lambda p: RBF(p, thin_plate_spline()),
+        lambda p: PartitionOfUnityRBF(p),
     ],
-    ids=["LS", "MLS", "RBF"],
+    ids=["LS", "MLS", "RBF", "PU"],
 )
 def test_memory_stays_bounded(make):
     """1.5 times inputs, outputs and one chunk for each thread, for any number of queries."""

@@ -13,6 +13,7 @@ from scipy.spatial.distance import pdist
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.polynomials import dimension
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import (
@@ -121,12 +122,16 @@ def reconstructions(draw) -> Callable[[], Reconstruction]:
             return radial if unit == 1.0 else radial.in_units(1 / unit)
 
     degree = draw(st.integers(0, 3))
-    kind = draw(st.sampled_from(["LS", "MLS", "MLS", "nearest", "RBF", "RBF"]))
+    kind = draw(st.sampled_from(["LS", "MLS", "MLS", "nearest", "RBF", "RBF", "PU", "PU"]))
     if kind == "LS":
         return lambda: LeastSquares(x, degree)
-    if kind == "RBF":
+    if kind in ("RBF", "PU"):
         kernel, smoothing = draw(kernels), draw(st.sampled_from([0.0, 0.0, 1e-6, 1.0, 1e6]))
-        return lambda: RBF(x, in_unit(kernel), None if degree == 3 else degree, smoothing)
+        degree = None if degree == 3 else degree
+        if kind == "RBF":
+            return lambda: RBF(x, in_unit(kernel), degree, smoothing)
+        size = draw(st.sampled_from([None, 2, 3, 4, 6, 11]))
+        return lambda: PartitionOfUnityRBF(x, in_unit(kernel), degree, size, smoothing)
     weight = draw(weights)
     if kind == "nearest":
         k = draw(st.integers(1, max(1, len(x))))
@@ -276,6 +281,10 @@ def test_anything_may_be_given_for_a_parameter(thing):
     answered_or_refused(lambda: RBF(SITES, thing))
     answered_or_refused(lambda: RBF(SITES, thin_plate_spline(), thing))
     answered_or_refused(lambda: RBF(SITES, thin_plate_spline(), smoothing=thing))
+    answered_or_refused(lambda: PartitionOfUnityRBF(SITES, thing))
+    answered_or_refused(lambda: PartitionOfUnityRBF(SITES, degree=thing))
+    answered_or_refused(lambda: PartitionOfUnityRBF(SITES, patch_size=thing))
+    answered_or_refused(lambda: PartitionOfUnityRBF(SITES, smoothing=thing))
     answered_or_refused(lambda: RBF(SITES, gaussian(thing)))
     answered_or_refused(lambda: RBF(SITES, polyharmonic(thing)))
     answered_or_refused(lambda: RBF(SITES, wendland(thing, thing, thing)))

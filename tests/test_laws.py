@@ -85,6 +85,7 @@ def test_processes_give_the_bits_of_threads():
         "MLS ε = 0.1, degree 2 in 2-D",
         "MLS wendland on 8 nearest, degree 1 in 2-D",
         "RBF thin plate in 2-D",
+        "PU r³ on 16 sites, degree 3 in 2-D",
     )
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
         for name in names:

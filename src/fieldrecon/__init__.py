@@ -3,11 +3,12 @@
 Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(values)(x)``.
 """
 
-from fieldrecon import datasets
+from fieldrecon import datasets, sphere
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
+from fieldrecon.field_files import load, save
 from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
 from fieldrecon.hermite import HermiteRBF
 from fieldrecon.least_squares import LeastSquares, normal_equations
@@ -25,10 +26,12 @@ from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.normal_orientation import orient_normals
 from fieldrecon.normals import PointNormals, estimate_normals
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.sphere import OnGlobe
 from fieldrecon.spline_bases import b_splines, cardinal_b_spline
 from fieldrecon.splines import NaturalCubicSpline
 from fieldrecon.triangle_files import read_triangles, write_triangles
@@ -50,6 +53,8 @@ __all__ = [
     "MeshRepair",
     "MovingLeastSquares",
     "NaturalCubicSpline",
+    "OnGlobe",
+    "PartitionOfUnityRBF",
     "PointNormals",
     "Reconstruction",
     "SimplexMesh",
@@ -70,6 +75,7 @@ __all__ = [
     "inverse_square",
     "laplacians_at",
     "leave_one_out",
+    "load",
     "local_least_squares",
     "local_moving_least_squares",
     "local_rbf",
@@ -85,6 +91,8 @@ __all__ = [
     "read_surface",
     "read_triangles",
     "repair_mesh",
+    "save",
+    "sphere",
     "thin_plate_spline",
     "values_at",
     "velocity_weights",

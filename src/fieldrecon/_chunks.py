@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import os
+import pickle
+import tempfile
 from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
-from typing import Any
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 Progress = Callable[[int, int], object]
+Result = TypeVar("Result")
 
 CHUNK_BYTES = 2**22
 """Working memory of one chunk, in bytes; it never depends on the number of cores."""
@@ -26,29 +31,31 @@ def rows_of(bytes_per_row: float) -> int:
 
 
 def chunked(
-    work: Callable[[np.ndarray], np.ndarray],
+    work: Callable[[np.ndarray], Result],
     x: np.ndarray,
     rows: int,
     executor: Executor | None = None,
     progress: Progress | None = None,
-) -> Iterator[tuple[slice, np.ndarray]]:
+) -> Iterator[tuple[slice, Result]]:
     """Yield each slice of rows of `x` with work(x[slice]), in order.
 
     The chunks run on `executor` (a pool of threads if None); `progress(done, total)` is called
-    after each. An exception or an interrupt cancels what has not begun.
+    after each. An exception or an interrupt cancels what has not begun. Processes of a pool read
+    `work`, which may hold millions of sites, once, and not with every chunk.
     """
     slices = [slice(i, min(i + rows, len(x))) for i in range(0, len(x), rows)]
     pool: AbstractContextManager[Executor] = (
         nullcontext(executor) if executor else _threads(len(slices))
     )
-    pending: deque[tuple[slice, Future[np.ndarray]]] = deque()
+    pending: deque[tuple[slice, Future[Result]]] = deque()
     done, ahead = 0, iter(slices)
     # threads share the cores among chunks; BLAS threads below them would only compete
-    with pool as workers, threadpool_limits(1) if len(slices) > 1 else nullcontext():
+    limits = threadpool_limits(1) if len(slices) > 1 else nullcontext()
+    with pool as workers, _at_hand(work, executor) as work_there, limits:
         try:
             while True:
                 while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
-                    pending.append((s, workers.submit(work, x[s])))
+                    pending.append((s, workers.submit(work_there, x[s])))
                 if not pending:
                     return
                 s, future = pending.popleft()
@@ -60,6 +67,38 @@ def chunked(
         finally:
             for _, future in pending:
                 future.cancel()
+
+
+@contextmanager
+def _at_hand(
+    work: Callable[[np.ndarray], Result], executor: Executor | None
+) -> Iterator[Callable[[np.ndarray], Result]]:
+    """The work as threads take it; for processes, in a file until all is done.
+
+    An executor that has a place of its own for it says so by `holding`.
+    """
+    holding = getattr(executor, "holding", None)
+    if holding is not None:
+        with holding(work) as held:
+            yield held
+        return
+    if not isinstance(executor, ProcessPoolExecutor):
+        yield work
+        return
+    with tempfile.TemporaryDirectory(prefix="fieldrecon-") as folder:
+        file = Path(folder) / "work.pickle"
+        file.write_bytes(pickle.dumps(work, protocol=pickle.HIGHEST_PROTOCOL))
+        yield partial(_do, file)
+
+
+def _do(file: Path, x: np.ndarray) -> Any:
+    return _read(file)(x)
+
+
+@lru_cache(maxsize=1)
+def _read(file: Path) -> Callable[[np.ndarray], Any]:
+    work: Callable[[np.ndarray], Any] = pickle.loads(file.read_bytes())
+    return work
 
 
 class _Inline(Executor):

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
+from fieldrecon._neighborhoods import places
 from fieldrecon.polynomials import EPS
 from fieldrecon.radial import Radial
 
@@ -66,11 +67,11 @@ def refuse_duplicates(
     points: np.ndarray, remedy: str = "merge them, or give smoothing > 0"
 ) -> None:
     """Two equal rows of the system make it singular."""
-    # adding zero makes -0.0 equal to 0.0
-    _, first, inverse = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
-    twice = np.flatnonzero(first[inverse.ravel()] != np.arange(len(points)))
-    if len(twice):
-        pairs = [f"{first[inverse.ravel()[j]]} and {j}" for j in twice[:5]]
+    place = places(points)
+    if place.max() + 1 < len(points):
+        first = np.unique(place, return_index=True)[1][place]
+        twice = np.flatnonzero(first != np.arange(len(points)))
+        pairs = [f"{first[j]} and {j}" for j in twice[:5]]
         more = f" and {len(twice) - 5} more" if len(twice) > 5 else ""
         raise ValueError(
             f"points must be distinct to be interpolated; these coincide: {', '.join(pairs)}"

@@ -1,4 +1,4 @@
-"""The command line: experiments, a grid from a file of samples, the report."""
+"""The command line: experiments, a field from a file of samples, the report."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from threadpoolctl import threadpool_limits
+
+from fieldrecon.reconstruct_command import add_arguments
 
 if TYPE_CHECKING:
     from fieldrecon.experiments import Map
@@ -25,7 +27,7 @@ USER_ERRORS = (
     OSError,
     MemoryError,
     OverflowError,
-    ModuleNotFoundError,
+    ImportError,
 )
 
 
@@ -59,12 +61,13 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument("--traceback", action="store_true", help="show where an error came from")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_experiments(commands.add_parser("experiments", help="list, show and run the experiments"))
-    _add_reconstruct(
+    add_arguments(
         commands.add_parser(
             "reconstruct",
-            help="a grid from a CSV file of samples, and which method fits them",
-            description="Put samples on a grid. Each method is judged by leaving out each sample "
-            "in turn; nodes outside the convex hull of the samples are marked as extrapolated.",
+            help="a field from a table of samples, and which method fits them",
+            description="Reconstruct a field from samples, on a grid, at points or on a mesh. Each "
+            "method is judged by samples that are left out; each value comes with an estimate of "
+            "its error, and extrapolated ones are marked.",
         )
     )
     _add_audit(
@@ -93,20 +96,20 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
 def _add_report(parser: argparse.ArgumentParser) -> None:
     """Declare the options that the report itself knows; to ask it imports all that it needs."""
     try:
-        from fieldrecon.reporting.build import add_arguments, main
+        from fieldrecon.reporting import build
     except ModuleNotFoundError as missing:
         parser.error(_sentence(missing))
-    add_arguments(parser)
-    parser.set_defaults(command=main)
+    build.add_arguments(parser)
+    parser.set_defaults(command=build.main)
 
 
 def _add_course(parser: argparse.ArgumentParser) -> None:
     """Declare the options that the course itself knows."""
     try:
-        from fieldrecon.course.command import add_arguments
+        from fieldrecon.course import command
     except ModuleNotFoundError as missing:
         parser.error(_sentence(missing))
-    add_arguments(parser)
+    command.add_arguments(parser)
 
 
 def _add_grade(parser: argparse.ArgumentParser) -> None:
@@ -133,22 +136,6 @@ def _add_experiments(parser: argparse.ArgumentParser) -> None:
     run.add_argument("--out", type=Path, default=Path("results"), metavar="DIR")
     run.add_argument("--jobs", type=_positive, default=1, metavar="N", help="processes (1)")
     run.set_defaults(command=_run)
-
-
-def _add_reconstruct(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("samples", type=Path, metavar="POINTS.csv", help="a table with a header")
-    for name in ("x", "y", "value"):
-        parser.add_argument(f"--{name}", metavar="COLUMN", help=f"the column that holds {name}")
-    parser.add_argument(
-        "--method",
-        default="best",
-        metavar="NAME",
-        help="ls1, ls2, ls4, mls1, mls2, tps, cubic, smooth, or best (the default): "
-        "the one that misses left-out samples least",
-    )
-    parser.add_argument("--grid", type=_shape, default=(200, 200), metavar="NXxNY")
-    parser.add_argument("--out", type=Path, default=Path("reconstruction"), metavar="DIR")
-    parser.set_defaults(command=_reconstruct)
 
 
 def _add_audit(parser: argparse.ArgumentParser) -> None:
@@ -181,13 +168,6 @@ def _positive(text: str) -> int:
     if not re.fullmatch(r"0*[1-9]\d*", text):
         raise argparse.ArgumentTypeError(f"must be a positive whole number; got {text!r}")
     return int(text)
-
-
-def _shape(text: str) -> tuple[int, int]:
-    sides = re.fullmatch(r"(\d+)x(\d+)", text.lower())
-    if sides is None or min(columns_rows := (int(sides[1]), int(sides[2]))) < 2:
-        raise argparse.ArgumentTypeError(f"must be such as 200x150, each 2 or more; got {text!r}")
-    return columns_rows
 
 
 def _list(_: argparse.Namespace) -> None:
@@ -229,42 +209,16 @@ def _setting(text: str) -> tuple[str, str]:
     return key.strip(), value
 
 
-def _reconstruct(options: argparse.Namespace) -> None:
-    from fieldrecon.gridding import CANDIDATES, Grid, best_field, cross_validate, grid_over
-    from fieldrecon.reporting.gridding import write_reconstruction
-    from fieldrecon.reporting.terminal import print_files, print_trials, progress
-    from fieldrecon.samples import read_samples
-
-    if options.method not in {"best", *CANDIDATES}:
-        raise ValueError(
-            f"there is no method {options.method!r}; there are best, {', '.join(CANDIDATES)}"
-        )
-    samples = read_samples(options.samples, options.x, options.y, options.value)
-    points, values = samples.points, samples.values
-
-    def trial(candidate: Any) -> Any:
-        return cross_validate(candidate, points, values, candidate.name == options.method)
-
-    with progress(map, "leaving out each sample") as each:
-        trials = list(each(trial, CANDIDATES.values()))
-    allowed = [t for t in trials if options.method in ("best", t.candidate.name)]
-    x, y, nodes = grid_over(points, *options.grid)
-    chosen, field = best_field(allowed, points, values, nodes)
-    grid = Grid(x, y, field.reshape(len(y), len(x)), points)
-    written = write_reconstruction(options.out, samples, grid, trials, chosen)
-    print_trials(samples, grid, trials, chosen)
-    print_files(written)
-
-
 def _audit(options: argparse.Namespace) -> int:
     from fieldrecon.mesh_audit import audit_mesh
     from fieldrecon.mesh_repair import repair_mesh
     from fieldrecon.reporting.mesh_errors import write_audit
-    from fieldrecon.reporting.terminal import counting, print_audit, print_files, print_json
+    from fieldrecon.reporting.terminal import print_audit, print_files, print_json, stages
     from fieldrecon.triangle_files import read_triangles, write_triangles
 
     points, triangles = read_triangles(options.mesh)
-    with counting("looking for self-intersections") as progress:
+    with stages() as stage:
+        progress = stage("looking for self-intersections")
         if options.repair is None:
             audit = audit_mesh(points, triangles, options.tolerance, progress)
             done = None

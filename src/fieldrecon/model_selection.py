@@ -8,8 +8,10 @@ from numpy.typing import ArrayLike
 from fieldrecon import _validation as valid
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Reconstruction
+from fieldrecon.sphere import OnGlobe
 
 # Below this 1 - h_ii the closed form has lost four digits and more: the point is dropped instead.
 _ACCURATE = 1e-4
@@ -22,7 +24,8 @@ def leave_one_out(method: Reconstruction, values: ArrayLike) -> np.ndarray:
     Least squares, and moving least squares over all sites or a fixed radius: r_i / (1 - h_ii), with
     h_ii the diagonal of H(X); where 1 - h_ii is tiny, and for k nearest sites, whose neighbourhoods
     change, the point is left out of its own fit. Radial basis functions: lambda_i / (H^-1)_ii
-    (Rippa 1999).
+    (Rippa 1999); on patches, the mean of these over those that contain the point, by their weights
+    there: the patches stay where they are.
 
     Parameters
     ----------
@@ -66,6 +69,10 @@ def _residuals(method: Reconstruction, values: np.ndarray) -> np.ndarray:
         return _polynomial_residuals(method, values)
     if isinstance(method, MovingLeastSquares):
         return _moving_residuals(method, values)
+    if isinstance(method, OnGlobe):
+        return _residuals(method.method, values)
+    if isinstance(method, PartitionOfUnityRBF):
+        return method.left_out(values)
     if isinstance(method, RBF):
         for i in _indispensable(method.points, method.degree):
             _without(i, method.points, method.degree)

@@ -155,7 +155,7 @@ class Reconstruction(ABC):
 
     def _prepare(self, values: np.ndarray) -> Any:
         """What evaluation needs of the data (n, v): coefficients, or the data themselves."""
-        return values.copy()  # a field does not change when the caller's array does
+        return values
 
     def _value_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
         """Values (m, v)."""
@@ -164,6 +164,10 @@ class Reconstruction(ABC):
     def _gradient_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
         """Gradients (m, v, d)."""
         return np.stack([g @ prepared for g in self._gradient_weight_rows(x)], axis=-1)
+
+    def _order(self, x: np.ndarray) -> np.ndarray | None:  # noqa: ARG002 - by default as they come
+        """Order of the queries (m, d) in which neighbours are evaluated together; None as is."""
+        return None
 
     def _chunk_rows(self, columns: int) -> int:
         """Queries of one chunk, for data of so many columns."""
@@ -190,11 +194,16 @@ class Field:
         The method with its sites.
     values : (n, ...) ndarray
         The data.
+    prepare : callable, optional
+        Takes the data (n, v) and returns what evaluation needs of them; the method's own routine
+        by default.
 
     Attributes
     ----------
     method : Reconstruction
         The method with its sites.
+    values : (n, ...) ndarray
+        The data; they do not change when the caller's array does.
 
     Examples
     --------
@@ -207,11 +216,20 @@ class Field:
     array([2., 3.])
     """
 
-    def __init__(self, method: Reconstruction, values: np.ndarray) -> None:
+    def __init__(
+        self,
+        method: Reconstruction,
+        values: np.ndarray,
+        prepare: Callable[[np.ndarray], Any] | None = None,
+    ) -> None:
         self.method = method
+        self.values = values.copy()
+        self.values.flags.writeable = False
         self._shape = values.shape[1:]
         self._dtype = values.dtype
-        self._prepared = valid.without_warnings(method._prepare, values.reshape(len(values), -1))
+        self._prepared = valid.without_warnings(
+            prepare or method._prepare, self.values.reshape(len(values), -1)
+        )
 
     def __call__(
         self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
@@ -284,12 +302,15 @@ class Field:
     ) -> np.ndarray:
         x = self.method._queries(x)
         queries = x.reshape(-1, x.shape[-1])
+        order = self.method._order(queries)
+        queries = queries if order is None else queries[order]
         columns = int(np.prod(self._shape, dtype=int))
         result = np.empty((len(queries), columns, *tail), dtype=self._dtype)
         work = partial(_evaluated, rows_of_result, self._prepared)
         rows = self.method._chunk_rows(columns)
         for part, values in chunked(work, queries, rows, executor, progress):
-            result[part] = valid.finite_rows(values, queries[part])
+            where = part if order is None else order[part]
+            result[where] = valid.finite_rows(values, queries[part])
         return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
 
 

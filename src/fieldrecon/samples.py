@@ -1,53 +1,111 @@
-"""Samples of a field from a table: a CSV file with a header, its columns chosen by name."""
+"""Samples of a field from a table of a few or of millions of rows, its columns chosen by name."""
 
 from __future__ import annotations
 
-import csv
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-_X = ("x", "easting", "east", "lon", "long", "longitude")
-_Y = ("y", "northing", "north", "lat", "latitude")
-_VALUE = ("value", "z", "f", "v", "h", "height", "elevation", "depth")
+from fieldrecon._chunks import Progress
+from fieldrecon._column_names import bare_name, chosen_columns
+from fieldrecon._wanted_columns import BadRow, Wanted
+from fieldrecon.sphere import principal
+from fieldrecon.tables import read_table
+
+_IN_METRES = ("east", "north")
+_ROUNDED = 9  # decimals of degrees within which places are one: a tenth of a millimetre
+_SHOWN = 5
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Values at scattered points of the plane.
+    """Values at scattered points.
 
     Parameters
     ----------
     names : tuple of str
-        Of the columns that hold x, y and the value.
-    points : ndarray of shape (n, 2)
+        Of the columns that hold the coordinates and the value.
+    points : ndarray of shape (n, d)
     values : ndarray of shape (n,)
+    lonlat : bool
+        Whether the coordinates are degrees of longitude and latitude.
     merged : int
-        How many rows were left out because they repeat a point; the point bears the mean of the
-        values given there.
+        How many rows were left out because they repeat a point, which bears the mean of the values
+        given there.
+    conflicts : int
+        At how many points these values differ.
+    spread : float
+        By how much, at the most.
+    bad : tuple of BadRow
+        Rows that were left out because they are not numbers.
+    left : tuple of str
+        The columns that were not read.
     """
 
-    names: tuple[str, str, str]
+    names: tuple[str, ...]
     points: np.ndarray
     values: np.ndarray
+    lonlat: bool = False
     merged: int = 0
+    conflicts: int = 0
+    spread: float = 0.0
+    bad: tuple[BadRow, ...] = ()
+    left: tuple[str, ...] = ()
 
     @property
-    def in_degrees(self) -> bool:
-        """Whether the names of the columns say longitude and latitude."""
-        return any(name.lower().startswith(("lon", "lat")) for name in self.names[:2])
+    def remarks(self) -> list[str]:
+        """What a reader of the field should know of its samples, in sentences."""
+        return [*self._of_rows(), *self._of_columns()]
+
+    def _of_rows(self) -> Iterator[str]:
+        if self.bad:
+            shown = "; ".join(f"{row.line}: {row.reason}" for row in self.bad[:_SHOWN])
+            more = f"; and {len(self.bad) - _SHOWN} more" if len(self.bad) > _SHOWN else ""
+            yield f"{_count(len(self.bad), 'row')} left out, by line: {shown}{more}."
+        if self.merged:
+            yield (
+                f"{_count(self.merged, 'row')} repeat{'s' * (self.merged == 1)} a point; it bears "
+                "the mean of its values, which "
+                + (f"differ at {_count(self.conflicts, 'point')}, by up to {self.spread:.4g}."
+                   if self.conflicts else "are the same.")
+            )  # fmt: skip
+
+    def _of_columns(self) -> Iterator[str]:
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        sizes = np.maximum(abs(low), abs(high))
+        bare = [bare_name(name) for name in self.names[:-1]]
+        if self.lonlat or len(bare) != 2:
+            pass
+        elif any(name.startswith(("lon", "lat")) for name in bare):
+            yield (
+                f"The columns {self.names[0]} and {self.names[1]} look like degrees but are taken "
+                "as lengths of one unit: add --lonlat, or project them."
+            )
+        elif (sizes <= (180, 90)).all() and (high - low).max() > 5 and not (
+            any(name.startswith(_IN_METRES) for name in bare)
+        ):  # fmt: skip
+            yield "If the coordinates, all within ±180 and ±90, are degrees, add --lonlat."
+        if unread := [name for name in self.left if bare_name(name) == "z"]:
+            yield (
+                f"The column {unread[0]} was not read: the points lie in a plane. "
+                f"--z {unread[0]} makes them points in space."
+            )
 
 
 def read_samples(
-    path: Path, x: str | None = None, y: str | None = None, value: str | None = None
+    path: Path,
+    x: str | None = None,
+    y: str | None = None,
+    value: str | None = None,
+    z: str | None = None,
+    lonlat: bool = False,
+    strict: bool = False,
+    progress: Progress | None = None,
 ) -> Samples:
-    """Read samples from a CSV file.
-
-    Cells are separated by commas, semicolons or tabs, whichever the header has most of. Blank
-    lines and lines that begin with ``#`` are passed over.
+    """Read samples from a table: text, NPZ or Parquet, see `read_table`.
 
     Parameters
     ----------
@@ -55,91 +113,104 @@ def read_samples(
     x, y, value : str, optional
         Names of the columns. Where not given, usual names are looked for, and the value may be
         the only column left.
+    z : str, optional
+        Name of the third coordinate, of points in space.
+    lonlat : bool
+        Whether x and y are degrees; longitudes become those in [-180, 180).
+    strict : bool
+        Refuse the table for a bad row, instead of leaving the row out.
+    progress : callable, optional
+        Called as progress(done, total), in bytes or rows.
 
     Raises
     ------
     ValueError
-        If a column cannot be found, or a row is not three finite numbers: with its line number.
+        If a column cannot be found, no row is good, or, if strict, one is not: with its line.
+    ImportError
+        If it is Parquet and pyarrow is not installed.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path} is not a text in UTF-8: {error.reason}") from None
-    rows = _rows(path, lines)
-    _, header = next(rows, (0, []))
-    columns = [name.strip() for name in header]
-    chosen = _chosen(path, columns, (x, y, value))
-    numbers = np.array([_numbers(path, line, row, columns, chosen) for line, row in rows])
-    if len(numbers) == 0:
-        raise ValueError(f"{path} has no rows below its header")
-    at_x, at_y, at_value = (columns[k] for k in chosen)
-    points, values = _merged(numbers[:, :2], numbers[:, 2])
-    return Samples((at_x, at_y, at_value), points, values, merged=len(numbers) - len(points))
+    if lonlat and z is not None:
+        raise ValueError("--lonlat is for places on the globe, --z for points in space: not both")
+    names = {"x": x, "y": y} | ({} if z is None else {"z": z}) | {"value": value}
+    columns: list[str] = []
+    limits = (360.0, 90.0, np.inf) if lonlat else (np.inf,) * len(names)
 
+    def choose(found: list[str]) -> list[int]:
+        columns[:] = found
+        return chosen_columns(path, found, names)
 
-def _rows(path: Path, lines: Sequence[str]) -> Iterator[tuple[int, list[str]]]:
-    """Yield number and cells of each line that says something; the first is the header."""
-    told = [(k, line) for k, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
-    if not told:
-        raise ValueError(f"{path} is empty; a header such as x,y,value and rows were expected")
-    separator = max(",;\t", key=told[0][1].count)
-    for number, line in told:
-        yield number, next(csv.reader([line], delimiter=separator))
-
-
-def _chosen(path: Path, columns: list[str], names: Sequence[str | None]) -> tuple[int, int, int]:
-    """Find the columns of x, y and the value."""
-    for name in names:
-        if name is not None and name not in columns:
-            raise ValueError(f"{path} has no column {name!r}; it has {', '.join(columns)}")
-    x, y, value = (
-        columns.index(name) if name is not None else _usual(columns, usual)
-        for name, usual in zip(names, (_X, _Y, _VALUE), strict=True)
-    )
-    left = set(range(len(columns))) - {x, y}
-    value = left.pop() if value is None and len(left) == 1 else value
-    for option, column in (("--x", x), ("--y", y), ("--value", value)):
-        if column is None:
-            raise ValueError(
-                f"it is not clear which column of {path} to take; "
-                f"name it with {option}: {', '.join(columns)}"
-            )
-    if len({x, y, value}) < 3:
-        raise ValueError("x, y and the value must be three different columns")
-    return x, y, value  # type: ignore[return-value]
-
-
-def _usual(columns: list[str], usual: Sequence[str]) -> int | None:
-    """Find the column of the most usual name, if any; units in brackets do not count."""
-    bare = [column.lower().split("(")[0].split("[")[0].strip() for column in columns]
-    return next((bare.index(name) for name in usual if name in bare), None)
-
-
-def _numbers(
-    path: Path, line: int, row: list[str], columns: list[str], chosen: Sequence[int]
-) -> list[float]:
-    if len(row) != len(columns):
+    table = read_table(path, Wanted(choose, limits), progress)
+    if table.bad and (strict or not len(table.numbers)):
+        row = table.bad[0]
+        raise ValueError(f"{path}, line {row.line}: {row.reason}")
+    if lonlat and len(table.bad) > len(table.numbers):
+        row = table.bad[0]
         raise ValueError(
-            f"{path}, line {line}: the header has {len(columns)} cells and this row {len(row)}"
+            f"most rows of {path} are no degrees of longitude and latitude, such as line "
+            f"{row.line}: {row.reason}; are they lengths, or the other way round?"
         )
-    return [_number(f"{path}, line {line}: {columns[k]}", row[k]) for k in chosen]
-
-
-def _number(place: str, text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise ValueError(f"{place} must be a finite number; got {text.strip()!r}")
-    return number
-
-
-def _merged(points: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give each point once, in the order of the file, with the mean of its values."""
-    _, first, which, count = np.unique(
-        points, axis=0, return_index=True, return_inverse=True, return_counts=True
+    points = table.numbers[:, :-1]
+    places = np.round(principal(points), _ROUNDED) if lonlat else points
+    return _merged(
+        partial(
+            Samples,
+            tuple(table.names),
+            lonlat=lonlat,
+            bad=tuple(table.bad),
+            left=tuple(name for name in columns if name not in table.names),
+        ),
+        places,
+        table.numbers[:, -1],
     )
-    means = np.bincount(which.ravel(), weights=values) / count
-    order = np.argsort(first)
-    return points[first[order]], means[order]
+
+
+def refuse_flat(samples: Samples) -> None:
+    """Refuse samples all on a line, or in a plane of space, in words.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If they are: beside it, any field would do.
+    """
+    points = samples.points
+    n, d = points.shape
+    size = np.ptp(points, axis=0).max()
+    rounding = 16 * np.finfo(float).eps * np.abs(points).max()
+    moments = (points - points.mean(axis=0)) / (size or 1.0)
+    stretch = np.sqrt(np.maximum(np.linalg.eigvalsh(moments.T @ moments / n), 0.0))
+    rank = int((stretch > max(1e-7, rounding / (size or 1.0))).sum())
+    if samples.lonlat or rank == d:
+        return
+    where = ("at one place", "on one straight line", "in one plane")[rank]
+    remedy = (
+        "; take the distance along it as the only coordinate of fieldrecon.RBF" if rank == 1 else ""
+    )
+    raise np.linalg.LinAlgError(
+        f"all {n} points lie {where}: they do not say what the field is beside it{remedy}"
+    )
+
+
+def _count(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def _merged(samples: partial[Samples], points: np.ndarray, values: np.ndarray) -> Samples:
+    """Give each point once, in the order of the file, with the mean of its values."""
+    order = np.lexsort(points.T)
+    ordered, own = points[order], values[order]
+    new = np.append(True, (ordered[1:] != ordered[:-1]).any(axis=1))
+    start = np.flatnonzero(new)
+    if len(start) == len(points):
+        return samples(points=points, values=values)
+    count = np.diff(np.append(start, len(points)))
+    spread = np.maximum.reduceat(own, start) - np.minimum.reduceat(own, start)
+    means = np.where(spread > 0, np.add.reduceat(own, start) / count, own[start])
+    first = np.minimum.reduceat(order, start)
+    kept = np.argsort(first)
+    return samples(
+        points=points[first[kept]],
+        values=means[kept],
+        merged=len(points) - len(start),
+        conflicts=int((spread > 0).sum()),
+        spread=float(spread.max()),
+    )

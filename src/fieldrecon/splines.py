@@ -61,8 +61,8 @@ class NaturalCubicSpline(Reconstruction):
         if len(self.points) < 2:
             raise undetermined(1, self.degree, 1)
         refuse_duplicates(self.points, "merge them")
-        self._order = np.argsort(self.points[:, 0])
-        self._knots = self.points[self._order, 0]
+        self._sorting = np.argsort(self.points[:, 0])
+        self._knots = self.points[self._sorting, 0]
         self._frame = Frame.around(self.points)
         self._h = np.diff(self._knots / self._frame.scale)
         self._factor = cholesky_banded(_moment_matrix(self._h), lower=True)
@@ -167,7 +167,7 @@ class NaturalCubicSpline(Reconstruction):
         f, moments = self._prepare(values.reshape(len(values), -1))
         thirds = np.diff(moments, axis=0) / self._h[:, None]
         alpha = np.empty_like(moments)
-        alpha[self._order] = np.diff(thirds, axis=0, prepend=0.0, append=0.0) / 6
+        alpha[self._sorting] = np.diff(thirds, axis=0, prepend=0.0, append=0.0) / 6
         slope = (f[1] - f[0]) / self._h[0] - self._h[0] / 6 * moments[1]
         first = self._frame.local(self._knots[0])
         return alpha, np.stack([f[0] - first * slope, slope])
@@ -184,7 +184,7 @@ class NaturalCubicSpline(Reconstruction):
 
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Data and moments (n, v) in the order of the knots."""
-        f = values[self._order]
+        f = values[self._sorting]
         bends = np.diff(np.diff(f, axis=0) / self._h[:, None], axis=0)
         return f, self._solve(np.pad(bends, ((1, 1), (0, 0))))
 
@@ -214,7 +214,7 @@ class NaturalCubicSpline(Reconstruction):
             _difference_transposed(bends) / self._h[:, None]
         )
         result = np.empty_like(total)
-        result[self._order] = total
+        result[self._sorting] = total
         return result
 
     def _chunk_rows(self, columns: int) -> int:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any, TypeAlias
 
@@ -30,6 +31,16 @@ def parameter(default: Any, meaning: str) -> Any:
     100
     """
     return field(default=default, metadata={"meaning": meaning})
+
+
+def input_file(default: str, meaning: str) -> Any:
+    """Declare a field that names a file of the checkout; what is in it counts as a parameter."""
+    return field(default=default, metadata={"meaning": meaning, "file": True})
+
+
+def in_checkout(name: str) -> Path:
+    """Return the path of a file that is named from the root of the checkout."""
+    return Path(__file__).parents[3] / name
 
 
 def require_at_least(params: Any, **least: float) -> None:
@@ -224,6 +235,11 @@ class Experiment:
     def meanings(self) -> dict[str, str]:
         """What each parameter is, by its name."""
         return {f.name: f.metadata.get("meaning", "") for f in fields(self.module.Params)}
+
+    def inputs(self, params: Any) -> dict[str, Path]:
+        """The files that the parameters name, by the name of the parameter."""
+        named = [f.name for f in fields(params) if f.metadata.get("file")]
+        return {name: in_checkout(getattr(params, name)) for name in named}
 
     @cached_property
     def plots(self) -> Mapping[str, Callable[[Result], Any]]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
-import secrets
 import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
@@ -15,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from fieldrecon._whole_file import whole_file
 from fieldrecon.experiments import get
 from fieldrecon.experiments.experiment import Experiment, Result, Table, cell_from_text
 from fieldrecon.experiments.settings import with_settings
@@ -26,16 +25,8 @@ _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 
 def write_atomically(path: Path, content: bytes) -> Path:
     """Write a file under a temporary name and rename it, so that nobody sees half of it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}-{secrets.token_hex(4)}")
-    try:
-        with temporary.open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(content)
     return path
 
 

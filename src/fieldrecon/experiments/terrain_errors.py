@@ -20,7 +20,7 @@ from fieldrecon.experiments.landforms import (
     relief_told,
 )
 from fieldrecon.experiments.surfaces import Surface
-from fieldrecon.gridding import outside_hull
+from fieldrecon.extrapolation import outside_hull
 
 NEAR = 0.05
 """A height is on a terrace if it is within this part of the spacing from an isoline's."""

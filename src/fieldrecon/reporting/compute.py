@@ -27,7 +27,7 @@ from fieldrecon.experiments.files import (
 from fieldrecon.experiments.settings import with_settings
 from fieldrecon.reporting.failure import BuildError
 from fieldrecon.reporting.sources import code_behind
-from fieldrecon.reporting.steps import Steps, digest, digests
+from fieldrecon.reporting.steps import Steps, digest, digests, file_digest
 from fieldrecon.reporting.workers import workers
 
 RUN_NAMES = ("Params", "run")
@@ -52,7 +52,10 @@ class Job:
     def run_key(self) -> str:
         """Return the digest of all that the result depends on."""
         code = code_behind(self.experiment.module.__name__, RUN_NAMES)
-        return digest({"name": self.name, "params": asdict(self.params), "code": code})
+        params = asdict(self.params)
+        for name, path in self.experiment.inputs(self.params).items():
+            params[name] = file_digest(path) if path.is_file() else ""
+        return digest({"name": self.name, "params": params, "code": code})
 
     def figure_key(self, plot: Callable[[Result], Any]) -> str:
         """Return the digest of all that a figure depends on: its code and the files of the run."""

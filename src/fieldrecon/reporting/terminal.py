@@ -17,15 +17,18 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
+    Task,
     TaskProgressColumn,
     TimeElapsedColumn,
+    TimeRemainingColumn,
 )
 from rich.table import Table
+from rich.text import Text
 
 from fieldrecon.experiments import Experiment, Map
-from fieldrecon.gridding import Grid, Trial
 from fieldrecon.mesh_audit import MeshAudit, in_words
-from fieldrecon.samples import Samples
+from fieldrecon.outcome import Outcome, peak_memory
 
 _WIDEST = 7
 _MOST_ROWS = 40
@@ -60,14 +63,32 @@ def progress(mapping: Map, label: str) -> Iterator[Map]:
 
 
 @contextmanager
-def counting(label: str) -> Iterator[Callable[[int, int], None]]:
-    """Give a function of what is done and the total, with a bar that tells it on a terminal."""
-    columns = ("{task.description}", BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
-    on_terminal = sys.stderr.isatty()
+def stages() -> Iterator[Callable[[str], Callable[[int, int], None]]]:
+    """Give what opens a stage of long work: a bar with the time left and the memory, on a terminal.
+
+    What it returns is called as progress(done, total); until then the bar only shows that it lives.
+    """
+    columns = (
+        "{task.description}", BarColumn(), TaskProgressColumn(), TimeElapsedColumn(),
+        TimeRemainingColumn(), _Memory(),
+    )  # fmt: skip
     errors = Terminal(stderr=True)
-    with Progress(*columns, console=errors, transient=True, disable=not on_terminal) as bar:
-        task = bar.add_task(label, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+    with Progress(*columns, console=errors, transient=True, disable=not sys.stderr.isatty()) as bar:
+
+        def stage(label: str) -> Callable[[int, int], None]:
+            for earlier in bar.tasks:
+                bar.update(earlier.id, visible=False)
+            task = bar.add_task(label, total=None)
+            return lambda done, total: bar.update(task, completed=done, total=total)
+
+        yield stage
+
+
+class _Memory(ProgressColumn):
+    """The most memory that the program has held."""
+
+    def render(self, _: Task) -> Text:
+        return Text(f"{peak_memory() / 1e9:.2f} GB", style="progress.data.speed")
 
 
 def print_table(
@@ -96,25 +117,22 @@ def _typed(cell: Any) -> str:
     return ",".join(map(_typed, cell)) if isinstance(cell, list | tuple) else str(cell)
 
 
-def print_trials(samples: Samples, grid: Grid, trials: list[Trial], chosen: Trial) -> None:
-    """Print how each method did, what was drawn, and what a reader should beware of."""
-    tried = sorted((t for t in trials if t.residuals is not None), key=lambda t: t.rms)
+def print_outcome(outcome: Outcome) -> None:
+    """Print how each method did, what was evaluated, and what a reader should beware of."""
+    tried = [t for t in outcome.ranked if t.residuals is not None]
     rows = [(t.candidate.name, t.candidate.meaning, t.rms, t.largest) for t in tried]
-    title = f"{samples.names[2]} at {len(samples.points)} points: error when each is left out"
-    print_table(("method", "what it is", "rms error", "largest error"), rows, title=title)
+    name, count = outcome.samples.names[-1], len(outcome.samples.points)
+    if rows:
+        title = f"{name} at {count} points: error when each of {outcome.judged} is left out"
+        print_table(("method", "what it is", "rms error", "largest error"), rows, title=title)
     say = Terminal(highlight=False, markup=False).print
-    for t in trials:
+    for t in outcome.trials:
         if t.residuals is None:
             say(f"{t.candidate.name}: {t.reason}.")
-    if samples.merged:
-        say(f"{samples.merged} rows repeat a point; it bears the mean of its values.")
-    if samples.in_degrees:
-        say("The columns look like degrees but are taken as lengths; project them first.")
-    say(f"Drawn: {chosen.candidate.name}, {chosen.candidate.meaning}.")
-    say(
-        f"{grid.extrapolated.sum()} of {grid.values.size} nodes lie outside the convex hull of "
-        "the samples: extrapolated, and marked so in every file."
-    )
+    for remark in outcome.remarks:
+        say(remark)
+    say(f"Drawn: {outcome.method}.")
+    say(f"{outcome.cost}.")
 
 
 def print_audit(path: Path, audit: MeshAudit, done: dict[str, int] | None = None) -> None:

@@ -1,0 +1,100 @@
+"""A cluster of processes gives the bits of one machine, though a worker is killed at work."""
+
+import os
+import signal
+from pathlib import Path
+
+import dask.array
+import numpy as np
+import pytest
+from distributed import Client, LocalCluster
+
+from fieldrecon import _chunks
+from fieldrecon.cluster import Cluster, evaluated
+from fieldrecon.datasets import franke, halton
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
+from laws import assert_close
+
+X, Q = halton(3000, 2), halton(4000, 2, seed=1)
+# what the servers have to say of a killed worker
+pytestmark = pytest.mark.filterwarnings("ignore")
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory):
+    """Three workers, each a process with a nurse that replaces it."""
+    folder = tmp_path_factory.mktemp("workers")
+    with (
+        LocalCluster(
+            n_workers=3, threads_per_worker=1, processes=True, dashboard_address=None,
+            local_directory=folder, silence_logs="CRITICAL",
+        ) as cluster,
+        Client(cluster) as client,
+    ):  # fmt: skip
+        yield client
+
+
+class Recorded:
+    """Work that writes down who began it, and lets the first to come die."""
+
+    def __init__(self, work, log: Path) -> None:
+        self.work, self.log = work, log
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        try:
+            self.log.touch(exist_ok=False)
+            first = True
+        except FileExistsError:
+            first = False
+        with self.log.open("a") as log:
+            log.write(f"{os.getpid()}\n")
+        if first:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return self.work(x)
+
+
+class Recording(Cluster):
+    """A cluster whose work is recorded."""
+
+    log: Path
+
+    def holding(self, work):
+        return super().holding(Recorded(work, self.log))
+
+
+def test_the_fit_and_the_field_survive_the_death_of_a_worker(client, tmp_path, monkeypatch):
+    """Killed when it had begun, as its log says; others go on, and the bits are the same."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)
+    m = PartitionOfUnityRBF(X)
+    here = m.field(franke(X))
+    executor = Recording(client)
+    executor.log = tmp_path / "fit"
+    there = m.field(franke(X), executor=executor)
+    executor.log = tmp_path / "values"
+    values = there(Q, executor=executor)
+    for log in ("fit", "values"):
+        begun = (tmp_path / log).read_text().split()
+        assert begun.count(begun[0]) == 1
+        assert len(set(begun)) > 1
+        with pytest.raises(ProcessLookupError):
+            os.kill(int(begun[0]), 0)
+    assert_close(values, here(Q), 0.0)
+    assert_close(there.gradient(Q), here.gradient(Q), 0.0)
+
+
+def test_queries_may_be_a_dask_array(client):  # noqa: ARG001 - computes where the client is
+    """Nothing is computed before it is asked for; chunks of rows stay."""
+    m = PartitionOfUnityRBF(X)
+    for data in (franke(X), np.stack([franke(X), X[:, 0]], axis=1)):
+        s = m.field(data)
+        lazy = evaluated(s, dask.array.from_array(Q, chunks=(1500, 1)))
+        assert lazy.shape == (4000, *data.shape[1:])
+        assert lazy.chunks[0] == (1500, 1500, 1000)
+        assert_close(lazy.compute(), s(Q), 0.0)
+
+
+def test_queries_of_another_shape_are_refused():
+    """In words."""
+    s = PartitionOfUnityRBF(X).field(franke(X))
+    with pytest.raises(ValueError, match=r"x must have the shape \(m, 2\); got \(4000, 3\)"):
+        evaluated(s, dask.array.zeros((4000, 3)))
