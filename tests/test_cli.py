@@ -3,8 +3,10 @@
 import csv
 import json
 import os
+import pty
 import subprocess
 import sys
+from contextlib import suppress
 from html.parser import HTMLParser
 from importlib.metadata import version
 
@@ -309,6 +311,25 @@ def test_a_saved_field_gives_the_same_values(tmp_path, survey, method, globe):
     assert main(["reconstruct", "--load", str(saved), "--out", str(second), *where]) == 0
     assert first.read_bytes() == second.read_bytes()
     assert isinstance(load(saved).method, OnGlobe) == globe
+
+
+def test_a_terminal_sees_how_long_it_will_take(tmp_path, survey):
+    """Stages, the time left and the memory, on standard error, which a file does not see."""
+    shown, terminal = pty.openpty()
+    command = [sys.executable, "-m", "fieldrecon.cli", "reconstruct", str(survey)]
+    where = ["--grid", "300x300", "--method", "tps", "--out", str(tmp_path / "a.npz")]
+    told = b""
+    with subprocess.Popen([*command, *where], stdout=subprocess.PIPE, stderr=terminal) as run:
+        os.close(terminal)
+        with suppress(OSError):  # which ends it on Linux
+            while more := os.read(shown, 2**16):
+                told += more
+        output = run.stdout.read().decode()
+    os.close(shown)
+    assert run.returncode == 0
+    for wanted in ("reading", "choosing a method", "evaluating", "left, ", "GB"):
+        assert wanted in told.decode()
+    assert "evaluating" not in output
 
 
 def test_what_is_wrong_with_the_samples_is_told(tmp_path, capsys, survey):

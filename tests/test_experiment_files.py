@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fieldrecon import _whole_file
 from fieldrecon.experiments import Result, Table, files, order_of_magnitude
 from fieldrecon.experiments.experiment import cell_from_text, require_at_least
 from fieldrecon.experiments.settings import with_settings
@@ -155,7 +156,7 @@ def test_files_are_whole_or_absent(tmp_path, monkeypatch):
     def broken(_):
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(files.os, "fsync", broken)
+    monkeypatch.setattr(_whole_file.os, "fsync", broken)
     with pytest.raises(OSError, match="no space left"):
         files.write_atomically(path, b"new")
     assert path.read_bytes() == b"old"

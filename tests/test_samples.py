@@ -150,7 +150,7 @@ def test_a_latitude_beyond_the_pole_is_a_bad_row(table):
     assert read_samples(path, lonlat=True).bad == ((3, "lat must lie within ±90; got 95"),)
     metres = table("lon,lat,t\n0,0,1\n1000,9,1\n10,2000,1\n")
     with pytest.raises(
-        ValueError, match="most rows of .* are no degrees .* line 3: lon must lie wi"
+        ValueError, match=r"most rows of .* are no degrees .* line 3: lon must lie wi"
     ):
         read_samples(metres, lonlat=True)
 

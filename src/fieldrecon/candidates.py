@@ -22,7 +22,7 @@ from fieldrecon.reconstruction import Reconstruction
 
 _NEIGHBORS_PER_COEFFICIENT = 4
 _STRENGTHS = tuple(10.0**k for k in range(-6, 1))
-_PATCH_STRENGTHS = tuple(10.0**k for k in range(-1, 5))
+_PATCH_STRENGTHS = tuple(10.0**k for k in range(-1, 7))
 _NOISY_PATCH = 60
 _TYPICAL = 5000  # samples whose neighbours tell how far apart samples are
 

@@ -4,10 +4,11 @@ The estimate is t r(x), with r(x) the root mean square of the leave-one-out resi
 samples nearest to x, weighted by (1 - (distance / that of the next one)^2)^2, so that it is
 continuous. The factor t is such that 95 of 100 samples, when left out, are missed by no
 more than t times the r of the others about them, the few nearest passed over, whose residuals bear
-the noise of the one that was left out; a new place has lent its noise to none. So it holds for
-the samples by construction, and for a place among them as far as it is like them. It is a band for what would be measured there, its
-noise included; where the samples are sparser than anywhere among them, in gaps and outside, it
-promises nothing. The idea is that of cross-conformal prediction (the jackknife, scaled locally).
+the noise of the one that was left out; a new place has lent its noise to none. So it holds for the
+samples by construction, and for a place among them as far as it is like them. It is a band for what
+would be measured there, its noise included; where the samples are sparser than anywhere among them,
+in gaps and outside, it promises nothing. The idea is that of conformal prediction, scaled locally,
+with residuals from leaving one out.
 """
 
 from __future__ import annotations

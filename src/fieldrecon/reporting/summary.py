@@ -36,7 +36,7 @@ ul { padding-left: 1.2rem; } li { margin: .35rem 0; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--quiet); padding-bottom: .4rem; }
-th, td { padding: .25rem .9rem .25rem 0; text-align: left; vertical-align: top; }
+th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; }
 thead tr { border-bottom: 1.5px solid currentColor; }
 tbody tr { border-bottom: 1px solid var(--line); }
 td.number, th.number { text-align: right; white-space: nowrap; }
@@ -64,8 +64,8 @@ def summary(outcome: Outcome, pictures: Mapping[str, bytes], options: Mapping[st
     method = description(outcome.field.method)
     parameters = {"method": method.pop("name")} | _flat(method) | dict(options)
     parameters |= {"fieldrecon": version("fieldrecon"), "time and memory": outcome.cost}
-    size = f"{len(outcome.samples.points)} samples of {outcome.source}"
-    at = f"{len(outcome.result.values)} {outcome.result.places.kind}"
+    size = f"{len(outcome.samples.points):,} samples of {outcome.source}"
+    at = f"{len(outcome.result.values):,} {outcome.result.places.kind}"
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -129,7 +129,7 @@ def _methods(outcome: Outcome) -> str:
     return (
         "<h2>Methods</h2>"
         '<div class="scroll"><table>'
-        f"<caption>How far each misses {outcome.judged} samples that are left out.</caption>"
+        f"<caption>How far each misses {outcome.judged:,} samples that are left out.</caption>"
         f'<thead><tr>{head}<th class="number">largest error</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></div>"
     )
