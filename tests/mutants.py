@@ -367,8 +367,10 @@ class WritesToItsInput(Spoiled):
 class KeepsTheCallersArray(Spoiled):
     """Holds the data by reference."""
 
-    def _prepare(self, values):
-        return values
+    def field(self, values):
+        s = super().field(values)
+        s._prepared = values.reshape(len(values), -1)
+        return s
 
 
 class SinglePrecisionData(Spoiled):
