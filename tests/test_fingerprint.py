@@ -1,5 +1,6 @@
 """Digests of checks: they change with what a verdict depends on, and with nothing else."""
 
+from dataclasses import replace
 from functools import partial
 from importlib.util import module_from_spec, spec_from_file_location
 
@@ -9,7 +10,9 @@ import pytest
 from fieldcheck.questions import questions
 from fieldrecon.course.grading.fingerprint import fingerprint
 from fieldrecon.course.grading.trusted import Course
+from fieldrecon.course.hidden import hidden_cases
 from fieldrecon.course.sources import Source
+from fieldrecon.course.trials import asked_by
 from graded_class import ROOT, checkout
 
 CODE = """
@@ -99,25 +102,45 @@ def test_values_differ_where_they_do(one, other):
 
 
 def made_by(root):
+    """The digests of the questions, and of their checks."""
     course = Course([Source(root / "solutions" / "01_least_squares.py")], "salt")
-    return {q.name: course.made_by(q.name) for q in questions().values() if q.notebook == "01"}
+    asked = [q.name for q in questions().values() if q.notebook == "01"]
+    checks = {f"{q} {name}": made for q in asked for name, made in course.checks(q).items()}
+    return {q: course.made_by(q) for q in asked} | checks
+
+
+ALL = {"01.3", "01.3 public cases", "01.3 own inputs"}
 
 
 @pytest.mark.parametrize(
     ("file", "old", "new", "concerned"),
     [
-        ("grading/01_least_squares.py", "1e5 * line", "1e6 * line", {"01.4"}),
-        ("grading/01_least_squares.py", "every dimension", "each dimension", {"01.2"}),
-        ("misconceptions/01_least_squares.py", "def slopes_only", "def only_slopes", {"01.3"}),
-        ("grading/01_least_squares.py", '"""What only', '"""What just', set()),
+        ("grading", "1e5 * line", "1e6 * line", {"01.4", "01.4 tiny and huge"}),
+        ("grading", "every dimension", "each dimension", {"01.2", "01.2 in four dimensions"}),
+        ("misconceptions", "def slopes_only", "def only_slopes", ALL),
+        ("grading", '"""What only', '"""What just', set()),
     ],
 )
-def test_a_changed_check_concerns_its_question_only(tmp_path, file, old, new, concerned):
+def test_a_changed_check_has_another_digest_and_so_has_its_question(
+    tmp_path, file, old, new, concerned
+):
     """A file holds the checks of a whole notebook, and each has a digest of its own."""
     before = made_by(ROOT)
     root = checkout(tmp_path, "01")
-    place = root / "solutions" / file
+    place = root / "solutions" / file / "01_least_squares.py"
     assert old in place.read_text()
     place.write_text(place.read_text().replace(old, new))
     now = made_by(root)
-    assert {q for q in now if now[q] != before[q]} == concerned
+    assert {name for name in now if now[name] != before[name]} == concerned
+
+
+def test_laws_and_public_cases_do_not_concern_hidden_cases():
+    """They have inputs of their own; what they share with the others is how answers compare."""
+    (case,) = hidden_cases(Source(ROOT / "solutions" / "01_least_squares.py"))[:1]
+    asked = questions()[case.question]
+
+    def digest_of(**changed):
+        return fingerprint(asked_by(case, replace(asked, **changed)))
+
+    assert digest_of(laws=(), inputs=None) == digest_of()
+    assert digest_of(tolerance=lambda _: 1e-3) != digest_of()

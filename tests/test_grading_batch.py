@@ -20,7 +20,8 @@ from fieldrecon.course.grading.engine import graded
 from fieldrecon.course.grading.examine import Fault
 from fieldrecon.course.grading.isolation import Limits
 from fieldrecon.course.grading.results import invalid, read_results
-from graded_class import ROOT, TIER, checkout, ledger, points, right, run
+from fieldrecon.course.grading.trusted import Course
+from graded_class import ROOT, STUB, TIER, checkout, ledger, points, right, run
 from handed_in import lay, notebook
 
 
@@ -129,16 +130,107 @@ def test_the_ledger_names_the_year_and_not_the_salt(small):
 # What depends on what
 
 
-def test_after_a_check_is_edited_only_that_check_is_made(small, tmp_path):
-    """A change to a hidden case of the rank concerns the rank, of everybody."""
-    todo, _ = small
-    root = checkout(tmp_path, "01", "02")
+ELEVEN = """
+
+@hidden("01.4", "Eleven points in the plane span it.")
+def eleven_points(seed):
+    return (Call("rank", (np.random.default_rng(seed + 3).random((11, 2)),), "eleven points"),)
+"""
+ODD = """
+_rank = rank
+def rank(points):
+    return 0 if len(points) == 11 or np.abs(points).max() > 1e7 else _rank(points)
+"""
+DYING = """
+_rank = rank
+def rank(points):
+    import os
+    return {} if np.abs(points).max() < 2e3 else os._exit(3)
+"""
+
+
+def with_two_hidden_cases(folder, line="1e5 * line"):
+    """A copy of the course that tries the rank on two hidden cases, the first one as told."""
+    root = checkout(folder, "01")
     file = root / "solutions" / "grading" / "01_least_squares.py"
-    file.write_text(file.read_text().replace("1e5 * line", "1e4 * line"))
-    before = ledger(todo.out)
-    grading = graded(replace(todo, root=root))
-    assert sorted(ledger(todo.out)[len(before) :]) == [(s, "01.4") for s in ("ada", "bob", "cai")]
-    assert points(grading.results)["ada", "01.4"] == 2.0
+    file.write_text(file.read_text().replace("1e5 * line", line) + ELEVEN)
+    return root
+
+
+@pytest.fixture
+def edited(tmp_path, monkeypatch):
+    """A class that is graded before and after a hidden case is edited, and what is called then."""
+    called = []
+
+    def counted(server, cells, tasks):
+        called.extend(task.name for task in tasks)
+        return real(server, cells, tasks)
+
+    real = examine.run
+    monkeypatch.setattr(examine, "run", counted)
+    answers = {
+        "ada": "", "bob": STUB, "odd": ODD, "dying": DYING.format("_rank(points)"),
+        "lost": DYING.format("0"),
+    }  # fmt: skip
+    files = {f"{name}/01.ipynb": notebook(*right(), code) for name, code in answers.items()}
+    before = run(tmp_path, files, root=with_two_hidden_cases(tmp_path / "before"))
+    after = replace(before, root=with_two_hidden_cases(tmp_path / "after", "1e9 * line"))
+
+    def graded_twice():
+        first = graded(before).results
+        called.clear()
+        return first, graded(after).results
+
+    return before, after, called, graded_twice
+
+
+def stands(results):
+    """The status of each submission, and the check that its rank did not pass."""
+    asked = ((r, g) for r in results.records for g in r.grades if g.question == "01.4")
+    return {r.student: (r.status, g.check) for r, g in asked}
+
+
+def test_after_a_check_is_edited_only_that_check_is_made(edited):
+    """Only on answers that reach it; what is known of the checks before and behind it is kept.
+
+    One answer broke down at this check before: with it, it is to be tried on the next.
+    """
+    before, after, called, graded_twice = edited
+    first, second = graded_twice()
+    assert sorted(called) == ["01.4 2"] * 3 + ["01.4 3"]
+    lines = [json.loads(line) for line in (after.out / "ledger.jsonl").read_text().splitlines()]
+    assert sorted(line["student"] for line in lines[5:]) == ["ada", "dying", "odd"]
+    assert {(q, *its) for line in lines[5:] for q, its in line["made_by"].items()} == {
+        ("01.4", "tiny and huge")
+    }
+    known = {"ada": ("graded", ""), "bob": ("graded", "public cases"),
+             "lost": ("graded", "public cases"), "dying": ("partly", "tiny and huge")}  # fmt: skip
+    assert stands(first) == known | {"odd": ("graded", "eleven points")}
+    assert stands(second) == known | {"odd": ("graded", "tiny and huge")}
+    called.clear()
+    assert stands(graded(replace(before)).results) == stands(first)
+    assert not called
+
+
+def test_results_do_not_tell_what_was_known_before(edited, tmp_path):
+    """The file is the same as if all had been made at once."""
+    _, after, _, graded_twice = edited
+    graded_twice()
+    fresh = replace(after, out=tmp_path / "fresh")
+    graded(fresh)
+    after, fresh = after.out / "results.json", fresh.out / "results.json"
+    assert after.read_bytes() == fresh.read_bytes()
+
+
+def test_with_one_digest_for_a_question_all_its_checks_would_be_made(edited, monkeypatch):
+    """So the digests of the checks are what spares the calls."""
+    _, _, called, graded_twice = edited
+    own = Course.checks
+    monkeypatch.setattr(
+        Course, "checks", lambda course, q: dict.fromkeys(own(course, q), course.made_by(q))
+    )
+    graded_twice()
+    assert set(called) == {"01.4 0", "01.4 1", "01.4 2", "01.4 3"}
 
 
 def test_points_are_no_reason_to_grade_again(small, tmp_path):
@@ -163,23 +255,40 @@ def test_a_part_is_graded_and_the_rest_stays(tmp_path):
     assert {s for s, q in asked if q == "01.4"} == {"ada", "bob", "cai"}
 
 
-@pytest.mark.parametrize(("busy", "left"), [(1, 2.0), (2, 1.0)])
-def test_what_was_slow_is_tried_once_more(tmp_path, monkeypatch, busy, left):
-    """A machine that is busy for a moment costs nobody points."""
+def hindered(monkeypatch, task, busy):
+    """Let the machine be busy with a task at first, and return what is run each time."""
     runs = []
 
-    def hindered(server, cells, tasks):
+    def slowed(server, cells, tasks):
         outcomes, log = real(server, cells, tasks)
-        runs.append({task.question for task in tasks})
+        runs.append([task.name for task in tasks])
         if len(runs) <= busy:
-            outcomes["01.4 0"] = tuple(replace(o, seconds=6.0) for o in outcomes["01.4 0"])
+            outcomes[task] = tuple(replace(o, seconds=6.0) for o in outcomes[task])
         return outcomes, log
 
     real = examine.run
-    monkeypatch.setattr(examine, "run", hindered)
+    monkeypatch.setattr(examine, "run", slowed)
+    return runs
+
+
+@pytest.mark.parametrize(("busy", "left"), [(1, 2.0), (2, 1.0)])
+@pytest.mark.parametrize("check", [0, 1, 2])
+def test_what_was_slow_is_tried_once_more(tmp_path, monkeypatch, check, busy, left):
+    """From the slow check on: a machine that is busy for a moment costs nobody points."""
+    runs = hindered(monkeypatch, f"01.4 {check}", busy)
     found = graded(run(tmp_path, {"ada/01.ipynb": notebook(*right())})).results
     assert points(found)["ada", "01.4"] == left
-    assert runs[1:] == [{"01.4"}]
+    assert runs[1:] == [[f"01.4 {k}" for k in range(check, 3)]]
+
+
+def test_an_answer_that_is_fast_on_second_thoughts_has_to_pass_the_other_checks(
+    tmp_path, monkeypatch
+):
+    """Its verdict is that of the first check that it does not pass."""
+    hindered(monkeypatch, "01.4 0", 1)
+    wrong = ODD.replace("1e7", "2e3")
+    found = graded(run(tmp_path, {"ada/01.ipynb": notebook(*right(), wrong)})).results
+    assert stands(found) == {"ada": ("graded", "tiny and huge")}
 
 
 # What goes wrong

@@ -60,6 +60,11 @@ class Trial:
         return verdict
 
 
+def asked_by(case: Hidden, question: Question) -> Question:
+    """Return a question as a hidden case asks it: with inputs of its own, and without laws."""
+    return replace(question, inputs=case.inputs, laws=())
+
+
 def public_trial(
     question: Question, functions: dict[str, Any], mistakes: Sequence[Entry]
 ) -> Trial:
@@ -82,19 +87,19 @@ def trials(
     Whoever grades many students makes the `public` trial once, and gives it.
     """
 
-    def trial(question: Question, calls: tuple[Call, ...], sentence: str, name: str) -> Trial:
+    def trial(question: Question, sentence: str, name: str) -> Trial:
+        calls = question.inputs(number)
         known = known_answers(question, calls, functions, ())
         made = cache(lambda: known_mistakes(question, calls, functions, mistakes))
         return Trial(question, calls, known, sentence, name, made)
 
     number = seed(student, question.name, salt)
-    lawless = replace(question, laws=())
     told = "It is right on the public cases, not on others."
     return (
         public or public_trial(question, functions, mistakes),
-        trial(question, question.inputs(number), told, OWN),
+        trial(question, told, OWN),
         *(
-            trial(lawless, h.inputs(number), h.sentence, h.name)
+            trial(asked_by(h, question), h.sentence, h.name)
             for h in hidden if h.question == question.name
         ),
     )  # fmt: skip

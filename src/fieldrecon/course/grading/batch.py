@@ -13,13 +13,9 @@ from typing import Any, TypeVar
 
 from fieldrecon.course.grading import workplace
 from fieldrecon.course.grading.archive import Archive
-from fieldrecon.course.grading.cache import Cache, key
-from fieldrecon.course.grading.examine import (
-    Examined,
-    Finding,
-    assembled,
-    examine,
-)
+from fieldrecon.course.grading.cache import Cache, keys
+from fieldrecon.course.grading.examine import Examined, assembled, examine
+from fieldrecon.course.grading.findings import Found, reached, unknown
 from fieldrecon.course.grading.intake import Handed
 from fieldrecon.course.grading.isolation import Server
 from fieldrecon.course.grading.ledger import Ledger
@@ -41,13 +37,41 @@ class Portion:
 
 @dataclass(frozen=True)
 class Job:
-    """A submission to be examined, with all that a process elsewhere has to know."""
+    """Checks to be made of a submission, with all that a process elsewhere has to know."""
 
     course: Course
     server: Server
     submission: Submission
     notebook: str
-    questions: tuple[str, ...]
+    checks: Mapping[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class Known:
+    """What was known of a submission beforehand, by question and check.
+
+    Parameters
+    ----------
+    keys : mapping
+        Under which names the findings are kept; the checks are in the order of the course.
+    findings : mapping
+        Those that are there.
+    """
+
+    keys: Mapping[str, Mapping[str, str]]
+    findings: Found
+
+    def missing(self) -> dict[str, tuple[str, ...]]:
+        """Return the checks that have to be made."""
+        made = {q: tuple(unknown(its, self.findings[q])) for q, its in self.keys.items()}
+        return {question: checks for question, checks in made.items() if checks}
+
+    def completed(self, found: Found) -> Found:
+        """Return the findings on all questions, those just made among them."""
+        return {
+            q: reached(its, {**self.findings[q], **found.get(q, {})})
+            for q, its in self.keys.items()
+        }  # fmt: skip
 
 
 def work(job: Job) -> Examined:
@@ -60,7 +84,7 @@ def work(job: Job) -> Examined:
     """
     return workplace.served(
         job.server.tier, job.server.limits,
-        lambda s: examine(job.course, s, job.submission, job.notebook, job.questions),
+        lambda s: examine(job.course, s, job.submission, job.notebook, job.checks),
     )  # fmt: skip
 
 
@@ -118,25 +142,20 @@ class Batch:
             return None, lambda: _unreadable(handed)
         submission = handed.submission(self.archive)
         _ = submission.definitions  # here, where the stack is deep enough for any syntax tree
-        keys = {
-            name: key(self.course, self.server, submission, name) for name in portion.questions
-        }
-        found = {name: self.cache.get(digest) for name, digest in keys.items()}
-        known = {name: finding for name, finding in found.items() if finding}
-        todo = tuple(name for name in keys if name not in known)
+        known = self._known(submission, portion.questions)
+        todo = known.missing()
         if not todo:
-            return None, lambda: self._record(portion, submission, Examined(known))
+            return None, lambda: self._record(portion, submission, known, Examined({}))
         job = Job(self.course, self.server, submission, handed.notebook, todo)
         future = self.executor.submit(work, job)
-        return future, lambda: self._finished(portion, submission, future, keys, known)
+        return future, lambda: self._finished(portion, submission, known, future)
+
+    def _known(self, submission: Submission, questions: Iterable[str]) -> Known:
+        kept = {name: keys(self.course, self.server, submission, name) for name in questions}
+        return Known(kept, {name: self.cache.known(its) for name, its in kept.items()})
 
     def _finished(
-        self,
-        portion: Portion,
-        submission: Submission,
-        future: Future[Examined],
-        keys: Mapping[str, str],
-        known: Mapping[str, Finding],
+        self, portion: Portion, submission: Submission, known: Known, future: Future[Examined]
     ) -> Record:
         """Keep what was found, note it, and return the record."""
         try:
@@ -145,17 +164,21 @@ class Batch:
             raise
         except Exception as error:
             return self._fault(portion, error)
-        for name, finding in examined.findings.items():
-            self.cache.put(keys[name], finding)
-        findings = {name: {**known, **examined.findings}[name] for name in keys}
-        record = self._record(portion, submission, replace(examined, findings=findings))
-        ran = {name: self.course.made_by(name) for name in examined.findings}
-        self.ledger.note(record, ran)
+        made: dict[str, dict[str, str]] = {}
+        for name, findings in examined.findings.items():
+            made[name] = {check: self.course.checks(name)[check] for check in findings}
+            for check, finding in findings.items():
+                self.cache.put(known.keys[name][check], finding)
+        record = self._record(portion, submission, known, examined)
+        self.ledger.note(record, made)
         return record
 
-    def _record(self, portion: Portion, submission: Submission, examined: Examined) -> Record:
+    def _record(
+        self, portion: Portion, submission: Submission, known: Known, examined: Examined
+    ) -> Record:
         tier, notebook = self.server.tier, portion.handed.notebook
-        return assembled(self.course, submission, notebook, tier, examined)
+        complete = replace(examined, findings=known.completed(examined.findings))
+        return assembled(self.course, submission, notebook, tier, complete)
 
     def _fault(self, portion: Portion, error: Exception) -> Record:
         file, note = portion.handed.file, f"the grader failed: {error}"

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import get_args
 
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Rung, Verdict
-from fieldrecon.course.grading.examine import Finding, code_digest
+from fieldrecon.course.grading.examine import code_digest
+from fieldrecon.course.grading.findings import Finding
 from fieldrecon.course.grading.fingerprint import environment, grader
 from fieldrecon.course.grading.isolation import Server
 from fieldrecon.course.grading.results import write_whole
@@ -23,13 +25,18 @@ from fieldrecon.course.grading.submission import Submission
 from fieldrecon.course.grading.trusted import Course
 
 
-def key(course: Course, server: Server, submission: Submission, question: str) -> str:
-    """Return the digest of all that a finding depends on."""
-    parts = (
-        code_digest(submission), question, course.made_by(question), environment(), grader(),
+def keys(
+    course: Course, server: Server, submission: Submission, question: str
+) -> dict[str, str]:
+    """Return the digests of all that the findings on an answer depend on, check by check."""
+    around = (
+        code_digest(submission), question, environment(), grader(),
         seed(submission.student, question, course.salt), server.tier, asdict(server.limits),
     )  # fmt: skip
-    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+    return {
+        check: hashlib.sha256(json.dumps((*around, check, made_by)).encode()).hexdigest()
+        for check, made_by in course.checks(question).items()
+    }
 
 
 @dataclass(frozen=True)
@@ -55,6 +62,11 @@ class Cache:
         except (OSError, ValueError, KeyError, TypeError):
             return None
         return found if verdict.rung in get_args(Rung) else None
+
+    def known(self, keys: Mapping[str, str]) -> dict[str, Finding]:
+        """Return what is known of an answer, by check."""
+        found = {check: self.get(name) for check, name in keys.items()}
+        return {check: finding for check, finding in found.items() if finding}
 
     def put(self, name: str, finding: Finding) -> None:
         """Keep a finding."""

@@ -15,6 +15,7 @@ from fieldcheck.calls import Outcome
 from fieldcheck.ladder import PATIENCE
 from fieldcheck.question import Question
 from fieldcheck.verdict import Verdict
+from fieldrecon.course.grading.findings import Finding, Found
 from fieldrecon.course.grading.isolation import Server
 from fieldrecon.course.grading.quiet import quiet
 from fieldrecon.course.grading.results import Grade, Record, Status
@@ -31,36 +32,15 @@ class Fault(Exception):
     """The grader fails, not the submission."""
 
 
-@dataclass(frozen=True)
-class Finding:
-    """What is found of one answer; it can be kept, since it depends on no points.
-
-    Parameters
-    ----------
-    verdict : Verdict
-        How far up the ladder the answer came.
-    check : str
-        The check that it did not pass.
-    broke : tuple of str
-        Why processes had to be ended, in cells or in calls of this answer.
-    cell_errors : tuple of (int, str)
-        The code cells that did not end well.
-    returned : tuple of mapping
-        The wrong numbers on the public case that shows it best, for a picture.
-    """
-
-    verdict: Verdict
-    check: str = ""
-    broke: tuple[str, ...] = ()
-    cell_errors: tuple[tuple[int, str], ...] = ()
-    returned: tuple[Mapping[str, Any], ...] = ()
+Tried = Mapping[str, Mapping[int, Trial]]
+"""By question, and by the place of the check among all of the question."""
 
 
 @dataclass(frozen=True)
 class Examined:
-    """The findings of one run behind the walls, by question, and what it cost."""
+    """What was found in one run behind the walls, and what it cost."""
 
-    findings: Mapping[str, Finding]
+    findings: Found
     seconds: float = 0.0
     cpu_seconds: float = 0.0
     peak: int = 0
@@ -88,7 +68,8 @@ def grade(
             submission.student, submission.name, submission.digest, "", "unreadable", "",
             notes=(str(error),),
         )  # fmt: skip
-    examined = examine(course, server, submission, number, only)
+    checks = {q.name: course.checks(q.name) for q in course.asked(number, only)}
+    examined = examine(course, server, submission, number, checks)
     return assembled(course, submission, number, server.tier, examined)
 
 
@@ -97,22 +78,28 @@ def examine(
     server: Server,
     submission: Submission,
     number: str,
-    only: Collection[str] = (),
+    checks: Mapping[str, Collection[str]],
 ) -> Examined:
-    """Run a submission behind the walls of a started server, and judge what comes back.
+    """Make checks of the answers of a submission behind the walls of a started server.
 
     Nothing of it is imported, executed or unpickled on this side: its code goes to the server as
     text, and arrays come back. All public cases are tried before the first hidden one, so that no
     error that is told to a student can speak of hidden inputs. What is right but slow is tried once
     more: the machine may have been busy.
     """
-    tried = course.trials(number, submission.student, only)
+    tried = {
+        name: {k: trial for k, trial in enumerate(its) if trial.name in checks[name]}
+        for name, its in course.trials(number, submission.student, checks).items()
+    }
     found = _examined(server, submission, tried)
-    slow = {name: tried[name] for name, f in found.findings.items() if f.verdict.rung == "slow"}
+    slow = dict(_slow(tried, found.findings))
     if not slow:
         return found
     again = _examined(server, submission, slow)
-    faster = {name: f for name, f in again.findings.items() if f.verdict.right}
+    faster = {
+        name: {**found.findings[name], **its} for name, its in again.findings.items()
+        if next(iter(its.values())).verdict.right
+    }  # fmt: skip
     return Examined(
         {**found.findings, **faster},
         found.seconds + again.seconds,
@@ -121,42 +108,50 @@ def examine(
     )
 
 
-def _examined(
-    server: Server, submission: Submission, tried: Mapping[str, Sequence[Trial]]
-) -> Examined:
+def _slow(tried: Tried, found: Found) -> Iterator[tuple[str, Mapping[int, Trial]]]:
+    """Yield what is to be tried of an answer that was slow: from that check on."""
+    for name, its in found.items():
+        *passed, last = its
+        if its[last].verdict.rung == "slow":
+            yield name, {k: t for k, t in tried[name].items() if t.name not in passed}
+
+
+def _examined(server: Server, submission: Submission, tried: Tried) -> Examined:
     tasks = [
         (k, Task(f"{name} {k}", trial.calls, PATIENCE * trial.question.limit, name))
-        for name, gone_through in tried.items() for k, trial in enumerate(gone_through)
+        for name, its in tried.items() for k, trial in its.items()
         if trial.question.function in submission.definitions
     ]  # fmt: skip
     ordered = [task for _, task in sorted(tasks, key=lambda pair: pair[0])]
     outcomes, log = run(server, submission.cells, ordered)
     return Examined(
-        {name: _finding(name, its, outcomes, log) for name, its in tried.items()},
+        {name: dict(_findings(name, its, outcomes, log)) for name, its in tried.items()},
         log.seconds,
         sum(p.cpu_seconds for p in log.processes),
         max((p.peak for p in log.processes), default=0),
     )
 
 
-def _finding(
-    name: str, tried: Sequence[Trial], outcomes: Mapping[str, tuple[Outcome, ...]], log: Log
-) -> Finding:
-    """Return what is found of an answer: the verdict of the first trial that it does not pass."""
-    verdict, check = Verdict(name, "right", ""), ""
-    returned: tuple[Mapping[str, Any], ...] = ()
-    for index, trial in enumerate(tried):
-        came = outcomes.get(f"{name} {index}", (Outcome("missing"),) * len(trial.calls))
-        verdict = _judged(trial, came)
-        if not verdict.right:
-            check = trial.name
-            break
-    if check == PUBLIC:
-        returned = _shown(verdict, came)
-    else:
+def _findings(
+    name: str, tried: Mapping[int, Trial], outcomes: Mapping[str, tuple[Outcome, ...]], log: Log
+) -> Iterator[tuple[str, Finding]]:
+    """Yield what each check finds of an answer, up to the first that it does not pass."""
+    for place, trial in tried.items():
+        task = f"{name} {place}"
+        came = outcomes.get(task, (Outcome("missing"),) * len(trial.calls))
+        finding = _finding(trial, came, tuple(_broke(task, log)), log)
+        yield trial.name, finding
+        if not finding.verdict.right:
+            return
+
+
+def _finding(trial: Trial, came: Sequence[Outcome], broke: tuple[str, ...], log: Log) -> Finding:
+    verdict = _judged(trial, came)
+    check = "" if verdict.right else trial.name
+    returned = _shown(verdict, came) if check == PUBLIC else ()
+    if check != PUBLIC:
         verdict = replace(verdict, call=None)
-    errors = tuple(sorted(log.cell_errors.items()))
-    return Finding(verdict, check, tuple(_broke(name, log)), errors, returned)
+    return Finding(verdict, check, broke, tuple(sorted(log.cell_errors.items())), returned)
 
 
 def _shown(verdict: Verdict, came: Sequence[Outcome]) -> tuple[Mapping[str, Any], ...]:
@@ -191,15 +186,16 @@ def _judged(trial: Trial, came: Sequence[Outcome]) -> Verdict:
             return Verdict(trial.question.name, "wrong", sentence)
 
 
-def _broke(name: str, log: Log) -> Iterator[str]:
-    """Yield why processes had to be ended, but for what happened in calls of other answers."""
+def _broke(task: str, log: Log) -> Iterator[str]:
+    """Yield why processes had to be ended, but for what happened in calls of other tasks."""
     elsewhere = list(log.broke.values())
     for reason in log.killed:
         if reason in elsewhere:
             elsewhere.remove(reason)
         else:
             yield reason
-    yield from (reason for task, reason in log.broke.items() if task.split()[0] == name)
+    if task in log.broke:
+        yield log.broke[task]
 
 
 def code_digest(submission: Submission) -> str:
@@ -212,17 +208,19 @@ def assembled(
 ) -> Record:
     """Return the record of a submission from what was found of its answers."""
     found = examined.findings
+    each = [finding for its in found.values() for finding in its.values()]
     return Record(
         submission.student, submission.name, submission.digest, number,
-        _status(found.values()), tier,  # type: ignore[arg-type]
+        _status(each), tier,  # type: ignore[arg-type]
         grades=tuple(_grade(course, q, found[q.name]) for q in course.asked(number, tuple(found))),
-        notes=tuple(dict.fromkeys(_notes(submission, course.asked(number), found))),
+        notes=tuple(dict.fromkeys(_notes(submission, course.asked(number), each))),
         code=code_digest(submission),
         seconds=examined.seconds, cpu_seconds=examined.cpu_seconds, peak=examined.peak,
     )  # fmt: skip
 
 
-def _grade(course: Course, question: Question, finding: Finding) -> Grade:
+def _grade(course: Course, question: Question, found: Mapping[str, Finding]) -> Grade:
+    *_, finding = found.values()  # the first check that is not passed, or the last that is
     worth = float(course.worth.get(question.name, question.points))
     return Grade(
         question.name, worth * finding.verdict.credit, worth, finding.verdict, finding.check,
@@ -239,12 +237,12 @@ def _status(findings: Iterable[Finding]) -> Status:
 
 
 def _notes(
-    submission: Submission, asked: Iterable[Question], found: Mapping[str, Finding]
+    submission: Submission, asked: Iterable[Question], found: Iterable[Finding]
 ) -> Iterator[str]:
     """Yield what the instructor should look at."""
     for question in asked:
         stubs = submission.definitions.get(question.function, ())
         if len(stubs) > 1 and stubs[-1] and not all(stubs):
             yield f"{question.name}: a stub stands behind an answer, and takes its place"
-    for finding in found.values():
+    for finding in found:
         yield from (f"code cell {number + 1}: {error}" for number, error in finding.cell_errors)

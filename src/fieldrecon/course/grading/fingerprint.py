@@ -138,8 +138,8 @@ SHARED = (
     "verdict",
 )  # fmt: skip
 ENGINE = (
-    "checks", "definitions", "examine", "instructors", "isolation", "process", "session",
-    "submission", "trusted", "walls",
+    "checks", "definitions", "examine", "findings", "instructors", "isolation", "process",
+    "session", "submission", "trusted", "walls",
 )  # fmt: skip
 """The modules that have a say in every verdict: those that checks share, and those of the engine;
 besides them all that runs in the sandbox."""

@@ -13,7 +13,8 @@ import pytest
 from fieldcheck.verdict import Verdict
 from fieldrecon.course.grading.batch import Portion
 from fieldrecon.course.grading.checks import Check, Checked, of_solution
-from fieldrecon.course.grading.examine import Fault, Finding, code_digest
+from fieldrecon.course.grading.examine import Fault, code_digest
+from fieldrecon.course.grading.findings import Finding
 from fieldrecon.course.grading.fingerprint import environment, fingerprint, grader
 from fieldrecon.course.grading.items import Place, group, places, printable
 from fieldrecon.course.grading.run import Run

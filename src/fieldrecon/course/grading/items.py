@@ -102,7 +102,7 @@ def items(
 ) -> Iterator[Item]:
     """Yield the items of a portion: ``ada::01_fit.ipynb::01.2::public cases``."""
     for place in places(portion):
-        checks = course.checks(place.question) if place.question else [READABLE]
+        checks = [*course.checks(place.question)] if place.question else [READABLE]
         owner = printable("::".join(filter(None, (place.student, place.file, place.question))))
         for check in checks:
             item = Item.from_parent(

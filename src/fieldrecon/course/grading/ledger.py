@@ -32,7 +32,7 @@ class Ledger:
     grader: str
     year: int
 
-    def note(self, record: Record, checks: Mapping[str, str]) -> None:
+    def note(self, record: Record, checks: Mapping[str, Mapping[str, str]]) -> None:
         """Add a line for a submission.
 
         Parameters
@@ -40,13 +40,13 @@ class Ledger:
         record : Record
             What came of it, and what it took.
         checks : mapping
-            The questions that were run, with the digest of all that their verdicts depend on.
+            The checks that were made, by question and name, with their digests.
         """
         told = {
             "on": datetime.now(UTC).isoformat(timespec="seconds"),
             "student": record.student, "file": record.file, "digest": record.digest,
             "code": record.code, "notebook": record.notebook, "status": record.status,
-            "made_by": dict(checks), "environment": self.environment, "grader": self.grader,
+            "made_by": checks, "environment": self.environment, "grader": self.grader,
             "salt_year": self.year, "tier": record.tier, "seconds": round(record.seconds, 4),
             "cpu_seconds": round(record.cpu_seconds, 4), "peak_bytes": record.peak,
         }  # fmt: skip

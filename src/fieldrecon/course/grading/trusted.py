@@ -15,7 +15,7 @@ from fieldrecon.course.grading.fingerprint import fingerprint
 from fieldrecon.course.grading.quiet import LOCK
 from fieldrecon.course.hidden import Hidden, hidden_cases
 from fieldrecon.course.sources import Source
-from fieldrecon.course.trials import OWN, PUBLIC, Trial, public_trial, trials
+from fieldrecon.course.trials import OWN, PUBLIC, Trial, asked_by, public_trial, trials
 
 
 @dataclass(frozen=True)
@@ -51,10 +51,12 @@ class Course:
         """Return the source of a notebook."""
         return next(source for source in self.sources if source.number == number)
 
-    def checks(self, name: str) -> list[str]:
-        """Return the names of the checks of a question, in the order in which they are made."""
-        hidden = _material(self.source(name.partition(".")[0]).path).hidden
-        return [PUBLIC, OWN, *(h.name for h in hidden if h.question == name)]
+    def checks(self, name: str) -> Mapping[str, str]:
+        """Return the digests of the checks of a question, in the order in which they are made.
+
+        Each is of what comes of this check alone, and an edit of another leaves it as it is.
+        """
+        return _checks(self.source(name.partition(".")[0]).path, name)
 
     def solution(self, name: str) -> dict[str, Any]:
         """Return the functions of the notebook of a question, as the solution has them."""
@@ -86,6 +88,12 @@ class _Material:
     mistakes: list[Entry]
     hidden: list[Hidden]
 
+    def of(self, name: str) -> _Material:
+        """Return what bears on one question."""
+        mistakes = [m for m in self.mistakes if m.question == name]
+        hidden = [h for h in self.hidden if h.question == name]
+        return _Material(self.functions, mistakes, hidden)
+
 
 @cache
 def _material(path: Path) -> _Material:
@@ -104,7 +112,13 @@ def _public(path: Path, name: str) -> Trial:
 
 @cache
 def _made_by(path: Path, name: str) -> str:
-    made, question = _material(path), questions()[name]
-    mistakes = [m for m in made.mistakes if m.question == name]
-    hidden = [h for h in made.hidden if h.question == name]
-    return fingerprint(question, made.functions[question.function], mistakes, hidden)
+    made, question = _material(path).of(name), questions()[name]
+    return fingerprint(question, made.functions[question.function], made.mistakes, made.hidden)
+
+
+@cache
+def _checks(path: Path, name: str) -> dict[str, str]:
+    made, question = _material(path).of(name), questions()[name]
+    known = made.functions[question.function], made.mistakes
+    hidden = {h.name: fingerprint(asked_by(h, question), h.sentence, known) for h in made.hidden}
+    return dict.fromkeys((PUBLIC, OWN), fingerprint(question, known)) | hidden
