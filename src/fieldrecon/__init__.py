@@ -7,8 +7,10 @@ from fieldrecon import datasets, sphere
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
+from fieldrecon.coupling import Coupling
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
 from fieldrecon.field_files import load, save
+from fieldrecon.flat_coupling import FlatCoupling, couple
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.local_gradients import (
     local_least_squares,
@@ -25,6 +27,7 @@ from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern,
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.rigid_motions import resultants, rigid_motions
 from fieldrecon.sphere import OnGlobe
 from fieldrecon.velocity import (
     divergence,
@@ -37,7 +40,9 @@ from fieldrecon.voronoi import VoronoiCell, voronoi_weights
 __all__ = [
     "RBF",
     "BarycentricCoordinates",
+    "Coupling",
     "Field",
+    "FlatCoupling",
     "LeastSquares",
     "MovingLeastSquares",
     "OnGlobe",
@@ -49,6 +54,7 @@ __all__ = [
     "cell_velocities",
     "circumcenter_weights",
     "circumcentric_dual",
+    "couple",
     "datasets",
     "divergence",
     "gaussian",
@@ -68,6 +74,8 @@ __all__ = [
     "read_mesh",
     "read_mesh_and_data",
     "read_surface",
+    "resultants",
+    "rigid_motions",
     "save",
     "sphere",
     "thin_plate_spline",
