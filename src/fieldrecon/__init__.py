@@ -4,9 +4,11 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 """
 
 from fieldrecon import datasets, sphere
+from fieldrecon.advection import State, semi_lagrangian
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
+from fieldrecon.characteristics import Inflow, Snapshots, departure_points
 from fieldrecon.coupling import Coupling
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
 from fieldrecon.field_files import load, save
@@ -43,12 +45,15 @@ __all__ = [
     "Coupling",
     "Field",
     "FlatCoupling",
+    "Inflow",
     "LeastSquares",
     "MovingLeastSquares",
     "OnGlobe",
     "PartitionOfUnityRBF",
     "Reconstruction",
     "SimplexMesh",
+    "Snapshots",
+    "State",
     "VoronoiCell",
     "barycentric_dual",
     "cell_velocities",
@@ -56,6 +61,7 @@ __all__ = [
     "circumcentric_dual",
     "couple",
     "datasets",
+    "departure_points",
     "divergence",
     "gaussian",
     "inverse_multiquadric",
@@ -77,6 +83,7 @@ __all__ = [
     "resultants",
     "rigid_motions",
     "save",
+    "semi_lagrangian",
     "sphere",
     "thin_plate_spline",
     "velocity_weights",

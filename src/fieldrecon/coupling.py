@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse.linalg import splu
 
 from fieldrecon._loads import as_mass, as_parts, as_surface, diagonal_of_areas
-from fieldrecon.reconstruction import Reconstruction, Weights
+from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
 from fieldrecon.rigid_motions import as_vectors, resultants, rigid_motions
 
 
@@ -221,14 +221,6 @@ class Coupling(Transfer):
         if self._weights is None:
             return self.method.adjoint(self.surface, f)
         return applied(self._weights.T, f)
-
-
-def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None:
-    """The weights at x, or None where they are dense and too large to keep."""
-    try:
-        return method.weights(x)
-    except MemoryError:
-        return None
 
 
 def applied(matrix: Weights, columns: np.ndarray) -> np.ndarray:
