@@ -90,8 +90,8 @@ def wing(params: Params) -> Wing:
     y = np.cos(angle)
     lift = 4 / (2 * params.along + 1) * np.sin(angle) ** 2
     c = (np.arange(params.across) + 0.5) / params.across
-    span, part, side = np.meshgrid(np.arange(params.along), c, [1.0, -1.0], indexing="ij")
-    span, part, side = span.ravel(), part.ravel(), side.ravel()
+    places = np.meshgrid(np.arange(params.along), c, [1.0, -1.0], indexing="ij")
+    span, part, side = (a.ravel() for a in places)
     skin = np.column_stack([params.chord * part, y[span], side * params.chord * height(part)])
     widths = np.pi / (2 * params.along + 1) * np.sin(angle)
     areas = params.chord / params.across * widths[span]
