@@ -93,7 +93,7 @@ def semi_lagrangian(
     References
     ----------
     Wendland (2005), section 1.3; Staniforth and Côté (1991); Bermejo and Staniforth (1992) for the
-    bounds.
+    bounds, Bermejo and Conde (2002) for the mass.
 
     Examples
     --------
