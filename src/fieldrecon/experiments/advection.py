@@ -16,12 +16,13 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from fieldrecon.advection import semi_lagrangian
 from fieldrecon.characteristics import SCHEMES, Velocity, departure_points
 from fieldrecon.datasets import halton
 from fieldrecon.experiments.advection_figures import (
-    plot,
+    draw_turn,
     plot_deformation,
     plot_history,
     plot_orders,
@@ -261,3 +262,8 @@ def _facts(
             f"{name}_hump_error": history[-1, 2, 0],
         }
     return facts
+
+
+def plot(result: Result) -> Figure:
+    """The shapes at the beginning, and after one turn without and with bounds and mass."""
+    return draw_turn(result)

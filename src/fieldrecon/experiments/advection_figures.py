@@ -13,7 +13,7 @@ VARIANT_STYLES = ("RBF", "LS", "MLS")
 VARIANT_NAMES = ("free", "bounded", "bounded, with its mass")
 
 
-def plot(result: Result) -> Figure:
+def draw_turn(result: Result) -> Figure:
     """The shapes at the beginning, and after one turn without and with bounds and mass."""
     free, kept = result.arrays["turn_0_frames"], result.arrays["turn_2_frames"]
     return _maps(
