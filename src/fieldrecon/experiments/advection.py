@@ -250,17 +250,15 @@ def _facts(
         "radius_disc": float(radii[0]),
         "radius_square": float(radii[1]),
     }
-    names = ("free", "bounded", "kept")
-    for (flow, variant), (history, _) in told.items():
-        name = f"{flow}_{names[list(VARIANTS).index(variant)]}"
-        facts |= {
-            f"{name}_disc_error": history[-1, 0, 1],
-            f"{name}_disc_least": history[:, 0, 2].min(),
-            f"{name}_disc_most": history[:, 0, 3].max(),
-            f"{name}_disc_mass": history[-1, 0, 4],
-            f"{name}_cone_most": history[-1, 1, 3],
-            f"{name}_hump_error": history[-1, 2, 0],
-        }
+    histories = {variant: told["turn", variant][0] for variant in VARIANTS}
+    for name, history in zip(("free", "bounded", "kept"), histories.values(), strict=True):
+        facts[f"{name}_disc_error"] = history[-1, 0, 1]
+        facts[f"{name}_cone_most"] = history[-1, 1, 3]
+        facts[f"{name}_hump_error"] = history[-1, 2, 0]
+    facts["least"] = histories["free"][:, 0, 2].min()
+    facts["most"] = histories["free"][:, 0, 3].max()
+    back = told["deformation", "free"][0]
+    facts["deformed_hump_error"] = back[-1, 2, 0]
     return facts
 
 
