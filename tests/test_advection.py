@@ -445,6 +445,10 @@ def test_bounds_may_leave_no_choice(end):
         ({"velocity": None}, r"values that are the velocity must have the shape"),
         ({"velocity": lambda y, _: y[:, 0]}, "velocity must give vectors of the shape"),
         ({"velocity": lambda y, _: y * np.nan}, "velocity must be finite"),
+        (
+            {"values": 1j * hill(disc(60)), "bounded": True},
+            "bounds and masses are kept of real values",
+        ),
         ({"masses": lambda m: -np.ones(len(m.points))}, "masses must be positive"),
         (
             {"masses": np.ones(80), "inflow": Inflow(lambda y: y[:, 0], lambda *_: 0)},

@@ -274,6 +274,19 @@ def test_nodes_on_a_line_are_refused_in_words():
         couple(np.ones((3, 2)), skin(2))
 
 
+def test_flat_pieces_larger_than_neighbourhoods_are_refused_in_words():
+    """The skins of a box far apart: patches on one skin see a plane; larger ones see the box."""
+    g = np.stack(np.meshgrid(np.linspace(0, 1, 20), np.linspace(0, 1, 20)), -1).reshape(-1, 2)
+    box = np.vstack([np.column_stack([g, np.full(400, z)]) for z in (0.0, 0.5)])
+    y = skin(3)
+    with pytest.raises(
+        np.linalg.LinAlgError, match="degree 0 on these nodes, and the total moment"
+    ):
+        couple(box, y)
+    t = couple(box, y, partial(PartitionOfUnityRBF, degree=1, patch_size=300))
+    assert np.abs(t.defects(transfers.loads_on(t))).max() < 1e-9
+
+
 # --- another project's formulas -------------------------------------------------------------------
 
 

@@ -110,7 +110,7 @@ def semi_lagrangian(
     """
     times = _as_times(times)
     state = State(times[0], method, valid.as_values(values, len(method.points)))
-    _refuse_contradictions(state, velocity, inflow, masses)
+    _refuse_contradictions(state, velocity, inflow, bounded, masses)
     keep = Kept(bounded, masses, _total(state, masses))
     steady = steady or isinstance(velocity, Field)
     return _march(state, times[1:], velocity, scheme, steady, inflow, sites, keep)
@@ -165,13 +165,15 @@ def _as_times(times: ArrayLike) -> list[float]:
 
 
 def _refuse_contradictions(
-    state: State, velocity: object, inflow: Inflow | None, masses: object
+    state: State, velocity: object, inflow: Inflow | None, bounded: bool, masses: object
 ) -> None:
     if velocity is None and state.values.shape != state.method.points.shape:
         raise ValueError(
             f"values that are the velocity must have the shape {state.method.points.shape}; "
             f"got {state.values.shape}"
         )
+    if np.iscomplexobj(state.values) and (bounded or masses is not None):
+        raise ValueError("bounds and masses are kept of real values; give real and imaginary parts")
     if inflow is not None and masses is not None:
         raise ValueError("masses cannot be kept where there is inflow: it brings some in")
 

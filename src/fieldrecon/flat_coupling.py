@@ -111,7 +111,14 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     Raises
     ------
     numpy.linalg.LinAlgError
-        If the nodes lie on a line in space: their displacements do not tell how it twists.
+        If the nodes lie on a line in space: their displacements do not tell how it twists. If the
+        method does not reproduce linear fields on these nodes, so that moments would be lost.
+
+    Notes
+    -----
+    A structure that is not flat may have flat pieces, such as the skins of a box, that are larger
+    than the neighbourhoods of a local method. That method knows no more across them than across a
+    plane; it is refused, and one with larger neighbourhoods, or a global one, is needed.
 
     Examples
     --------
@@ -127,8 +134,11 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     structure = valid.as_points(structure, "structure")
     _, extents = principal_axes(structure)
     if structure.shape[1] > 1 and extents[-1] <= FLATNESS * extents[0]:
-        return FlatCoupling(structure, x, make)
-    return Coupling(make(structure), x)
+        coupling: Transfer = FlatCoupling(structure, x, make)
+    else:
+        coupling = Coupling(make(structure), x)
+    refuse_lost_moments(coupling.method)
+    return coupling
 
 
 def principal_axes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -139,6 +149,17 @@ def principal_axes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     extents = np.zeros(points.shape[1])
     extents[: len(sigma)] = sigma * (size / np.sqrt(len(points)))
     return axes, extents
+
+
+def refuse_lost_moments(method: Reconstruction) -> None:
+    """A method that reproduces constants at most, by its nature or on these nodes."""
+    if method.degree < 1:
+        raise np.linalg.LinAlgError(
+            f"the method reproduces polynomials of degree {method.degree} on these nodes, and the "
+            "total moment would be lost: where flat pieces of the structure are larger than its "
+            "neighbourhoods, give it larger ones, as by patch_size, or a global method; or make a "
+            "Coupling if that is meant"
+        )
 
 
 def refuse_a_line(extents: np.ndarray) -> None:
