@@ -4,6 +4,7 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 """
 
 from fieldrecon import datasets, sphere
+from fieldrecon.adaptation import adapted_points
 from fieldrecon.advection import State, semi_lagrangian
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
@@ -55,6 +56,7 @@ __all__ = [
     "Snapshots",
     "State",
     "VoronoiCell",
+    "adapted_points",
     "barycentric_dual",
     "cell_velocities",
     "circumcenter_weights",
