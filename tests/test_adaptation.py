@@ -50,6 +50,17 @@ def test_points_go_where_the_indicator_is_small_but_not_side_by_side(d):
         assert np.ptp(found) == np.ptp(x)
 
 
+def test_points_far_from_others_do_not_go():
+    """However smooth it is there."""
+    x = halton(300, 2)
+    found = adapted_points(x, np.zeros(300), **RULES, widest=0.03)
+    nearest = cKDTree(x).query(x, 2)[0][:, 1]
+    gone = np.array([tuple(p) not in pairs(found) for p in x.tolist()])
+    assert 0 < gone.sum() < 100
+    assert nearest[gone].max() <= 0.03
+    assert (nearest[~gone] < 0.03).any()
+
+
 def test_sites_that_follow_a_front_carry_it_better():
     """Than as many that stay: a steep ring, in a turning flow about another centre."""
 

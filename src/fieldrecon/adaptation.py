@@ -10,7 +10,13 @@ from fieldrecon import _validation as valid
 
 
 def adapted_points(
-    points: ArrayLike, indicator: ArrayLike, *, refine: float, coarsen: float, spacing: float
+    points: ArrayLike,
+    indicator: ArrayLike,
+    *,
+    refine: float,
+    coarsen: float,
+    spacing: float,
+    widest: float = np.inf,
 ) -> np.ndarray:
     """Points, more where an indicator of the error is large, and fewer where it is small.
 
@@ -29,6 +35,8 @@ def adapted_points(
         Bounds of the indicator; coarsen is less.
     spacing : float
         The least distance of new points, positive: a length.
+    widest : float
+        Points farther than this from their nearest neighbour do not go.
 
     Returns
     -------
@@ -62,7 +70,8 @@ def adapted_points(
     spacing = valid.as_length(spacing, "spacing")
     near = _neighbors(x)
     fresh = _apart(x, _midpoints(x, near, eta > refine), spacing)
-    return np.vstack([x[_staying(x, near, eta, coarsen)], fresh])
+    may_go = (eta < coarsen) & (_distances(x, near) <= widest)
+    return np.vstack([x[_staying(x, near, eta, may_go)], fresh])
 
 
 def _neighbors(x: np.ndarray) -> np.ndarray:
@@ -92,10 +101,14 @@ def _apart(x: np.ndarray, fresh: np.ndarray, spacing: float) -> np.ndarray:
     return fresh[open_]
 
 
-def _staying(x: np.ndarray, near: np.ndarray, eta: np.ndarray, coarsen: float) -> np.ndarray:
-    """Whether each point stays."""
+def _distances(x: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """How far the nearest neighbour of each point is."""
+    return np.linalg.norm(x[:, None] - x[near], axis=2).min(axis=1, initial=np.inf)
+
+
+def _staying(x: np.ndarray, near: np.ndarray, eta: np.ndarray, may_go: np.ndarray) -> np.ndarray:
+    """Whether each point stays, of those that may go the least needed going first."""
     stays = np.ones(len(x), dtype=bool)
-    may_go = eta < coarsen
     may_go[_corners(x)] = False
     for i in np.argsort(eta, kind="stable"):
         if may_go[i] and stays[near[i]].all():
