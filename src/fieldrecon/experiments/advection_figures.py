@@ -96,5 +96,6 @@ def plot_orders(result: Result) -> Figure:
         axes[2].legend()
         for panel in axes[:2]:
             panel.minorticks_off()
-        axes[0].legend()
+        axes[0].set_ylim(1e-10, None)
+        axes[0].legend(loc="lower right")
     return page
