@@ -4,11 +4,16 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 """
 
 from fieldrecon import datasets, sphere
+from fieldrecon.adaptation import adapted_points
+from fieldrecon.advection import State, semi_lagrangian
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
+from fieldrecon.characteristics import Inflow, Snapshots, departure_points
+from fieldrecon.coupling import Coupling
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
 from fieldrecon.field_files import load, save
+from fieldrecon.flat_coupling import FlatCoupling, couple
 from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
 from fieldrecon.hermite import HermiteRBF
 from fieldrecon.least_squares import LeastSquares, normal_equations
@@ -31,6 +36,7 @@ from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern,
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.rigid_motions import resultants, rigid_motions
 from fieldrecon.sphere import OnGlobe
 from fieldrecon.spline_bases import b_splines, cardinal_b_spline
 from fieldrecon.splines import NaturalCubicSpline
@@ -46,8 +52,11 @@ from fieldrecon.voronoi import VoronoiCell, voronoi_weights
 __all__ = [
     "RBF",
     "BarycentricCoordinates",
+    "Coupling",
     "Field",
+    "FlatCoupling",
     "HermiteRBF",
+    "Inflow",
     "LeastSquares",
     "MeshAudit",
     "MeshRepair",
@@ -58,7 +67,10 @@ __all__ = [
     "PointNormals",
     "Reconstruction",
     "SimplexMesh",
+    "Snapshots",
+    "State",
     "VoronoiCell",
+    "adapted_points",
     "audit_mesh",
     "b_splines",
     "barycentric_dual",
@@ -66,7 +78,9 @@ __all__ = [
     "cell_velocities",
     "circumcenter_weights",
     "circumcentric_dual",
+    "couple",
     "datasets",
+    "departure_points",
     "derivatives_at",
     "divergence",
     "estimate_normals",
@@ -91,7 +105,10 @@ __all__ = [
     "read_surface",
     "read_triangles",
     "repair_mesh",
+    "resultants",
+    "rigid_motions",
     "save",
+    "semi_lagrangian",
     "sphere",
     "thin_plate_spline",
     "values_at",

@@ -314,6 +314,14 @@ class Field:
         return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
 
 
+def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None:
+    """The weights at x, or None where they are dense and too large to keep."""
+    try:
+        return method.weights(x)
+    except MemoryError:
+        return None
+
+
 def _evaluated(
     rows_of_result: Callable[[np.ndarray, Any], np.ndarray], prepared: Any, x: np.ndarray
 ) -> np.ndarray:

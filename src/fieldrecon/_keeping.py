@@ -1,0 +1,46 @@
+"""Values changed as little as can be to keep bounds and a total."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import brentq
+
+
+def within(
+    values: np.ndarray, low: np.ndarray, high: np.ndarray, masses: np.ndarray, total: np.ndarray
+) -> np.ndarray:
+    """The nearest values (n, v) between bounds (n, v) whose sums with masses (n,) are totals (v,).
+
+    min sum m (u - values)^2 gives u = clip(values + λ, low, high) with one λ for each column; its
+    sum rises with λ, so λ is found by bracketing.
+    """
+    columns = [
+        _column(u, least, most, masses, float(wanted))
+        for u, least, most, wanted in zip(values.T, low.T, high.T, total, strict=True)
+    ]
+    return np.stack(columns, axis=1) if columns else values
+
+
+def _column(
+    u: np.ndarray, low: np.ndarray, high: np.ndarray, masses: np.ndarray, total: float
+) -> np.ndarray:
+    if not np.isfinite(low).any() and not np.isfinite(high).any():
+        return u + (total - masses @ u) / masses.sum()
+
+    def excess(shift: float) -> float:
+        return float(masses @ np.clip(u + shift, low, high)) - total
+
+    least, most = float((low - u).min()), float((high - u).max())
+    rounding = 1e-12 * float(masses @ np.maximum(np.abs(low), np.abs(high)))
+    if excess(least) > rounding or excess(most) < -rounding:
+        raise ValueError(
+            f"masses times values cannot be {total:.6g} within the bounds of neighbouring values, "
+            f"which allow {masses @ low:.6g} to {masses @ high:.6g}"
+        )
+    if excess(least) >= 0 or excess(most) <= 0:
+        return low if excess(least) >= 0 else high
+    shift = brentq(excess, least, most, xtol=1e-15 * max(abs(least), abs(most)))
+    free = (u + shift > low) & (u + shift < high)
+    if free.any():
+        shift -= excess(shift) / masses[free].sum()  # what bracketing leaves is linear
+    return np.clip(u + shift, low, high)
