@@ -203,8 +203,11 @@ def _merged(samples: partial[Samples], points: np.ndarray, values: np.ndarray) -
     if len(start) == len(points):
         return samples(points=points, values=values)
     count = np.diff(np.append(start, len(points)))
-    spread = np.maximum.reduceat(own, start) - np.minimum.reduceat(own, start)
-    means = np.where(spread > 0, np.add.reduceat(own, start) / count, own[start])
+    with np.errstate(over="ignore"):  # numbers that lie too far apart to be subtracted
+        spread = np.maximum.reduceat(own, start) - np.minimum.reduceat(own, start)
+    # divided before they are added, so that the sum of large values is a number too
+    means = np.add.reduceat(own / np.repeat(count, count), start)
+    means = np.where(spread > 0, means, own[start])
     first = np.minimum.reduceat(order, start)
     kept = np.argsort(first)
     return samples(

@@ -29,7 +29,9 @@ def plot_deformation(result: Result) -> Figure:
     return _maps(result, frames, ("beginning", "half way", "back"))
 
 
-def _maps(result: Result, frames: Sequence[np.ndarray], titles: tuple[str, ...]) -> Figure:
+def _maps(
+    result: Result, frames: np.ndarray | Sequence[np.ndarray], titles: tuple[str, ...]
+) -> Figure:
     x = result.arrays["x"]
     levels = np.arange(0.1, 1.0, 0.2)
     with figure(FULL_WIDTH, height=2.25, columns=3, sharey=True) as (page, axes):
