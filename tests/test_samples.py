@@ -220,7 +220,7 @@ def test_blocks_make_no_difference(tmp_path_factory, data, block):
 
 
 def test_large_values_of_one_place_have_a_mean(table):
-    """Their sum is no number, but their mean is; what lies too far apart is told as infinitely so."""
+    """Their sum is no number, but their mean is; what lies too far apart is told."""
     samples = read_samples(table("x,y,z\n0,0,1e308\n0,0,1.2e308\n0,0,1.4e308\n1,0,1\n0,1,2\n"))
     np.testing.assert_allclose(samples.values[0], 1.2e308)
     far = read_samples(table("x,y,z\n0,0,1.5e308\n0,0,-1.5e308\n1,0,1\n0,1,2\n"))
