@@ -1,7 +1,9 @@
 """What a second worker brings to grading.
 
 The batch alone is timed, once its workers have put up their walls: the command that `grading`
-times also starts, reads, and tells what it found, which no worker shares.
+times also starts, reads, and tells what it found, which no worker shares. Each worker has a core:
+with two cores to itself a single worker takes more than one, since the grader prepares and judges
+while a submission runs behind its walls.
 """
 
 from __future__ import annotations
@@ -16,13 +18,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
-from benchmarks.measure import Outcome, Table, Track
+from benchmarks.measure import Outcome, Table, Track, threads
 from fieldrecon.course.grading import workplace
 from fieldrecon.course.grading.batch import Batch
 from fieldrecon.course.grading.isolation import Server
 from fieldrecon.course.grading.run import Run, chosen_tier
 
-COLUMNS = ("assignment", "workers", "seconds", "least", "most", "speed-up", "range of it")
+COLUMNS = ("assignment", "workers", "cores", "seconds", "least", "most", "speed-up", "range of it")
+SHAPES = ((1, 1), (1, 2), (2, 2))
+"""Workers, and cores that they have together."""
 WARM_UP = 10
 """So many submissions at the start of each round are not counted."""
 
@@ -49,22 +53,24 @@ def run(size: Size, track: Track) -> Outcome:
                 file = folder / "in" / f"s{k:03}" / "work.ipynb"
                 file.parent.mkdir(parents=True)
                 file.write_bytes(Assignment(name).handed_in(k)[0])
-            seconds: dict[int, list[float]] = {1: [], 2: []}
-            for workers in track(["1", "2"] * size.repeats, f"grading_workers, {name}"):
-                seconds[int(workers)].append(_seconds(folder, tier, int(workers)))
-        rows += [_row(name, workers, seconds) for workers in seconds]
+            seconds: dict[tuple[int, int], list[float]] = {shape: [] for shape in SHAPES}
+            for shape in track([*SHAPES] * size.repeats, f"grading_workers, {name}"):
+                seconds[shape].append(_seconds(folder, tier, *shape))
+        rows += [_row(name, shape, seconds) for shape in seconds]
     return Outcome(
         tables=[Table("Seconds for each submission", COLUMNS, rows)],
-        notes=["speed-up: time of one worker divided by that of two in the same round."],
+        notes=[
+            "speed-up: time of one worker on one core, divided by that of the row, round by round."
+        ],
         parameters=asdict(size) | {"walls": tier},
     )
 
 
-def _seconds(folder: Path, tier: str, workers: int) -> float:
+def _seconds(folder: Path, tier: str, workers: int, cores: int) -> float:
     """Seconds for each submission of a class that is graded anew."""
     with TemporaryDirectory() as out:
         plan = Run(folder / "in", Path(out), ROOT, tier=tier, jobs=workers)  # type: ignore[arg-type]
-        with _batch(plan, workers) as batch:
+        with threads(cores), _batch(plan, workers) as batch:
             ends = [time.perf_counter() for _ in batch.records(plan.portions())]
     return (ends[-1] - ends[WARM_UP - 1]) / (len(ends) - WARM_UP)
 
@@ -76,9 +82,11 @@ def _batch(plan: Run, workers: int) -> Iterator[Batch]:
         yield Batch(plan.course, Server(plan.tier), *kept, executor, workers)
 
 
-def _row(name: str, workers: int, seconds: dict[int, list[float]]) -> tuple[str | int | float, ...]:
-    found = seconds[workers]
-    gains = [alone / shared for alone, shared in zip(seconds[1], found, strict=True)]
+def _row(
+    name: str, shape: tuple[int, int], seconds: dict[tuple[int, int], list[float]]
+) -> tuple[str | int | float, ...]:
+    found = seconds[shape]
+    gains = [alone / shared for alone, shared in zip(seconds[1, 1], found, strict=True)]
     spread = f"{min(gains):.2f}–{max(gains):.2f}"
     times = statistics.median(found), min(found), max(found)
-    return (name, workers, *times, statistics.median(gains), spread)
+    return (name, *shape, *times, statistics.median(gains), spread)
