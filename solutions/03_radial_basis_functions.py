@@ -110,7 +110,7 @@ check("03.1")
 # %%
 @draw()
 def one_bump():
-    side = np.linspace(-1.4, 1.4, 281)
+    side = np.linspace(-1.4, 1.4, 113)
     with figure(6.4, 2.7) as page:
         section, plan = page.subplots(1, 2)
         section.axhline(0, color=GREY, lw=0.8)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from fieldcheck.verdict import Verdict
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.grading.merging import merged, ordered
 from fieldrecon.course.grading.results import (
     STATUSES,
@@ -17,7 +18,6 @@ from fieldrecon.course.grading.results import (
     read_results,
     to_json,
     write_results,
-    write_whole,
 )
 
 DIGEST, OTHER = "a" * 64, "b" * 64
@@ -129,14 +129,14 @@ def test_results_before_are_kept(tmp_path):
 def test_a_file_is_there_whole_or_not_at_all(tmp_path, monkeypatch, step):
     """When a disk is full at any step, what was there before is there still, and nothing else."""
     file = tmp_path / "results.json"
-    write_whole(file, b"before")
+    write_atomically(file, b"before")
 
     def full(*_):
         raise OSError("no space left on device")
 
     monkeypatch.setattr(Path, step, full)
     with pytest.raises(OSError, match="no space"):
-        write_whole(file, b"now")
+        write_atomically(file, b"now")
     monkeypatch.undo()
     assert [f.name for f in tmp_path.iterdir()] == ["results.json"]
     assert file.read_bytes() == b"before"

@@ -3,12 +3,12 @@
 import errno
 import hashlib
 import json
-import os
 import re
 import threading
 
 import pytest
 
+from fieldrecon._whole_file import temporary_beside
 from fieldrecon.experiments import files
 from fieldrecon.reporting import build, compute, document, reproducible, steps
 from fieldrecon.reporting.lock import only_build_in
@@ -146,7 +146,7 @@ def test_a_build_killed_at_any_write_is_completed_by_the_next(report, monkeypatc
     def write(path, content, whole=files.write_atomically):
         if len(written) == moment:
             path.parent.mkdir(parents=True, exist_ok=True)
-            left = path.with_name(f".{path.name}.{os.getpid()}-0123abcd")
+            left = temporary_beside(path)
             left.write_bytes(content[: len(content) // 2])
             raise Killed
         written.append(path)

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from fieldrecon._chunks import Progress
-from fieldrecon._whole_file import whole_file
+from fieldrecon._whole_file import whole_file, write_atomically
 from fieldrecon.candidates import CANDIDATES
 from fieldrecon.error_estimate import ErrorEstimate
 from fieldrecon.extrapolation import extrapolated
@@ -215,7 +215,7 @@ def _written(
     outcome: Outcome, outputs: tuple[Path | None, list[str]], options: argparse.Namespace
 ) -> Iterator[Path]:
     """Write the values, the methods, the pictures and the page; yield the files."""
-    from fieldrecon.experiments.files import figure_bytes, write_atomically, write_figure
+    from fieldrecon.experiments.files import figure_bytes, write_figure
     from fieldrecon.reporting.field_pictures import plot, plot_error
     from fieldrecon.reporting.summary import methods_csv, summary
 

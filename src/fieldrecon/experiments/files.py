@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldrecon._whole_file import whole_file
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.experiments import get
 from fieldrecon.experiments.experiment import Experiment, Result, Table, cell_from_text
 from fieldrecon.experiments.settings import with_settings
@@ -21,13 +21,6 @@ from fieldrecon.experiments.settings import with_settings
 FIGURE_FORMATS = ("svg", "pdf", "png")
 
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
-
-
-def write_atomically(path: Path, content: bytes) -> Path:
-    """Write a file under a temporary name and rename it, so that nobody sees half of it."""
-    with whole_file(path) as temporary:
-        temporary.write_bytes(content)
-    return path
 
 
 def write_result(result: Result, folder: Path) -> list[Path]:

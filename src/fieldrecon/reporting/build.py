@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import sys
 import tomllib
 from collections.abc import Mapping
@@ -13,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from fieldrecon import experiments
-from fieldrecon.experiments.files import read_result, write_atomically
+from fieldrecon._whole_file import TEMPORARY, write_atomically
+from fieldrecon.experiments.files import read_result
 from fieldrecon.reporting.compute import Job, compute, jobs_of
 from fieldrecon.reporting.document import Document, unquoted_facts
 from fieldrecon.reporting.failure import BuildError, disk_failure
@@ -24,8 +24,6 @@ from fieldrecon.reporting.sources import code_behind
 from fieldrecon.reporting.steps import Steps, digest, digests
 
 INTERRUPTED = 130
-TEMPORARY = re.compile(r"\..+\.\d+-[0-9a-f]{8}")
-"""Names under which ``write_atomically`` writes before it renames."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

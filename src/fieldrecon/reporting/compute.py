@@ -17,11 +17,11 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from fieldrecon import experiments
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.experiments.experiment import Experiment, Result
 from fieldrecon.experiments.files import (
     figure_bytes,
     read_result,
-    write_atomically,
     write_result,
 )
 from fieldrecon.experiments.settings import with_settings

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, cast
 
-from fieldrecon.experiments.files import write_atomically
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.reporting.failure import BuildError
 from fieldrecon.reporting.webfonts import font_faces
 

@@ -6,14 +6,14 @@ them from there: all three are set in the same faces on every machine, with no s
 
 from __future__ import annotations
 
-import os
 import shutil
 import struct
-import tempfile
 from collections.abc import Iterator
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+
+from fieldrecon._whole_file import write_atomically
 
 SERIF = "Libertinus Serif"
 SERIF_FACES = {
@@ -46,8 +46,7 @@ def font_file(name: str) -> Path:
     folder = Path(matplotlib.get_cachedir()) / f"fieldrecon-typst-{version('typst')}"
     path = folder / f"{name}.otf"
     if not path.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        _write_whole(path, font_bytes(name))
+        write_atomically(path, font_bytes(name))
     return path
 
 
@@ -127,13 +126,6 @@ def _postscript_name(library: bytes, cff: int) -> str:
     (count,) = struct.unpack_from(">H", library, cff + header)
     data = offsets + (count + 1) * size - 1
     return library[data + first : data + last].decode("latin-1")
-
-
-def _write_whole(path: Path, content: bytes) -> None:
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
-    with os.fdopen(handle, "wb") as file:
-        file.write(content)
-    Path(name).replace(path)
 
 
 def copy_font_list(folder: Path) -> None:

@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fieldrecon.experiments.files import write_atomically, write_figure
+from fieldrecon._whole_file import write_atomically
+from fieldrecon.experiments.files import write_figure
 from fieldrecon.experiments.mesh_pictures import COLORS, MARKERS, draw, marks
 from fieldrecon.mesh_audit import CONCERNS, MeshAudit
 from fieldrecon.reporting.style import figure

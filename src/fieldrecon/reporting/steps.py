@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fieldrecon.experiments.files import write_atomically
+from fieldrecon._whole_file import write_atomically
 
 
 def digest(x: Any) -> str:

@@ -13,12 +13,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TypeVar
 
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.gradebook.assignments import read_assignments
 from fieldrecon.course.gradebook.decisions import Decisions
 from fieldrecon.course.gradebook.late import read_extensions
 from fieldrecon.course.gradebook.manual import read_marks
 from fieldrecon.course.gradebook.overrides import Request, read_overrides, read_requests
-from fieldrecon.course.grading.results import write_whole
 
 T = TypeVar("T")
 
@@ -83,8 +83,8 @@ def remember(out: Path, folder: ClassFolder) -> None:
         if file.read_text(encoding="utf-8") == text and not _unremembered(out):
             return
         for earlier in _unremembered(out):
-            write_whole(earlier, file.read_bytes())
-    write_whole(file, text.encode())
+            write_atomically(earlier, file.read_bytes())
+    write_atomically(file, text.encode())
 
 
 def remembered(results: Path) -> Decisions | None:
@@ -99,7 +99,7 @@ def remembered(results: Path) -> Decisions | None:
     texts: Mapping[str, str] = json.loads(file.read_text(encoding="utf-8"))
     with TemporaryDirectory() as folder:
         for name, text in texts.items():
-            write_whole(Path(folder) / name, text.encode())
+            write_atomically(Path(folder) / name, text.encode())
         return ClassFolder(Path(folder)).decisions()
 
 

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.build import all_sources
 from fieldrecon.course.gradebook.decided import ClassFolder
 from fieldrecon.course.gradebook.decisions import Decisions
 from fieldrecon.course.gradebook.names import file_names
 from fieldrecon.course.gradebook.sheets import Sheet, gradebook
 from fieldrecon.course.grading.archive import Archive
-from fieldrecon.course.grading.results import Record, Results, read_results, write_whole
+from fieldrecon.course.grading.results import Record, Results, read_results
 from fieldrecon.course.grading.submission import MOST_BYTES, Submission
 from fieldrecon.course.sources import Source
 
@@ -93,7 +94,7 @@ class Desk:
     def write(self, name: str, text: str) -> Path:
         """Write a file, and return it."""
         file = self.out / name
-        write_whole(file, text.encode("utf-8", "replace"))
+        write_atomically(file, text.encode("utf-8", "replace"))
         return file
 
     def submission(self, record: Record) -> Submission:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.gradebook import assignments, overrides
-from fieldrecon.course.grading.results import write_whole
 from fieldrecon.course.grading.roster import OPTIONAL
 
 HEADERS: Mapping[str, tuple[str, ...]] = {
@@ -60,5 +60,5 @@ def write_examples(folder: Path) -> Iterator[tuple[Path, bool]]:
         file = folder / name
         is_new = not file.exists()
         if is_new:
-            write_whole(file, example(name).encode())
+            write_atomically(file, example(name).encode())
         yield file, is_new

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.gradebook.decisions import Mark
 from fieldrecon.course.gradebook.pages import page, rendered, with_formulas
-from fieldrecon.course.grading.results import write_whole
 from fieldrecon.course.grading.tables import (
     Row,
     header,
@@ -136,7 +136,7 @@ def enter(file: Path, answers: Mapping[str, str]) -> list[str]:
     """
     if not file.is_file():
         lines = (_line(*pair) for pair in sorted(answers.items()))
-        write_whole(file, to_csv(COLUMNS, lines).encode())
+        write_atomically(file, to_csv(COLUMNS, lines).encode())
         return []
     rows = {row["student"]: row for row in read_table(file, _checked, ("student",), COLUMNS)}
     new = sorted(set(answers) - set(rows))
@@ -146,7 +146,7 @@ def enter(file: Path, answers: Mapping[str, str]) -> list[str]:
         cells = [dict(zip(COLUMNS, _line(who, answers[who]), strict=True)) for who in new]
         added = to_csv(columns, ([row.get(c) for c in columns] for row in cells), delimiter)
         joint = b"" if before.endswith(b"\n") else b"\n"
-        write_whole(file, before + joint + added.partition("\n")[2].encode())
+        write_atomically(file, before + joint + added.partition("\n")[2].encode())
     read = {who: row.get("answer") for who, row in rows.items() if row.get("points")}
     return [
         who for who, words in sorted(answers.items())

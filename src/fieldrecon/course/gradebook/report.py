@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.gradebook.items import Item, items
 from fieldrecon.course.gradebook.sheets import Line, Sheet
-from fieldrecon.course.grading.results import Results, write_whole
+from fieldrecon.course.grading.results import Results
 from fieldrecon.experiments.files import figure_bytes
 from fieldrecon.reporting.document import Document
 from fieldrecon.reporting.style import FULL_WIDTH, figure
@@ -74,7 +75,7 @@ def class_report(
         drawn = f"notebook_{number}/notebook_{number}_outcomes"
         figures[drawn] = _outcomes_figure(its)
     for name, content in figures.items():
-        write_whole(out / "experiments" / f"{name}.svg", content)
+        write_atomically(out / "experiments" / f"{name}.svg", content)
     with TemporaryDirectory() as folder:
         text = Path(folder)
         _lay_out(text, source, values, titles)
@@ -91,9 +92,9 @@ def _lay_out(
     with (text / "style.css").open("a", encoding="utf-8") as style:
         style.write(WRAPPED)
     metadata = "title: Class report\nlang: en-GB\nwithout-provenance: true\n"
-    write_whole(text / "metadata.yaml", metadata.encode())
+    write_atomically(text / "metadata.yaml", metadata.encode())
     for name, chapter in _chapters(values, titles):
-        write_whole(text / "chapters" / f"{name}.md", chapter.encode())
+        write_atomically(text / "chapters" / f"{name}.md", chapter.encode())
 
 
 def _chapters(values: Mapping[str, Any], titles: Mapping[str, str]) -> Iterator[tuple[str, str]]:

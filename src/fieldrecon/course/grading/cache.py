@@ -16,11 +16,11 @@ from typing import get_args
 
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Rung, Verdict
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.grading.examine import code_digest
 from fieldrecon.course.grading.findings import Finding
 from fieldrecon.course.grading.fingerprint import environment, grader
 from fieldrecon.course.grading.isolation import Server
-from fieldrecon.course.grading.results import write_whole
 from fieldrecon.course.grading.submission import Submission
 from fieldrecon.course.grading.trusted import Course
 
@@ -70,7 +70,7 @@ class Cache:
 
     def put(self, name: str, finding: Finding) -> None:
         """Keep a finding."""
-        write_whole(self._file(name), json.dumps(asdict(finding)).encode())
+        write_atomically(self._file(name), json.dumps(asdict(finding)).encode(), sync=False)
 
     def _file(self, name: str) -> Path:
         return self.folder / name[:2] / f"{name}.json"

@@ -7,9 +7,7 @@ Its form is that of ``results.schema.json``.
 from __future__ import annotations
 
 import json
-import os
 import re
-import threading
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
@@ -18,6 +16,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from fieldcheck.verdict import Verdict
+from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.grading.isolation import Tier
 
 FORMAT, VERSION = "fieldrecon results", 1
@@ -229,8 +228,8 @@ def write_results(results: Results, file: Path) -> bool:
     if before == text.encode():
         return False
     if before is not None:
-        write_whole(_next(file.parent / "history"), before)
-    write_whole(file, text.encode())
+        write_atomically(_next(file.parent / "history"), before)
+    write_atomically(file, text.encode())
     return True
 
 
@@ -238,17 +237,6 @@ def _next(history: Path) -> Path:
     """Return the name of the next file of a history: ``0001.json`` and so on."""
     numbers = (int(f.stem) for f in history.glob("*.json") if NUMBERED.fullmatch(f.name))
     return history / f"{max(numbers, default=0) + 1:04}.json"
-
-
-def write_whole(file: Path, content: bytes) -> None:
-    """Write a file under another name and move it: it is there complete, or not there."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(f".{file.name}.{os.getpid()}.{threading.get_ident()}.part")
-    try:
-        part.write_bytes(content)
-        part.replace(file)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def read_results(file: Path) -> Results:
