@@ -110,7 +110,7 @@ check("03.1")
 # %%
 @draw()
 def one_bump():
-    side = np.linspace(-1.4, 1.4, 113)
+    side = np.linspace(-1.4, 1.4, 71)
     with figure(6.4, 2.7) as page:
         section, plan = page.subplots(1, 2)
         section.axhline(0, color=GREY, lw=0.8)
@@ -288,9 +288,9 @@ def through_all_points(height, number):
 def surface():
     points, values = data("03.3")
     lam, c = coefficients(points, values)
-    side = np.linspace(-0.1, 1.1, 121)
+    side = np.linspace(-0.1, 1.1, 61)
     grid = np.stack(np.meshgrid(side, side), axis=-1)
-    field = evaluate(points, lam, c, grid.reshape(-1, 2)).reshape(121, 121)
+    field = evaluate(points, lam, c, grid.reshape(-1, 2)).reshape(61, 61)
     with figure(5.4, 4.0) as page:
         axes = page.subplots()
         image = axes.contourf(side, side, field, levels=20)
