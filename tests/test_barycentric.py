@@ -367,7 +367,7 @@ def test_products_of_many_heights_stay_in_range(n):
     assert abs(s.gradient(x) - [1, 2]).max() < 1e-7
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32), st.integers(4, 14), st.sampled_from([2, 3]))
 def test_random_polytopes(seed, n, d):
     """Hulls of random points on spheres: partition of unity, positions, positivity, gradients."""
@@ -390,7 +390,7 @@ def test_random_polytopes(seed, n, d):
     assert abs(jacobian - np.eye(d)).max() < 1e-12 * size + 1e-10
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(2, 40), st.integers(1, 4), st.integers(0, 2**32))
 def test_products_without_some_factors(n, omitted, seed):
     """The tree gives what multiplying the others gives, zeros included."""

@@ -55,7 +55,7 @@ def test_points_go_from_the_table_to_the_sheets(file):
     ]  # fmt: skip
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.lists(names, min_size=1, unique_by=str.strip), st.integers(0, 5))
 def test_running_again_loses_nothing(tmp_path_factory, students, split):
     """Lines that are there stay byte by byte; each student has one line, whatever the name."""

@@ -44,7 +44,7 @@ BARE = (
     "illegal value",
     "array must not",
 )
-hostile = settings(derandomize=True, deadline=None, max_examples=150)
+hostile = settings(max_examples=150)
 
 
 def answered_or_refused(ask: Callable[[], object]) -> np.ndarray | None:

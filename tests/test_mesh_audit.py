@@ -244,7 +244,7 @@ SOUPS = st.tuples(
 ).map(lambda drawn: (np.array(drawn[0], dtype=float), np.array(drawn[1]) % len(drawn[0])))
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(SOUPS, st.sampled_from([0.0, None]))
 def test_how_triangles_meet_is_what_rational_numbers_say(surface, tolerance):
     """Random triangles on a coarse grid, where all that can coincide does, with and without it."""
@@ -259,7 +259,7 @@ def test_how_triangles_meet_is_what_rational_numbers_say(surface, tolerance):
     assert {*audit.degenerate_triangles.tolist()} == flat
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(SOUPS)
 def test_exact_decisions_survive_rounding(surface):
     """The same for points that nearly coincide: the grid, sheared by irrational numbers."""
@@ -273,7 +273,7 @@ def test_exact_decisions_survive_rounding(surface):
     assert {*audit.degenerate_triangles.tolist()} == flat
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.lists(st.tuples(*[st.integers(0, 6)] * 3), min_size=1, max_size=12))
 def test_connection_is_what_counting_says(triangles):
     """Edges of one and of more than two triangles, bow-ties, and a coherent orientation."""

@@ -52,7 +52,7 @@ def test_boxes_hold_each_site_once_and_nearly_equally_many(n, d):
     np.testing.assert_array_equal(boxes.containing(x[boxes.sites[there]]), box)
 
 
-@settings(derandomize=True, deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.integers(1, 4), st.integers(0, 10**6), st.booleans())
 def test_the_patches_of_a_query_are_those_whose_balls_contain_it(d, seed, lattice):
     """Compared with trying them all, also where coordinates coincide."""
@@ -248,7 +248,7 @@ def test_balls_follow_the_density():
 shapes = st.sampled_from(["uniform", "lattice", "thin", "clusters", "curve", "tracks", "far"])
 
 
-@settings(derandomize=True, deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(shapes, st.integers(1, 4), st.integers(30, 200), st.integers(0, 10**6))
 def test_any_cloud_is_interpolated_and_constants_come_back(shape, d, n, seed):
     """In many small patches, whatever it looks like."""

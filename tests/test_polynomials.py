@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldrecon.polynomials import (
@@ -74,7 +74,6 @@ def test_the_frame_of_one_point_has_size_one():
 
 
 @given(st.floats(min_value=1e-300, max_value=1e300))
-@settings(derandomize=True, deadline=None)
 def test_the_power_of_two_above_is_the_least(length):
     """2^(k-1) < length <= 2^k."""
     power = power_of_two_above(length)

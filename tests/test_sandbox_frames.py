@@ -15,7 +15,7 @@ from hypothesis.extra.numpy import arrays
 
 from fieldrecon.course.sandbox import frames
 
-quickly = settings(derandomize=True, deadline=None, max_examples=150)
+quickly = settings(max_examples=150)
 NUMBERS = st.sampled_from(["b1", "i1", "i8", "u2", "u8", "f4", "f8", "c8", "c16"])
 VALUES = NUMBERS.flatmap(
     lambda kind: arrays(kind, st.lists(st.integers(0, 3), max_size=4).map(tuple))
