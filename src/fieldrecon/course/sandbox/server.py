@@ -24,8 +24,9 @@ from typing import Any
 
 from fieldrecon.course.sandbox import confine, homes, landlock, seccomp
 
-PRELOADED = ("numpy", "matplotlib.pyplot")
-"""What notebooks import anyway; the processes that are forked have it already."""
+PRELOADED = ("numpy", "numpy.polynomial", "numpy.random", "numpy.testing", "matplotlib.pyplot")
+"""What notebooks import anyway, and what NumPy imports when it is first asked for it: the processes
+that are forked have it already."""
 SECONDS_BETWEEN_LOOKS = 0.1
 SECONDS_OF_PATIENCE = 0.5
 MOST_THREADS = 64
