@@ -1,4 +1,4 @@
-"""The questions of the course, a module for each notebook.
+"""The questions of the course, a module for each notebook, or two.
 
 A module holds ``QUESTIONS``. There is no solution here, nor anything near one: inputs, shapes, and
 laws that a right answer obeys.
