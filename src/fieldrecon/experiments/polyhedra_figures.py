@@ -118,7 +118,7 @@ def plot_outside(result: Result) -> Figure:
             bands = panel.contourf(
                 x, y, weight, levels=FAR, norm=norm, cmap=DIVERGING, extend="both"
             )
-            bands.set(edgecolor="face", linewidth=0.3)
+            bands.set(edgecolor="face", linewidth=0.3, rasterized=True)
             for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
                 panel.axline(a, b, color="0.35", linewidth=0.4)
             panel.contour(x, y, denominator, levels=[0], colors="black", linewidths=1.8)
