@@ -64,7 +64,7 @@ def kernel(r, k):
 
 
 def distances(x, points):
-    """Return |x_i - p_j|, of shape (M, N), for x of shape (M, D) and points of shape (N, D)."""
+    """Return |x_i - p_j|, of shape (M, N), for x (M, D) and points (N, D)."""
     return np.linalg.norm(x[:, None] - points, axis=-1)
 
 
@@ -209,7 +209,7 @@ def both_sides(k):
         for chosen, color, mark in ((least > 0, BLUE, "^"), (least <= 0, ORANGE, "v")):
             axes.plot(degrees[chosen], least[chosen], mark, ms=9, color=color)
         for n, value in zip(degrees, least, strict=True):
-            axes.annotate(f"{value:.2g}", (n, value), xytext=(9, 0), va="center", textcoords="offset points")
+            axes.annotate(f"{value:.0f}" if value < -1 else f"{value:.2g}", (n, value), xytext=(9, 0), va="center", textcoords="offset points")
         axes.set_yscale("symlog", linthresh=1e-3)
         axes.set(
             xlabel="degree of the polynomials in the side conditions",
@@ -314,7 +314,7 @@ def six_points(out):
 
 # %% question="09.4"
 def interpolate(points, values, k, degree, x):
-    """Return f (9.2) at x (M, 2), of shape (M,), for points (N, 2), values (N,) and the kernel φ_k."""
+    """Return f (9.2) at x (M, 2), of shape (M,), for the kernel φ_k, points (N, 2), values (N,)."""
     # BEGIN SOLUTION
     n = len(points)
     p = monomials(points, degree)
@@ -342,7 +342,7 @@ def your_field(k, degree):
         axes = page.subplots()
         image = axes.contourf(side, side, field, levels=np.linspace(-4, 4, 17), extend="both", cmap="PuOr_r")
         axes.scatter(*sites.T, c=values, norm=image.norm, cmap="PuOr_r", ec="black", s=60)
-        axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal")
+        axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal", xticks=[0, 1], yticks=[0, 1])
         axes.set_title(f"$k = {k}$, $n = {degree}$: " + ("a field for all points" if enough else "the degree is too low"))
         page.colorbar(image, ax=axes, label="$f$")
     return page
@@ -436,7 +436,7 @@ def too_many_variables(d, s):
             least = [least_eigenvalue(wendland(step * r, d, s), np.zeros((len(r), 0))) for step in steps]
             right.plot(steps, least, color=color, marker=mark, ms=4, label=f"{variables} variable" + "s" * (variables > 1))
         right.set(xlabel="step of the lattice", title="least eigenvalue", ylim=(-0.75, 1.05))
-        right.legend(loc="upper left")
+        right.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
 
@@ -444,7 +444,7 @@ def too_many_variables(d, s):
 # **What to look at.** Lattices of points in one, two and three variables, and the matrix of your function at them. $\psi_{1,0} = (1-r)_+$ is made
 # for the line. In the plane its matrix has a negative eigenvalue, in space a large one, although all points are distinct. The others stay
 # above zero on these lattices. A trial that finds nothing proves nothing, though: $\psi_{1,1}$ is not positive definite in two variables either,
-# but it takes far more points to see it.
+# but only a lattice of some two thousand points shows it.
 
 # %% [markdown]
 # ## Two points change places
@@ -502,7 +502,7 @@ def film(t):
     times = np.linspace(0, 1, 101)
     plain = np.array([np.linalg.det(monomials(moved(u), 1)) for u in times])
     bumps = np.array([np.linalg.det(np.exp(-4 * distances(moved(u), moved(u)) ** 2)) for u in times])
-    with figure(6.4, 3.0) as page:
+    with figure(6.4, 3.3) as page:
         left, right = page.subplots(1, 2, width_ratios=[1, 1.4])
         now = moved(t)
         for j in (0, 1):
@@ -521,12 +521,12 @@ def film(t):
         right.axvline(t, color=PURPLE, lw=1)
         right.plot(exchange_time(three), 0, "o", mfc="none", ms=9, color=ORANGE, label="your time")
         right.set(xlabel="time $t$", title="determinant, over its largest size", ylim=(-1.15, 1.15))
-        right.legend(loc="lower left", fontsize=9)
+        right.legend(loc="upper center", bbox_to_anchor=(0.4, -0.2), ncols=3, fontsize=9, columnspacing=1)
     return page
 
 
 # %% [markdown]
-# **What to look at.** Move the time from 0 to 1. The triangle is turned over, so it must have been flat on the way: there the determinant of
+# **What to look at.** Three points of your own. Move the time from 0 to 1. The triangle is turned over, so it must have been flat on the way: there the determinant of
 # $1, x_1, x_2$ at the three points vanishes. At the end two rows of the matrix have been exchanged. The Gaussians sit on the points and travel with them, so that rows
 # *and* columns are exchanged.
 
@@ -592,8 +592,8 @@ def with_slopes(slope):
     field = np.abs(z) ** 3 @ found[:5] - 3 * (z * np.abs(z)) @ found[5:10] + found[10] + found[11] * places
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
-        for a, b in zip(x[:-1], x[1:], strict=True):
-            axes.axvspan(a, b, color=GREY, alpha=0.12 if a in x[::2] else 0.02, lw=0)
+        for j in (0, 2):
+            axes.axvspan(x[j], x[j + 1], color=GREY, alpha=0.12, lw=0)
         axes.plot(places, field, color=BLUE)
         for a, value, rise in zip(x, v, g, strict=True):
             reach = 0.22 / np.hypot(1, rise) * np.array([-1, 1])

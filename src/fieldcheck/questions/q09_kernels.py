@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values
 from fieldcheck.question import Law, Question, relative
-from fieldcheck.questions.q03_radial_basis_functions import cloud, squares
+from fieldcheck.questions.q03_radial_basis_functions import cloud, is_symmetric, squares
 
 
 def powers(s: np.ndarray, k: int) -> np.ndarray:
@@ -234,10 +234,6 @@ def slope_inputs(seed: int) -> tuple[Call, ...]:
 def slope_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     rows = 2 * len(call.arguments[0]) + 2
     return ((rows, rows),)
-
-
-def is_symmetric(_: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(relative(h - h.T, h) for (h,) in values)
 
 
 def maps_to_values_and_slopes(calls: Sequence[Call], values: Sequence[Values]) -> float:
