@@ -1,0 +1,81 @@
+"""What only a grader tries in notebook 09."""
+
+import numpy as np
+
+from fieldcheck.calls import Call
+from fieldcheck.questions.q03_radial_basis_functions import cloud
+from fieldrecon.course.hidden import hidden
+
+
+@hidden("09.1", "The degree may be any, and there may be one point only.")
+def other_degrees(seed):
+    random = np.random.default_rng(seed + 1)
+    return (
+        Call("monomials", (random.normal(size=(5, 2)), 5), "five points and the degree 5"),
+        Call("monomials", (random.normal(size=(1, 2)), 2), "one point"),
+        Call("monomials", (random.normal(size=(4, 2)), 1), "four points and the degree 1"),
+    )
+
+
+@hidden("09.2", "The matrix need not come from a kernel, and may have any size.")
+def any_matrix(seed):
+    random = np.random.default_rng(seed + 2)
+    a, p = random.normal(size=(12, 12)), random.normal(size=(12, 3))
+    return (
+        Call("least_eigenvalue", (a + a.T, p), "a random symmetric matrix"),
+        Call("least_eigenvalue", (1e4 * (a + a.T), np.hstack([p, p])), "conditions that are given twice"),
+    )
+
+
+@hidden("09.3", "Two lines are a conic too; and points need not lie around the origin.")
+def on_two_lines(seed):
+    random = np.random.default_rng(seed + 3)
+    along = cloud(random, 8, 1)[:, 0]
+    cross = np.stack([np.where(np.arange(8) < 4, along, 0.3), np.where(np.arange(8) < 4, 0.3, along)])
+    turn = np.linalg.qr(random.normal(size=(2, 2)))[0]
+    return (
+        Call("vanishing", (cross.T @ turn + 1, 2), "eight points on two lines"),
+        Call("vanishing", (cloud(random, 9, 2) + 3, 2), "nine points away from the origin"),
+        Call("vanishing", (cloud(random, 1, 2), 1), "one point"),
+    )
+
+
+@hidden("09.4", "It must hold for other powers, degrees and numbers of points, and at one place.")
+def other_fields(seed):
+    random = np.random.default_rng(seed + 4)
+    points, values = cloud(random, 20, 2), random.normal(size=20)
+    return (
+        Call("interpolate", (points, values, 4, 2, random.random((1, 2))), "k = 4 and one place"),
+        Call("interpolate", (points, values, 3, 3, points), "k = 3 and the degree 3 at the points themselves"),
+        Call("interpolate", (points[:3], values[:3], 2, 1, random.random((4, 2))), "as many points as monomials"),
+        Call("interpolate", (points, values, 1, -1, random.random((4, 2))), "k = 1 and no polynomial"),
+    )
+
+
+@hidden("09.5", "D may be large, and a single distance is an array too.")
+def many_variables(seed):
+    r = np.random.default_rng(seed + 5).uniform(0, 1.5, 7)
+    return (
+        Call("wendland", (r, 9, 1), "nine variables"),
+        Call("wendland", (r, 6, 0), "six variables"),
+        Call("wendland", (r[:1], 1, 1), "one distance"),
+    )
+
+
+@hidden("09.6", "The points may lie anywhere, and be far apart or near.")
+def anywhere(seed):
+    random = np.random.default_rng(seed + 6)
+    calls = []
+    for scale in (1e-3, 1, 1e3):
+        points = random.normal(size=(3, 2))
+        calls.append(Call("exchange_time", (scale * points,), f"points of the size {scale:g}"))
+    return tuple(calls)
+
+
+@hidden("09.7", "The points come in any order, and one point has a value and a slope too.")
+def one_and_many(seed):
+    x = np.random.default_rng(seed + 7).normal(size=9)
+    return (
+        Call("slope_matrix", (x,), "nine points"),
+        Call("slope_matrix", (x[:1],), "one point"),
+    )
