@@ -90,25 +90,40 @@ def seen(points, turn=25, tilt=25):
     )
 
 
-def draw_surface(axes, points, triangles, special=(), color=ORANGE, alpha=1.0):
-    """Draw triangles, the far ones first: from outside pale, from inside dark, special ones coloured."""
-    place = seen(points)
-    special = set(special)
-    for i in np.argsort(place[triangles, 2].mean(axis=1)):
-        a, b, c = place[triangles[i]]
-        normal = np.cross(*(place[triangles[i, 1:]] - a))
+def draw_surface(axes, points, triangles, lines=(), special=(), color=PURPLE):
+    """Draw triangles and coloured lines, the far ones first.
+
+    Triangles are pale from outside and dark from inside; special ones are coloured.
+    """
+    place, special = seen(points), set(special)
+    depth = place[triangles, 2].mean(axis=1)
+    things = [(d, "triangle", i, color) for i, d in enumerate(depth)]
+    for pairs, shade in lines:
+        pairs = np.reshape(pairs, (-1, 2)).astype(int)
+        nearer = place[pairs, 2].mean(axis=1) + 0.12 * np.ptp(place[:, 2])
+        things += [(d, "line", e, shade) for e, d in zip(pairs, nearer)]
+    for k, (_, kind, which, shade) in enumerate(sorted(things, key=lambda thing: thing[0])):
+        if kind == "line":
+            axes.plot(*place[which, :2].T, color=shade, lw=2.5, solid_capstyle="round", zorder=k)
+            continue
+        a, b, c = place[triangles[which]]
+        normal = np.cross(*(place[triangles[which, 1:]] - a))
         light = 0.75 + 0.25 * abs(normal[2]) / (np.linalg.norm(normal) or 1.0)
-        shade = light * (0.93 if normal[2] > 0 else 0.62)
-        fill = color if i in special else str(shade)
-        axes.fill(*np.stack([a, b, c], axis=1)[:2], facecolor=fill, edgecolor="0.4", lw=0.5, alpha=alpha)
+        fill = shade if which in special else str(light * (0.93 if normal[2] > 0 else 0.62))
+        corners = np.stack([a, b, c], axis=1)[:2]
+        axes.fill(*corners, facecolor=fill, edgecolor="0.4", lw=0.5, zorder=k)
     axes.set_aspect("equal")
     axes.set_axis_off()
 
 
-def draw_lines(axes, points, lines, **style):
-    """Draw the lines between pairs of points."""
-    for ends in np.reshape(lines, (-1, 2)).astype(int):
-        axes.plot(*seen(points)[ends, :2].T, **style)
+def draw_rings(axes, points, vertices):
+    """Draw rings round vertices."""
+    axes.plot(*seen(points)[vertices, :2].T, "o", ms=10, mfc="none", mec=ORANGE, mew=2.5, zorder=9999)
+
+
+def many(n, thing):
+    """Return how many there are, in words."""
+    return f"{n} {thing}" + "s" * (n != 1)
 
 
 # %% [markdown]
@@ -134,7 +149,7 @@ def three_files(pull):
                 own = np.unique(t[part == k])
                 moved[own] += pull * p[own].mean(axis=0)
             draw_surface(axes, moved, t)
-            axes.set(xlim=(-1.75, 1.75), ylim=(-1.75, 1.75), title=f"{name}:\n{len(np.unique(part))} parts")
+            axes.set(xlim=(-1.75, 1.75), ylim=(-1.75, 1.75), title=f"{name}:\n{many(len(np.unique(part)), 'part')}")
     return page
 
 
@@ -215,20 +230,22 @@ check("14.2")
 # %%
 @draw()
 def edges_in_colour():
-    fin = joined(ball(4, 8))
-    fin = np.vstack([fin[0], 1.7 * fin[0][[9]]]), np.vstack([fin[1], [[9, 10, 34]]])
+    points, triangles = ball(4, 8)
+    tip = 1.6 * points[6] + [0, 0, 0.6]
+    fin = np.vstack([points, [tip]]), np.vstack([triangles, [[6, 7, 34]]])
+    angle = np.radians(65 + np.linspace(-75, 75, 5))
+    ends = np.stack([np.cos(angle), np.sin(angle), [0.3, 0.9, 1.3, 0.9, 0.3]], axis=1)
+    pages = np.vstack([[[0, 0, 0], [0, 0, 1]], ends]), book(5)[1]
     surfaces = {
         "a sphere": ball(4, 8),
-        "two holes": without(ball(4, 8), 2, 3, 33, 34, 35),
+        "two holes": without(ball(4, 8), 10, 11, 40, 41, 43),
         "a fin": fin,
-        "five pages": book(5),
+        "five pages": pages,
     }
     with figure(6.6, 2.0) as page:
         for axes, (name, (p, t)) in zip(page.subplots(1, 4), surfaces.items(), strict=True):
             s, count = sides(t), np.asarray(triangles_at_sides(t))
-            draw_surface(axes, p, t, alpha=0.8)
-            draw_lines(axes, p, s[count == 1], color=BLUE, lw=2.2)
-            draw_lines(axes, p, s[count > 2], color=ORANGE, lw=3)
+            draw_surface(axes, p, t, [(s[count == 1], BLUE), (s[count > 2], ORANGE)])
             axes.set(title=name)
     return page
 
@@ -291,10 +308,8 @@ def welding(exponent):
     now = welded(10.0**exponent)
     with figure(6.6, 2.9) as page:
         left, right = page.subplots(1, 2, width_ratios=(2, 3))
-        draw_surface(left, soup, now)
-        if len(now):
-            s, count = sides(now), np.asarray(triangles_at_sides(now))
-            draw_lines(left, soup, s[count == 1], color=BLUE, lw=2)
+        s, count = sides(now), np.asarray(triangles_at_sides(now) if len(now) else [])
+        draw_surface(left, soup, now, [(s[count == 1], BLUE)])
         left.set(xlim=(-1.05, 1.05), ylim=(-1.1, 1.1))
         right.plot(exponents, [len(np.unique(t)) for t in lists], color=BLUE, label="vertices")
         right.plot(exponents, [euler_characteristic(t) if len(t) else 0 for t in lists], "--",
@@ -304,7 +319,7 @@ def welding(exponent):
         right.set(xlabel=r"$\log_{10}\,\tau$", title=f"τ = {10**exponent:.1g}: χ = "
                   f"{euler_characteristic(now) if len(now) else 0}", yscale="symlog")
         right.set_yticks([0, 2, 10, 100], ["0", "2", "10", "100"])
-        right.legend(loc="lower left")
+        right.legend(loc="lower right")
     return page
 
 
@@ -388,33 +403,31 @@ def loops_and_fans():
     n = len(ball(3, 8)[0])
     double = joined(ball(3, 8), ball(3, 8))
     touching = np.vstack([double[0][:n], double[0][n:] - [5, 0, 2]])
-    bent, flat_list = sheet(4, 4)
-    bent = np.column_stack([bent[:, 0], bent[:, 1], 0.5 * np.sin(1.5 * bent[:, 0])])
+    points, triangles = ball(6, 12)
+    points = points * np.hypot(*points[:, :2].T)[:, None] ** [0, 0, 1.5]
     surfaces = {
-        "three holes": without(ball(4, 9), 2, 3, 33, 34, 50, 51, 58),
-        "one hole at a vertex": (bent, np.delete(flat_list, [10, 11], axis=0)),
+        "three holes": without(ball(4, 9), 10, 11, 32, 33, 46, 47),
+        "a sheet with a hole": without(sheet(4, 4), 10, 11),
         "tip to tip": fused((touching, double[1]), (n - 1, 2 * n - 2)),
-        "pages": book(5),
+        "poles made one": fused((points, triangles), (72, 73)),
     }
     with figure(6.6, 2.3) as page:
         for axes, (name, (p, t)) in zip(page.subplots(1, 4), surfaces.items(), strict=True):
-            draw_surface(axes, p, t, alpha=0.85)
-            loop, number = boundary_loops(len(p), t), np.asarray(fans(len(p), t))
+            loop, bows = np.asarray(boundary_loops(len(p), t)), np.asarray(fans(len(p), t)) > 1
             s, count = sides(t), np.asarray(triangles_at_sides(t))
-            free = s[count == 1]
-            for k, one in enumerate(np.unique(loop[loop >= 0])):
-                own = free[np.asarray(loop)[free[:, 0]] == one]
-                draw_lines(axes, p, own, color=(BLUE, PURPLE, GREEN)[k % 3], lw=2.2)
-            for v in np.flatnonzero(number > 1):
-                axes.plot(*seen(p)[v, :2], "o", ms=9, mfc="none", mec=ORANGE, mew=2.5)
-            title = f"{len(np.unique(loop[loop >= 0]))} loops, {int((number > 1).sum())} bow-ties"
-            axes.set_title(f"{name}:\n{title}", fontsize=9)
+            names = np.unique(loop[loop >= 0])
+            rims = [s[(count == 1) & (loop[s[:, 0]] == one)] for one in names]
+            draw_surface(axes, p, t, zip(rims, (BLUE, PURPLE, GREEN)))
+            draw_rings(axes, p, np.flatnonzero(bows))
+            told = f"{many(len(names), 'loop')}, {many(int(bows.sum()), 'bow-tie')}"
+            axes.set_title(f"{name}:\n{told}", fontsize=9)
     return page
 
 
 # %% [markdown]
-# **What to look at.** Each loop has its colour; the ring marks a vertex with more than one fan. The pages have no bow-tie, although they are no
-# manifold; the tips have one, although every edge has two triangles. Both have to be looked for.
+# **What to look at.** Each loop has its colour; a ring marks a vertex with more than one fan. In both pictures on the right every edge has two
+# triangles, and neither surface is a manifold. With the pages of a book, further up, it is the other way round: no bow-tie, and an edge of many
+# triangles. Both have to be looked for.
 #
 # ## The same way round
 #
@@ -475,16 +488,14 @@ def strips(twists):
     loop = np.asarray(boundary_loops(len(points), triangles))
     mended = np.where(turn[:, None] < 0, triangles[:, ::-1], triangles)
     s, count = sides(triangles), np.asarray(triangles_at_sides(triangles))
-    free = s[count == 1]
+    names = np.unique(loop[loop >= 0])
+    rims = [s[(count == 1) & (loop[s[:, 0]] == one)] for one in names]
     with figure(6.6, 2.7) as page:
         left, right = page.subplots(1, 2)
         draw_surface(left, points, triangles)
-        draw_surface(right, points, mended, np.flatnonzero(turn == 0), "#e8d5a8")
-        for k, one in enumerate(np.unique(loop[loop >= 0])):
-            draw_lines(right, points, free[loop[free[:, 0]] == one], color=(BLUE, PURPLE)[k % 2], lw=2)
-        left.set(title="as listed")
-        told = "turned" if turn.any() else "no turning helps"
-        right.set(title=f"{told}; loops: {len(np.unique(loop[loop >= 0]))}")
+        draw_surface(right, points, mended, zip(rims, (BLUE, PURPLE)), np.flatnonzero(turn == 0), "#e8d5a8")
+        left.set(title=f"{many(twists, 'half turn')}, as listed")
+        right.set(title=f"{'turned' if turn.any() else 'no turning helps'}, {many(len(names), 'rim')}")
     return page
 
 
@@ -574,25 +585,25 @@ def with_error(k):
     """Return the name of an error, and a sphere that has it."""
     points, triangles = ball(5, 10)
     n, m = len(points), len(triangles)
-    more = np.array([1.6, 0.0, 0.9])
+    tip = 1.6 * points[6] + [0, 0, 0.6]
     two = joined((points, triangles), (0.6 * points, triangles))
     beside = np.vstack([points, two[0][n:] - [5, 0, 0] + [1.1, 0, 0.3]])
     touching = np.vstack([points, two[0][n:] - [5, 0, 0] + [0, 0, 1.6]])
-    middle = (points[11] + points[12]) / 2
-    here = int(np.flatnonzero((np.sort(triangles, axis=1) == [1, 11, 12]).all(axis=1))[0])
-    a, b, c = np.roll(triangles[here], -int(np.argmax(triangles[here] == 1)))
+    middle = (points[16] + points[17]) / 2
+    here = int(np.flatnonzero((np.sort(triangles, axis=1) == [6, 16, 17]).all(axis=1))[0])
+    a, b, c = np.roll(triangles[here], -int(np.argmax(triangles[here] == 6)))
     cut = np.vstack([np.delete(triangles, here, axis=0), [[a, b, n], [a, n, c]]])
-    upper = np.where(triangles < 20, 0, n)
-    upper = np.where((triangles[:, :1] < 30) & (triangles < 30).all(axis=1, keepdims=True), n, 0)
+    upper = np.isin(triangles, [*range(30), 50]).all(axis=1)
+    seam = np.where((20 <= triangles) & (triangles < 30) & upper[:, None], triangles + n - 20, triangles)
     return [
         ("nothing", points, triangles),
-        ("a hole", points, np.delete(triangles, [24, 25, 26], axis=0)),
-        ("a triangle turned over", points, np.where(np.arange(m)[:, None] == 24, triangles[:, ::-1], triangles)),
-        ("a fin", np.vstack([points, 1.8 * points[[12]]]), np.vstack([triangles, [[12, 13, n]]])),
+        ("a hole", points, np.delete(triangles, [32, 33, 35], axis=0)),
+        ("a triangle turned over", points, np.where(np.arange(m)[:, None] == 32, triangles[:, ::-1], triangles)),
+        ("a fin", np.vstack([points, [tip]]), np.vstack([triangles, [[6, 7, n]]])),
         ("two spheres, tip to tip", *fused((touching, two[1]), (n - 2, 2 * n - 1))),
         ("two spheres that cross", beside, two[1]),
-        ("a seam not sewn", np.vstack([points, points]), triangles + upper),
-        ("a triangle listed twice", points, np.vstack([triangles, triangles[[24]]])),
+        ("a seam not sewn", np.vstack([points, points[20:30]]), seam),
+        ("a triangle listed twice", points, np.vstack([triangles, triangles[[32]]])),
         ("a vertex in an edge", np.vstack([points, [middle]]), cut),
         ("a triangle without area", np.vstack([points, [middle]]), np.vstack([cut, [[c, n, b]]])),
     ][k]
@@ -602,22 +613,22 @@ def with_error(k):
 def audit(error, turn):
     name, points, triangles = with_error(error)
     n, m = len(points), len(triangles)
-    place = np.asarray(weld(points, 1e-9))
+    place, used = np.asarray(weld(points, 1e-9)), np.unique(triangles)
     s, count = sides(triangles), np.asarray(triangles_at_sides(triangles))
     fan = np.asarray(fans(n, triangles))
-    loop, thin = np.asarray(boundary_loops(n, triangles)), np.asarray(flat(points, triangles, 1e-9))
+    loop, thin = np.asarray(boundary_loops(n, triangles)), np.asarray(flat(points, triangles, 1e-9)) > 0
     over = np.zeros(m) if (count > 2).any() else np.asarray(turns(points, triangles))
     edges = np.array(sorted({tuple(sorted(e)) for e in s.tolist()}))
     i, j = (k.ravel() for k in np.indices((len(edges), m)))
     near = (np.abs(points[edges].mean(axis=1)[i] - points[triangles].mean(axis=1)[j]) < 0.9).all(axis=1)
-    apart = (edges[i][:, :, None] != triangles[j][:, None]).all(axis=(1, 2)) & near
+    apart = (place[edges[i]][:, :, None] != place[triangles[j]][:, None]).all(axis=(1, 2)) & near
     i, j = i[apart], j[apart]
     crossed = np.unique(j[np.asarray(pierced(*points[edges[i]].swapaxes(0, 1), points[triangles[j]]), dtype=bool)])
     t = np.radians(turn)
     shown = points @ [[np.cos(t), np.sin(t), 0], [-np.sin(t), np.cos(t), 0], [0, 0, 1]]
     lines = {
         "characteristic": int(euler_characteristic(triangles)),
-        "vertices in the place of others": int((place != np.arange(n)).sum()),
+        "vertices in the place of others": int((place[used] != used).sum()),
         "loops": len(np.unique(loop[loop >= 0])),
         "edges of more than two triangles": len({tuple(sorted(e)) for e in s[count > 2].tolist()}),
         "vertices of more than one fan": int((fan > 1).sum()),
@@ -627,12 +638,9 @@ def audit(error, turn):
     }
     with figure(6.6, 2.9) as page:
         left, right = page.subplots(1, 2, width_ratios=(1, 1.2))
-        draw_surface(left, shown, triangles, [*np.flatnonzero(over < 0), *crossed], PURPLE, 0.9)
-        draw_lines(left, shown, s[count == 1], color=BLUE, lw=2.5)
-        draw_lines(left, shown, s[count > 2], color=ORANGE, lw=3)
-        draw_lines(left, shown, sides(triangles[thin]), color=GREEN, lw=3)
-        for v in np.flatnonzero(fan > 1):
-            left.plot(*seen(shown)[v, :2], "o", ms=11, mfc="none", mec=ORANGE, mew=2.5)
+        marks = [(s[count == 1], BLUE), (s[count > 2], ORANGE), (sides(triangles[thin]), GREEN)]
+        draw_surface(left, shown, triangles, marks, [*np.flatnonzero(over < 0), *crossed])
+        draw_rings(left, shown, np.flatnonzero(fan > 1))
         left.set(title=name)
         right.set_axis_off()
         for k, (what, number) in enumerate(lines.items()):
@@ -645,8 +653,8 @@ def audit(error, turn):
 
 # %% [markdown]
 # **What to look at.** One error has several signs: to list a triangle twice makes three edges of three triangles, and a
-# seam makes a loop. A vertex in an edge (it is called a *T-junction*) leaves a slit without width: a loop of
-# three edges, where the eye sees none.
+# seam makes two loops in one place. A vertex in an edge (it is called a *T-junction*) leaves a slit without width: a loop of
+# three edges, where the eye sees none. Close it with a triangle, and that has no area.
 #
 # ## In words
 #
@@ -687,8 +695,8 @@ def audit(error, turn):
 # </details>
 
 # %% [markdown] answer="14.10" points=3
-# Parts add up: a sphere and any number of tori have 2 as well, and so have two sheets of paper, with 1 each. Nor need it be a surface: two spheres, tip to tip, and a torus, welded
-# at one vertex, give $2 + 2 - 1 = 3$ without, $3 + 0 - 1 = 2$ with the torus; a sphere whose fins are folded from single triangles keeps $\chi = 2$, since each adds one vertex, two edges, one triangle.
+# Parts add up: a sphere and any number of tori have 2 as well, and so have two sheets of paper, with 1 each. Nor need it be a manifold: a fin on a sphere adds one vertex, two edges and
+# one triangle, which leaves 2; and two spheres and a torus, all welded in one vertex, have $2 + 2 + 0 - 2 = 2$.
 #
 # In a soup no vertex and no edge is shared: $3M - 3M + M = M$.
 #
