@@ -174,10 +174,14 @@ def test_vertices_within_the_tolerance_are_duplicates():
     assert audit_mesh(points, triangles, 1e-6).found == PLANTED["duplicate vertex"].found
 
 
-def test_a_loop_is_told_in_order():
-    """Consecutive vertices of a loop are ends of a side of the boundary."""
+@pytest.mark.parametrize("flipped", [0, 3, 2])
+def test_a_loop_is_told_in_order(flipped):
+    """Consecutive vertices of a loop are ends of a side of the boundary, whichever way it runs."""
     points, triangles = sphere(2)
-    audit = audit_mesh(points, triangles[points[triangles].mean(axis=1)[:, 2] < 0.6])
+    triangles = triangles[points[triangles].mean(axis=1)[:, 2] < 0.6]
+    if flipped:
+        triangles[::flipped] = triangles[::flipped, ::-1]
+    audit = audit_mesh(points, triangles)
     (loop,) = audit.boundary_loops
     sides = {(int(a), int(b)) for t in triangles for a, b in itertools.permutations(t, 2)}
     assert len(loop) > 8

@@ -31,7 +31,7 @@ def connection_errors(p: np.ndarray, t: np.ndarray, place: np.ndarray) -> dict[s
         "parts": int(sheets.parts.max(initial=-1)) + 1,
         "nonmanifold_edges": sheets.crowded_edges,
         "bow_tie_vertices": sheets.bow_ties,
-        "boundary_loops": tuple(sheets.start[sides] for sides in sheets.loops),
+        "boundary_loops": sheets.rims,
         "flipped_triangles": kept[flipped & ~either_way],
         "one_sided_triangles": kept[one_sided],
         "inside_out_triangles": kept[inner],

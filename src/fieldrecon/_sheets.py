@@ -99,6 +99,17 @@ class Sheets:
         At a vertex with several fans the loop stays in one. What ends at an edge of more than two
         triangles is a chain.
         """
+        return tuple(self.free_sides[walk // 2] for walk in self._walks)
+
+    @cached_property
+    def rims(self) -> tuple[np.ndarray, ...]:
+        """Vertices round each hole: where each side of a loop is entered, whichever way it runs."""
+        ends = np.column_stack([self.start[self.free_sides], self.end[self.free_sides]]).ravel()
+        return tuple(ends[walk] for walk in self._walks)
+
+    @cached_property
+    def _walks(self) -> tuple[np.ndarray, ...]:
+        """Ends of the free sides at which a walk round each hole enters them; two for each side."""
         free = self.free_sides
         if len(free) == 0:
             return ()
@@ -110,8 +121,7 @@ class Sheets:
         place = np.empty_like(smaller)
         place[smaller] = where
         seen = smaller[place[smaller] < place[smaller ^ 1]]  # each side once, one way round
-        cuts = np.flatnonzero(np.diff(label[seen])) + 1
-        return tuple(np.split(free[seen // 2], cuts))
+        return tuple(np.split(seen, np.flatnonzero(np.diff(label[seen])) + 1))
 
     def _ends(self, sides: np.ndarray) -> np.ndarray:
         ends = np.column_stack([self.start[sides], self.end[sides]])

@@ -1,0 +1,260 @@
+"""Questions of notebook 14, the errors of a mesh, that a list of triangles alone decides.
+
+Surfaces are woven from nets of numbers, so that their edges, loops and fans are known beforehand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question
+
+Surface = tuple[np.ndarray, np.ndarray]
+
+
+# Surfaces
+
+
+def net(numbers: np.ndarray) -> np.ndarray:
+    """Return the triangles of a net, two for each of its squares, given the vertices at its knots."""
+    a, b, c, d = numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, 1:], numbers[1:, :-1]
+    return np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+
+
+def sheet(rows: int = 3, columns: int = 4) -> Surface:
+    """Return a rectangle of paper, slightly bent."""
+    y, x = (axis.ravel() for axis in np.mgrid[: rows + 1, : columns + 1])
+    return np.column_stack([x, y, 0.1 * x * y]), net(np.arange(x.size).reshape(rows + 1, columns + 1))
+
+
+def ball(rings: int = 3, around: int = 6) -> Surface:
+    """Return a sphere: rings of vertices about the axis, and two poles; seen from outside."""
+    up, turn = np.pi * np.arange(1, rings + 1) / (rings + 1), 2 * np.pi * np.arange(around) / around
+    height, angle = (axis.ravel() for axis in np.meshgrid(up, turn, indexing="ij"))
+    points = np.column_stack([np.sin(height) * np.cos(angle), np.sin(height) * np.sin(angle), np.cos(height)])
+    numbers = np.pad(np.arange(rings * around).reshape(rings, around), ((0, 0), (0, 1)), mode="wrap")
+    first, last, n = numbers[0], numbers[-1], len(points)
+    caps = [[n, i, j] for i, j in pairwise(first)]
+    caps += [[n + 1, j, i] for i, j in pairwise(last)]
+    return np.vstack([points, [[0, 0, 1], [0, 0, -1]]]), np.vstack([net(numbers)[:, ::-1], caps])
+
+
+def ring(rows: int = 4, columns: int = 6) -> Surface:
+    """Return a torus."""
+    small, large = np.meshgrid(2 * np.pi * np.arange(rows) / rows, 2 * np.pi * np.arange(columns) / columns, indexing="ij")
+    wide = (2 + 0.8 * np.cos(small)).ravel()
+    points = np.column_stack([wide * np.cos(large.ravel()), wide * np.sin(large.ravel()), 0.8 * np.sin(small.ravel())])
+    return points, net(np.pad(np.arange(rows * columns).reshape(rows, columns), ((0, 1), (0, 1)), mode="wrap"))
+
+
+def band(twists: int, columns: int = 12) -> Surface:
+    """Return a closed strip of paper after so many half turns; with one it is that of Möbius."""
+    across, along = np.meshgrid(np.linspace(-0.5, 0.5, 3), 2 * np.pi * np.arange(columns) / columns, indexing="ij")
+    across, along = across.ravel(), along.ravel()
+    wide = 1.2 + across * np.cos(twists * along / 2)
+    points = np.column_stack([wide * np.cos(along), wide * np.sin(along), across * np.sin(twists * along / 2)])
+    numbers = np.arange(3 * columns).reshape(3, columns)
+    first = numbers[:, :1] if twists % 2 == 0 else numbers[::-1, :1]
+    return points, net(np.hstack([numbers, first]))
+
+
+def book(pages: int) -> Surface:
+    """Return triangles that share one edge, as pages share the spine."""
+    angle = 2 * np.pi * np.arange(pages) / pages
+    points = np.vstack([[[0, 0, 0], [0, 0, 1]], np.column_stack([np.cos(angle), np.sin(angle), 0.5 + 0 * angle])])
+    return points, np.array([[0, 1, 2 + k] if k % 2 else [1, 0, 2 + k] for k in range(pages)])
+
+
+def joined(*surfaces: Surface) -> Surface:
+    """Return surfaces as one list, side by side."""
+    points, triangles, n = [], [], 0
+    for k, (p, t) in enumerate(surfaces):
+        points.append(p + np.array([5.0 * k, 0, 0]))
+        triangles.append(t + n)
+        n += len(p)
+    return np.vstack(points), np.vstack(triangles)
+
+
+def fused(surface: Surface, *pairs: tuple[int, int]) -> Surface:
+    """Return a surface in which one vertex takes the place of another."""
+    points, triangles = surface
+    name = np.arange(len(points))
+    for kept, gone in pairs:
+        name[gone] = kept
+    return points, name[triangles]
+
+
+def without(surface: Surface, *left_out: int) -> Surface:
+    """Return a surface without some of its triangles."""
+    return surface[0], np.delete(surface[1], left_out, axis=0)
+
+
+def flipped(random: np.random.Generator, surface: Surface, share: float = 0.4) -> Surface:
+    """Return a surface in which some triangles, the last among them, are turned over."""
+    points, triangles = surface[0], surface[1].copy()
+    chosen = random.random(len(triangles)) < share
+    chosen[-1] = True
+    triangles[chosen] = triangles[chosen][:, [0, 2, 1]]
+    return points, triangles
+
+
+def shuffled(random: np.random.Generator, surface: Surface, spare: int = 0) -> Surface:
+    """Return a surface in another order, with some vertices that no triangle has."""
+    points, triangles = surface
+    n = len(points) + spare
+    name = random.permutation(n)
+    moved = random.normal(size=(n, 3))
+    moved[name[: len(points)]] = points
+    rolled = [np.roll(t, random.integers(3)) for t in name[triangles]]
+    return moved, np.array(rolled)[random.permutation(len(rolled))]
+
+
+def sides_by_name(triangles: np.ndarray) -> list[tuple[int, int]]:
+    """Return the ends of each side in the direction in which its triangle runs."""
+    return [(int(t[k]), int(t[k - 2])) for t in triangles for k in range(3)]
+
+
+# 14.2 and 14.3 Edges
+
+
+def edge_surfaces(seed: int) -> dict[str, Surface]:
+    """Return surfaces that are closed, have a boundary, have edges of many triangles."""
+    random = np.random.default_rng(seed)
+    crowd = joined(book(3), book(5), sheet(1, 2))
+    return {
+        "a sphere": shuffled(random, ball()),
+        "a sheet": shuffled(random, sheet()),
+        "triangles like the pages of two books, and a sheet": shuffled(random, crowd),
+        "a sphere of which some triangles are turned over": shuffled(random, flipped(random, ball(2, 5))),
+    }
+
+
+TIMES = ((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60))
+"""How many sides of those surfaces belong to an edge of one, two, … triangles."""
+
+
+def count_inputs(seed: int) -> tuple[Call, ...]:
+    return tuple(Call("triangles_at_sides", (t,), case) for case, (_, t) in edge_surfaces(seed).items())
+
+
+def counts_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the counts are from what is known, and how often they differ along an edge."""
+    wrong = 0
+    for call, (count,), times in zip(calls, values, TIMES, strict=True):
+        wrong += sum(abs(int((count == k).sum()) - n) for k, n in enumerate(times, start=1))
+        seen: dict[frozenset[int], float] = {}
+        for side, k in zip(sides_by_name(call.arguments[0]), count.tolist(), strict=True):
+            wrong += seen.setdefault(frozenset(side), k) != k
+    return float(wrong)
+
+
+def euler_inputs(seed: int) -> tuple[Call, ...]:
+    """Return surfaces of known characteristic."""
+    random = np.random.default_rng(seed)
+    whole = ball()
+    soup = whole[0][whole[1]].reshape(-1, 3), np.arange(whole[1].size).reshape(-1, 3)
+    surfaces = {
+        "a sphere": whole,
+        "a torus": ring(),
+        "a sheet": sheet(),
+        "the strip of Möbius": band(1, 6),
+        "a sphere and two tori": joined(ball(2, 5), ring(3, 4), ring(3, 5)),
+        "a sphere of which every triangle has vertices of its own": soup,
+        "three triangles at one edge": book(3),
+    }
+    calls = [Call("euler_characteristic", (shuffled(random, s)[1],), case) for case, s in surfaces.items()]
+    spare = shuffled(random, without(ball(2, 6), 0, 8), 5)
+    return (*calls, Call("euler_characteristic", (spare[1],), "a sphere with two holes, and vertices that no triangle has"))
+
+
+CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 0)
+
+
+def is_the_known_characteristic(_: Sequence[Call], values: Sequence[Values]) -> float:
+    return max(abs(float(v) - known) for (v,), known in zip(values, CHARACTERISTICS, strict=True))
+
+
+# 14.4 and 14.5 Loops and fans
+
+
+def loop_inputs(seed: int) -> tuple[Call, ...]:
+    """Return surfaces with none, one, two and four loops."""
+    random = np.random.default_rng(seed)
+    surfaces = {
+        "a sheet": sheet(),
+        "a sphere with two holes": without(ball(3, 6), 0, 1, 30),
+        "a strip of paper": band(0, 6),
+        "the strip of Möbius": band(1, 6),
+        "a torus": ring(3, 4),
+        "two sheets, of which some triangles are turned over": flipped(random, joined(sheet(2, 2), sheet(1, 3))),
+    }
+    made = {case: shuffled(random, surface, 3) for case, surface in surfaces.items()}
+    return tuple(Call("boundary_loops", (len(p), t), case) for case, (p, t) in made.items())
+
+
+LENGTHS = ((14,), (3, 4), (6, 6), (12,), (), (8, 8))
+
+
+def loops_have_the_known_lengths(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return one if loops are not as long as they were made, or not called by their least vertex."""
+    for (loop,), lengths in zip(values, LENGTHS, strict=True):
+        names, times = np.unique(loop[loop != -1], return_counts=True)
+        least = [float(np.flatnonzero(loop == name).min()) for name in names]
+        if tuple(np.sort(times).tolist()) != lengths or least != names.tolist():
+            return 1.0
+    return 0.0
+
+
+def fan_inputs(seed: int) -> tuple[Call, ...]:
+    """Return surfaces with vertices of no, one and several fans."""
+    random = np.random.default_rng(seed)
+    n, m = len(ball()[0]), len(ball(2, 5)[0])
+    surfaces = {
+        "a sheet": sheet(),
+        "three spheres that share one vertex": fused(joined(*3 * [ball(2, 5)]), (3, m + 4), (3, 2 * m + 1)),
+        "a sphere two of whose vertices were made one": fused(ball(), (1, n - 3)),
+        "two sheets that share a corner": fused(joined(sheet(2, 2), sheet(1, 3)), (8, 9)),
+        "the pages of a book": book(4),
+    }
+    made = {case: shuffled(random, surface, 2) for case, surface in surfaces.items()}
+    return tuple(Call("fans", (len(p), t), case) for case, (p, t) in made.items())
+
+
+FANS = ((2, 20), (4, 33, 0, 1), (3, 18, 1), (3, 15, 1), (2, 6))
+"""How many vertices of those surfaces have no fan, one fan, and so on."""
+
+
+def fans_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the numbers are from what is known, and how many are less than the boundary asks for."""
+    wrong = 0
+    for call, (fans,), times in zip(calls, values, FANS, strict=True):
+        triangles = call.arguments[1]
+        wrong += sum(abs(int((fans == k).sum()) - number) for k, number in enumerate(times))
+        wrong += int((fans[np.unique(triangles)] < 1).sum())
+    return float(wrong)
+
+
+QUESTIONS = (
+    Question(
+        "14.2", "triangles_at_sides", 2, count_inputs, lambda call: ((call.arguments[0].size,),),
+        (Law("It is known how many edges of each kind these surfaces have, and all sides of an edge have one number.",
+             counts_are_those_of_the_weave),),
+    ),
+    Question(
+        "14.3", "euler_characteristic", 2, euler_inputs, lambda _: ((),),
+        (Law("The characteristic of each of these surfaces is known.", is_the_known_characteristic),),
+    ),
+    Question(
+        "14.4", "boundary_loops", 3, loop_inputs, lambda call: ((call.arguments[0],),),
+        (Law("It is known how many loops there are, and how long; a loop is called by the least of its vertices.",
+             loops_have_the_known_lengths),),
+    ),
+    Question(
+        "14.5", "fans", 3, fan_inputs, lambda call: ((call.arguments[0],),),
+        (Law("It is known how many vertices have no fan, one fan, and more.", fans_are_those_of_the_weave),),
+    ),
+)

@@ -1,0 +1,195 @@
+"""Questions of notebook 14, the errors of a mesh, for which it matters where the vertices are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question
+from fieldcheck.questions.q14_mesh_errors import (
+    Surface,
+    ball,
+    band,
+    flipped,
+    joined,
+    ring,
+    sheet,
+    shuffled,
+    sides_by_name,
+)
+
+# 14.1 Vertices in one place
+
+
+def copies(random: np.random.Generator, n: int, tolerance: float) -> np.ndarray:
+    """Return points in one, two or three copies that are off by less than the tolerance, shuffled.
+
+    Some others are only a little farther apart, along the diagonal of space.
+    """
+    cells = np.array(np.unravel_index(random.permutation(512)[:n], (8, 8, 8))).T
+    off = tolerance * np.array([[0.0, 0, 0], [-0.45, 0.4, 0.35], [-0.2, 0.1, -0.25], [0.7, -0.7, 0.7]])
+    used = [((0,), (0, 1), (0, 1, 2), (0, 3))[k % 4] for k in range(n)]
+    points = np.vstack([10 * tolerance * (cell + 0.03) + off[list(which)] for cell, which in zip(cells, used, strict=True)])
+    return points[random.permutation(len(points))]
+
+
+def weld_inputs(seed: int) -> tuple[Call, ...]:
+    """Return clouds with copies: exact ones, near ones, far from the origin, and none at all."""
+    random = np.random.default_rng(seed)
+    cloud = random.normal(size=(9, 3))
+    exact = cloud[np.r_[random.permutation(9), random.permutation(9)[:5], 0, 0]]
+    return (
+        Call("weld", (copies(random, 12, 1e-3), 1e-3), "points with near copies"),
+        Call("weld", (exact, 0.0), "points with exact copies, and the tolerance zero"),
+        Call("weld", (copies(random, 8, 0.5) + 1e6, 0.5), "points with near copies, far from the origin"),
+        Call("weld", (cloud, 1e-6), "nine points without copies"),
+    )
+
+
+def is_the_first_in_its_place(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how many vertices have a place that is no vertex, is not near, or is not the first."""
+    wrong = 0
+    for call, (place,) in zip(calls, values, strict=True):
+        points, tolerance = call.arguments
+        for i, j in enumerate(place.tolist()):
+            gaps = np.sqrt(((points[: i + 1] - points[i]) ** 2).sum(axis=1))
+            there = j in range(i + 1)
+            wrong += not there or bool(gaps[int(j)] > tolerance) or bool((gaps[: int(j)] <= tolerance).any())
+    return float(wrong)
+
+
+# 14.6 Orientation
+
+
+def folded(random: np.random.Generator) -> Surface:
+    """Return a sheet with sharp folds."""
+    points, triangles = sheet(2, 4)
+    points = points.copy()
+    points[:, 2] = 3 * np.abs(points[:, 0] % 2 - 1) + random.uniform(0, 0.1, len(points))
+    return points, triangles
+
+
+def turn_inputs(seed: int) -> tuple[Call, ...]:
+    """Return surfaces some of whose triangles are turned over, and some that no turning helps."""
+    random = np.random.default_rng(seed)
+    surfaces = {
+        "a sphere": flipped(random, ball(2, 5)),
+        "a torus": flipped(random, ring()),
+        "a sheet with sharp folds": flipped(random, folded(random)),
+        "a sheet in which nothing is wrong": sheet(2, 2),
+        "the strip of Möbius and a sphere": flipped(random, joined(band(1, 6), ball(2, 4))),
+        "three spheres": flipped(random, joined(ball(1, 4), ball(2, 3), ball(1, 5))),
+    }
+    return tuple(Call("turns", shuffled(random, surface), case) for case, surface in surfaces.items())
+
+
+ONE_SIDED = (0, 0, 0, 0, 24, 0)
+"""How many triangles of those surfaces belong to a part with one side."""
+
+
+def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how many sides run as another does, once triangles are turned as is said."""
+    wrong = 0
+    for call, (turn,), one_sided in zip(calls, values, ONE_SIDED, strict=True):
+        triangles = call.arguments[1]
+        wrong += abs(int((turn == 0).sum()) - one_sided) + int((np.abs(turn) > 1).sum())
+        sides = sides_by_name(np.where(turn[:, None] < 0, triangles[:, ::-1], triangles)[turn != 0])
+        wrong += len(sides) - len(set(sides))
+        wrong += one_sided == 0 and turn[0] != 1
+    return float(wrong)
+
+
+# 14.7 Triangles without area
+
+
+def thin(random: np.random.Generator, base: float, height: float, foot: float) -> np.ndarray:
+    """Return the corners of a triangle of that base and height, whose apex stands over that part of it."""
+    flat = np.array([[0, 0, 0], [base, 0, 0], [foot * base, height, 0]])
+    return flat[random.permutation(3)] @ np.linalg.qr(random.normal(size=(3, 3)))[0] + random.normal(size=3)
+
+
+HEIGHTS = (
+    (1, 1, 0.5), (1, 1.6e-3, 0.4), (1, 5e-4, 0.4), (2, 5e-4, 0.0002), (2, 5e-4, 0.9),
+    (0.004, 0.003, 0.5), (30, 1.7e-3, 0.3), (30, 7e-4, 0.3), (6e-4, 4e-4, 0.5),
+)  # fmt: skip
+"""Base, height and place of the apex of the triangles that are tried with a tolerance of 0.001."""
+
+
+def flat_inputs(seed: int) -> tuple[Call, ...]:
+    """Return triangles that are large, small, needles, caps, points, with equal corners by name."""
+    random = np.random.default_rng(seed)
+    corners = [thin(random, *numbers) for numbers in HEIGHTS]
+    corners += [np.repeat(random.normal(size=(1, 3)), 3, axis=0), random.normal(size=(2, 3))[[0, 1, 0]]]
+    points = np.concatenate(corners)
+    named = np.append(np.arange(len(points)).reshape(-1, 3), [[4, 7, 4], [0, 9, 20]], axis=0)
+    small = np.arange(3 * len(HEIGHTS)).reshape(-1, 3)
+    return (
+        Call("flat", (points, named, 1e-3), "triangles in metres, with a tolerance of a millimetre"),
+        Call("flat", (1e-3 * points[: small.size], small, 1e-6), "triangles in kilometres, with a tolerance of a millimetre"),
+        Call("flat", (points[: small.size], small, 0.0), "the tolerance zero"),
+    )
+
+
+FLAT = ((0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 0), (0, 0, 1, 1, 1, 0, 0, 1, 1), 9 * (0,))
+
+
+def is_flat_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
+    return max(float(np.abs(v - known).max()) for (v,), known in zip(values, FLAT, strict=True))
+
+
+# 14.8 What passes through a triangle
+
+
+THROUGH = (
+    (0.3, 0.3, 0.6, -0.5), (0.05, 0.9, 0.2, -0.7), (0.3, 0.3, 0.9, 0.4), (0.3, 0.3, -0.2, -0.8), (1.2, 0.3, 0.6, -0.5),
+    (-0.3, 0.5, 0.6, -0.5), (0.4, -0.2, 0.6, -0.5), (0.6, 0.7, 0.8, -0.3), (0.2, 0.1, -0.6, 0.5), (-0.2, -0.3, 0.4, -0.4),
+)  # fmt: skip
+"""Two coordinates of the place in the plane of a triangle, and the heights of both ends."""
+
+
+def pierced_inputs(seed: int) -> tuple[Call, ...]:
+    """Return lines from point to point that go through triangles, past them, or do not reach them."""
+    random = np.random.default_rng(seed)
+    calls = []
+    for case, size, middle in (("ten lines and triangles", 1.0, 0.0), ("the same, small and far from the origin", 1e-3, 5.0)):
+        corners = random.normal(size=(10, 3, 3))
+        corners[:, 1:] = corners[:, :1] + np.array([[[2.0, 0.3, 0], [0.4, 1.7, 0.2]]]) + 0.2 * corners[:, 1:]
+        corners = corners @ np.linalg.qr(random.normal(size=(3, 3)))[0]
+        u, v, high, low = np.array(THROUGH).T[:, :, None]
+        a, b, c = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        slope = np.cross(b, c) + 0.3 * b - 0.2 * c
+        place = a + u * b + v * c
+        ends = (place + height * slope for height in (high, low))
+        calls.append(Call("pierced", (*(middle + size * e for e in ends), middle + size * corners), case))
+    return tuple(calls)
+
+
+GOES_THROUGH = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0)
+
+
+def goes_through_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
+    return max(float(np.abs(v - np.array(GOES_THROUGH)).max()) for (v,) in values)
+
+
+QUESTIONS = (
+    Question(
+        "14.1", "weld", 2, weld_inputs, lambda call: ((len(call.arguments[0]),),),
+        (Law("A vertex and the one that stands for it are no farther apart than the tolerance, and no earlier vertex is so near.",
+             is_the_first_in_its_place),),
+    ),
+    Question(
+        "14.6", "turns", 4, turn_inputs, lambda call: ((len(call.arguments[1]),),),
+        (Law("Once they are turned, no two triangles run along an edge in the same direction; and a part with one side has zeros.",
+             makes_them_agree),),
+    ),
+    Question(
+        "14.7", "flat", 2, flat_inputs, lambda call: ((len(call.arguments[1]),),),
+        (Law("The heights of these triangles are known.", is_flat_as_made),),
+    ),
+    Question(
+        "14.8", "pierced", 3, pierced_inputs, lambda call: ((len(call.arguments[0]),),),
+        (Law("It is known which of these lines go through their triangle.", goes_through_as_made),),
+    ),
+)
