@@ -195,7 +195,7 @@ def footprint(x, y):
             axes.plot([], [], "o", color=color, label=name)
         axes.plot(*nodes.T, ".", color=GREY, ms=3)
         for node, part in zip(nodes, parts):
-            axes.annotate(f"{part:.2f}", node, (0, -14), textcoords="offset points", ha="center", fontsize=8)
+            axes.annotate(f"{round(part, 2) + 0:.2f}", node, (0, -14), textcoords="offset points", ha="center", fontsize=8)
         axes.plot(*(parts @ nodes), "o", mfc="none", color=PURPLE, ms=15, label="their balance")
         axes.plot(x, y, "x", color="black", ms=8, mew=2, label="the force")
         axes.set(xlim=(-0.6, 2.1), ylim=(-0.7, 1.6), aspect="equal", title=f"sum of the parts {parts.sum():.3f}")
@@ -304,8 +304,8 @@ def what_goes_wrong(stations):
 
 
 # %% [markdown]
-# **What to look at.** Forces that are interpolated nearly all get lost: a force belongs to a piece of skin, and few nodes read off few pieces. Pressures times areas look sensible, and are off by some per cent, and more stations do not
-# cure it. The nearest node keeps the lift, because rows with a single one sum to one; but the wing is twisted wrongly. The transpose is right to rounding, with three stations or with fourteen.
+# **What to look at.** Of forces that are interpolated most get lost: a force belongs to a piece of skin, and few nodes read off few pieces. Pressures times areas look sensible, and the lift is nearly right, but a tenth of the twisting moment is missing, and more stations do not
+# cure it. The nearest node keeps the lift, because rows with a single one sum to one; but the wing is bent and twisted wrongly. The transpose is right to rounding, with three stations or with fourteen.
 #
 # **12.5** A textbook asks of the loads $\mathbf{g} = \mathbf{G}\mathbf{f}$ two things at once: constant loads, $f_i = 1$ for all $i$, are to come back as $g_j = 1$; and the total force is to be the same for all $\mathbf{f}$. Show that no matrix
 # $\mathbf{G}$ does both unless $M = N$. Which of the two must be given up, and what could be meant by the other?
