@@ -1,0 +1,237 @@
+"""Questions of notebook 12, displacements and loads between two meshes; the loop has a module of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question, relative, scale
+
+
+def grid(random: np.random.Generator, *counts: int) -> np.ndarray:
+    """Return the nodes of a grid with half a unit between them, each moved a little."""
+    nodes = np.indices(counts).reshape(len(counts), -1).T / 2
+    return nodes + random.uniform(-0.13, 0.13, nodes.shape)
+
+
+def transfer(random: np.random.Generator, m: int, n: int) -> np.ndarray:
+    """Return weights without any relation to a mesh: positive, rows that sum to one."""
+    return random.dirichlet(np.ones(n), m)
+
+
+# 12.1 and 12.7 Weights and slopes
+
+
+def meshes(name: str, seed: int) -> tuple[Call, ...]:
+    """Return nodes and places in the plane, in space, on a line; a triangle; the nodes themselves."""
+    random = np.random.default_rng(seed)
+    plane, space, line = grid(random, 4, 3), grid(random, 3, 2, 2), grid(random, 5)
+    triangle = np.array([[0.0, 0.0], [2.0, 0.3], [0.4, 1.7]]) + random.uniform(-0.2, 0.2, (3, 2))
+    turned = np.column_stack([-plane[:, 1], plane[:, 0]])
+    x = random.uniform(-0.2, 1.4, (5, 2))
+    return (
+        Call(name, (plane, x), "twelve nodes in the plane"),
+        Call(name, (turned, np.column_stack([-x[:, 1], x[:, 0]])), "the same after a quarter of a turn"),
+        Call(name, (space, random.uniform(0, 1, (4, 3))), "twelve nodes in space"),
+        Call(name, (line, random.uniform(-0.5, 2.5, (6, 1))), "five nodes on the line"),
+        Call(name, (triangle, random.uniform(0, 1, (3, 2))), "three nodes in the plane"),
+        Call(name, (plane, plane[[4, 0, 7]]), "places that are nodes"),
+    )
+
+
+def rows_sum_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far a translation of all nodes is from moving all places alike."""
+    return max(float(np.abs(h.sum(axis=1) - 1).max()) for (h,) in values)
+
+
+def brings_places_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the weighted means of the nodes are from the places."""
+    return max(
+        relative(np.einsum("ij,jk->ik", h, c.arguments[0]) - c.arguments[1], c.arguments[1])
+        for c, (h,) in zip(calls, values, strict=True)
+    )
+
+
+def is_one_at_its_node(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far weights at nodes are from one for it and zero for the others."""
+    return float(np.abs(values[5][0] - np.eye(12)[[4, 0, 7]]).max())
+
+
+def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much the weights change when all is turned."""
+    return relative(values[1][0] - values[0][0], values[0][0])
+
+
+def slopes_turn_along(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far slopes after a quarter of a turn are from those before, turned."""
+    (before,), (after,) = values[:2]
+    return relative([after[1] - before[0], after[0] + before[1]], before)
+
+
+def slope_of_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far slopes of constants are from zero, and of the coordinates from one and zero."""
+    worst = 0.0
+    for call, (g,) in zip(calls, values, strict=True):
+        of_coordinates = np.einsum("kij,jl->ikl", g, call.arguments[0])
+        size = max(1.0, scale(g))
+        worst = max(worst, float(np.abs(g.sum(axis=2)).max()) / size)
+        worst = max(worst, float(np.abs(of_coordinates - np.eye(len(g))).max()) / size)
+    return worst
+
+
+# 12.2 Loads
+
+
+def loads_inputs(seed: int) -> tuple[Call, ...]:
+    """Return weights that move the whole, such as do not, and as many places as nodes."""
+    random = np.random.default_rng(seed)
+    return (
+        Call("loads", (transfer(random, 7, 4), random.normal(size=(7, 3))), "seven places and four nodes"),
+        Call("loads", (transfer(random, 4, 4), random.normal(size=(4, 3))), "four places and four nodes"),
+        Call("loads", (random.normal(size=(3, 5)), random.normal(size=(3, 2))), "weights that do not sum to one"),
+    )
+
+
+def does_the_same_work(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the work of the loads is from that of the forces, in a few displacements."""
+    random, worst = np.random.default_rng(0), 0.0
+    for call, (g,) in zip(calls, values, strict=True):
+        h, f = call.arguments
+        for _ in range(4):
+            u = random.normal(size=g.shape)
+            along = np.einsum("ij,jk->ik", h, u)
+            worst = max(worst, relative(np.vdot(along, f) - np.vdot(u, g), np.abs(along * f).sum()))
+    return worst
+
+
+# 12.4 Resultants
+
+
+def resultants_inputs(seed: int) -> tuple[Call, ...]:
+    """Return forces about two points, a couple about two points, and one force on an arm."""
+    random = np.random.default_rng(seed)
+    p, f = random.normal(size=(6, 3)), random.normal(size=(6, 3))
+    a, b = random.normal(size=(2, 3))
+    ends, pull = random.normal(size=(2, 3)), random.normal(size=3)
+    arm = np.array([[random.uniform(1, 3), 0.0, 0.0]])
+    name = "resultants"
+    return (
+        Call(name, (p, f, a), "six forces"),
+        Call(name, (p, f, b), "the same forces about another point"),
+        Call(name, (ends, np.array([pull, -pull]), a), "a couple"),
+        Call(name, (ends, np.array([pull, -pull]), b), "a couple about another point"),
+        Call(name, (arm, np.array([[0.0, 0.0, 2.0]]), np.zeros(3)), "one upward force on an arm"),
+    )
+
+
+def moves_by_the_total_force(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far moments about two points differ from that of the total force in one at the other."""
+    (one,), (two,), (couple,), (again,), (lever,) = values
+    apart = calls[0].arguments[2] - calls[1].arguments[2]
+    total = one[:3]
+    carried = [apart[k - 2] * total[k - 1] - apart[k - 1] * total[k - 2] for k in range(3)]
+    ((reach, _, _),), ((_, _, pull),), _ = calls[4].arguments
+    return max(
+        relative(two - one - np.r_[0.0, 0.0, 0.0, carried], two),
+        relative(np.r_[couple[:3], again - couple], couple),
+        relative(lever - [0.0, 0.0, pull, 0.0, -reach * pull, 0.0], lever),
+    )
+
+
+# 12.6 Densities
+
+
+def densities_inputs(seed: int) -> tuple[Call, ...]:
+    """Return pressures, a constant one, and areas that are all alike."""
+    random = np.random.default_rng(seed)
+    h, areas = transfer(random, 12, 4), random.uniform(0.5, 2, 12)
+    return (
+        Call("densities", (h, random.normal(size=12), areas), "twelve places and four nodes"),
+        Call("densities", (h, np.full(12, 3.0), areas), "a constant pressure"),
+        Call("densities", (transfer(random, 5, 5), random.normal(size=5), np.full(5, 2.0)), "five places of equal area and five nodes"),
+    )
+
+
+def constant_comes_back(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far a constant pressure is from itself."""
+    return float(np.abs(values[1][0] / 3 - 1).max())
+
+
+def carries_the_whole(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the pressure at the nodes, felt by the skin, differs from the given in total."""
+    worst = 0.0
+    for call, (g,) in zip(calls, values, strict=True):
+        h, pressures, areas = call.arguments
+        worst = max(worst, relative(areas @ (np.einsum("ij,j->i", h, g) - pressures), areas))
+    return worst
+
+
+# 12.8 A flat structure
+
+
+def flat_inputs(seed: int) -> tuple[Call, ...]:
+    """Return forces of all directions off a plate, forces in it, and one along it at a height."""
+    random = np.random.default_rng(seed)
+    nodes = grid(random, 3, 3)
+    places = np.column_stack([random.uniform(-0.1, 1.1, (5, 2)), random.uniform(0.2, 0.8, 5)])
+    forces = random.normal(size=(5, 3))
+    name = "flat_loads"
+    return (
+        Call(name, (nodes, places, forces), "five forces above a plate"),
+        Call(name, (nodes, places * [1, 1, 0], forces), "forces in the plane of the plate"),
+        Call(name, (nodes, places[:1] * [1, 1, -2], np.array([[1.0, 0.5, 0.0]])), "one force along the plate, below it"),
+    )
+
+
+def does_the_work_of_rigid_motions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the work of the loads is from that of the forces in the six rigid motions."""
+    worst = 0.0
+    for call, (g,) in zip(calls, values, strict=True):
+        nodes, places, f = call.arguments
+        x = np.pad(nodes, ((0, 0), (0, 1)))
+        for axis in np.eye(3):
+            turned = np.vdot(np.cross(axis, places), f) - np.vdot(np.cross(axis, x), g)
+            worst = max(worst, relative([turned, axis @ (f.sum(axis=0) - g.sum(axis=0))], f))
+    return worst
+
+
+def weights_shape(call: Call) -> tuple[tuple[int, ...], ...]:
+    return ((len(call.arguments[1]), len(call.arguments[0])),)
+
+
+QUESTIONS = (
+    Question(
+        "12.1", "weights", 3, lambda seed: meshes("weights", seed), weights_shape,
+        (Law("If all nodes move alike, all places must move with them: the rows of H sum to one.", rows_sum_to_one),
+         Law("H applied to the coordinates of the nodes must give those of the places: linear displacements come back.", brings_places_back),
+         Law("At a node its own displacement counts, and no other.", is_one_at_its_node),
+         Law("Turning everything changes no weight.", turns_along)),
+    ),
+    Question(
+        "12.2", "loads", 1, loads_inputs,
+        lambda call: ((call.arguments[0].shape[1], call.arguments[1].shape[1]),),
+        (Law("In every displacement of the nodes the loads must do the work that the forces do at the places.", does_the_same_work),),
+    ),
+    Question(
+        "12.4", "resultants", 2, resultants_inputs, lambda _: ((6,),),
+        (Law("About another point only the moment changes, and by what the total force does on the way between "
+             "the points: nothing for a couple. And (12.5) can be done by hand for one upward force.", moves_by_the_total_force),),
+    ),
+    Question(
+        "12.6", "densities", 2, densities_inputs, lambda call: ((call.arguments[0].shape[1],),),
+        (Law("A constant pressure must arrive as the same constant.", constant_comes_back),
+         Law("Pressure times area must have the same sum on both sides.", carries_the_whole)),
+    ),
+    Question(
+        "12.7", "slopes", 2, lambda seed: meshes("slopes", seed),
+        lambda call: ((call.arguments[0].shape[1], *weights_shape(call)[0]),),
+        (Law("A constant has no slope, and a coordinate has the slope one along its own axis and none along others.", slope_of_linear_fields),
+         Law("Slopes turn along with everything else.", slopes_turn_along)),
+    ),
+    Question(
+        "12.8", "flat_loads", 3, flat_inputs, lambda call: ((len(call.arguments[0]), 3),),
+        (Law("In every rigid motion, a rotation too, the loads must do the work of the forces.", does_the_work_of_rigid_motions),),
+    ),
+)  # fmt: skip

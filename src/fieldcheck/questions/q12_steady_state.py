@@ -1,0 +1,112 @@
+"""Questions of notebook 12, the loop of structure and flow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question, relative
+from fieldcheck.questions.q12_aeroelastic_coupling import transfer
+
+
+def section(random: np.random.Generator, share: float) -> tuple[np.ndarray, ...]:
+    """Return a section on a torsion spring at the middle of its chord.
+
+    The centre of pressure is at that share of the chord from the nose; the displacement is the angle.
+    """
+    chord, spring = random.uniform(1, 2), random.uniform(3, 4)
+    h = np.array([[0.5 * chord], [-0.5 * chord]])
+    where = np.array([1 - share, share]) * random.uniform(2, 3)
+    slope = where[:, None] * np.array([1.0, -1.0]) / chord
+    return np.array([[spring]]), h, 0.1 * where, slope
+
+
+def wing(random: np.random.Generator, n: int, m: int) -> tuple[np.ndarray, ...]:
+    """Return a chain of springs that is held at one end, in loads that depend on displacements."""
+    k = np.diag(np.full(n, 2.0)) - np.eye(n, k=1) - np.eye(n, k=-1)
+    k[-1, -1] = 1.0
+    slope = random.uniform(0.1, 1, (m, 1)) * random.normal(size=m) / m
+    return k * random.uniform(4, 6), transfer(random, m, n), random.uniform(1, 2, m), slope
+
+
+def iterates_inputs(seed: int) -> tuple[Call, ...]:
+    """Return a section with and without relaxation, one with the centre far behind, and a wing."""
+    random = np.random.default_rng(seed)
+    one, behind, chain = section(random, 0.25), section(random, 0.9), wing(random, 3, 5)
+    name = "iterates"
+    return (
+        Call(name, (*one, 1.0, 6), "a section on one spring"),
+        Call(name, (*one, 0.5, 6), "the same section with relaxation"),
+        Call(name, (*behind, 0.7, 5), "a section with the centre of pressure behind the axis"),
+        Call(name, (*chain, 0.8, 4), "a chain of three nodes"),
+    )
+
+
+def is_geometric(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far steps of a section are from a geometric sequence that begins at rest."""
+    worst = 0.0
+    for (u,) in values[:3]:
+        steps = np.diff(u[:, 0])
+        worst = max(worst, relative(steps[2:] * steps[:-2] - steps[1:-1] ** 2, steps**2))
+        worst = max(worst, relative(u[0], u))
+    return worst
+
+
+def relaxes(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the first step is from half at half the relaxation, and the quotients from theirs."""
+    (full,), (half,) = values[:2]
+    (one, two), (first, second) = (np.diff(u[:3, 0]) for u in (full, half))
+    slower = (one - two) * first - 2 * (first - second) * one
+    return max(relative(2 * first - one, one), relative(slower, one * one))
+
+
+# 12.11 Divergence
+
+
+def divergence_inputs(seed: int) -> tuple[Call, ...]:
+    """Return a section, two sections of which one turns back, and loads of two signs."""
+    random = np.random.default_rng(seed)
+    k, h, _, slope = section(random, 0.25)
+    other = section(random, 0.95)
+    none = np.zeros((2, 2))
+    both = (
+        np.diag([k[0, 0], 3 * other[0][0, 0]]),
+        np.vstack([np.pad(h, ((0, 0), (0, 1))), np.pad(other[1], ((0, 0), (1, 0)))]),
+        np.block([[slope, none], [none, 3 * other[3]]]),
+    )
+    turning = np.diag([0.5, 0.25, 0.4, 1.6])
+    turning[2:, 2:] += 2 * np.array([[0, 1], [-1, 0]])
+    frame = np.linalg.qr(random.normal(size=(4, 4)))[0]
+    return (
+        Call("divergence", (k, h, slope), "a section on one spring"),
+        Call("divergence", both, "two sections, the second of which turns back"),
+        Call("divergence", (np.diag(random.uniform(2, 3, 4)), frame, frame @ turning @ frame.T), "four nodes with loads that turn"),
+    )
+
+
+def is_just_singular(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the structure in the flow is from singular there, or whether it was so before."""
+    worst = 0.0
+    for call, (q,) in zip(calls, values, strict=True):
+        k, h, slope = call.arguments
+        softening = np.einsum("ij,ik,kl->jl", h, slope, h)
+        at = np.linalg.svd(k - q * softening, compute_uv=False)
+        parts = np.linspace(0, 0.999, 200)
+        signs = np.linalg.slogdet(k - q * parts[:, None, None] * softening)[0]
+        worst = max(worst, float(at[-1] / at[0]) if len(at) > 1 else relative(at, k), float((signs <= 0).any() or q <= 0))
+    return worst
+
+
+QUESTIONS = (
+    Question(
+        "12.10", "iterates", 3, iterates_inputs, lambda call: ((call.arguments[5] + 1, len(call.arguments[0])),),
+        (Law("A section on one spring begins at rest, and each of its steps is the same multiple of the one before.", is_geometric),
+         Law("With half the relaxation the first step is half as long.", relaxes)),
+    ),
+    Question(
+        "12.11", "divergence", 2, divergence_inputs, lambda _: ((),),
+        (Law("There the matrix of structure and flow is singular, and at no smaller pressure.", is_just_singular),),
+    ),
+)  # fmt: skip
