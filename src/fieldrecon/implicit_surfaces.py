@@ -149,10 +149,10 @@ def implicit_surface(
         valid.as_length(smoothing, "smoothing", zero_allowed=True))  # fmt: skip
     if method == "hermite":
         return ImplicitSurface(cloud, _hermite(cloud, length), length)
-    some = np.flatnonzero(cloud.trusted)
     distance = cloud.spacing if distance is None else distance
     off = off_surface_points(cloud.points, cloud.outward, distance)
-    told = np.isin(off.sites, some)
+    # at an edge there is room on one side only, that of the obtuse angle
+    told = cloud.trusted[off.sites] | (cloud.beside[off.sites] & (np.abs(off.values) == distance))
     sites = np.concatenate([cloud.points, off.points[told]])
     values = np.concatenate([np.zeros(len(cloud.points)), off.values[told]])
     weight = _energy_weight(length, cloud.spacing)
