@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -11,7 +13,7 @@ from fieldrecon._point_clouds import Cloud, as_clean_cloud
 from fieldrecon.fields import Field
 from fieldrecon.functionals import derivatives_at, values_at
 from fieldrecon.hermite import HermiteRBF
-from fieldrecon.off_surface import off_surface_points
+from fieldrecon.off_surface import OffSurface, classified_points, off_surface_points
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.radial import polyharmonic
 from fieldrecon.rbf import RBF
@@ -24,6 +26,7 @@ _FEW = 700  # points up to which one system serves all
 _PATCH = 40  # sites of a patch: about 13 points, each with one outside and one inside
 _LARGEST_PATCH = 400
 _MARGIN = 4.0  # spacings that the box keeps from the points
+_LATTICE, _NEAREST, _FARTHEST = 2.0, 1.5, 4.0  # spacings: of a lattice, and from the points
 _EXACT = 0.02  # of the spacing: noise below which the points are taken for exact
 
 
@@ -155,6 +158,11 @@ def implicit_surface(
     told = cloud.trusted[off.sites] | (cloud.beside[off.sites] & (np.abs(off.values) == distance))
     sites = np.concatenate([cloud.points, off.points[told]])
     values = np.concatenate([np.zeros(len(cloud.points)), off.values[told]])
+    if method == "partition":
+        # beyond their sites the patches say little: these hold the field farther out
+        shell = _shell(cloud)
+        sites = np.concatenate([sites, shell.points])
+        values = np.concatenate([values, shell.values])
     weight = _energy_weight(length, cloud.spacing)
     if method == "rbf":
         return ImplicitSurface(cloud, RBF(sites, polyharmonic(3), smoothing=weight).field(values),
@@ -164,6 +172,20 @@ def implicit_surface(
         sites, polyharmonic(3), degree=1, patch_size=min(patch, len(sites)), smoothing=weight
     )
     return ImplicitSurface(cloud, patches.field(values, progress=progress), length)
+
+
+def _shell(cloud: Cloud) -> OffSurface:
+    """Nodes of a lattice farther from the surface, told by the nearest point if it has a normal."""
+    step = _LATTICE * cloud.spacing
+    low = cloud.points.min(axis=0)
+    cells = np.unique(np.round((cloud.points - low) / step).astype(np.int64), axis=0)
+    reach = range(-int(_FARTHEST / _LATTICE), int(_FARTHEST / _LATTICE) + 1)
+    about = np.array(list(product(reach, repeat=3)))
+    nodes = low + step * np.unique((cells[:, None] + about).reshape(-1, 3), axis=0)
+    told = classified_points(cloud.points, cloud.outward, nodes)
+    far = np.linalg.norm(told.points - cloud.points[told.sites], axis=1) / cloud.spacing
+    kept = (far > _NEAREST) & (far < _FARTHEST) & (cloud.trusted | cloud.beside)[told.sites]
+    return OffSurface(told.points[kept], told.values[kept], told.sites[kept])
 
 
 def _hermite(cloud: Cloud, smoothing: float) -> Field:
