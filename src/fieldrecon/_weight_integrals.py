@@ -6,7 +6,7 @@ integrand is 1 / (rho^2 + eta^2)^2. In polar coordinates about the foot of x eac
     d E / (2 eta^2),    E = int ds / (s^2 + g^2) = [atan(s / g) / g],    g^2 = d^2 + eta^2,
 
 with the distance d of its line from the foot, positive to the inner side, and s along it. All
-functions take pairs: one place and one simplex in every row.
+functions take pairs: one place and one simplex in every row; without slopes those are zero.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _BESIDE = 0.1
 
 
 def over_segments(
-    x: np.ndarray, corners: np.ndarray, normals: np.ndarray, epsilon: float
+    x: np.ndarray, corners: np.ndarray, normals: np.ndarray, epsilon: float, slopes: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
     """Integrals (k,) over segments (k, 2, 2) with unit normals (k, 2), and gradients (k, 2)."""
     along, length = _edge(corners[:, 0], corners[:, 1])
@@ -28,13 +28,15 @@ def over_segments(
     t = s + length
     h = _dot(x - corners[:, 0], normals)
     squared = h**2 + epsilon**2
+    if not slopes:
+        return _second(s, t, squared), np.zeros_like(x)
     ends = 1 / (s**2 + squared) ** 2 - 1 / (t**2 + squared) ** 2
     across = -4 * h * _third(s, t, squared)
     return _second(s, t, squared), ends[:, None] * along + across[:, None] * normals
 
 
 def over_triangles(
-    x: np.ndarray, corners: np.ndarray, normals: np.ndarray, epsilon: float
+    x: np.ndarray, corners: np.ndarray, normals: np.ndarray, epsilon: float, slopes: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
     """Integrals (k,) over triangles (k, 3, 3) with unit normals (k, 3), and gradients (k, 3)."""
     h = _dot(x - corners[:, 0], normals)
@@ -52,12 +54,14 @@ def over_triangles(
         outside |= d < -_BESIDE * np.sqrt(squared)
         within += d * angle / g
         beyond -= _beyond(d, s, t, g, squared, angle)
-        second = _second(s, t, g**2)
-        moment += d * second
-        gradient += second[:, None] * inward
+        if slopes:
+            second = _second(s, t, g**2)
+            moment += d * second
+            gradient += second[:, None] * inward
     # outside of the triangle the angles sum to zero, which is left out before it can cancel
     integral = np.where(outside, beyond, within / squared) / 2
-    gradient -= (2 * h / squared * (integral + moment / 2))[:, None] * normals
+    if slopes:
+        gradient -= (2 * h / squared * (integral + moment / 2))[:, None] * normals
     return integral, gradient
 
 

@@ -206,13 +206,15 @@ class PolygonSoup:
         squared = cdist(x, self._places.reshape(-1, x.shape[1]), "sqeuclidean") + self._epsilon**2
         weight = (self._shares.ravel() / squared**2).reshape(len(x), *self._shares.shape)
         a = weight.sum(axis=2)
-        a[near] = self._near_integrals(x, near)[0]
+        a[near] = self._near_integrals(x, near, slopes=False)[0]
         return a, near
 
-    def _near_integrals(self, x: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        query, polygon = np.nonzero(near)
+    def _near_integrals(
+        self, x: np.ndarray, near: np.ndarray, slopes: bool = True
+    ) -> tuple[np.ndarray, np.ndarray]:
+        query, k = np.nonzero(near)
         closed = over_segments if x.shape[1] == 2 else over_triangles
-        return closed(x[query], self._corners[polygon], self._normals[polygon], self._epsilon)
+        return closed(x[query], self._corners[k], self._normals[k], self._epsilon, slopes)
 
     def _far_slopes(self, x: np.ndarray, rest: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Sum over the far polygons of the gradients of A_k, times the rest (q, m)."""
