@@ -116,7 +116,7 @@ lab: $(VENV)/ready-lab ## open JupyterLab on the exercises
 
 lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=--upgrade takes new versions
 	@$(compile) requirements-setup.lock --group setup
-	@$(compile) requirements.lock pyproject.toml --extra report --extra mesh --extra parquet --extra dask --extra course --extra test --extra lint
+	@$(compile) requirements.lock pyproject.toml --extra report --extra mesh --extra surface --extra parquet --extra dask --extra course --extra test --extra lint
 	@$(compile) requirements-lab.lock pyproject.toml --extra lab --constraints requirements.lock
 	@$(compile) requirements-bench.lock pyproject.toml --extra bench --constraints requirements.lock
 	@$(compile) benchmarks/graders/nbgrader.lock benchmarks/graders/nbgrader.in

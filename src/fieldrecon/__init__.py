@@ -3,7 +3,7 @@
 Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(values)(x)``.
 """
 
-from fieldrecon import datasets, sphere
+from fieldrecon import datasets, shapes, sphere
 from fieldrecon.adaptation import adapted_points
 from fieldrecon.advection import State, semi_lagrangian
 from fieldrecon.barycentric import BarycentricCoordinates
@@ -11,11 +11,13 @@ from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.characteristics import Inflow, Snapshots, departure_points
 from fieldrecon.coupling import Coupling
+from fieldrecon.deformations import blend, deformation, moved
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
 from fieldrecon.field_files import load, save
 from fieldrecon.flat_coupling import FlatCoupling, couple
 from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
 from fieldrecon.hermite import HermiteRBF
+from fieldrecon.implicit_surfaces import ImplicitSurface, implicit_surface
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.local_gradients import (
     local_least_squares,
@@ -31,15 +33,18 @@ from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.normal_orientation import orient_normals
 from fieldrecon.normals import PointNormals, estimate_normals
+from fieldrecon.off_surface import OffSurface, classified_points, off_surface_points
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.rigid_motions import resultants, rigid_motions
+from fieldrecon.solids import Solid, as_solid, difference, intersection, union
 from fieldrecon.sphere import OnGlobe
 from fieldrecon.spline_bases import b_splines, cardinal_b_spline
 from fieldrecon.splines import NaturalCubicSpline
+from fieldrecon.surface_extraction import ExtractedSurface, extract_surface
 from fieldrecon.triangle_files import read_triangles, write_triangles
 from fieldrecon.velocity import (
     divergence,
@@ -53,38 +58,50 @@ __all__ = [
     "RBF",
     "BarycentricCoordinates",
     "Coupling",
+    "ExtractedSurface",
     "Field",
     "FlatCoupling",
     "HermiteRBF",
+    "ImplicitSurface",
     "Inflow",
     "LeastSquares",
     "MeshAudit",
     "MeshRepair",
     "MovingLeastSquares",
     "NaturalCubicSpline",
+    "OffSurface",
     "OnGlobe",
     "PartitionOfUnityRBF",
     "PointNormals",
     "Reconstruction",
     "SimplexMesh",
     "Snapshots",
+    "Solid",
     "State",
     "VoronoiCell",
     "adapted_points",
+    "as_solid",
     "audit_mesh",
     "b_splines",
     "barycentric_dual",
+    "blend",
     "cardinal_b_spline",
     "cell_velocities",
     "circumcenter_weights",
     "circumcentric_dual",
+    "classified_points",
     "couple",
     "datasets",
+    "deformation",
     "departure_points",
     "derivatives_at",
+    "difference",
     "divergence",
     "estimate_normals",
+    "extract_surface",
     "gaussian",
+    "implicit_surface",
+    "intersection",
     "inverse_multiquadric",
     "inverse_square",
     "laplacians_at",
@@ -94,9 +111,11 @@ __all__ = [
     "local_moving_least_squares",
     "local_rbf",
     "matern",
+    "moved",
     "multiquadric",
     "normal_equations",
     "normal_velocities",
+    "off_surface_points",
     "orient_normals",
     "polyharmonic",
     "raviart_thomas",
@@ -109,8 +128,10 @@ __all__ = [
     "rigid_motions",
     "save",
     "semi_lagrangian",
+    "shapes",
     "sphere",
     "thin_plate_spline",
+    "union",
     "values_at",
     "velocity_weights",
     "vertex_gradients",

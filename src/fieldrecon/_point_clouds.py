@@ -1,0 +1,112 @@
+"""A cloud made ready: copies and outliers left out, normals that can be trusted, and the noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+
+from fieldrecon.normal_orientation import orient_normals
+from fieldrecon.normals import as_cloud, estimate_normals
+from fieldrecon.off_surface import as_oriented, spacing_of
+from fieldrecon.polynomials import monomials
+
+_ALONE = 4.0  # times farther from the others than these from each other: an outlier
+_NEIGHBORS = 8  # that a point has about it, with whom it is compared
+_SAMPLE = 2000  # points of which the noise is judged
+_QUADRIC = 24  # neighbours through which a paraboloid is laid
+_ROUGH = 0.2  # of the spacing: noise from which on a plane takes more neighbours
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Points of a surface that count, distinct.
+
+    Attributes
+    ----------
+    points, outward : (n, 3) ndarray
+    trusted : (n,) ndarray of bool
+        Whether the normal is one: not at edges, nor where no plane fits.
+    left_out : (k,) ndarray of int
+    spacing, noise : float
+    remarks : tuple of str
+    """
+
+    points: np.ndarray
+    outward: np.ndarray
+    trusted: np.ndarray
+    left_out: np.ndarray
+    spacing: float
+    noise: float
+    remarks: tuple[str, ...]
+
+
+def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
+    """What counts of a cloud, and what is to be said of it."""
+    given = as_cloud(points)
+    n = None if normals is None else as_oriented(points, normals)[1]
+    first = np.sort(np.unique(given + 0.0, axis=0, return_index=True)[1])
+    if len(first) < 4:
+        raise np.linalg.LinAlgError(
+            f"a surface takes four different points or more; got {len(first)}"
+        )
+    alone = outliers(given[first])
+    kept = first[~alone]
+    p = given[kept]
+    spacing = spacing_of(p)
+    noise = noise_of(p)
+    if n is None:
+        estimate = estimate_normals(p, 16 if noise < _ROUGH * spacing else 32)
+        if not estimate.planar.any():
+            raise np.linalg.LinAlgError(
+                "the points lie on no surface: nowhere does a plane fit their neighbours"
+            )
+        outward = orient_normals(p, estimate.vectors, estimate.neighbors[:, :9])
+        trusted = estimate.planar
+    else:
+        outward, trusted = n[kept], np.ones(len(p), dtype=bool)
+    said = (
+        (len(given) - len(first), "{} repeat others and count once"),
+        (int(alone.sum()), "{} lie apart from all others and are left out"),
+        (int((~trusted).sum()), "{} have no normal: no plane fits their neighbours, as at edges"),
+    )
+    remarks = [sentence.format(_points(count)) + "." for count, sentence in said if count]
+    left_out = np.setdiff1d(np.arange(len(given)), kept)
+    return Cloud(p, outward, trusted, left_out, spacing, noise, tuple(remarks))
+
+
+def outliers(p: np.ndarray) -> np.ndarray:
+    """Points (n,) whose neighbours are much nearer to each other than to them."""
+    if len(p) <= _NEIGHBORS + 1:
+        return np.zeros(len(p), dtype=bool)
+    p = p - p[0]
+    reach, index = cKDTree(p).query(p, _NEIGHBORS + 1, workers=-1)
+    return reach[:, -1] > _ALONE * np.median(reach[index[:, 1:], -1], axis=1)
+
+
+def noise_of(p: np.ndarray) -> float:
+    """Standard deviation of the points from paraboloids through their neighbours, the median.
+
+    Of k neighbours a paraboloid takes six: the squares of what is left are divided by k - 6.
+    """
+    k = min(_QUADRIC, len(p))
+    if k <= 6:
+        return 0.0
+    some = np.random.default_rng(0).permutation(len(p))[:_SAMPLE]
+    local = p - p[0]
+    y = local[cKDTree(local).query(local[some], k)[1]]
+    y = y - y.mean(axis=1, keepdims=True)
+    axes = np.linalg.eigh(y.mT @ y)[1]
+    y = y @ axes
+    size = np.abs(y).max(axis=(1, 2), keepdims=True)
+    y = y / np.where(size > 0, size, 1.0)
+    basis = np.linalg.qr(monomials(y[..., 1:], 2))[0]
+    heights = y[..., :1]
+    rest = heights - basis @ (basis.mT @ heights)
+    return float(np.median(np.linalg.norm(rest, axis=(1, 2)) * size[:, 0, 0]) / np.sqrt(k - 6))
+
+
+def _points(count: int) -> str:
+    return "1 point" if count == 1 else f"{count:,} points"

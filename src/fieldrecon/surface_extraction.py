@@ -1,0 +1,235 @@
+"""Triangles on the surface of a body, by marching cubes and Newton steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+
+from fieldrecon import _validation as valid
+from fieldrecon._chunks import Progress
+from fieldrecon._surface_cells import Grid, followed, searched
+from fieldrecon.mesh_audit import MeshAudit, audit_mesh
+from fieldrecon.polynomials import resolution
+from fieldrecon.shapes import Box
+from fieldrecon.solids import Solid, as_box, intersection
+
+__all__ = ["ExtractedSurface", "extract_surface"]
+
+_CELLS = 64  # along the longest side of the box, where nobody says how fine
+_STEPS = 60  # each either a Newton step or the middle of what is left
+_SETTLED = 1e-9  # of an edge: a vertex that moves less has arrived
+_APART = 1e-6  # of an edge: what vertices keep from its ends
+
+
+@dataclass(frozen=True, eq=False)
+class ExtractedSurface:
+    """Triangles on the surface of a body, seen anticlockwise from outside.
+
+    Attributes
+    ----------
+    points : (n, 3) ndarray
+        Vertices, on the zero level.
+    triangles : (m, 3) ndarray of int
+    solid : Solid
+        The body.
+    spacing : float
+        Edge of the cells.
+    cut : (k,) ndarray of int
+        Vertices on the wall of the box: there the surface would have gone on.
+    missed : (k,) ndarray of int
+        Those of the points `near` that no vertex is within two cells of.
+    """
+
+    points: np.ndarray
+    triangles: np.ndarray
+    solid: Solid
+    spacing: float
+    cut: np.ndarray
+    missed: np.ndarray
+
+    @cached_property
+    def normals(self) -> np.ndarray:
+        """Outward unit normals (n, 3) at the vertices, by the gradient of the field."""
+        return self.solid.normals(self.points)
+
+    @cached_property
+    def audit(self) -> MeshAudit:
+        """What is wrong with the triangles; `audit.clean` where nothing is."""
+        return audit_mesh(self.points, self.triangles)
+
+    @property
+    def area(self) -> float:
+        """Sum of the areas of the triangles."""
+        return float(np.linalg.norm(self._twice_areas(), axis=1).sum() / 2)
+
+    @property
+    def volume(self) -> float:
+        """Volume that they enclose, positive if they are oriented outward."""
+        corner = self.points[self.triangles[:, 0]] - self.points[0]
+        return float(np.einsum("ij,ij->", corner, self._twice_areas()) / 6)
+
+    def _twice_areas(self) -> np.ndarray:
+        a, b, c = self.points[self.triangles].swapaxes(0, 1)
+        return np.cross(b - a, c - a)
+
+
+def extract_surface(
+    solid: Solid,
+    spacing: float | None = None,
+    *,
+    near: ArrayLike | None = None,
+    box: ArrayLike | None = None,
+    within: float | None = None,
+    progress: Progress | None = None,
+) -> ExtractedSurface:
+    """Triangles on the surface {F = 0} of a body.
+
+    Marching cubes joins the edges of a grid whose ends differ in sign; on each such edge the vertex
+    is led to F = 0 by Newton steps. Cells are looked at only where the surface is: from those that
+    contain points near it, it is followed through the faces that it crosses, to its end. It comes
+    out closed, oriented and without self-intersections, whatever the field. Sharp edges are cut
+    off by less than a cell, and what is thinner than a cell may be lost.
+
+    Parameters
+    ----------
+    solid : Solid
+        The body; `as_solid` makes one of a field.
+    spacing : float, optional
+        Edge of the cells; by default that of the points that the body was made from, else the 64th
+        part of the longest side of the box.
+    near : (n, 3) array_like, optional
+        Points near the surface; by default those of the body, and without any the whole box is
+        searched, where parts smaller than four cells may be missed.
+    box : (2, 3) array_like, optional
+        Where; by default the box of the body. What would go beyond is closed by its walls.
+    within : float, optional
+        Leave out triangles that are farther from the points `near`: there the surface is invented.
+        It has a rim then.
+    progress : callable, optional
+        Called as progress(done, total) with numbers of nodes; the total grows with the surface.
+
+    Returns
+    -------
+    ExtractedSurface
+        Points, triangles, and what is to be said about them.
+
+    Raises
+    ------
+    ValueError
+        If there is no surface in the box, or the grid would be too fine for it.
+    ImportError
+        If scikit-image is missing.
+
+    References
+    ----------
+    Lorensen and Cline, Marching cubes (1987); Bloomenthal, Polygonization of implicit surfaces
+    (1988), for following; Wendland (2005), section 1.1.
+
+    Examples
+    --------
+    >>> from fieldrecon.shapes import Ball
+    >>> ball = extract_surface(Ball(1.0), spacing=0.05)
+    >>> ball.audit.clean, round(ball.volume / (4 / 3 * np.pi), 3)
+    (True, 0.999)
+    """
+    if not isinstance(solid, Solid):
+        raise ValueError(f"solid must be a Solid; as_solid makes one of a field; got {solid!r}")
+    room = solid.box if box is None else as_box(box)
+    if spacing is None:
+        spacing = solid.spacing or float((room[1] - room[0]).max()) / _CELLS
+    grid = Grid.over(room, valid.as_length(spacing, "spacing"))
+    wall = Box(room[1] - room[0] + 2 * spacing, (room[0] + room[1]) / 2)
+    closed = intersection(solid, wall)
+    given = solid.near if near is None else valid.as_points(near, "near")
+    seeds = searched(closed, grid) if given is None else grid.cells_of(given)
+    values, crossed = followed(closed, grid, seeds, progress)
+    if len(crossed) == 0:
+        raise ValueError(
+            "the body has no surface in the box, or none near the points: F has one sign there"
+        )
+    ends, triangles = _marched(values, crossed, grid)
+    points = _on_edges(closed, grid, ends, values)
+    cut = np.flatnonzero(wall(points) <= 2 * _APART * spacing + resolution(points))
+    tree = None if given is None else cKDTree(points)
+    missed = np.empty(0, np.intp) if tree is None or given is None else np.flatnonzero(
+        np.isinf(tree.query(given, distance_upper_bound=2 * spacing)[0]))  # fmt: skip
+    if within is not None:
+        points, triangles, cut = _trimmed(points, triangles, cut, given, within)
+    return ExtractedSurface(points, triangles, solid, spacing, cut, missed)
+
+
+def _marched(
+    values: np.ndarray, crossed: np.ndarray, grid: Grid
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+    """Lower ends (n, 3) and axes (n,) of the edges that bear vertices, and the triangles."""
+    try:
+        measure = import_module("skimage.measure")
+    except ImportError:
+        raise ImportError(
+            "surfaces need the package scikit-image; type: pip install 'fieldrecon[surface]'"
+        ) from None
+    mask = np.zeros(grid.shape, dtype=bool)
+    mask.ravel()[grid.corners(crossed)[:, -1]] = True
+    # of signs alone: each vertex comes to the middle of its edge, which names the edge exactly
+    signs = np.where(values > 0, np.float32(1), np.float32(-1))
+    middle, triangles, _, _ = measure.marching_cubes(
+        signs, 0.0, mask=mask, method="lorensen", gradient_direction="ascent"
+    )
+    lower = np.floor(middle).astype(np.int64)
+    return (lower, (middle - lower).argmax(axis=1)), triangles.astype(np.intp)
+
+
+def _on_edges(
+    solid: Solid, grid: Grid, ends: tuple[np.ndarray, np.ndarray], values: np.ndarray
+) -> np.ndarray:
+    """Zeros of F on edges: Newton steps, and the middle of the bracket where one would leave it."""
+    lower, axis = ends
+    step = np.eye(3, dtype=np.int64)[axis]
+    start = values[tuple(lower.T)].astype(float)
+    end = values[tuple((lower + step).T)].astype(float)
+    base, sign = grid.nodes(lower), np.where(start > 0, 1.0, -1.0)
+    low, high = np.zeros(len(base)), np.ones(len(base))
+    t = start / (start - end)
+    apart = max(_APART, 64 * resolution(base) / grid.spacing)
+    active = np.arange(len(base))
+    for _ in range(_STEPS):
+        a, k = active, axis[active]
+        x = base[a] + grid.spacing * t[a, None] * step[a]
+        f = solid(x)
+        slope = grid.spacing * solid.gradient(x)[np.arange(len(a)), k]
+        before = sign[a] * f > 0
+        low[a], high[a] = np.where(before, t[a], low[a]), np.where(before, high[a], t[a])
+        newton = t[a] - np.divide(f, slope, out=np.full(len(a), np.inf), where=slope != 0)
+        inside = (newton > low[a]) & (newton < high[a])
+        new = np.where(inside, newton, (low[a] + high[a]) / 2)
+        settled = np.abs(new - t[a]) < _SETTLED
+        t[a] = new
+        active = a[~settled]
+        if len(active) == 0:
+            break
+    return base + grid.spacing * np.clip(t, apart, 1 - apart)[:, None] * step
+
+
+def _trimmed(
+    points: np.ndarray,
+    triangles: np.ndarray,
+    cut: np.ndarray,
+    near: np.ndarray | None,
+    within: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What is within a distance of the points."""
+    if near is None:
+        raise ValueError("within needs points near the surface; this body has none")
+    far = np.isinf(
+        cKDTree(near).query(points, distance_upper_bound=valid.as_length(within, "within"))[0]
+    )
+    left = triangles[~far[triangles].any(axis=1)]
+    used = np.zeros(len(points), dtype=bool)
+    used[left] = True
+    number = np.cumsum(used) - 1
+    return points[used], number[left], number[cut[used[cut]]]
