@@ -33,8 +33,7 @@ def variational_implicit(
     normals : (n, d) array_like
         Outward, of any length.
     kernel : Radial
-        r^3 by default: thin-plate in the wide sense, it has the least energy of third derivatives
-        in space. Without an offset it must be twice differentiable.
+        r^3 by default, theirs in space. Without an offset it must be twice differentiable.
     offset : float, optional
         With it, normals are told as Turk and O'Brien do: the value `offset` at the points that lie
         so far inside along the normal. Without, as slopes, grad F . n = -1 at the points.
