@@ -42,6 +42,7 @@ def plot(scan: Scan, up: Sequence[float], progress: Progress | None = None) -> F
             panel.imshow(image, origin="lower", interpolation="antialiased")
             panel.set_title(title, loc="center")
             panel.set_axis_off()
+            panel.set_anchor("N")
         if scan.gaps.any():
             handle = Patch(color=_INVENTED, label="far from all points: invented")
             drawn.legend(handles=[handle], loc="outside lower center")
