@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from fieldrecon.reconstruct_command import add_arguments
+from fieldrecon import reconstruct_command, surface_command
 
 if TYPE_CHECKING:
     from fieldrecon.experiments import Map
@@ -61,13 +61,23 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument("--traceback", action="store_true", help="show where an error came from")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_experiments(commands.add_parser("experiments", help="list, show and run the experiments"))
-    add_arguments(
+    reconstruct_command.add_arguments(
         commands.add_parser(
             "reconstruct",
             help="a field from a table of samples, and which method fits them",
             description="Reconstruct a field from samples, on a grid, at points or on a mesh. Each "
             "method is judged by samples that are left out; each value comes with an estimate of "
             "its error, and extrapolated ones are marked.",
+        )
+    )
+    surface_command.add_arguments(
+        commands.add_parser(
+            "surface",
+            help="a closed mesh from a scan: points on the surface of a body, in a file",
+            description="Reconstruct the body whose surface goes through points: normals, a field "
+            "that is zero at the points, a mesh of its zeros, a picture, and a page that says how "
+            "far the points are from it. The status is 0 if the mesh is closed and no point is "
+            "without surface, 1 if there is something to look at, and 2 if there is none.",
         )
     )
     _add_audit(

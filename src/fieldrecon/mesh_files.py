@@ -120,6 +120,38 @@ def read_surface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     return points, triangles
 
 
+def read_vertices(path: str | Path) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
+    """Read all points of a file, whatever cells they have.
+
+    Returns
+    -------
+    points : (n, 3) ndarray
+    normals : (n, 3) ndarray or None
+        Data at the points that are called Normals.
+    triangles : (m, 3) ndarray of int
+        Those that there are.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, or its points are not in space: with its path.
+    FileNotFoundError
+        If there is no such file.
+    ImportError
+        If meshio is not installed.
+    """
+    content = _content(path)
+    if content.points.shape[1] != 3:
+        raise ValueError(f"{path} holds points of the plane; points in space were expected")
+    normals = {name.lower(): data for name, data in content.point_data.items()}.get("normals")
+    triangles = [block.data for block in content.cells if block.type == "triangle"]
+    return (
+        np.asarray(content.points, dtype=float),
+        None if normals is None else np.asarray(normals, dtype=float).reshape(-1, 3),
+        np.concatenate([np.empty((0, 3), dtype=np.intp), *triangles]).astype(np.intp),
+    )
+
+
 def write_mesh(
     path: str | Path,
     mesh: SimplexMesh,

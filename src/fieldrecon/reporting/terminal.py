@@ -29,6 +29,7 @@ from rich.text import Text
 from fieldrecon.experiments import Experiment, Map
 from fieldrecon.mesh_audit import MeshAudit, in_words
 from fieldrecon.outcome import Outcome, peak_memory
+from fieldrecon.scans import Scan
 
 _WIDEST = 7
 _MOST_ROWS = 40
@@ -153,6 +154,16 @@ def print_audit(path: Path, audit: MeshAudit, done: dict[str, int] | None = None
     else:
         columns = ("concerns", "found", "where, by index from 0")
         print_table(columns, _findings(audit))
+
+
+def print_scan(path: Path, scan: Scan, remarks: Sequence[str], cost: str) -> None:
+    """Print how far the points of a scan are from its surface, and what is to be known."""
+    title = f"{path.name}: {len(scan.body.points):,} points, and how far they are from the mesh"
+    print_table(("points", "distance"), tuple(scan.quality.items()), title=title)
+    say = Terminal(highlight=False, markup=False).print
+    for remark in remarks:
+        say(remark)
+    say(f"{cost}.")
 
 
 def _findings(audit: MeshAudit) -> list[tuple[str, str, str]]:

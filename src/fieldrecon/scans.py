@@ -1,0 +1,164 @@
+"""A body from a scan: what came of it, and what its reader should know, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from fieldrecon._chunks import Progress
+from fieldrecon.cloud_files import Cloud
+from fieldrecon.implicit_surfaces import ImplicitSurface, implicit_surface
+from fieldrecon.mesh_audit import in_words
+from fieldrecon.surface_extraction import ExtractedSurface, extract_surface
+from fieldrecon.triangle_distances import distances_to_triangles
+
+GAP = 3.0
+"""Spacings from the nearest point beyond which the surface is not known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """A surface through the points of a scan.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        As it was read.
+    middle : (3,) ndarray
+        What is added to coordinates of the body and its mesh to get those of the cloud.
+    body : ImplicitSurface
+    mesh : ExtractedSurface
+    distances : (n,) ndarray
+        Of the points that counted, to the triangles.
+    gaps : (t,) ndarray of bool
+        Triangles that are farther than GAP spacings from all points.
+    """
+
+    cloud: Cloud
+    middle: np.ndarray
+    body: ImplicitSurface
+    mesh: ExtractedSurface
+    distances: np.ndarray
+    gaps: np.ndarray
+
+    @property
+    def points(self) -> np.ndarray:
+        """Vertices of the mesh, in the coordinates of the cloud."""
+        return self.mesh.points + self.middle
+
+    @property
+    def found(self) -> list[str]:
+        """What is wrong with the mesh, in words; a rim is none where it was asked for."""
+        counts = self.mesh.audit.counts.values()
+        return [in_words(kind, n) for kinds in counts for kind, n in kinds.items() if n]
+
+    @property
+    def whole(self) -> bool:
+        """Whether the mesh is closed and sound, and no point is without it."""
+        return self.mesh.audit.clean and not len(self.mesh.missed)
+
+    @property
+    def quality(self) -> dict[str, float]:
+        """Distances of the points to the mesh."""
+        d = self.distances
+        return {
+            "root mean square": float(np.sqrt(np.mean(d**2))),
+            "half of the points, less than": float(np.median(d)),
+            "95 of 100, less than": float(np.quantile(d, 0.95)),
+            "largest": float(d.max()),
+        }
+
+    @property
+    def remarks(self) -> list[str]:
+        """What a reader should know."""
+        return [*self.cloud.remarks, *self.body.remarks, *self._of_noise(), *self._of_mesh()]
+
+    def _of_noise(self) -> Iterator[str]:
+        body = self.body
+        yield f"The points are {body.spacing:.3g} apart, in the median."
+        if body.smoothing:
+            yield (
+                f"They are off a smooth surface by about {body.noise:.2g}, so waves of it shorter "
+                f"than {body.smoothing:.3g} are smoothed away; --smoothing 0 keeps them."
+            )
+
+    def _of_mesh(self) -> Iterator[str]:
+        mesh = self.mesh
+        area = _areas(mesh)
+        if invented := area[self.gaps].sum() / area.sum():
+            yield (
+                f"{_percent(invented)} of the surface is farther than {GAP * self.body.spacing:.3g}"
+                " from all points: there is a hole in the scan, and the surface is invented."
+            )
+        if mesh.audit.parts > 1:
+            yield f"The mesh has {mesh.audit.parts:,} parts that do not hang together."
+        if count := len(mesh.missed):
+            points = "point has" if count == 1 else "points have"
+            yield f"{count:,} {points} no surface near; the sheet may be too thin there."
+        if count := len(mesh.cut):
+            yield f"The surface goes on beyond the points and was cut off, at {count:,} vertices."
+        state = "closed" if not len(mesh.audit.boundary_loops) else "open"
+        found = f"; found: {', '.join(self.found)}" if self.found else ""
+        yield (
+            f"The mesh has {len(mesh.triangles):,} triangles and {len(mesh.points):,} vertices, "
+            f"and is {state}{found}."
+        )
+        yield f"It encloses a volume of {mesh.volume:.5g} in an area of {mesh.area:.5g}."
+
+
+def surface_of(
+    cloud: Cloud,
+    stage: Callable[[str], Progress],
+    *,
+    own_normals: bool = True,
+    smoothing: float | None = None,
+    spacing: float | None = None,
+    within: float | None = None,
+) -> Scan:
+    """Fit a body to a cloud, and triangles to its surface.
+
+    Parameters
+    ----------
+    cloud : Cloud
+    stage : callable
+        Opens a stage of the work by its name, and gives what its progress is told to.
+    own_normals : bool
+        Take the normals of the cloud, where it has some.
+    smoothing : float, optional
+        As for `implicit_surface`.
+    spacing, within : float, optional
+        As for `extract_surface`.
+
+    Raises
+    ------
+    ValueError, numpy.linalg.LinAlgError
+        If no surface goes through the points.
+    """
+    # far from the origin squares of coordinates would keep few digits
+    middle = (cloud.points.min(axis=0) + cloud.points.max(axis=0)) / 2
+    points, normals = cloud.points - middle, cloud.normals if own_normals else None
+    if normals is not None:
+        told = normals.any(axis=1)
+        points, normals = points[told], normals[told]
+    progress = stage("normals, and the field")
+    body = implicit_surface(points, normals, smoothing=smoothing, progress=progress)
+    mesh = extract_surface(body, spacing, within=within, progress=stage("following the surface"))
+    progress = stage("distances of the points")
+    distances = distances_to_triangles(body.points, mesh.points, mesh.triangles, progress)
+    stage("looking for gaps and errors")
+    away = cKDTree(body.points).query(mesh.points[mesh.triangles].mean(axis=1))[0]
+    scan = Scan(cloud, middle, body, mesh, distances, away > GAP * body.spacing)
+    _ = scan.mesh.audit
+    return scan
+
+
+def _areas(mesh: ExtractedSurface) -> np.ndarray:
+    a, b, c = mesh.points[mesh.triangles].swapaxes(0, 1)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
