@@ -49,7 +49,7 @@ from fieldcheck import (
 
 
 # %%
-@draw(height=Slider(-1, 2, 0.6, "height of the fourth pin"))
+@draw(height=Slider(-1, 2, -0.5, "height of the fourth pin"))
 def the_problem(height):
     pins = np.array([0.0, 0.9, 1.7, 3.0, 3.8, 5.1, 6.0, 7.0])
     heights = np.array([0.2, 0.9, 0.5, height, 1.0, 0.1, 0.3, 0.9])
@@ -289,7 +289,7 @@ def beyond_the_pins(reach):
     side = np.linspace(pins[0] - reach, pins[-1] + reach, 400)
     curve = piecewise(pins, heights, bends, side)
     other = np.abs(np.subtract.outer(side, pins)) ** 3 @ a + b[0] + b[1] * side
-    with figure(6.4, 2.9) as page:
+    with figure(6.4, 3.2) as page:
         left, right = page.subplots(1, 2)
         left.plot(side, curve, color=BLUE, label="natural spline")
         for first, way in ((0, side < pins[0]), (-2, side > pins[-1])):
@@ -299,7 +299,7 @@ def beyond_the_pins(reach):
             left.plot(side[way], cubic(side[way]), color=ORANGE, ls="--", label="cubic continued" if first else None)
         left.plot(pins, heights, "o", color="black", ms=4)
         left.set(xlabel="$x$", title=f"two routes differ by {np.abs(curve - other).max():.0e}", ylim=(-6, 6))
-        left.legend(loc="upper left", fontsize=8)
+        left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=9)
         right.axhline(0, color=GREY, lw=0.8)
         right.plot([side[0], *pins, side[-1]], [0, *bends, 0], "-", color=BLUE)
         right.plot(pins, bends, "o", color="black", ms=4)
@@ -357,7 +357,6 @@ def round_trip():
         axes.axhline(0, color=GREY, lw=0.8)
         axes.plot(names, np.concatenate(direct), "o", mfc="none", ms=10, color=BLUE, label="by distances")
         axes.plot(names, np.concatenate(way), "x", color=ORANGE, label="moments, truncated powers, distances")
-        axes.set_yscale("symlog", linthresh=1)
         axes.set(ylabel="coefficient")
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
     return page
@@ -419,19 +418,19 @@ def pythagoras(size):
     bend = np.interp(side, pins, bends)
     sizes = np.linspace(-1, 1, 41)
     total = [np.trapezoid((bend + c * bend_added) ** 2, side) for c in sizes]
-    with figure(6.4, 2.9) as page:
+    with figure(6.4, 3.4) as page:
         left, right = page.subplots(1, 2)
         curve = piecewise(pins, heights, bends, side)
         left.plot(side, curve + size * added, color=ORANGE, label="another curve")
         left.plot(side, curve, color=BLUE, label="natural spline")
         left.plot(pins, heights, "o", color="black", ms=4)
         left.set(xlabel="$x$")
-        left.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, fontsize=9)
+        left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=9)
         right.plot(sizes, total, color=ORANGE, label="energy of the other")
         right.axhline(energy(pins, bends), color=BLUE, label="of the spline: yours")
         right.plot(size, np.interp(size, sizes, total), "o", color=ORANGE)
         right.set(xlabel="how much is added", ylim=(0, None))
-        right.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, fontsize=9)
+        right.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=9)
     return page
 
 
@@ -528,7 +527,7 @@ def influence(which):
         axes = page.subplots()
         axes.semilogy(side, np.maximum(change, 1e-12), color=BLUE, lw=1.2, label="change of the curve")
         axes.semilogy(side, 0.5 * (2 - np.sqrt(3)) ** np.abs(side - which), color=ORANGE, ls="--", label=r"$(2 - \sqrt{3})^{\,j}$, times ½")
-        axes.set(xlabel="$x$", ylim=(1e-9, 30), xticks=[1, 6, 11, 16, 21])
+        axes.set(xlabel="$x$", ylim=(1e-9, 1e3), xticks=[1, 6, 11, 16, 21])
         axes.legend(loc="upper right", ncols=2)
     return page
 
