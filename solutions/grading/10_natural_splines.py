@@ -1,0 +1,86 @@
+"""What only a grader tries in notebook 10."""
+
+import numpy as np
+
+from fieldcheck.calls import Call
+from fieldcheck.questions.q10_natural_splines import line
+from fieldrecon.course.hidden import hidden
+
+
+@hidden("10.1", "It must hold for any number of sites, in any order.")
+def many_sites(seed):
+    random = np.random.default_rng(seed + 1)
+    sites = random.permutation(line(random, 12)) / 3
+    free = random.normal(size=12)
+    q = np.linalg.qr(np.vander(sites, 2))[0]
+    return (Call("from_truncated", (sites, free - q @ (q.T @ free), random.normal(size=2)), "twelve sites"),)
+
+
+@hidden("10.2", "It must hold for any number of sites.")
+def other_numbers(seed):
+    random = np.random.default_rng(seed + 2)
+    many = random.permutation(line(random, 16))
+    return (
+        Call("radial_spline", (many, random.normal(size=16)), "sixteen sites"),
+        Call("radial_spline", (many[:3], random.normal(size=3)), "three sites"),
+    )
+
+
+@hidden("10.3", "It must hold for steps of very different lengths, and for many sites.")
+def uneven_steps(seed):
+    random = np.random.default_rng(seed + 3)
+    sites = np.cumsum(10 ** random.uniform(-1, 1, 9))
+    return (
+        Call("moments", (sites, random.normal(size=9)), "uneven steps"),
+        Call("moments", (line(random, 40), random.normal(size=40)), "forty sites"),
+    )
+
+
+@hidden("10.4", "The places may come in any order, and there may be two sites only.")
+def places_in_any_order(seed):
+    random = np.random.default_rng(seed + 4)
+    sites, bends = line(random, 9), np.append(0, random.normal(size=8))
+    bends[-1] = 0
+    x = random.uniform(sites[0] - 3, sites[-1] + 3, 30)
+    two = line(random, 2)
+    return (
+        Call("piecewise", (sites, random.normal(size=9), bends, x), "places in any order"),
+        Call("piecewise", (two, random.normal(size=2), np.zeros(2), x), "two sites"),
+    )
+
+
+@hidden("10.5", "There may be two sites only, or many.")
+def two_sites_or_many(seed):
+    random = np.random.default_rng(seed + 5)
+    many, two, bends = line(random, 10), line(random, 2), random.normal(size=10)
+    bends[[0, -1]] = 0
+    # Only moments that belong to values leave an interpolating curve, but the formulas hold for all.
+    z = np.subtract.outer(many[1:], many[:-1]).clip(min=0)
+    alpha = np.linalg.solve(6 * z, bends[1:])
+    values = np.subtract.outer(many, many).clip(min=0) ** 3 @ np.append(alpha, -alpha.sum()) + 1 - many
+    return (
+        Call("truncated", (two, random.normal(size=2), np.zeros(2)), "two sites"),
+        Call("truncated", (many, values, bends), "ten sites"),
+    )
+
+
+@hidden("10.6", "The second derivative need not vanish at the ends, and there may be one interval.")
+def any_broken_line(seed):
+    random = np.random.default_rng(seed + 6)
+    return (
+        Call("energy", (line(random, 15), random.normal(size=15)), "fifteen sites"),
+        Call("energy", (line(random, 2), random.normal(size=2)), "one interval"),
+    )
+
+
+@hidden("10.7", "Knots may be triple, places may lie far outside, and the degree may be higher.")
+def knots_of_any_kind(seed):
+    random = np.random.default_rng(seed + 7)
+    t = line(random, 12)
+    t[3:5] = t[5]
+    x = np.append(random.uniform(t[0] - 5, t[-1] + 5, 20), t)
+    return (
+        Call("b_splines", (t, 3, x), "a triple knot"),
+        Call("b_splines", (t, 5, x), "the degree 5"),
+        Call("b_splines", (t[5:8], 1, x), "one hat"),
+    )
