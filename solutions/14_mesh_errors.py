@@ -481,6 +481,27 @@ check("14.6")
 
 
 # %%
+@draw()
+def your_sphere():
+    points, triangles = data("14.6")
+    turn = np.asarray(turns(points, triangles))
+    mended = np.where(turn[:, None] < 0, triangles[:, ::-1], triangles)
+    with figure(4.4, 2.1) as page:
+        left, right = page.subplots(1, 2)
+        draw_surface(left, points, triangles)
+        draw_surface(right, points, mended)
+        left.set(title="your sphere, as listed")
+        right.set(title=f"{many(int((turn < 0).sum()), 'triangle')} turned")
+    return page
+
+
+# %% [markdown]
+# Was the result dark on your screen, not pale? Then the first triangle, which stays, was one of the wrong ones. Neighbours know nothing of inside and outside.
+#
+# Now twist a strip of paper, and close it to a ring. Some triangles are turned over, at random.
+
+
+# %%
 @draw(twists=Slider(0, 4, 1, "half turns", whole=True))
 def strips(twists):
     points, triangles = flipped(np.random.default_rng(3), band(twists, 30), 0.3)
@@ -500,7 +521,7 @@ def strips(twists):
 
 
 # %% [markdown]
-# **What to look at.** On the left, dark triangles are seen from inside. On the right they have been turned by your function. Even numbers of half turns
+# **What to look at.** On the left, dark triangles are seen from inside. On the right your function has turned them. Even numbers of half turns
 # have two sides, and two rims. After an odd number both are one. A flipped triangle is a mistake in the *list*, and is
 # mended there; a single side is a property of the *surface*, and cannot be mended.
 #

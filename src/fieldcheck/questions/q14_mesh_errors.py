@@ -53,8 +53,8 @@ def ring(rows: int = 4, columns: int = 6) -> Surface:
 
 def band(twists: int, columns: int = 12) -> Surface:
     """Return a closed strip of paper after so many half turns; with one it is that of Möbius."""
-    across, along = np.meshgrid(np.linspace(-0.5, 0.5, 3), 2 * np.pi * np.arange(columns) / columns, indexing="ij")
-    across, along = across.ravel(), along.ravel()
+    grid = np.meshgrid(np.linspace(-0.5, 0.5, 3), 2 * np.pi * np.arange(columns) / columns, indexing="ij")
+    across, along = (axis.ravel() for axis in grid)
     wide = 1.2 + across * np.cos(twists * along / 2)
     points = np.column_stack([wide * np.cos(along), wide * np.sin(along), across * np.sin(twists * along / 2)])
     numbers = np.arange(3 * columns).reshape(3, columns)
