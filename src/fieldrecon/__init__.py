@@ -6,6 +6,8 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 from fieldrecon import datasets, sphere
 from fieldrecon.adaptation import adapted_points
 from fieldrecon.advection import State, semi_lagrangian
+from fieldrecon.aeroelasticity import ElasticWing
+from fieldrecon.atmosphere import Air, standard_atmosphere
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
@@ -13,6 +15,7 @@ from fieldrecon.characteristics import Inflow, Snapshots, departure_points
 from fieldrecon.coupling import Coupling
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
 from fieldrecon.field_files import load, save
+from fieldrecon.fixed_points import FixedPoint, fixed_point
 from fieldrecon.flat_coupling import FlatCoupling, couple
 from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
 from fieldrecon.hermite import HermiteRBF
@@ -32,6 +35,7 @@ from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.normal_orientation import orient_normals
 from fieldrecon.normals import PointNormals, estimate_normals
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
+from fieldrecon.plates import Plate, isotropic
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
@@ -48,12 +52,16 @@ from fieldrecon.velocity import (
     vertex_velocities,
 )
 from fieldrecon.voronoi import VoronoiCell, voronoi_weights
+from fieldrecon.vortex_lattice import VortexLattice
 
 __all__ = [
     "RBF",
+    "Air",
     "BarycentricCoordinates",
     "Coupling",
+    "ElasticWing",
     "Field",
+    "FixedPoint",
     "FlatCoupling",
     "HermiteRBF",
     "Inflow",
@@ -64,12 +72,14 @@ __all__ = [
     "NaturalCubicSpline",
     "OnGlobe",
     "PartitionOfUnityRBF",
+    "Plate",
     "PointNormals",
     "Reconstruction",
     "SimplexMesh",
     "Snapshots",
     "State",
     "VoronoiCell",
+    "VortexLattice",
     "adapted_points",
     "audit_mesh",
     "b_splines",
@@ -84,9 +94,11 @@ __all__ = [
     "derivatives_at",
     "divergence",
     "estimate_normals",
+    "fixed_point",
     "gaussian",
     "inverse_multiquadric",
     "inverse_square",
+    "isotropic",
     "laplacians_at",
     "leave_one_out",
     "load",
@@ -110,6 +122,7 @@ __all__ = [
     "save",
     "semi_lagrangian",
     "sphere",
+    "standard_atmosphere",
     "thin_plate_spline",
     "values_at",
     "velocity_weights",
