@@ -53,7 +53,7 @@ class VortexLattice:
 
     References
     ----------
-    Katz and Plotkin, Low-Speed Aerodynamics (2001), sections 12.2 and 4.8; James (1972), for
+    Katz and Plotkin, Low-Speed Aerodynamics (2001); James (1972), for
     the quarters.
 
     Examples

@@ -136,7 +136,7 @@ def swept(params: Params, sweep: float) -> tuple[tuple[Cell, ...], np.ndarray]:
     """
     wing, incidences = params.wing(sweep), params.incidences(sweep)
     pressures = np.array(params.pressures) * params.pressure
-    turns = [wing.steady_state(q, incidences, relaxation=1.0, tolerance=1e-12) for q in pressures]
+    turns = [wing.steady_state(q, incidences, relaxation=1.0) for q in pressures]
     rates = np.array([t.contraction for t in turns])
     factor = params.pressure * wing.eigenvalues[0].real
     limits = (1 / wing.contraction(1.0), pressures[-1] / rates[-1])
@@ -176,13 +176,13 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
         "contraction": wing.contraction(q),
         "observed_contraction": turns["plain"].contraction,
         "tip": float(arrays["rise"][-1]),
-        "tip_twist": float(arrays["twist"][-1]),
+        "tip_nose_down": float(-arrays["twist"][-1]),
     }
     rows = [(way, *np.maximum(errors, ROUNDING), tip, lost) for way, *errors, tip, lost in ways]
-    for way, lift, _, work, tip, lost in rows[1:]:
-        name = way.replace(" ", "_")
-        facts |= {f"{name}_lift": lift, f"{name}_work": work}
-        facts |= {f"{name}_tip": tip, f"{name}_lost": lost}
+    for way, lift, _, work, *_ in rows[2:]:
+        facts |= {
+            f"{way.replace(' ', '_')}_{name}": x for name, x in (("lift", lift), ("work", work))
+        }
     return facts, arrays, tuple(rows)
 
 

@@ -27,7 +27,7 @@ def seen(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def draw_wing(result: Result) -> Figure:
     """The skin before, by its edges, and after, by how far it has risen."""
     before, after = result.arrays["before"], result.arrays["after"]
-    with figure(FULL_WIDTH, height=2.1) as (page, panel):
+    with figure(FULL_WIDTH, height=1.8) as (page, panel):
         surface(panel, after, (after - before)[..., 2])
         for curve in (before[0], before[len(before) // 2], before[:, 0], before[:, -1]):
             panel.plot(*seen(curve)[0].T, color="black", linewidth=0.7, linestyle=(0, (4, 2)))
