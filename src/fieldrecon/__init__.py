@@ -6,6 +6,8 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 from fieldrecon import datasets, shapes, sphere
 from fieldrecon.adaptation import adapted_points
 from fieldrecon.advection import State, semi_lagrangian
+from fieldrecon.aeroelasticity import ElasticWing
+from fieldrecon.atmosphere import Air, standard_atmosphere
 from fieldrecon.barycentric import BarycentricCoordinates
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
@@ -14,6 +16,7 @@ from fieldrecon.coupling import Coupling
 from fieldrecon.deformations import blend, deformation, moved
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
 from fieldrecon.field_files import load, save
+from fieldrecon.fixed_points import FixedPoint, fixed_point
 from fieldrecon.flat_coupling import FlatCoupling, couple
 from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
 from fieldrecon.hermite import HermiteRBF
@@ -35,6 +38,7 @@ from fieldrecon.normal_orientation import orient_normals
 from fieldrecon.normals import PointNormals, estimate_normals
 from fieldrecon.off_surface import OffSurface, classified_points, off_surface_points
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
+from fieldrecon.plates import Plate, isotropic
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
@@ -53,13 +57,17 @@ from fieldrecon.velocity import (
     vertex_velocities,
 )
 from fieldrecon.voronoi import VoronoiCell, voronoi_weights
+from fieldrecon.vortex_lattice import VortexLattice
 
 __all__ = [
     "RBF",
+    "Air",
     "BarycentricCoordinates",
     "Coupling",
     "ExtractedSurface",
+    "ElasticWing",
     "Field",
+    "FixedPoint",
     "FlatCoupling",
     "HermiteRBF",
     "ImplicitSurface",
@@ -72,6 +80,7 @@ __all__ = [
     "OffSurface",
     "OnGlobe",
     "PartitionOfUnityRBF",
+    "Plate",
     "PointNormals",
     "Reconstruction",
     "SimplexMesh",
@@ -79,6 +88,7 @@ __all__ = [
     "Solid",
     "State",
     "VoronoiCell",
+    "VortexLattice",
     "adapted_points",
     "as_solid",
     "audit_mesh",
@@ -99,11 +109,13 @@ __all__ = [
     "divergence",
     "estimate_normals",
     "extract_surface",
+    "fixed_point",
     "gaussian",
     "implicit_surface",
     "intersection",
     "inverse_multiquadric",
     "inverse_square",
+    "isotropic",
     "laplacians_at",
     "leave_one_out",
     "load",
@@ -130,6 +142,7 @@ __all__ = [
     "semi_lagrangian",
     "shapes",
     "sphere",
+    "standard_atmosphere",
     "thin_plate_spline",
     "union",
     "values_at",
