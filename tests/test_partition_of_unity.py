@@ -328,23 +328,28 @@ def test_it_is_the_same_on_threads_and_processes():
             assert_close(there.gradient(q, executor=executor), here.gradient(q), 0.0)
 
 
-def test_the_fit_tells_how_far_it_is_and_stops_when_told(monkeypatch):
-    """Patches of all levels count; an interrupt leaves nothing running."""
+def test_set_up_and_fit_tell_how_far_they_are(monkeypatch):
+    """Sites, then patches of all levels; the numbers rise, and the last call has all of them."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**16)
-    m, calls = PartitionOfUnityRBF(X), []
-    m.field(wave(X), progress=lambda *call: calls.append(call))
-    total = sum(len(level.patches) for level in m._levels)
-    done = [d for d, _ in calls]
-    assert done == sorted(set(done))
-    assert calls[-1] == (total, total)
+    made, fitted = [], []
+    m = PartitionOfUnityRBF(X, progress=lambda *call: made.append(call))
+    m.field(wave(X), progress=lambda *call: fitted.append(call))
+    patches = sum(len(level.patches) for level in m._levels)
+    for calls, total in ((made, len(X)), (fitted, patches)):
+        done = [d for d, _ in calls]
+        assert done == sorted(done)
+        assert len(set(done)) > 5
+        assert {of for _, of in calls} == {total}
+        assert calls[-1] == (total, total)
 
-    def interrupt(*_):
-        raise KeyboardInterrupt
 
-    for stopped in (lambda: m.field(wave(X), progress=interrupt),
-                    lambda: m.field(wave(X))(X, progress=interrupt)):  # fmt: skip
-        with pytest.raises(KeyboardInterrupt):
-            stopped()
+@pytest.mark.parametrize("n", [1, 30, 200])
+def test_few_sites_are_told_too(n):
+    """However few, the last call has all of them, and what is made does not depend on it."""
+    calls = []
+    m = PartitionOfUnityRBF(X[:n], progress=lambda *call: calls.append(call))
+    assert calls[-1] == (n, n)
+    assert_close(m.field(wave(X[:n]))(X), PartitionOfUnityRBF(X[:n]).field(wave(X[:n]))(X), 0.0)
 
 
 def test_weights_are_sparse_and_independent_of_their_company():
