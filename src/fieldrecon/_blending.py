@@ -28,7 +28,7 @@ COVERED = 5e-3
 FEW_COLUMNS = 3
 """Up to which sums by counting are faster than by a sparse matrix."""
 PASSES = 5
-"""Parts of the progress of set-up: cuts, balls, what they reach, systems; and all coarser levels."""
+"""Parts of the set-up: cuts, balls, what these reach, systems; and all coarser levels."""
 ALONE = 4
 """As many sites as these many patches hold are a patch of their own."""
 
