@@ -1,6 +1,7 @@
 """Blended patches: smooth across borders, exact on odd clouds, bounded, and refused in words."""
 
 import multiprocessing
+import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from fieldrecon import _blending, _chunks, _patches
 from fieldrecon._halving import Boxes
 from fieldrecon._small_systems import COLUMNS, solved, solved_for_each
-from fieldrecon.datasets import clustered, franke, halton
+from fieldrecon.datasets import clustered, franke, halton, uniform
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import gaussian
@@ -362,6 +363,16 @@ def test_weights_are_sparse_and_independent_of_their_company():
 
 
 # --- small systems --------------------------------------------------------------------------------
+
+
+def test_many_variables_take_no_more_memory():
+    """Differences are taken axis by axis: a few matrices, not one for each of sixty variables."""
+    m = PartitionOfUnityRBF(uniform(300, 60, seed=1))
+    tracemalloc.start()
+    m.field(m.points[:, 0])
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 12 * 8 * 361**2
 
 
 def test_singular_systems_are_solved_as_far_as_they_can_be():
