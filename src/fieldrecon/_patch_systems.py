@@ -10,9 +10,11 @@ the polynomial of the plane, constant across it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
+from operator import iadd
 
 import numpy as np
 
@@ -96,7 +98,7 @@ class PatchSystems:
         q = self.size - k
         matrix = np.zeros((len(patch), k + q, k + q))
         y = self._coordinates[:, self.sites[patch]]
-        matrix[:, :k, :k] = self._kernel(patch, y[..., None] - y[:, :, None])
+        matrix[:, :k, :k] = self._kernel(patch, (a[..., None] - a[:, None] for a in y))
         matrix[:, range(k), range(k)] += self._smoothing(patch)[:, None]
         basis = monomials(self.frames(patch), self.degree)
         for i, transform in self._reduced_among(patch):
@@ -221,14 +223,13 @@ class PatchSystems:
         y = self._coordinates[:, self.sites[patch]]
         return np.subtract(x.T[:, :, None], y, out=y)
 
-    def _kernel(self, patch: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Kernel (p, ...) between places that are y (d, p, ...) apart, which is written to."""
-        y *= _per_patch(self._unit(patch) / self.radius[patch], y[0])
-        y *= y
-        squared = y[0]
-        for more in y[1:]:
-            squared += more
-        return self.problem.kernel.of_squared(squared)
+    def _kernel(self, patch: np.ndarray, y: Iterable[np.ndarray]) -> np.ndarray:
+        """Kernel (p, ...) between places that are y (p, ...) apart by axis, which is written to.
+
+        One axis after the other: in many variables all together would not fit into memory.
+        """
+        unit = self._unit(patch) / self.radius[patch]
+        return self.problem.kernel.of_squared(reduce(iadd, (_squared(a, unit) for a in y)))
 
     @cached_property
     def _coordinates(self) -> np.ndarray:
@@ -254,6 +255,12 @@ class PatchSystems:
         if not (relative <= _TOLERATED_MISS).all():
             worst = int(np.argmax(np.where(np.isnan(relative), np.inf, relative).max(axis=1)))
             raise _too_flat(self.origin[patch[worst]])
+
+
+def _squared(y: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    y *= _per_patch(unit, y)
+    y *= y
+    return y
 
 
 def _per_patch(factor: np.ndarray, like: np.ndarray) -> np.ndarray:

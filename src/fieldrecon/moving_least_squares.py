@@ -21,7 +21,13 @@ from fieldrecon._neighborhoods import (
     places,
 )
 from fieldrecon.least_squares import half_sum_of_squares, monomial_matrix
-from fieldrecon.polynomials import Frame, dimension, monomials, require_unisolvent
+from fieldrecon.polynomials import (
+    Frame,
+    dimension,
+    monomials,
+    refuse_too_few,
+    require_unisolvent,
+)
 from fieldrecon.radial import Radial, inverse_square
 from fieldrecon.reconstruction import Reconstruction, Weights
 
@@ -84,6 +90,7 @@ class MovingLeastSquares(Reconstruction):
             )
         self.weight = weight
         self.neighbors = as_neighbors(neighbors, len(self.points))
+        refuse_too_few(self.points, self.degree)
         frame = Frame.around(self.points)
         require_unisolvent(
             self.points, monomials(frame.local(self.points), self.degree), self.degree
