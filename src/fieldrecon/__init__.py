@@ -7,6 +7,7 @@ from fieldrecon import datasets, sphere
 from fieldrecon.adaptation import adapted_points
 from fieldrecon.advection import State, semi_lagrangian
 from fieldrecon.barycentric import BarycentricCoordinates
+from fieldrecon.block_means import block_means
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.characteristics import Inflow, Snapshots, departure_points
@@ -74,6 +75,7 @@ __all__ = [
     "audit_mesh",
     "b_splines",
     "barycentric_dual",
+    "block_means",
     "cardinal_b_spline",
     "cell_velocities",
     "circumcenter_weights",
