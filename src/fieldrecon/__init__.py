@@ -9,6 +9,7 @@ from fieldrecon.advection import State, semi_lagrangian
 from fieldrecon.aeroelasticity import ElasticWing
 from fieldrecon.atmosphere import Air, standard_atmosphere
 from fieldrecon.barycentric import BarycentricCoordinates
+from fieldrecon.block_means import block_means
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.characteristics import Inflow, Snapshots, departure_points
@@ -95,6 +96,7 @@ __all__ = [
     "b_splines",
     "barycentric_dual",
     "blend",
+    "block_means",
     "cardinal_b_spline",
     "cell_velocities",
     "circumcenter_weights",

@@ -1,0 +1,186 @@
+"""Error against time, beside what else an engineer could take.
+
+Nothing is timed here: the numbers are those of ``make bench``, read from the file that it wrote.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from fieldrecon.experiments.experiment import (
+    Map,
+    Result,
+    Table,
+    in_checkout,
+    input_file,
+    parameter,
+    require_at_least,
+)
+from fieldrecon.experiments.peers_figures import draw_errors, draw_growth
+
+
+@dataclass(frozen=True)
+class Params:
+    """The measurements."""
+
+    results: str = input_file("benchmarks/results/peers.json", "file that make bench wrote")
+    large: int = parameter(50_000, "number of sites from which on a picture is of large clouds")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, large=1)
+
+
+QUICK = Params(large=100_000)
+
+OURS, USUAL = "fieldrecon", "fieldrecon patches"
+PACKAGES = ("numpy", "scipy", "ferreus_rbf", "wlsqm", "verde", "scikit-learn")
+DATA = {
+    "smooth": "Franke's function", "front": "a steep front",
+    "clusters": "half of the sites in clusters", "noisy": "noise of one part in a hundred",
+    "terrain": "terrain, m", "cube": "a wave in space",
+}  # fmt: skip
+NONE = "–"
+
+
+class Run(NamedTuple):
+    """One method on one set of data: seconds of all, and of the parts; the error; memory in MiB."""
+
+    data: str
+    sites: int
+    method: str
+    fit: float
+    evaluate: float
+    total: float
+    cpu: float
+    rms: float
+    left_out: int
+    memory: int
+
+    @property
+    def ours(self) -> bool:
+        """Whether it is a method of this library."""
+        return self.method.startswith(OURS)
+
+    def covers(self, other: Run) -> bool:
+        """Whether it takes no longer and errs no more."""
+        return self.total <= other.total and self.rms <= other.rms
+
+
+COLUMNS = ("data", "sites", "method", "fit s", "evaluate s", "total s", "cpu s", "rms error",
+           "left out", "memory MiB")  # fmt: skip
+
+
+def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
+    """Read what was measured."""
+    measured = json.loads(in_checkout(params.results).read_text(encoding="utf-8"))
+    (table,) = measured["tables"]
+    wanted = [table["columns"].index(name) for name in COLUMNS]
+    runs = [Run(*(row[k] for k in wanted)) for row in table["rows"]]
+    ratios = {(c["what"], c["peer"]): c for c in measured["comparisons"]}
+    machine = measured["machine"]
+    lost = [_loss(runs, r) for r in uncovered(runs)]
+    facts = {
+        "processor": machine["processor"], "cores": machine["cores used"],
+        "runs": len(runs), "methods": len({r.method for r in runs}),
+        "peers_runs": sum(not r.ours for r in runs), "lost": len(lost),
+        "peers_runs_large": sum(not r.ours and r.sites >= params.large for r in runs),
+        "lost_large": sum(row[1] >= params.large for row in lost),
+        "repeats": measured["parameters"]["repeats"],
+        "patience": measured["parameters"]["patience in seconds"],
+        "stopped": sum("stopped after" in note for note in measured["notes"]),
+        **dict(_numbers(runs)), **_targets(runs, ratios),
+    }  # fmt: skip
+    tables = {
+        "runs": Table(COLUMNS, tuple(runs)),
+        "lost": Table(("data", "sites", "peer", "its seconds", "its error",
+                       "our error by then", "our seconds to that error"), tuple(lost)),
+        "versions": Table(("package", "version"), tuple(
+            (name, f"version {machine[name]}") for name in PACKAGES)),
+        **{f"{data}_{n}": _side_by_side(runs, ratios, data, n)
+           for data, n in dict.fromkeys((r.data, r.sites) for r in runs)},
+    }  # fmt: skip
+    return Result(params, tables, facts)
+
+
+def uncovered(runs: Sequence[Run]) -> list[Run]:
+    """Peers' runs that none of ours on the same data covers."""
+    return [
+        peer for peer in runs if not peer.ours
+        and not any(mine.covers(peer) for mine in _ours(runs, peer.data, peer.sites))
+    ]  # fmt: skip
+
+
+def _ours(runs: Iterable[Run], data: str, sites: int) -> list[Run]:
+    return [r for r in runs if r.ours and (r.data, r.sites) == (data, sites)]
+
+
+def _loss(runs: Sequence[Run], peer: Run) -> tuple[str | int | float, ...]:
+    """Return what ours do in the peer's time, and how long they take to its error."""
+    mine = _ours(runs, peer.data, peer.sites)
+    error = min((r.rms for r in mine if r.total <= peer.total), default=NONE)
+    seconds = min((r.total for r in mine if r.rms <= peer.rms), default=NONE)
+    return peer.data, peer.sites, peer.method, peer.total, peer.rms, error, seconds
+
+
+def _side_by_side(
+    runs: Iterable[Run], ratios: Mapping[tuple[str, str], Mapping[str, float]], data: str, n: int
+) -> Table:
+    """Every method on one set of data, in the order of its errors, times over our usual one's."""
+    rows = []
+    for r in sorted((r for r in runs if (r.data, r.sites) == (data, n)), key=lambda r: r.rms):
+        c = ratios.get((f"{data}, {n} sites: fit and evaluate", r.method))
+        spread = f"{1 / c['most']:.2g} … {1 / c['least']:.2g}" if c else NONE
+        times = 1 / c["ratio"] if c else 1.0
+        rows.append((r.method, r.fit, r.evaluate, times, spread, r.rms, r.cpu / r.total, r.memory))
+    return Table(("method", "fit s", "evaluate s", "times our time", "from … to", "rms error",
+                  "cores busy", "memory MiB"), tuple(rows))  # fmt: skip
+
+
+def _numbers(runs: Iterable[Run]) -> Iterator[tuple[str, float]]:
+    """Yield seconds, error and memory of each run, by name."""
+    return {
+        f"{r.data}_{r.sites}_{plain(r.method)}_{what}": number
+        for r in runs
+        for what, number in (("seconds", r.total), ("error", r.rms), ("memory", r.memory))
+    }.items()
+
+
+def plain(name: str) -> str:
+    """Return a method's name as it stands in the names of facts."""
+    for sign, word in {"³": "3", "⁴": "4", "⁷": "7", ",": "", "-": "_"}.items():
+        name = name.replace(sign, word)
+    return "_".join(name.lower().split())
+
+
+def _targets(
+    runs: Sequence[Run], ratios: Mapping[tuple[str, str], Mapping[str, float]]
+) -> dict[str, float | str]:
+    """Return what was aimed at: the largest clouds against the fast multipole method."""
+    facts: dict[str, float | str] = {}
+    for data in ("smooth", "cube"):
+        n = max(r.sites for r in runs if r.data == data)
+        here = {r.method: r for r in runs if (r.data, r.sites) == (data, n)}
+        rival = min((r for m, r in here.items() if m.startswith("ferreus")), key=lambda r: r.rms)
+        c = ratios[f"{data}, {n} sites: fit and evaluate", rival.method]
+        ours = here[USUAL]
+        facts |= {
+            f"{data}_sites": n, f"{data}_rival": rival.method, f"{data}_times": 1 / c["ratio"],
+            f"{data}_times_least": 1 / c["most"], f"{data}_times_most": 1 / c["least"],
+            f"{data}_error_ratio": rival.rms / ours.rms, f"{data}_gigabytes": ours.memory / 1024,
+        }  # fmt: skip
+    return facts
+
+
+def plot(result: Result) -> Figure:
+    """Error at places left out against the time of fit and evaluation, a curve for each method."""
+    return draw_errors(result.tables["runs"], DATA)
+
+
+def plot_growth(result: Result) -> Figure:
+    """Time of fit and evaluation, and memory, against the number of sites."""
+    return draw_growth(result.tables["runs"], "smooth")
