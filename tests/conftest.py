@@ -1,12 +1,14 @@
 """How the tests are run, and what a run says at its head."""
 
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from fieldrecon.course.grading.isolation import TIERS
 from hostile.case import HERE
 
 # No test is timed: a busy machine would fail it. The same examples come on every run.
-settings.register_profile("fieldrecon", derandomize=True)
+settings.register_profile(
+    "fieldrecon", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("fieldrecon")
 
 

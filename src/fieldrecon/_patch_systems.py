@@ -97,7 +97,7 @@ class PatchSystems:
         k = self.sites.shape[1]
         q = self.size - k
         matrix = np.zeros((len(patch), k + q, k + q))
-        y = self._coordinates[:, self.sites[patch]]
+        y = self._coordinates[:, patch]
         matrix[:, :k, :k] = self._kernel(patch, (a[..., None] - a[:, None] for a in y))
         matrix[:, range(k), range(k)] += self._smoothing(patch)[:, None]
         basis = monomials(self.frames(patch), self.degree)
@@ -194,7 +194,6 @@ class PatchSystems:
         g = np.empty((len(patch), self.size, x.shape[1]))
         k, unit = self.sites.shape[1], self._unit(patch)[:, None]
         y = self._from_sites(patch, x)
-        y /= self.radius[patch, None]
         squared = np.einsum("apk,apk->pk", y, y) * unit**2
         if not self.problem.kernel.differentiable and (squared == 0).any():
             raise ValueError(
@@ -219,21 +218,23 @@ class PatchSystems:
         return [(i, self.reduced[j]) for i, j in enumerate(patch.tolist()) if j in self.reduced]
 
     def _from_sites(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """From the sites of patches (p,) to places x (p, d), by axis (d, p, k)."""
-        y = self._coordinates[:, self.sites[patch]]
-        return np.subtract(x.T[:, :, None], y, out=y)
+        """From the sites of patches (p,) to places x (p, d), by axis (d, p, k), in their frames."""
+        y = self._coordinates[:, patch]
+        return np.subtract(self._offsets(patch, x).T[:, :, None], y, out=y)
 
     def _kernel(self, patch: np.ndarray, y: Iterable[np.ndarray]) -> np.ndarray:
         """Kernel (p, ...) between places that are y (p, ...) apart by axis, which is written to.
 
         One axis after the other: in many variables all together would not fit into memory.
         """
-        unit = self._unit(patch) / self.radius[patch]
+        unit = None if self._is_homogeneous else self.radius[patch]
         return self.problem.kernel.of_squared(reduce(iadd, (_squared(a, unit) for a in y)))
 
     @cached_property
     def _coordinates(self) -> np.ndarray:
-        return np.ascontiguousarray(self.points.T)
+        """Sites of all patches in their frames, by axis (d, p, k): a patch's lie together."""
+        local = self.frames(np.arange(len(self)))
+        return np.ascontiguousarray(np.moveaxis(local, 2, 0))
 
     def _smoothing(self, patch: np.ndarray) -> np.ndarray:
         return (
@@ -243,8 +244,12 @@ class PatchSystems:
 
     def _unit(self, patch: np.ndarray) -> np.ndarray:
         """Length of the kernel's unit in each patch's."""
-        homogeneous = self.problem.kernel.in_units(2.0) is self.problem.kernel
-        return np.ones(len(patch)) if homogeneous else self.radius[patch]
+        return np.ones(len(patch)) if self._is_homogeneous else self.radius[patch]
+
+    @cached_property
+    def _is_homogeneous(self) -> bool:
+        """Whether a factor that the polynomials take up is all that a unit of length changes."""
+        return self.problem.kernel.in_units(2.0) is self.problem.kernel
 
     def _refuse_a_miss(
         self, patch: np.ndarray, matrix: np.ndarray, found: np.ndarray, right: np.ndarray
@@ -257,8 +262,9 @@ class PatchSystems:
             raise _too_flat(self.origin[patch[worst]])
 
 
-def _squared(y: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    y *= _per_patch(unit, y)
+def _squared(y: np.ndarray, unit: np.ndarray | None) -> np.ndarray:
+    if unit is not None:
+        y *= _per_patch(unit, y)
     y *= y
     return y
 

@@ -187,7 +187,10 @@ class polyharmonic(Radial):
     def of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values by half powers of s."""
         if self.k % 2:
-            return self._sign * s ** (self.k // 2) * np.sqrt(s)
+            value = np.sqrt(s)
+            for _ in range(self.k // 2):
+                value *= s
+            return value if self._sign > 0 else -value
         return self._sign * s ** (self.k // 2 - 1) * xlogy(s, s) / 2
 
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
