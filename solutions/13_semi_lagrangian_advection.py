@@ -160,12 +160,12 @@ check("13.2")
 # The classical scheme of Runge and Kutta looks at four velocities,
 #
 # $$ \begin{aligned}
-#    \mathbf{a}_1 &= \mathbf{a}(\mathbf{x}, t), &
+#    \mathbf{a}_1 &= \mathbf{a}(\mathbf{x},\ t), \\
 #    \mathbf{a}_2 &= \mathbf{a}(\mathbf{x} - \tfrac12\Delta t\, \mathbf{a}_1,\ t - \tfrac12\Delta t), \\
-#    \mathbf{a}_3 &= \mathbf{a}(\mathbf{x} - \tfrac12\Delta t\, \mathbf{a}_2,\ t - \tfrac12\Delta t), &
-#    \mathbf{a}_4 &= \mathbf{a}(\mathbf{x} - \Delta t\, \mathbf{a}_3,\ t - \Delta t),
-#    \end{aligned} \qquad
-#    \mathbf{y} = \mathbf{x} - \tfrac16 \Delta t\, (\mathbf{a}_1 + 2\mathbf{a}_2 + 2\mathbf{a}_3 + \mathbf{a}_4) . \tag{13.5} $$
+#    \mathbf{a}_3 &= \mathbf{a}(\mathbf{x} - \tfrac12\Delta t\, \mathbf{a}_2,\ t - \tfrac12\Delta t), \\
+#    \mathbf{a}_4 &= \mathbf{a}(\mathbf{x} - \Delta t\, \mathbf{a}_3,\ t - \Delta t), \\
+#    \mathbf{y} &= \mathbf{x} - \tfrac16 \Delta t\, (\mathbf{a}_1 + 2\mathbf{a}_2 + 2\mathbf{a}_3 + \mathbf{a}_4) .
+#    \end{aligned} \tag{13.5} $$
 #
 # ### 13.3 Runge and Kutta
 

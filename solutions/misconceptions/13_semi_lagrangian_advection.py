@@ -190,6 +190,16 @@ def first_velocity_everywhere(x, t, dt, flow):
 
 
 @answers("13.3")
+def bracket_forgotten(x, t, dt, flow):
+    """Only the first velocity is multiplied by the step; the others are added as they are. (13.5) has a bracket, and so must the code.
+    """
+    a = wind(x, t, flow)
+    b = wind(x - dt * a / 2, t - dt / 2, flow)
+    c = wind(x - dt * b / 2, t - dt / 2, flow)
+    return x - dt / 6 * a + 2 * b + 2 * c + wind(x - dt * c, t - dt, flow)
+
+
+@answers("13.3")
 def went_forward(x, t, dt, flow):
     """The scheme is right, and runs the wrong way: these are the places where the particles will be. All signs are turned."""
     return four(x, t, -dt, flow)
