@@ -38,6 +38,15 @@ def holds_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(0.0, float((low - u).max()), float((u - high).max()))
 
 
+def hold_four(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how many of four different values are missing between bounds."""
+    between = (
+        ((low[:, None] <= c.arguments[1]) & (c.arguments[1] <= high[:, None])).sum(axis=1).min()
+        for c, (low, high) in zip(calls, values, strict=True)
+    )
+    return float(max(0, 4 - min(between)))
+
+
 def are_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the bounds are from the nearest values of the field."""
     return max(
@@ -127,6 +136,7 @@ QUESTIONS = (
         "13.8", "bounds", 2, bounds_inputs, lambda call: ((len(call.arguments[2]),),) * 2,
         (Law("Bounds are values of the field.", are_values),
          Law("If the field changes its sign, the bounds do, and exchange their places.", turns_over),
+         Law("Four sites are asked, so that four values at least lie between the bounds.", hold_four),
          Law("A foot that is a site has the value there between its bounds.", holds_the_nearest)),
     ),
     Question(
