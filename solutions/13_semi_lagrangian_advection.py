@@ -612,7 +612,7 @@ def one_step_of_a_wave(dt):
 
 # %% [markdown] answer="13.12" points=2
 # (a) The difference of two rounds is $-\Delta t\,(s(y^m) - s(y^{m-1}))$, at most $\Delta t \max\lvert s'\rvert$ times the one before; if that factor is less than one, the rounds converge at least as fast as its powers. (b) The particle from $x_0$ is at $x_0 + t\,u(x_0)$; this map has the derivative $1 + t\,u_x$, which first vanishes at $t^*$, where particles overtake
-# each other. From then on some places have several feet, and (13.10) has several solutions. Where the velocity falls most, $\Delta t\,\lvert s' \rvert$ reaches one at the same moment. (c) Up to $\Delta t < t^*$, as far as the rounds converge: paths are straight, so no error of time is made at all, however many sites are passed.
+# each other. From then on some places have several feet, and (13.10) has several solutions. Where the velocity falls most, $\Delta t\,\lvert s' \rvert$ reaches one at the same moment. (After that the rounds fail also where the velocity rises as steeply, although there is one foot only: this is a fault of the rounds, not of the wave.) (c) Up to $\Delta t < t^*$, as far as the rounds converge: paths are straight, so no error of time is made at all, however many sites are passed.
 
 # %% [markdown] rubric="13.12"
 # One point for the factor $\Delta t\,\lvert u_x\rvert < 1$. One for feet that are no longer unique after $t^*$, or for straight paths, so that the step is exact before.
