@@ -41,6 +41,25 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
     )
 
 
+def slopes_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the same, and Gauss's two places between two nodes of the line."""
+    calls = meshes("slopes", seed)
+    line = calls[3].arguments[0]
+    middle, half = (line[1] + line[2]) / 2, (line[2] - line[1]) / 2
+    places = middle + half * np.array([[-1.0], [1.0]]) / np.sqrt(3)
+    return (*calls, Call("slopes", (line, places), "two places between two nodes of the line"))
+
+
+def adds_up(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far the integral of slopes from one node to the next is from the change of the weights.
+
+    There they are polynomials of degree two, of which Gauss's rule is right.
+    """
+    line, ((g,),) = calls[6].arguments[0][:, 0], values[6]
+    change = (line[2] - line[1]) / 2 * g.sum(axis=0)
+    return float(np.abs(change - [0.0, -1.0, 1.0, 0.0, 0.0]).max())
+
+
 def rows_sum_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a translation of all nodes is from moving all places alike."""
     return max(float(np.abs(h.sum(axis=1) - 1).max()) for (h,) in values)
@@ -132,10 +151,11 @@ def moves_by_the_total_force(calls: Sequence[Call], values: Sequence[Values]) ->
     apart = calls[0].arguments[2] - calls[1].arguments[2]
     total = one[:3]
     carried = [apart[k - 2] * total[k - 1] - apart[k - 1] * total[k - 2] for k in range(3)]
+    ends, pulls, _ = calls[2].arguments
     ((reach, _, _),), ((_, _, pull),), _ = calls[4].arguments
     return max(
         relative(two - one - np.r_[0.0, 0.0, 0.0, carried], two),
-        relative(np.r_[couple[:3], again - couple], couple),
+        relative(np.r_[couple[:3], again - couple, couple[3:] - np.cross(ends[0] - ends[1], pulls[0])], couple),
         relative(lever - [0.0, 0.0, pull, 0.0, -reach * pull, 0.0], lever),
     )
 
@@ -217,7 +237,7 @@ QUESTIONS = (
     Question(
         "12.4", "resultants", 2, resultants_inputs, lambda _: ((6,),),
         (Law("About another point only the moment changes, and by what the total force does on the way between "
-             "the points: nothing for a couple. And (12.5) can be done by hand for one upward force.", moves_by_the_total_force),),
+             "the points: nothing for a couple. And (12.5) can be done by hand for a couple and for one upward force.", moves_by_the_total_force),),
     ),
     Question(
         "12.6", "densities", 2, densities_inputs, lambda call: ((call.arguments[0].shape[1],),),
@@ -225,10 +245,12 @@ QUESTIONS = (
          Law("Pressure times area must have the same sum on both sides.", carries_the_whole)),
     ),
     Question(
-        "12.7", "slopes", 2, lambda seed: meshes("slopes", seed),
+        "12.7", "slopes", 2, slopes_inputs,
         lambda call: ((call.arguments[0].shape[1], *weights_shape(call)[0]),),
         (Law("A constant has no slope, and a coordinate has the slope one along its own axis and none along others.", slope_of_linear_fields),
-         Law("Slopes turn along with everything else.", slopes_turn_along)),
+         Law("Slopes turn along with everything else.", slopes_turn_along),
+         Law("From one node to the next the slopes must add up to the change of the weights: the one's falls from one to zero, "
+             "the other's rises from zero to one.", adds_up)),
     ),
     Question(
         "12.8", "flat_loads", 3, flat_inputs, lambda call: ((len(call.arguments[0]), 3),),

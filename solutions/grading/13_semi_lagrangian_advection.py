@@ -1,0 +1,81 @@
+"""What only a grader tries in notebook 13."""
+
+import numpy as np
+
+from fieldcheck.calls import Call
+from fieldcheck.questions.q13_semi_lagrangian_advection import in_disc, in_square
+from fieldrecon.course.hidden import hidden
+
+
+def other_steps(name, seed):
+    """Return a single place, a step forward, and a long step."""
+    random = np.random.default_rng(seed)
+    x, t = in_disc(random, 5), random.uniform(0.5, 1)
+    return (
+        Call(name, (x[:1], t, 0.1, 1), "a single place"),
+        Call(name, (x, t, -0.07, 2), "a step forward in time"),
+        Call(name, (x, 0.0, 0.4, 0), "a long step"),
+    )
+
+
+@hidden("13.1", "It must hold for a single place, for steps of either sign, and for long ones.")
+def other_steps_of_euler(seed):
+    return other_steps("euler", seed + 1)
+
+
+@hidden("13.2", "It must hold for a single place, for steps of either sign, and for long ones.")
+def other_steps_of_the_midpoint(seed):
+    return other_steps("midpoint", seed + 2)
+
+
+@hidden("13.3", "It must hold for a single place, for steps of either sign, and for long ones.")
+def other_steps_of_runge_and_kutta(seed):
+    return other_steps("rk4", seed + 3)
+
+
+@hidden("13.5", "It must hold in space, and for feet outside of the sites.")
+def in_space(seed):
+    random = np.random.default_rng(seed + 4)
+    sites = np.indices((3, 3, 2)).reshape(3, -1).T + random.uniform(-0.2, 0.2, (18, 3))
+    return (
+        Call("step_matrix", (sites, random.uniform(0, 1.5, (4, 3)), 10), "feet in space"),
+        Call("step_matrix", (in_square(random, 4), random.uniform(1, 1.3, (3, 2)), 7), "feet outside of the sites"),
+    )
+
+
+@hidden("13.6", "It must hold for any number of steps, none as well.")
+def longer_and_shorter(seed):
+    random = np.random.default_rng(seed + 5)
+    sites = in_disc(random, 20)
+    return (
+        Call("advect", (sites, random.normal(size=20), 0.1, 6, 1, 7), "six steps"),
+        Call("advect", (sites, random.normal(size=20), 0.1, 0, 1, 7), "no step"),
+    )
+
+
+@hidden("13.8", "It must hold for a single foot, and for feet outside of the sites.")
+def outside(seed):
+    random = np.random.default_rng(seed + 6)
+    return (Call("bounds", (in_disc(random, 15), random.normal(size=15), np.array([[1.5, -1.2]])), "a foot outside of the sites"),)
+
+
+@hidden("13.9", "It must hold if all values end at a bound, and if bounds are equal.")
+def at_the_bounds(seed):
+    random = np.random.default_rng(seed + 7)
+    u, m = random.normal(size=6), random.uniform(1, 2, 6)
+    low, high = u - random.uniform(0.1, 1, 6), u + random.uniform(0.1, 1, 6)
+    high[2] = low[2]
+    return (
+        Call("with_mass", (u, low, high, m, float(m @ high)), "the largest mass"),
+        Call("with_mass", (u, low, high, m, float(m @ (0.6 * low + 0.4 * high))), "equal bounds of one value"),
+    )
+
+
+@hidden("13.11", "It must hold for any number of rounds, none as well.")
+def more_rounds(seed):
+    random = np.random.default_rng(seed + 8)
+    x = np.arange(7)[:, None] / 3 - 1 + random.uniform(-0.05, 0.05, (7, 1))
+    return (
+        Call("burgers_feet", (x, np.cos(x[:, 0]), 0.3, 12, 5), "twelve rounds"),
+        Call("burgers_feet", (x, np.cos(x[:, 0]), 0.3, 0, 5), "no round"),
+    )
