@@ -7,7 +7,7 @@ polynomials and Wendland's functions become, and what is wrong with Halton's poi
 
 References
 ----------
-Wendland, Scattered Data Approximation (2005), theorem 9.13 and corollary 9.3; Beyer, Goldstein,
+Wendland, Scattered Data Approximation (2005), chapter 9; Beyer, Goldstein,
 Ramakrishnan and Shaft, When is "nearest neighbor" meaningful? (1999).
 """
 
@@ -64,7 +64,7 @@ class Params:
             raise ValueError(f"parameter at must be one of variables; got {self.at}")
 
 
-QUICK = Params(variables=(3, 10), sites=60, more=(40, 80), queries=20, large=200)
+QUICK = Params(variables=(3, 10, 20, 100), sites=150, more=(60, 120), queries=10, large=200)
 
 
 def run(params: Params, each: Map = map) -> Result:
@@ -173,6 +173,8 @@ def _facts(
                        g.row()[1:], strict=True))  # fmt: skip
         facts |= {f"geometry_{name}_{d}": cell for name, cell in row.items()}
         facts |= {f"correlation_{k}_{d}": c for k, c in zip(KINDS, g.correlations, strict=True)}
+        if g.overlap:
+            facts[f"overlap_{d}"] = g.overlap
         facts[f"known_{d}"] = float(found[-1, 1])
         cubic = METHODS.index("cubic")
         facts[f"halton_worse_{d}"] = float((kinds[0, cubic] / found[cubic]).max())

@@ -18,7 +18,7 @@ from fieldrecon.radial import polyharmonic
 from fieldrecon.rbf import RBF
 
 MOST_FOR_PATCHES = 10
-"""Variables beyond which a query lies in nearly all of the patches, or there is but one."""
+"""Variables beyond which each patch has a good part of all sites, or there is but one."""
 
 
 def centred(x: np.ndarray) -> np.ndarray:

@@ -71,14 +71,15 @@ def plot_distances(result: Result) -> Figure:
         looks = shades("truth", len(variables), marker="")
         for d, density, look in zip(variables, distances, looks, strict=True):
             panels[0].plot(middles, density, **look, label=str(d))
-        panels[0].set(title="distances of two sites", xlabel="distance / mean", xlim=(0, 2.2))
+        panels[0].set(title="distances of two sites", xlabel="distance / mean")
+        panels[0].set(xlim=(0, 2.2), ylim=(0, None))
         panels[0].set_yticks([])
         panels[0].legend(title="variables")
         last = variables[-1]
         for panel, name, title in (
             (panels[1], "last_columns", "Halton"), (panels[2], "scrambled", "scrambled")
         ):  # fmt: skip
-            _cloud(panel, result.arrays[name], title, f"x{last - 1}", f"x{last}")
+            _cloud(panel, result.arrays[name], title, f"$x_{{{last - 1}}}$", f"$x_{{{last}}}$")
     return page
 
 

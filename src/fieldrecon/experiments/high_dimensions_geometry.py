@@ -11,6 +11,8 @@ from scipy.spatial.distance import pdist
 
 from fieldrecon.datasets import halton, uniform
 from fieldrecon.experiments.experiment import Cell
+from fieldrecon.experiments.high_dimensions_cases import MOST_FOR_PATCHES
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.polynomials import dimension
 from fieldrecon.positive_definite import wendland
 
@@ -43,6 +45,7 @@ class Geometry:
     nearest: float
     counting: float
     correlations: tuple[float, ...]
+    overlap: float
 
     @classmethod
     def of(cls, n: int, queries: int, seed: int, d: int) -> Geometry:
@@ -54,7 +57,7 @@ class Geometry:
         correlated = [largest_correlation(sites(n, d, kind, seed)) for kind in KINDS]
         count = counting(x, uniform(queries, d, seed + 1))
         spread = float(some.std() / some.mean())
-        return cls(d, histogram, spread, near, count, tuple(correlated))
+        return cls(d, histogram, spread, near, count, tuple(correlated), overlap(x))
 
     def row(self) -> tuple[Cell, ...]:
         """Return the cells of the table."""
@@ -62,6 +65,13 @@ class Geometry:
         half = brentq(lambda r: wendland(d, 1)(np.array(r)) - 0.5, 0.0, 1.0)
         polynomials = (dimension(d, m) for m in (1, 2, 3))
         return (d, self.spread, self.nearest, *polynomials, self.counting, d // 2 + 3, half)
+
+
+def overlap(x: np.ndarray) -> float:
+    """Return in how many patches a site is, on average; zero where there are none."""
+    if x.shape[1] > MOST_FOR_PATCHES:
+        return 0.0
+    return PartitionOfUnityRBF(x).patch_sizes.sum() / len(x)
 
 
 def counting(x: np.ndarray, q: np.ndarray) -> float:
