@@ -171,7 +171,7 @@ class PartitionOfUnityRBF(Reconstruction):
                 np.add.at(total, level.sites[own], weight[..., None] * rest)
         if not weights.all():
             i = int(np.flatnonzero(weights == 0)[0])
-            where = ", ".join(f"{c:.6g}" for c in self.points[i])
+            where = valid.place(self.points[i])
             raise np.linalg.LinAlgError(
                 f"without point {i}, ({where}), the others of its patches do not determine the "
                 "polynomial: it cannot be left out"
