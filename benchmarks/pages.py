@@ -33,7 +33,10 @@ def with_tables(text: str, folder: Path) -> str:
     """A text whose tables below <!-- table N of NAME --> are those of the results in the folder."""
 
     def marked(match: re.Match[str]) -> str:
-        result = json.loads((folder / f"{match['name']}.json").read_text())
+        file = folder / f"{match['name']}.json"
+        if not file.exists():
+            return match[0]
+        result = json.loads(file.read_text())
         table = result["tables"][int(match["number"]) - 1]
         return f"{match['mark']}\n{_table(table['columns'], table['rows'])}\n"
 

@@ -122,6 +122,7 @@ def test_tables_in_the_documentation_are_those_of_the_results():
     for page in (ROOT / "docs").glob("*.md"):
         text = page.read_text()
         assert pages.with_tables(text, command.RESULTS) == text
+        assert "-->\n\n" not in text, f"{page.name} has a mark without a table"
     whole = "before\n<!-- table 1 of streaming -->\n| typed |\n| 7 |\n\nafter\n"
     mended = pages.with_tables(whole, command.RESULTS)
     assert "typed" not in mended

@@ -21,7 +21,7 @@ import numpy as np
 from fieldrecon._chunks import Progress, chunked, rows_of
 from fieldrecon._determined import leverages, ranks
 from fieldrecon._small_systems import COLUMNS, solved, solved_for_each
-from fieldrecon._validation import without_warnings
+from fieldrecon._validation import place, without_warnings
 from fieldrecon.polynomials import dimension, monomial_gradients, monomials
 from fieldrecon.radial import Radial
 
@@ -275,9 +275,8 @@ def _per_patch(factor: np.ndarray, like: np.ndarray) -> np.ndarray:
 
 
 def _too_flat(where: np.ndarray) -> np.linalg.LinAlgError:
-    place = ", ".join(f"{c:.6g}" for c in where)
     return np.linalg.LinAlgError(
-        f"the field of the patch about ({place}) would miss its data, by rounding: the kernel is "
-        "too flat for sites this close and data this rough; choose a smaller scale, a rougher "
-        "kernel or some smoothing"
+        f"the field of the patch about ({place(where)}) would miss its data, by rounding: the "
+        "kernel is too flat for sites this close and data this rough; choose a smaller scale, a "
+        "rougher kernel or some smoothing"
     )

@@ -194,7 +194,7 @@ class MovingLeastSquares(Reconstruction):
         local = x / self.unit
         far = np.flatnonzero(~(np.abs(local).max(axis=1, initial=0.0) < 1e150))
         if len(far):
-            where = ", ".join(f"{c:.6g}" for c in x[far[0]])
+            where = valid.place(x[far[0]])
             raise OverflowError(
                 f"the query ({where}) is too far away: the square of its distance from the sites "
                 "exceeds the range of floating-point numbers"

@@ -69,7 +69,8 @@ class PartitionOfUnityRBF(Reconstruction):
     with the degree, at nearly the same cost; on rough data, where it cannot, r^3 with polynomials
     of degree 3 is as accurate as with linear ones and the plate of least energy, while r^5 and r^7
     amplify noise, and degree 4 overshoots in gaps. Larger patches cost little more, since there
-    are fewer of them.
+    are fewer of them. In more than about six variables a site lies in dozens of patches, and the
+    field of all sites at once, `RBF`, is better where it can be had (experiment `high_dimensions`).
 
     Raises
     ------
@@ -171,7 +172,7 @@ class PartitionOfUnityRBF(Reconstruction):
                 np.add.at(total, level.sites[own], weight[..., None] * rest)
         if not weights.all():
             i = int(np.flatnonzero(weights == 0)[0])
-            where = ", ".join(f"{c:.6g}" for c in self.points[i])
+            where = valid.place(self.points[i])
             raise np.linalg.LinAlgError(
                 f"without point {i}, ({where}), the others of its patches do not determine the "
                 "polynomial: it cannot be left out"

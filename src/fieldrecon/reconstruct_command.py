@@ -124,8 +124,7 @@ def _outcome(options: argparse.Namespace, stage: Stage) -> Outcome:
     if loaded is None:
         judge = Judge.of(sites, samples.values)
         trials = _trials(judge, options.method, stage)
-        allowed = [t for t in trials if options.method in ("best", t.candidate.name)]
-        chosen, (field, values) = best(allowed, lambda t: _values(t, samples, places, stage))
+        chosen, (field, values) = best(trials, lambda t: _values(t, samples, places, stage))
         judged = judge.judged
     else:
         field, trials, chosen, judged = loaded, [], None, 0
@@ -166,10 +165,13 @@ def _loaded(options: argparse.Namespace) -> tuple[Samples, Field]:
 
 
 def _trials(judge: Judge, method: str, stage: Stage) -> list[Trial]:
+    """Judge the method that is asked for, or all."""
+    asked_for = method in CANDIDATES
+    candidates = [CANDIDATES[method]] if asked_for else [*CANDIDATES.values()]
     progress, trials = stage("choosing a method"), []
-    for done, candidate in enumerate(CANDIDATES.values(), 1):
-        trials.append(judge.trial(candidate, candidate.name == method))
-        progress(done, len(CANDIDATES))
+    for done, candidate in enumerate(candidates, 1):
+        trials.append(judge.trial(candidate, asked_for))
+        progress(done, len(candidates))
     return trials
 
 
