@@ -135,7 +135,7 @@ def three_bumps(side):
 
 # %% question="09.1"
 def monomials(points, degree):
-    """Return P with the columns (9.4), of shape (N, Q), for points (N, 2) and degree -1, 0, 1, …"""
+    """Return P of shape (N, Q), with the columns (9.4), for points (N, 2), degree -1, 0, 1, …"""
     # BEGIN SOLUTION
     x, y = points.T
     powers = [(n - j, j) for n in range(degree + 1) for j in range(n + 1)]
@@ -258,7 +258,7 @@ def both_sides(k):
 
 # %% question="09.3"
 def vanishing(points, degree):
-    """Return how many independent polynomials of this degree at most are zero at points (N, 2)."""
+    """Return how many independent polynomials up to a degree vanish at points (N, 2)."""
     # BEGIN SOLUTION
     p = monomials(points, degree)
     return p.shape[1] - np.linalg.matrix_rank(p, rtol=1e-10)
@@ -314,7 +314,7 @@ def six_points(out):
 
 # %% question="09.4"
 def interpolate(points, values, k, degree, x):
-    """Return f (9.2) at x (M, 2), of shape (M,), for the kernel φ_k, points (N, 2), values (N,)."""
+    """Return f of (9.2) with φ_k at x (M, 2), for points (N, 2) and values (N,)."""
     # BEGIN SOLUTION
     n = len(points)
     p = monomials(points, degree)
@@ -405,7 +405,7 @@ def on_a_line(more):
 
 # %% question="09.5"
 def wendland(r, d, s):
-    """Return ψ_{D,s}(r) of (9.8) for distances r of any shape, D = d variables, and s = 0 or 1."""
+    """Return ψ_{d,s}(r) of (9.8) for distances r of any shape, and s = 0 or 1."""
     # BEGIN SOLUTION
     ell = d // 2 + s + 1
     inside = np.maximum(1 - r, 0)
@@ -474,7 +474,7 @@ def too_many_variables(d, s):
 
 # %% question="09.6"
 def exchange_time(points):
-    """Return the time t of (9.10) at which the three points, of shape (3, 2), lie on one line."""
+    """Return the time t of (9.10) at which three points (3, 2) lie on one line."""
     # BEGIN SOLUTION
     middle = (points[0] + points[1]) / 2
     (a, b), (c, d) = points[0] - middle, points[2] - middle
