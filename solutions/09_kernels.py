@@ -350,8 +350,8 @@ def your_field(k, degree):
 
 # %% [markdown]
 # **What to look at.** Each dot vanishes in its surroundings: the field goes through your values even where the degree is too low. There it
-# is luck. The matrix is indefinite on the side conditions, and somewhere between these points and others it is singular, as for the triangle at
-# the beginning. Compare the corners of the picture for the degrees 0 and 3: what does the field do far from the data?
+# is luck: the matrix is indefinite on the side conditions, and as points move an eigenvalue may pass through zero, as for the triangle at
+# the beginning. (Only $k = 1$ is safe without a polynomial; *dig deeper* says why.) Compare the corners of the picture for the degrees 0 and 3: what does the field do far from the data?
 #
 # And if the degree is right but the points are not? Here five points lie on a line, with the kernel $r^2\log r$ and $n = 1$. The plane
 # $x_1 - x_2$ vanishes at all of them. Add as much of it as you like.
@@ -627,7 +627,9 @@ def with_slopes(slope):
 # eigenvalues may pass through zero as points move: for some distinct points the matrix is singular, and near them the factors are huge and the field swings. Nor is the
 # field any longer that of least energy, and far away it grows faster than a plane.
 #
-# *Example.* $r^2\log r$ without a polynomial (order two, $n = -1$): for the corners of an equilateral triangle with the side 1 all distances are 0 or 1,
+# For $r^3$ itself, with $n = 0$, such points are the corners of a triangle with the sides $1$, $1$ and $2^{2/3}$.
+#
+# *Another example.* $r^2\log r$ without a polynomial (order two, $n = -1$): for the corners of an equilateral triangle with the side 1 all distances are 0 or 1,
 # $\varphi_2$ vanishes at both, $\mathbf{A} = \mathbf{0}$, and no values but zero can be met.
 #
 # $n = 2$ is no mistake. More side conditions leave fewer $\boldsymbol\lambda$, and a form that is positive on a space is positive on a smaller one. But the points must be
