@@ -135,7 +135,7 @@ def three_bumps(side):
 
 # %% question="09.1"
 def monomials(points, degree):
-    """Return P with the columns (9.4), of shape (N, Q), for points (N, 2) and degree -1, 0, 1, …"""
+    """Return P of shape (N, Q), with the columns (9.4), for points (N, 2), degree -1, 0, 1, …"""
     # BEGIN SOLUTION
     x, y = points.T
     powers = [(n - j, j) for n in range(degree + 1) for j in range(n + 1)]
@@ -258,7 +258,7 @@ def both_sides(k):
 
 # %% question="09.3"
 def vanishing(points, degree):
-    """Return how many independent polynomials of this degree at most are zero at points (N, 2)."""
+    """Return how many independent polynomials up to a degree vanish at points (N, 2)."""
     # BEGIN SOLUTION
     p = monomials(points, degree)
     return p.shape[1] - np.linalg.matrix_rank(p, rtol=1e-10)
@@ -314,7 +314,7 @@ def six_points(out):
 
 # %% question="09.4"
 def interpolate(points, values, k, degree, x):
-    """Return f (9.2) at x (M, 2), of shape (M,), for the kernel φ_k, points (N, 2), values (N,)."""
+    """Return f of (9.2) with φ_k at x (M, 2), for points (N, 2) and values (N,)."""
     # BEGIN SOLUTION
     n = len(points)
     p = monomials(points, degree)
@@ -350,8 +350,8 @@ def your_field(k, degree):
 
 # %% [markdown]
 # **What to look at.** Each dot vanishes in its surroundings: the field goes through your values even where the degree is too low. There it
-# is luck. The matrix is indefinite on the side conditions, and somewhere between these points and others it is singular, as for the triangle at
-# the beginning. Compare the corners of the picture for the degrees 0 and 3: what does the field do far from the data?
+# is luck: the matrix is indefinite on the side conditions, and as points move an eigenvalue may pass through zero, as for the triangle at
+# the beginning. (Only $k = 1$ is safe without a polynomial; *dig deeper* says why.) Compare the corners of the picture for the degrees 0 and 3: what does the field do far from the data?
 #
 # And if the degree is right but the points are not? Here five points lie on a line, with the kernel $r^2\log r$ and $n = 1$. The plane
 # $x_1 - x_2$ vanishes at all of them. Add as much of it as you like.
@@ -405,7 +405,7 @@ def on_a_line(more):
 
 # %% question="09.5"
 def wendland(r, d, s):
-    """Return ψ_{D,s}(r) of (9.8) for distances r of any shape, D = d variables, and s = 0 or 1."""
+    """Return ψ_{d,s}(r) of (9.8) for distances r of any shape, and s = 0 or 1."""
     # BEGIN SOLUTION
     ell = d // 2 + s + 1
     inside = np.maximum(1 - r, 0)
@@ -474,7 +474,7 @@ def too_many_variables(d, s):
 
 # %% question="09.6"
 def exchange_time(points):
-    """Return the time t of (9.10) at which the three points, of shape (3, 2), lie on one line."""
+    """Return the time t of (9.10) at which three points (3, 2) lie on one line."""
     # BEGIN SOLUTION
     middle = (points[0] + points[1]) / 2
     (a, b), (c, d) = points[0] - middle, points[2] - middle
@@ -627,7 +627,9 @@ def with_slopes(slope):
 # eigenvalues may pass through zero as points move: for some distinct points the matrix is singular, and near them the factors are huge and the field swings. Nor is the
 # field any longer that of least energy, and far away it grows faster than a plane.
 #
-# *Example.* $r^2\log r$ without a polynomial (order two, $n = -1$): for the corners of an equilateral triangle with the side 1 all distances are 0 or 1,
+# For $r^3$ itself, with $n = 0$, such points are the corners of a triangle with the sides $1$, $1$ and $2^{2/3}$.
+#
+# *Another example.* $r^2\log r$ without a polynomial (order two, $n = -1$): for the corners of an equilateral triangle with the side 1 all distances are 0 or 1,
 # $\varphi_2$ vanishes at both, $\mathbf{A} = \mathbf{0}$, and no values but zero can be met.
 #
 # $n = 2$ is no mistake. More side conditions leave fewer $\boldsymbol\lambda$, and a form that is positive on a space is positive on a smaller one. But the points must be

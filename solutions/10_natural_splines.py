@@ -104,7 +104,10 @@ def the_problem(height):
 
 # %% question="10.1"
 def from_truncated(sites, alpha, beta):
-    """Return a (N,) and (b_0, b_1) of (10.4), for α (N,) and (β_0, β_1) of (10.1) with (10.2)."""
+    """Return a and b of (10.4), of shapes (N,) and (2,).
+
+    alpha (N,) and beta (2,) are those of (10.1), and satisfy (10.2).
+    """
     # BEGIN SOLUTION
     a = alpha / 2
     constant = beta[0] - a @ sites**3
@@ -164,7 +167,7 @@ def two_sums(middle):
 
 # %% question="10.2"
 def radial_spline(sites, values):
-    """Return a (N,) and b (2,) of (10.4) for the spline through values (N,) at sites (N,)."""
+    """Return a (N,) and b (2,) of (10.4), for values (N,) at sites (N,)."""
     # BEGIN SOLUTION
     n = len(sites)
     p = np.stack([np.ones(n), sites], axis=1)
@@ -234,7 +237,7 @@ def the_rod(height):
 
 # %% question="10.3"
 def moments(sites, values):
-    """Return M of (10.7), of shape (N,), with M_1 = M_N = 0, for ascending sites (N,), N >= 2."""
+    """Return M of (10.7), of shape (N,), for ascending sites (N,) and values (N,), N >= 2."""
     # BEGIN SOLUTION
     n, h = len(sites), np.diff(sites)
     rise = np.diff(values) / h
@@ -265,7 +268,10 @@ check("10.3")
 
 # %% question="10.4"
 def piecewise(sites, values, bends, x):
-    """Return s at places x (K,), inside by (10.6), straight outside; bends are the M_i, zero at both ends."""
+    """Return s at places x (K,), inside by (10.6), straight outside.
+
+    bends (N,) are the moments, zero at both ends.
+    """
     # BEGIN SOLUTION
     i = np.clip(np.searchsorted(sites, x) - 1, 0, len(sites) - 2)
     h = sites[i + 1] - sites[i]
@@ -331,7 +337,10 @@ def beyond_the_pins(reach):
 
 # %% question="10.5"
 def truncated(sites, values, bends):
-    """Return α (N,) and (β_0, β_1) of (10.1); bends are the moments, zero at both ends."""
+    """Return α and β of (10.1), of shapes (N,) and (2,).
+
+    bends (N,) are the moments, zero at both ends.
+    """
     # BEGIN SOLUTION
     h = np.diff(sites)
     thirds = np.diff(bends) / h
@@ -392,7 +401,7 @@ def round_trip():
 
 # %% question="10.6"
 def energy(sites, bends):
-    """Return E (10.9) of the spline, a number, for ascending sites (N,) and s'' at them (N,)."""
+    """Return E of (10.9), a number, for ascending sites (N,) and the moments at them (N,)."""
     # BEGIN SOLUTION
     p, q = bends[:-1], bends[1:]
     return np.diff(sites) @ (p**2 + p * q + q**2) / 3
@@ -473,7 +482,7 @@ def quotient(top, bottom):
 
 # %% question="10.7"
 def b_splines(knots, degree, x):
-    """Return B_{i,degree}(x) of (10.12), of shape (K, n - degree - 1), for knots (n,) and x (K,)."""
+    """Return B of (10.12), of shape (K, n - degree - 1), for knots (n,) and x (K,)."""
     # BEGIN SOLUTION
     t = knots
     b = [((t[i] <= x) & (x < t[i + 1])).astype(float) for i in range(len(t) - 1)]
@@ -533,7 +542,7 @@ def influence(which):
 
 
 # %% [markdown]
-# **What to look at.** From one pin to the next the influence falls to about a quarter: to $2 - \sqrt3 = 0.268$, to be precise. Where does that number come from? Put $M_i = z^i$ into (10.7) with equal steps
+# **What to look at.** From one pin to the next the influence falls to about a quarter: to $2 - \sqrt{3} \approx 0.268$, to be precise. Where does that number come from? Put $M_i = z^i$ into (10.7) with equal steps
 # and zeros on the right side.
 #
 # ## In words

@@ -384,3 +384,10 @@ def test_fonts_hold_what_the_page_shows(page):
     assert ord("ψ") not in letters
     with pytest.raises(BuildError, match=r"have no 🦆 \(U\+1F986\)"):
         font_faces("<p>🦆</p>")
+
+
+def test_fonts_hold_the_sign_of_a_root():
+    """The browser draws it for an element; no character of the page says so."""
+    root = "<math><msqrt><mn>3</mn></msqrt></math>"
+    assert ord("√") in code_points(root)[0]
+    assert ord("√") not in code_points("<math><mn>3</mn></math>")[0]

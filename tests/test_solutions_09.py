@@ -64,6 +64,19 @@ def test_the_field_is_that_of_the_library(random, k):
         np.testing.assert_allclose(mine, theirs, atol=1e-8 * np.abs(theirs).max())
 
 
+def test_cubes_with_a_constant_alone_fail_for_a_triangle():
+    """The model answer's example: the determinant changes its sign at the sides 1, 1, 2^(2/3)."""
+
+    def determinant(base):
+        sides = np.array([[0, 1, 1], [1, 0, base], [1, base, 0]])
+        a = NOTEBOOK["kernel"](sides, 3)
+        return np.linalg.det(np.block([[a, np.ones((3, 1))], [np.ones((1, 3)), np.zeros((1, 1))]]))
+
+    singular = 2 ** (2 / 3)
+    assert abs(determinant(singular)) < 1e-13
+    assert determinant(singular - 0.1) * determinant(singular + 0.1) < -1e-3
+
+
 def test_the_library_refuses_where_polynomials_vanish(random):
     """Where the count is not zero, and only there."""
     turn = np.linalg.qr(random.normal(size=(2, 2)))[0]

@@ -160,6 +160,14 @@ def slope_before_constant(sites, values):
     return a, b[::-1]
 
 
+@answers("10.2")
+def sorted_without_the_values(sites, values):
+    """The sites were put in order and the values were not, so they belong to other sites now. If you sort one, sort
+    the other with it; here there is no need to sort at all.
+    """
+    return bumped(np.sort(sites), values, cube, lines(np.sort(sites)))
+
+
 # 10.3 The moments
 
 

@@ -52,6 +52,8 @@ def code_points(page: str) -> tuple[set[int], set[int]]:
     formulas = re.findall(r"<math\b.*?</math>", body, flags=re.S)
     text = re.sub(r"<math\b.*?</math>", "", body, flags=re.S)
     mathematics = set().union(*map(_characters, formulas)) | ASCII
+    if any(tag in formula for formula in formulas for tag in ("<msqrt", "<mroot")):
+        mathematics.add(ord("√"))  # drawn by the browser: it stands nowhere in the markup
     return mathematics | set(map(italic, mathematics)), _characters(text) | ASCII
 
 
