@@ -152,8 +152,8 @@ check("11.1")
 
 # %%
 @draw(
-    k=Slider(3, 30, 6, "neighbours K", whole=True),
-    noise=Slider(0, 0.1, 0.03, "noise", steps=20),
+    k=Slider(3, 30, 12, "neighbours K", whole=True),
+    noise=Slider(0, 0.1, 0.04, "noise", steps=25),
 )
 def estimated(k, noise):
     points = cloud(90, noise)
@@ -399,7 +399,7 @@ def beside(distance):
             draw_cloud(axes, points, size=2.5)
             axes.set(xlim=(-1.9, 1.9), ylim=(-1.9, 1.9))
         panels[0].set(title=f"all at Δ = {distance:.2g}")
-        panels[1].set(title="tested")
+        panels[1].set(title="tested, and halved where needed")
     return page
 
 
@@ -462,11 +462,9 @@ def pieces(values):
     for square, f in zip(ends, values):
         for i in range(4):
             j = (i + 1) % 4
-            place = SQUARE[i] + f[i] / (f[i] - f[j]) * (SQUARE[j] - SQUARE[i])
-            if f[i] > 0 > f[j]:
-                square[0] = place
-            if f[i] < 0 < f[j]:
-                square[1] = place
+            if (f[i] > 0) != (f[j] > 0):
+                share = f[i] / (f[i] - f[j])
+                square[int(f[j] > 0)] = SQUARE[i] + share * (SQUARE[j] - SQUARE[i])
     return ends
     # END SOLUTION
 
@@ -491,8 +489,7 @@ def zero_level(nodes, f):
 
 @draw(squares=Slider(6, 60, 14, "squares", steps=27, whole=True))
 def marching(squares):
-    points = cloud(44)
-    n = outward(points)
+    points, n, _ = data("11.4")
     sites, values = augmented(points, n, np.asarray(off_surface(points, n, 0.2)))
     lam, c = implicit(sites, values)
     nodes = lattice(squares, 1.8)
@@ -520,7 +517,7 @@ def marching(squares):
 
 
 # %% [markdown]
-# **What to look at.** Few squares cut corners: the ends of the pieces are where a *linear* function would be zero. Newton's steps put them onto the level; between them the pieces are straight all the same.
+# **What to look at.** The points are your own. Few squares cut corners: the ends of the pieces are where a *linear* function would be zero. Newton's steps put them onto the level; between them the pieces are straight all the same.
 #
 # ## The whole road
 #
