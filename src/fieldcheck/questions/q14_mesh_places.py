@@ -82,7 +82,11 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
         "the strip of Möbius and a sphere": flipped(random, joined(band(1, 6), ball(2, 4))),
         "three spheres": flipped(random, joined(ball(1, 4), ball(2, 3), ball(1, 5))),
     }
-    return tuple(Call("turns", shuffled(random, surface), case) for case, surface in surfaces.items())
+    calls = []
+    for case, surface in surfaces.items():
+        points, triangles = shuffled(random, surface)
+        calls.append(Call("turns", (points + random.uniform(-0.05, 0.05, points.shape), triangles), case))
+    return tuple(calls)
 
 
 ONE_SIDED = (0, 0, 0, 0, 24, 0)

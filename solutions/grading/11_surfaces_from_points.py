@@ -1,0 +1,94 @@
+"""What only a grader tries in notebook 11."""
+
+import numpy as np
+
+from fieldcheck.calls import Call
+from fieldcheck.questions.q11_point_clouds import (
+    any_sign,
+    drop,
+    horseshoe,
+    near,
+    outward,
+    outward_of_drop,
+    torus,
+)
+from fieldcheck.questions.q11_zero_levels import about, body
+from fieldrecon.course.hidden import hidden
+
+
+@hidden("11.1", "It must hold for any number of neighbours, in the plane and in space.")
+def other_numbers(seed):
+    random = np.random.default_rng(seed + 1)
+    return (
+        Call("normals", (random.normal(size=(20, 3)), 6), "points anywhere in space"),
+        Call("normals", (random.normal(size=(9, 2)), 9), "all points"),
+        Call("normals", (horseshoe(random, 25), 3), "three neighbours"),
+    )
+
+
+@hidden("11.2", "It must hold for any number of neighbours.")
+def two_neighbours(seed):
+    random = np.random.default_rng(seed + 2)
+    return (
+        Call("linked", (random.normal(size=(15, 2)), 2), "one neighbour each"),
+        Call("linked", (random.normal(size=(7, 3)), 7), "all of them"),
+    )
+
+
+@hidden("11.3", "Bodies may be several, and links few.")
+def three_bodies(seed):
+    random = np.random.default_rng(seed + 3)
+    one, two, three = horseshoe(random, 50, 0.1), drop(random, 34), horseshoe(random, 46, 0.1)
+    points = np.vstack([one, two + [5, -3], three + [-5, 2]])
+    n = np.vstack([outward(one), outward_of_drop(two), outward(three)])
+    order = random.permutation(len(points))
+    given = any_sign(random, n[order])
+    sheet = random.uniform(-1, 1, (20, 3)) @ [[1, 0, 0], [0, 0.6, 0.8], [0, 0, 0]]
+    up = np.tile([0.0, -0.8, 0.6], (20, 1))
+    return (
+        Call("orient", (points[order], given, near(points[order], 4)), "three bodies"),
+        Call("orient", (sheet, any_sign(random, up), near(sheet, 5)), "a sheet in space"),
+    )
+
+
+@hidden("11.4", "Lengths may be large or small, and points far from the origin.")
+def far_away(seed):
+    random = np.random.default_rng(seed + 4)
+    points = torus(random, 6, 9)
+    return (
+        Call("off_surface", (points + 100, outward(points), 40.0), "a large distance"),
+        Call("off_surface", (points, -outward(points), 0.5), "normals that point inward"),
+    )
+
+
+@hidden("11.5", "Sites may be few or many, in any dimension.")
+def other_dimensions(seed):
+    random = np.random.default_rng(seed + 5)
+    return (
+        Call("implicit", (random.normal(size=(12, 4)), random.normal(size=12)), "four dimensions"),
+        Call("implicit", (np.sort(random.uniform(0, 9, (6, 1)), axis=0), random.normal(size=6)), "a line"),
+    )
+
+
+@hidden("11.6", "It must hold in every dimension.")
+def in_four_dimensions(seed):
+    random = np.random.default_rng(seed + 6)
+    return (Call("field", (about(random, 4, 4), *body(random, 4, 6)), "four dimensions"),)
+
+
+@hidden("11.7", "It must hold in every dimension, and for no steps at all.")
+def no_steps(seed):
+    random = np.random.default_rng(seed + 7)
+    x, coefficients = about(random, 4, 3), body(random, 3, 5)
+    return (
+        Call("to_surface", (x, *coefficients, 0), "no steps"),
+        Call("to_surface", (x, *coefficients, 3), "three steps"),
+    )
+
+
+@hidden("11.8", "The values may be large, and differ much.")
+def steep(seed):
+    random = np.random.default_rng(seed + 8)
+    signs = np.array([[1, -1, -1, -1], [1, 1, -1, -1], [-1, 1, 1, -1], [1, 1, -1, 1]])
+    sizes = np.exp(random.normal(0, 3, (4, 4)))
+    return (Call("pieces", (signs * sizes,), "four squares"),)

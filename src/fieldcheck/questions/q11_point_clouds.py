@@ -1,0 +1,280 @@
+"""Questions of notebook 11, surfaces from point clouds: normals, their orientation, points beside.
+
+Clouds lie at a fixed distance from an arc, in the plane a horseshoe and in space a torus, so that their
+normals are known: they point away from the nearest point of the arc.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question, relative
+
+THICK = 0.4
+"""Half of the thickness of horseshoe and torus; the arc has the radius one."""
+END = 2.2
+"""The angle at which the arc of the horseshoe ends, on both sides of the axis."""
+
+
+def horseshoe(random: np.random.Generator, n: int, jitter: float = 0.3) -> np.ndarray:
+    """Return n points of a horseshoe, in no order."""
+    along = (np.arange(n) + random.uniform(-jitter, jitter, n)) / n * (4 * END + 2 * np.pi * THICK)
+    outer, cap = 2 * END * (1 + THICK), np.pi * THICK
+    points = []
+    for s in along % (2 * outer / (1 + THICK) + 2 * cap):
+        if s < outer:
+            angle, away = s / (1 + THICK) - END, 0.0
+        elif s < outer + cap:
+            angle, away = END, (s - outer) / THICK
+        elif s < 2 * outer / (1 + THICK) + cap:
+            angle, away = END - (s - outer - cap) / (1 - THICK), np.pi
+        else:
+            angle, away = -END, np.pi + (s - 2 * outer / (1 + THICK) - cap) / THICK
+        points.append(np.exp(1j * angle) * (1 + THICK * np.exp(1j * away)))
+    z = 1j * np.array(points)
+    return np.column_stack([z.real, z.imag])[random.permutation(n)]
+
+
+def torus(random: np.random.Generator, rows: int, columns: int) -> np.ndarray:
+    """Return rows × columns points of a torus whose axis is oblique, in no order."""
+    i, j = (k.ravel() for k in np.mgrid[:rows, :columns])
+    turn = 2 * np.pi * (i + random.uniform(-0.2, 0.2, i.size)) / rows
+    round_axis = 2 * np.pi * (j + i % 2 / 2 + random.uniform(-0.2, 0.2, i.size)) / columns
+    wide = 1 + THICK * np.cos(turn)
+    points = np.column_stack([wide * np.cos(round_axis), wide * np.sin(round_axis), THICK * np.sin(turn)])
+    return points[random.permutation(i.size)] @ OBLIQUE
+
+
+OBLIQUE = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+
+
+def outward(points: np.ndarray) -> np.ndarray:
+    """Return the outward normals of horseshoe and torus at points of them."""
+    if points.shape[1] == 2:
+        angle = np.clip(np.arctan2(-points[:, 0], points[:, 1]), -END, END)
+        foot = np.column_stack([-np.sin(angle), np.cos(angle)])
+    else:
+        straight = points @ OBLIQUE.T
+        straight[:, 2] = 0
+        foot = straight / np.sqrt((straight**2).sum(axis=1))[:, None] @ OBLIQUE
+    return (points - foot) / np.sqrt(((points - foot) ** 2).sum(axis=1))[:, None]
+
+
+def oval(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n points of an oval, in order."""
+    z = np.exp(2j * np.pi * (np.arange(n) + random.uniform(-0.25, 0.25, n)) / n)
+    return np.column_stack([1.2 * z.real, 0.8 * z.imag])
+
+
+def drop(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n points of a drop, a circle with two tangents that meet in a tip, in no order."""
+    flank = np.sqrt(3.0)
+    along = (np.arange(n) + 0.5 + random.uniform(-0.1, 0.1, n)) / n * (2 * flank + 4 * np.pi / 3) - flank
+    turn = np.clip(along, 0, 4 * np.pi / 3) + np.pi / 3
+    z = np.exp(1j * turn) * (1 + 1j * (along + np.pi / 3 - turn))
+    return turned_tip(z)[random.permutation(n)]
+
+
+TIP = np.exp(1.2j)
+"""The direction of the tip of the drop."""
+
+
+def turned_tip(z: np.ndarray) -> np.ndarray:
+    z = z * TIP
+    return np.column_stack([z.real, z.imag])
+
+
+def outward_of_drop(points: np.ndarray) -> np.ndarray:
+    """Return the outward normals of the drop at points of it."""
+    angle = np.angle((points[:, 0] + 1j * points[:, 1]) / TIP)
+    return turned_tip(np.exp(1j * np.where(angle < 0, -1, 1) * np.maximum(np.abs(angle), np.pi / 3)))
+
+
+def outward_of_two(points: np.ndarray) -> np.ndarray:
+    """Return the outward normals of a horseshoe, and of an oval on its right."""
+    away = (points - RIGHT) / [1.44, 0.64]
+    return np.where(points[:, :1] > 2.5, away / np.hypot(*away.T)[:, None], outward(points))
+
+
+RIGHT = np.array([4.0, 1.0])
+
+
+def any_sign(random: np.random.Generator, normals: np.ndarray) -> np.ndarray:
+    """Return normals each of which may be turned round, as good as estimated ones."""
+    rough = random.choice([-1.0, 1.0], (len(normals), 1)) * normals + 0.01 * random.normal(size=normals.shape)
+    return rough / np.sqrt((rough**2).sum(axis=1))[:, None]
+
+
+# 11.1 Normals
+
+
+def normals_inputs(seed: int) -> tuple[Call, ...]:
+    """Return clouds in the plane and in space, far from the origin too."""
+    random = np.random.default_rng(seed)
+    flat = np.column_stack([random.uniform(-1, 1, (14, 2)), 0.05 * random.normal(size=14)]) @ OBLIQUE
+    name = "normals"
+    return (
+        Call(name, (oval(random, 16), 4), "an oval, four neighbours"),
+        Call(name, (horseshoe(random, 30), 5), "a horseshoe, five neighbours"),
+        Call(name, (torus(random, 5, 9), 7), "a torus in space"),
+        Call(name, (flat, 14), "a rough plane of fourteen points, all of them neighbours"),
+        Call(name, (oval(random, 12) + np.array([4e5, -2e5]), 4), "an oval far from the origin"),
+    )
+
+
+def normals_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
+    return (call.arguments[0].shape, (len(call.arguments[0]),))
+
+
+def normals_tolerance(call: Call) -> float:
+    """Return what rounding the coordinates does to the normals."""
+    points = call.arguments[0]
+    return float(1e-8 + 1e-13 * np.abs(points).max() / np.ptp(points))
+
+
+def are_across_the_neighbours(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return by how much a direction beside the normal has less variance; how far from length one it is."""
+    worst = 0.0
+    for call, (n, planarity) in zip(calls, values, strict=True):
+        points, k = call.arguments
+        worst = max(worst, relative((n * n).sum(axis=1) - 1, 1.0), float((-planarity).max()), float(planarity.max() - 1))
+        for p, normal in zip(points, n, strict=True):
+            near = points[((points - p) ** 2).sum(axis=1).argsort()[:k]] - p
+            near = near - near.mean(axis=0)
+            least = ((near @ normal) ** 2).sum()
+            for d in range(len(p)):
+                beside = normal + 1e-2 * np.eye(len(p))[d]
+                worst = max(worst, float(least - ((near @ beside) ** 2).sum() / (beside @ beside)))
+    return worst
+
+
+def with_one_sign(_: Call, values: Values) -> Values:
+    """Return normals turned to one side of space."""
+    n, *others = values
+    side = np.where(n @ np.array([0.61, 0.79, 0.33])[: n.shape[1]] < 0, -1.0, 1.0)
+    return (side[:, None] * n, *others)
+
+
+# 11.2 The graph
+
+
+def graph_inputs(seed: int) -> tuple[Call, ...]:
+    """Return clouds of even and of uneven density."""
+    random = np.random.default_rng(seed)
+    uneven = np.column_stack([np.cumsum(1.3 ** np.arange(12.0)), random.uniform(0, 0.3, 12)])[random.permutation(12)]
+    return (
+        Call("linked", (random.uniform(size=(14, 2)), 4), "points in a square"),
+        Call("linked", (uneven, 3), "points that are dense at one end of a line"),
+        Call("linked", (random.normal(size=(11, 3)), 3), "points in space"),
+        Call("linked", (np.vstack([oval(random, 8), oval(random, 6) + 9]), 3), "two ovals"),
+    )
+
+
+def links_both_ways(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how many points are linked to themselves, or one way only, or to none of the nearest."""
+    wrong = 0
+    for call, (graph,) in zip(calls, values, strict=True):
+        points, k = call.arguments
+        wrong += int((graph != graph.T).sum() + np.trace(graph)) + int(not np.isin(graph, (0, 1)).all())
+        for p, row in zip(points, graph, strict=True):
+            gaps = np.sqrt(((points - p) ** 2).sum(axis=1))
+            order = gaps.argsort()
+            wrong += k - 1 - int(row[order[1:k]].sum())
+        wrong += max(0, int(graph.sum()) - 2 * (k - 1) * len(points))
+    return float(abs(wrong))
+
+
+# 11.3 Orientation
+
+
+def near(points: np.ndarray, k: int) -> np.ndarray:
+    """Return which points are near each other: the graph that is given, as ones and zeros."""
+    square = (points**2).sum(axis=1)
+    gaps = square[:, None] + square - 2 * points @ points.T
+    np.fill_diagonal(gaps, np.inf)
+    rank = gaps.argsort(axis=1).argsort(axis=1) < k - 1
+    return (rank | rank.T).astype(float)
+
+
+OUTWARD = {"a horseshoe": outward, "a torus in space": outward, "a drop with a sharp tip": outward_of_drop, "two bodies": outward_of_two}
+
+
+def orient_inputs(seed: int) -> tuple[Call, ...]:
+    """Return normals of either sign on a horseshoe, a torus, a drop and two bodies, and their graphs."""
+    random = np.random.default_rng(seed)
+    two = np.vstack([horseshoe(random, 40, 0.1), oval(random, 20) + RIGHT])[random.permutation(60)]
+    clouds = (horseshoe(random, 44, 0.1), torus(random, 8, 14), drop(random, 30), two)
+    calls = []
+    for (case, truth), points, k in zip(OUTWARD.items(), clouds, (4, 7, 5, 4), strict=True):
+        calls.append(Call("orient", (points, any_sign(random, truth(points)), near(points, k)), case))
+    return tuple(calls)
+
+
+def point_outward(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how many normals point inward or are none of the two that were possible."""
+    wrong = 0.0
+    for call, (n,) in zip(calls, values, strict=True):
+        points, given, _ = call.arguments
+        wrong = max(wrong, relative(np.minimum(np.abs(n - given), np.abs(n + given)), 1.0))
+        wrong += float(((n * OUTWARD[call.case](points)).sum(axis=1) < 0).sum())
+    return wrong
+
+
+# 11.4 Points beside the surface
+
+
+def beside_inputs(seed: int) -> tuple[Call, ...]:
+    """Return clouds with room beside them, and with little: a horseshoe, thin parts, a torus."""
+    random = np.random.default_rng(seed)
+    thin = oval(random, 24) * [1.0, 0.3]
+    away = thin / [1.44, 0.64 * 0.09]
+    thin_normals = away / np.hypot(*away.T)[:, None]
+    bent, ring = horseshoe(random, 36), torus(random, 6, 10)
+    name = "off_surface"
+    return (
+        Call(name, (bent, outward(bent), 0.1), "a horseshoe with room on both sides"),
+        Call(name, (bent, outward(bent), 1.7), "a horseshoe and points as far away as it is wide"),
+        Call(name, (thin, thin_normals, 0.9), "a flat oval"),
+        Call(name, (ring, outward(ring), 1.1), "a torus in space"),
+    )
+
+
+def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how many lengths are no half of a half, lead to another site, or could be twice as long."""
+    wrong = 0
+    for call, (lengths,) in zip(calls, values, strict=True):
+        points, n, distance = call.arguments
+        halves = np.log2(distance / np.maximum(lengths, 1e-30))
+        wrong += int((np.abs(halves - np.round(halves)) > 1e-6).sum()) + int((halves < -0.5).sum())
+        for i, (p, normal) in enumerate(zip(points, n, strict=True)):
+            for side, length in zip((normal, -normal), lengths[i], strict=True):
+                wrong += int(((points - p - length * side) ** 2).sum(axis=1).argmin() != i)
+                if length < 0.7 * distance:
+                    wrong += int(((points - p - 2 * length * side) ** 2).sum(axis=1).argmin() == i)
+    return float(wrong)
+
+
+QUESTIONS = (
+    Question(
+        "11.1", "normals", 3, normals_inputs, normals_shapes,
+        (Law("Normals have the length one, and in no direction beside them have the neighbours less variance.",
+             are_across_the_neighbours, 1e-6),),
+        normals_tolerance, with_one_sign,
+    ),
+    Question(
+        "11.2", "linked", 2, graph_inputs, lambda call: (2 * (len(call.arguments[0]),),),
+        (Law("Links go both ways, none leads to the point itself, and all of the nearest are linked.", links_both_ways),),
+    ),
+    Question(
+        "11.3", "orient", 4, orient_inputs, lambda call: (call.arguments[1].shape,),
+        (Law("Each normal is the given one or its opposite, and on these bodies it points outward.", point_outward),),
+    ),
+    Question(
+        "11.4", "off_surface", 3, beside_inputs, lambda call: ((len(call.arguments[0]), 2),),
+        (Law("The nearest point of the cloud is the own one, and with twice the length, if that is not too much, it is not.",
+             belong_to_their_sites),),
+    ),
+)  # fmt: skip

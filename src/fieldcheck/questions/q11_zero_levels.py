@@ -1,0 +1,172 @@
+"""Questions of notebook 11, surfaces from point clouds: the function whose zero level they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import Law, Question, relative
+from fieldcheck.questions.q11_point_clouds import horseshoe, outward, oval, torus
+
+
+def cubes(x: np.ndarray, sites: np.ndarray, weights: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """Return weighted cubes of the distances from the sites, and a plane."""
+    gaps = x[:, None, :] - sites[None, :, :]
+    return (gaps * gaps).sum(axis=2) ** 1.5 @ weights + x @ plane[1:] + plane[0]
+
+
+# 11.5 The coefficients
+
+
+def beside(points: np.ndarray, n: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return sites on a surface and on both sides of it, and their signed distances."""
+    zero = np.zeros(len(points))
+    return np.vstack([points, points + length * n, points - length * n]), np.concatenate([zero, zero - length, zero + length])
+
+
+def fit_inputs(seed: int) -> tuple[Call, ...]:
+    """Return sites and values in the plane and in space."""
+    random = np.random.default_rng(seed)
+    bent, ring = horseshoe(random, 14, 0.1), torus(random, 4, 5)
+    return (
+        Call("implicit", (random.uniform(size=(9, 2)), random.normal(size=9)), "nine sites in a square"),
+        Call("implicit", beside(bent, outward(bent), 0.15), "a horseshoe, and points beside it"),
+        Call("implicit", beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"),
+    )
+
+
+def fit_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
+    n, d = call.arguments[0].shape
+    return ((n,), (d + 1,))
+
+
+def meets_values_and_side_conditions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest difference from the values, or what is left of the side conditions."""
+    worst = 0.0
+    for call, (weights, plane) in zip(calls, values, strict=True):
+        sites, wanted = call.arguments
+        moments = weights @ np.insert(sites, 0, 1.0, axis=1)
+        worst = max(worst, relative(cubes(sites, sites, weights, plane) - wanted, wanted), relative(moments, weights))
+    return worst
+
+
+# 11.6 and 11.7 The field, its gradient, and the way to its zero level
+
+
+def body(random: np.random.Generator, d: int, sites: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return sites and coefficients of a function that is positive in a body about the origin only."""
+    places = random.uniform(-0.3, 0.3, (sites, d))
+    weights = -random.uniform(0.5, 1.5, sites) / sites
+    return places, weights, np.append(1.0, random.uniform(-0.1, 0.1, d))
+
+
+def about(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return places round the origin, none of them near it."""
+    x = random.normal(size=(n, d))
+    return random.uniform(0.8, 1.1, (n, 1)) * x / np.sqrt((x * x).sum(axis=1))[:, None]
+
+
+def field_inputs(seed: int) -> tuple[Call, ...]:
+    """Return places and coefficients in the plane and in space; one of the places is a site."""
+    random = np.random.default_rng(seed)
+    plane, space, single = body(random, 2, 5), body(random, 3, 4), body(random, 2, 1)
+    return (
+        Call("field", (about(random, 7, 2), *plane), "seven places in the plane"),
+        Call("field", (np.vstack([about(random, 5, 3), space[0][:1]]), *space), "places in space, one of them a site"),
+        Call("field", (about(random, 3, 2), *single), "one site"),
+    )
+
+
+def field_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
+    x = call.arguments[0]
+    return ((len(x),), x.shape)
+
+
+def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the differences of values from (11.6), and of gradients from small steps to both sides."""
+    worst = 0.0
+    for call, (f, gradient) in zip(calls, values, strict=True):
+        x, *rest = call.arguments
+        worst = max(worst, 1e3 * relative(f - cubes(x, *rest), f))
+        for d, step in enumerate(1e-5 * np.eye(x.shape[1])):
+            slope = (cubes(x + step, *rest) - cubes(x - step, *rest)) / 2e-5
+            worst = max(worst, relative(gradient[:, d] - slope, gradient))
+    return worst
+
+
+def newton_inputs(seed: int) -> tuple[Call, ...]:
+    """Return places near a zero level, and one step, two, and enough."""
+    random = np.random.default_rng(seed)
+    plane, space = body(random, 2, 5), body(random, 3, 4)
+    x = about(random, 6, 2)
+    return (
+        Call("to_surface", (x, *plane, 9), "nine steps in the plane"),
+        Call("to_surface", (x, *plane, 1), "one step in the plane"),
+        Call("to_surface", (about(random, 5, 3), *space, 2), "two steps in space"),
+    )
+
+
+def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return what is left after nine steps, and how far one step is from the tangent's zero."""
+    x, sites, weights, plane, _ = calls[0].arguments
+    left = float(np.abs(cubes(values[0][0], sites, weights, plane)).max())
+    step = values[1][0] - x
+    far = 1e-6 * step
+    slope = (cubes(x + far, sites, weights, plane) - cubes(x - far, sites, weights, plane)) / 2e-6
+    return max(left, 1e-4 * relative(slope + cubes(x, sites, weights, plane), slope))
+
+
+# 11.8 Marching squares
+
+
+def pieces_inputs(seed: int) -> tuple[Call, ...]:
+    """Return squares that one line crosses: all twelve kinds."""
+    random = np.random.default_rng(seed)
+    kinds = np.array([[(c >> i) & 1 for i in range(4)] for c in (*range(1, 5), *range(6, 10), *range(11, 15))])
+    signs = np.where(kinds == 1, 1.0, -1.0)
+    distance = oval(random, 12)[:, :1] + np.array([[1.5, 2.0, 2.5, 3.0]])
+    return (
+        Call("pieces", (signs * random.uniform(0.2, 1.0, (12, 4)),), "twelve squares"),
+        Call("pieces", (1e-3 * signs[::-1] * distance,), "the same kinds with small values"),
+    )
+
+
+def lie_on_the_border(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far ends are from the border, from a zero of the values on it, and pieces from running with the positive side to the left."""
+    worst = 0.0
+    for call, (ends,) in zip(calls, values, strict=True):
+        for (a, b, c, d), (start, end) in zip(call.arguments[0], ends, strict=True):
+            for x, y in (start, end):
+                bilinear = (1 - y) * ((1 - x) * a + x * b) + y * ((1 - x) * d + x * c)
+                worst = max(worst, abs(bilinear) / max(abs(a), abs(b), abs(c), abs(d)))
+                worst = max(worst, min(abs(x), abs(1 - x), abs(y), abs(1 - y)))
+            run = end - start
+            for v, corner in zip((a, b, c, d), ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True):
+                side = run[0] * (corner[1] - start[1]) - run[1] * (corner[0] - start[0])
+                worst = max(worst, float(side * v < 0))
+    return worst
+
+
+QUESTIONS = (
+    Question(
+        "11.5", "implicit", 3, fit_inputs, fit_shapes,
+        (Law("F takes the values at the sites, and the coefficients fulfil the side conditions.",
+             meets_values_and_side_conditions, 1e-7),),
+        lambda _: 1e-7,
+    ),
+    Question(
+        "11.6", "field", 3, field_inputs, field_shapes,
+        (Law("Values are those of (11.6), and gradients agree with differences of them.", gradient_is_that_of_the_values, 1e-6),),
+    ),
+    Question(
+        "11.7", "to_surface", 2, newton_inputs, lambda call: (call.arguments[0].shape,),
+        (Law("One step leads to the zero of the tangent, and nine to the zero level.", ends_on_the_zero_level, 1e-8),),
+    ),
+    Question(
+        "11.8", "pieces", 3, pieces_inputs, lambda call: ((len(call.arguments[0]), 2, 2),),
+        (Law("Ends lie on the sides of the square, where the values on the side are zero, and what is positive lies to the left.",
+             lie_on_the_border),),
+    ),
+)  # fmt: skip
