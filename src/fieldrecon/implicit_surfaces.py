@@ -111,8 +111,8 @@ def implicit_surface(
         of the points.
     smoothing : float, optional
         Length of the waves of the surface that are halved; shorter ones vanish, longer ones stay.
-        0 interpolates. By default 10 sqrt(noise spacing), with the noise that the points show,
-        and 0 if that is below a fiftieth of their spacing.
+        0 interpolates, as "hermite" always does. By default 10 sqrt(noise spacing), with the noise
+        that the points show, and 0 if that is below a fiftieth of their spacing.
     progress : callable, optional
         Called as progress(done, total) with numbers of patches.
 
@@ -148,10 +148,12 @@ def implicit_surface(
         method = "rbf" if len(cloud.points) <= _FEW else "partition"
     if method not in _METHODS:
         raise ValueError(f"method must be one of {', '.join(_METHODS)}; got {method!r}")
+    if method == "hermite":
+        if smoothing:
+            raise ValueError("method hermite interpolates: it takes smoothing=0")
+        return ImplicitSurface(cloud, _hermite(cloud), 0.0)
     length = _smoothing_of(cloud) if smoothing is None else (
         valid.as_length(smoothing, "smoothing", zero_allowed=True))  # fmt: skip
-    if method == "hermite":
-        return ImplicitSurface(cloud, _hermite(cloud, length), length)
     distance = cloud.spacing if distance is None else distance
     off = off_surface_points(cloud.points, cloud.outward, distance)
     # at an edge there is room on one side only, that of the obtuse angle
@@ -188,9 +190,7 @@ def _shell(cloud: Cloud) -> OffSurface:
     return OffSurface(told.points[kept], told.values[kept], told.sites[kept])
 
 
-def _hermite(cloud: Cloud, smoothing: float) -> Field:
-    if smoothing:
-        raise ValueError("method hermite interpolates: it takes smoothing=0")
+def _hermite(cloud: Cloud) -> Field:
     some = cloud.trusted
     method = HermiteRBF(
         [values_at(cloud.points), derivatives_at(cloud.points[some], cloud.outward[some])],
