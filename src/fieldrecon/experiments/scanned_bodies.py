@@ -10,8 +10,10 @@ from fieldrecon.off_surface import spacing_of
 from fieldrecon.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface, scanned
 from fieldrecon.solids import Solid
 
-EYES = np.array([[4.0, -4.0, 3.0], [-4.0, -3.0, 3.0]])
-"""Where the scanner stood: before the body, on both sides; nobody went round it."""
+EYES = np.array([[4.0, -4.0, 1.5], [-4.0, -3.0, 1.5], [0.0, 4.0, -2.0]])
+"""Where the scanner stood: twice above, once below, always aside; what lies deep it never saw."""
+HOLE = 0.18
+"""Radius of the holes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +64,7 @@ def damaged(count: int, noise: float, seed: int) -> dict[str, Scan]:
     return {
         "as drawn": Scan(points, body),
         "with noise": Scan(rough, body),
-        "with holes": Scan(points[holes > 5 * spacing], body),
+        "with holes": Scan(points[holes > HOLE], body),
         "in shadow": Scan(points[scanned(body, points, normals, EYES)], body),
         "with strays and copies": Scan(np.vstack([points, strays, points[: count // 10]]), body),
         "two bodies": Scan(np.vstack([points, more]), body | other),

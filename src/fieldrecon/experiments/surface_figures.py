@@ -14,6 +14,7 @@ TOWARD = np.array([0.55, -0.7, 0.55])
 """Whence bodies are seen."""
 SHOWN = ("with noise", "with holes", "in shadow", "with strays and copies")
 BODIES = ("union", "intersection", "difference", "blend")
+FROM_ABOVE = np.array([0.35, -0.75, 0.8])
 _HEIGHTS = 3.0  # times higher than true: the relief is flat
 
 
@@ -51,7 +52,7 @@ def plot_isolines(result: Result) -> Figure:
     sites, x, y, z = (result.arrays[f"land:{k}"] for k in ("sites", "x", "y", "heights"))
     columns, rows = np.meshgrid(x, y)
     points = np.column_stack([columns.ravel(), rows.ravel(), _HEIGHTS * z.ravel()])
-    picture = Picture(points, _triangulated(z.shape), TOWARD, 900)
+    picture = Picture(points, _triangulated(z.shape), FROM_ABOVE, 900)
     raised = sites * [1, 1, _HEIGHTS]
     places = (raised - points.min(axis=0)) / np.ptp(points, axis=0).max() @ picture.axes
     with figure(height=2.1, columns=2) as (page, (left, right)):
@@ -95,6 +96,7 @@ def _strip(result: Result, names: tuple[str, ...], height: float) -> Figure:
 def _surface(panel: Axes, result: Result, name: str, pixels: int) -> None:
     points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
     draw(panel, points, triangles, {}, TOWARD, pixels)
+    panel.set_aspect("equal", adjustable="datalim")
 
 
 def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
@@ -104,7 +106,7 @@ def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
     order = np.argsort(depth)
     panel.scatter(x[order], y[order], c=-depth[order], cmap="Greys_r", s=size, linewidths=0,
                   vmin=-depth.max(), vmax=-2.2 * depth.min(), rasterized=True)  # fmt: skip
-    panel.set(aspect="equal")
+    panel.set_aspect("equal", adjustable="datalim")
     panel.set_axis_off()
 
 
