@@ -13,7 +13,7 @@ from fieldrecon.normals import PointNormals, as_cloud, estimate_normals
 from fieldrecon.off_surface import as_oriented, spacing_of
 from fieldrecon.polynomials import monomials
 
-_ALONE = 4.0  # times farther from the others than these from each other: an outlier
+_ALONE = 1.5  # times the reach of its neighbours: a point with one other nearer is an outlier
 _NEIGHBORS = 8  # that a point has about it, with whom it is compared
 _SAMPLE = 2000  # points of which the noise is judged
 _QUADRIC = 12  # neighbours through which a paraboloid is laid
@@ -126,12 +126,15 @@ def _at_rims(
 
 
 def outliers(p: np.ndarray) -> np.ndarray:
-    """Points (n,) whose neighbours are much nearer to each other than to them."""
+    """Points (n,) that have hardly another as near as their neighbours have eight.
+
+    Two strays together are found too; the neighbours' reach allows for a changing density.
+    """
     if len(p) <= _NEIGHBORS + 1:
         return np.zeros(len(p), dtype=bool)
     p = p - p[0]
     reach, index = cKDTree(p).query(p, _NEIGHBORS + 1, workers=-1)
-    return reach[:, -1] > _ALONE * np.median(reach[index[:, 1:], -1], axis=1)
+    return reach[:, 2] > _ALONE * np.median(reach[index[:, 1:], -1], axis=1)
 
 
 def noise_of(p: np.ndarray) -> float:

@@ -25,10 +25,10 @@ class Scan:
 
 
 def machine_part() -> Solid:
-    """Return a plate with a hole, a pin with a ring about it, and a thin fin."""
-    plate = Box([2.0, 1.4, 0.3]) - Cylinder(0.32, 1.0, [-0.55, 0.0, 0.0])
-    pin = Cylinder(0.2, 1.0, [0.45, 0.0, 0.4]) | Torus(0.34, 0.1, [0.45, 0.0, 0.55])
-    fin = Box([0.09, 1.1, 0.8], [-0.05, 0.0, 0.4])
+    """Return a plate with a hole, a pin with a collar, and a thin fin."""
+    plate = Box([2.0, 1.4, 0.3]) - Cylinder(0.3, 1.0, [-0.6, 0.0, 0.0])
+    pin = Cylinder(0.2, 1.0, [0.5, 0.0, 0.4]) | Torus(0.2, 0.13, [0.5, 0.0, 0.6])
+    fin = Box([0.1, 1.1, 0.8], [-0.1, 0.0, 0.4])
     return plate | pin | fin
 
 

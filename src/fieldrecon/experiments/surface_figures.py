@@ -33,6 +33,8 @@ def plot_scans(result: Result) -> Figure:
             above.set_title(name, loc="center", fontsize=8)
             _cloud(above, result, name, size=0.5)
             _surface(below, result, name, 400)
+        for row in axes:
+            _alike(row)
     return page
 
 
@@ -90,13 +92,23 @@ def _strip(result: Result, names: tuple[str, ...], height: float) -> Figure:
         for name, panel in zip(names, axes, strict=True):
             panel.set_title(name, loc="center", fontsize=8)
             _surface(panel, result, name, 400)
+        _alike(axes)
     return page
 
 
 def _surface(panel: Axes, result: Result, name: str, pixels: int) -> None:
     points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
     draw(panel, points, triangles, {}, TOWARD, pixels)
-    panel.set_aspect("equal", adjustable="datalim")
+
+
+def _alike(panels: np.ndarray) -> None:
+    """Give panels windows of one shape, so that their titles are level."""
+    sizes = [np.ptp([panel.get_xlim(), panel.get_ylim()], axis=1) for panel in panels]
+    shape = max(height / width for width, height in sizes)
+    for panel, (width, height) in zip(panels, sizes, strict=True):
+        more = (shape * width - height) / 2
+        low, high = panel.get_ylim()
+        panel.set_ylim(low - more, high + more)
 
 
 def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
@@ -106,7 +118,7 @@ def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
     order = np.argsort(depth)
     panel.scatter(x[order], y[order], c=-depth[order], cmap="Greys_r", s=size, linewidths=0,
                   vmin=-depth.max(), vmax=-2.2 * depth.min(), rasterized=True)  # fmt: skip
-    panel.set_aspect("equal", adjustable="datalim")
+    panel.set(aspect="equal")
     panel.set_axis_off()
 
 
