@@ -30,6 +30,7 @@ from fieldrecon.experiments.experiment import (
     Map,
     Result,
     Table,
+    order_of_magnitude,
     parameter,
     require_at_least,
 )
@@ -66,12 +67,12 @@ COLUMNS = ("scan", "points", "left out", "noise", "rms", "largest", "parts", "er
 class Params:
     """How many points the clouds have, and how fine the surfaces are."""
 
-    points: int = parameter(6000, "points of the part that becomes a body")
-    scanned: int = parameter(2000, "points of the wheel in each of its states")
+    points: int = parameter(5000, "points of the part that becomes a body")
+    scanned: int = parameter(1600, "points of the wheel in each of its states")
     noise: float = parameter(0.3, "standard deviation of the noise, in distances of the points")
     sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the flattened ball")
     cells: tuple[int, ...] = parameter((4, 8, 16), "cells across the tube of a torus")
-    frame: float = parameter(0.06, "edge of the cells of bodies put together, in lengths")
+    frame: float = parameter(0.075, "edge of the cells of bodies put together, in lengths")
     isolines: int = parameter(40, "difference of height between isolines, in metres")
     window: int = parameter(100, "nodes along each side of the terrain that is shown")
     seed: int = parameter(4, "seed of the points")
@@ -81,12 +82,12 @@ class Params:
                          frame=0.01, isolines=1, window=8, seed=0)  # fmt: skip
 
 
-QUICK = Params(points=800, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.2, window=24)
+QUICK = Params(points=400, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.3, window=24)
 
 
 @dataclass(frozen=True)
 class Rebuilt:
-    """What came of a scan: points that counted, triangles, and numbers for the table."""
+    """What came of a scan: its points, triangles, and numbers for the table."""
 
     cloud: np.ndarray
     points: np.ndarray
@@ -118,7 +119,7 @@ def run(params: Params, each: Map = map) -> Result:
             "isoline_points": len(land["land:sites"]),
             "triangles": len(rebuilt["part"].triangles),
         }
-        | _facts(rows)
+        | _facts(rebuilt)
         | _orders(METHODS, [n**-0.5 for n in params.sizes], errors)
         | _orders(("volume", "area"), [1 / n for n in params.cells], measures),
         arrays={"errors": errors, "measures": measures, "frames": np.array([*frames])}
@@ -138,13 +139,13 @@ def reconstructed(scan: Scan) -> Rebuilt:
     row = (
         len(scan.points),
         len(body.left_out),
-        body.noise / body.spacing,
+        round(body.noise / body.spacing, 4),
         float(np.sqrt(np.mean(off[known] ** 2))),
         float(off[known].max()),
         surface.audit.parts,
         sum(surface.audit.found.values()),
     )
-    return Rebuilt(body.points, surface.points, surface.triangles, row)
+    return Rebuilt(scan.points, surface.points, surface.triangles, row)
 
 
 def errors_of(n: int) -> tuple[float, ...]:
@@ -224,12 +225,17 @@ def _orders(
     return {f"order_{name}": order(steps, e) for name, e in zip(names, errors.T, strict=True)}
 
 
-def _facts(rows: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
-    """Return each number of the table under a name of its own."""
+def _facts(rebuilt: Mapping[str, Rebuilt]) -> dict[str, Cell]:
+    """Return what the text says of the scans."""
+    told = {name: dict(zip(COLUMNS[1:], one.row, strict=True)) for name, one in rebuilt.items()}
+    near, far = told["as drawn"]["rms"], told["far away"]["rms"]
     return {
-        f"{row[0]}_{column}".replace(" ", "_"): value
-        for row in rows
-        for column, value in zip(COLUMNS[1:], row[1:], strict=True)
+        "part_rms": told["part"]["rms"],
+        "part_largest": told["part"]["largest"],
+        "noise_seen": told["with noise"]["noise"],
+        "noise_left": told["with noise"]["rms"],
+        "far_change": order_of_magnitude(far / near - 1),
+        "audit_errors": sum(int(row["errors"]) for row in told.values()),
     }
 
 
