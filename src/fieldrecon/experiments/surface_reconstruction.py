@@ -57,7 +57,7 @@ FAR = 1e7
 """Where the wheel is carried, in its own units, to see what rounding does."""
 INVENTED = 2.0
 """Spacings from the points beyond which nobody knows where the surface is."""
-TIMES = (0.0, 0.25, 0.5, 0.75, 1.0)
+TIMES = (0.25, 0.5, 0.75)
 """Of the frames between two bodies."""
 METHODS = ("rbf", "hermite")
 COLUMNS = ("scan", "points", "left out", "noise", "rms", "largest", "parts", "errors")
@@ -67,12 +67,12 @@ COLUMNS = ("scan", "points", "left out", "noise", "rms", "largest", "parts", "er
 class Params:
     """How many points the clouds have, and how fine the surfaces are."""
 
-    points: int = parameter(5000, "points of the part that becomes a body")
-    scanned: int = parameter(1600, "points of the wheel in each of its states")
+    points: int = parameter(6000, "points of the part that becomes a body")
+    scanned: int = parameter(2000, "points of the wheel in each of its states")
     noise: float = parameter(0.3, "standard deviation of the noise, in distances of the points")
     sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the flattened ball")
     cells: tuple[int, ...] = parameter((4, 8, 16), "cells across the tube of a torus")
-    frame: float = parameter(0.075, "edge of the cells of bodies put together, in lengths")
+    frame: float = parameter(0.085, "edge of the cells of bodies put together, in lengths")
     isolines: int = parameter(40, "difference of height between isolines, in metres")
     window: int = parameter(100, "nodes along each side of the terrain that is shown")
     seed: int = parameter(4, "seed of the points")
@@ -172,13 +172,15 @@ def together(params: Params) -> dict[str, Solid]:
         for s in (Torus(0.8, 0.3), Box([1.1, 1.1, 0.9]), Ball(0.9))
     )
     apart = moved(ring, shift=[0.45, 0.0, 0.25])
-    frames = {f"t = {t:g}": deformation(ball, ring, t) for t in TIMES}
+    between = {f"t = {t:g}": deformation(ball, ring, t) for t in TIMES}
     return {
         "union": block | apart,
         "intersection": block & apart,
         "difference": block - apart,
         "blend": blend(block, apart, 0.3),
-        **frames,
+        "t = 0": ball,
+        **between,
+        "t = 1": ring,
     }
 
 
