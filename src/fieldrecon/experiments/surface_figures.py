@@ -125,7 +125,8 @@ def _alike(panels: np.ndarray) -> None:
 
 def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
     """Draw points, those behind lighter."""
-    picture = Picture(*(result.arrays[f"{name}:{w}"] for w in ("points", "triangles")), TOWARD, 40)
+    points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
+    picture = Picture(points, triangles, TOWARD, 40)
     x, y, depth = (result.arrays[f"{name}:cloud"] @ picture.axes).T
     order = np.argsort(depth)
     panel.scatter(x[order], y[order], c=-depth[order], cmap="Greys_r", s=size, linewidths=0,
