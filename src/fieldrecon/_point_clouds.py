@@ -9,14 +9,17 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from fieldrecon.normal_orientation import orient_normals
-from fieldrecon.normals import as_cloud, estimate_normals
+from fieldrecon.normals import PointNormals, as_cloud, estimate_normals
 from fieldrecon.off_surface import as_oriented, spacing_of
 from fieldrecon.polynomials import monomials
 
 _ALONE = 4.0  # times farther from the others than these from each other: an outlier
 _NEIGHBORS = 8  # that a point has about it, with whom it is compared
 _SAMPLE = 2000  # points of which the noise is judged
-_QUADRIC = 24  # neighbours through which a paraboloid is laid
+_QUADRIC = 12  # neighbours through which a paraboloid is laid
+_AGREEMENT = 0.5  # of a normal with those about it, in the mean of the cosines
+_OFF_MIDDLE = 0.2  # of the reach: a point so far off the middle of its neighbours is at a rim
+_FLAT = 0.7  # of the neighbourhoods should be
 _ROUGH = 0.2  # of the spacing: noise from which on a plane takes more neighbours
 
 
@@ -27,8 +30,9 @@ class Cloud:
     Attributes
     ----------
     points, outward : (n, 3) ndarray
-    trusted : (n,) ndarray of bool
-        Whether the normal is one: not at edges, nor where no plane fits.
+    trusted, beside : (n,) ndarray of bool
+        Whether the normal is that of a plane through the neighbours, in agreement with theirs; or
+        a direction outward, as at an edge or a rim. Otherwise it means nothing.
     left_out : (k,) ndarray of int
     spacing, noise : float
     remarks : tuple of str
@@ -37,6 +41,7 @@ class Cloud:
     points: np.ndarray
     outward: np.ndarray
     trusted: np.ndarray
+    beside: np.ndarray
     left_out: np.ndarray
     spacing: float
     noise: float
@@ -58,15 +63,16 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
     spacing = spacing_of(p)
     noise = noise_of(p)
     if n is None:
-        estimate = estimate_normals(p, 16 if noise < _ROUGH * spacing else 32)
+        estimate = _estimated(p, noise > _ROUGH * spacing)
         if not estimate.planar.any():
             raise np.linalg.LinAlgError(
                 "the points lie on no surface: nowhere does a plane fit their neighbours"
             )
         outward = orient_normals(p, estimate.vectors, estimate.neighbors[:, :9])
-        trusted = estimate.planar
+        outward, trusted, beside = _agreed(p, outward, estimate.planar, estimate.neighbors)
     else:
         outward, trusted = n[kept], np.ones(len(p), dtype=bool)
+        beside = ~trusted
     said = (
         (len(given) - len(first), "{} repeat others and count once"),
         (int(alone.sum()), "{} lie apart from all others and are left out"),
@@ -74,7 +80,49 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
     )
     remarks = [sentence.format(_points(count)) + "." for count, sentence in said if count]
     left_out = np.setdiff1d(np.arange(len(given)), kept)
-    return Cloud(p, outward, trusted, left_out, spacing, noise, tuple(remarks))
+    return Cloud(p, outward, trusted, beside, left_out, spacing, noise, tuple(remarks))
+
+
+def _estimated(p: np.ndarray, rough: bool) -> PointNormals:
+    """Normals by more neighbours where there is noise, and by fewer where these are no plane."""
+    estimate = estimate_normals(p, 32 if rough else 16)
+    if estimate.planar.mean() > _FLAT:
+        return estimate
+    closer = estimate_normals(p, 8)
+    return closer if closer.planar.mean() > estimate.planar.mean() else estimate
+
+
+def _agreed(
+    p: np.ndarray, outward: np.ndarray, planar: np.ndarray, neighbors: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Normals, or directions outward at edges and rims, and which are the one and the other."""
+    around = (outward * planar[:, None])[neighbors].sum(axis=1)
+    count = np.maximum(planar[neighbors].sum(axis=1), 1)
+    length = np.linalg.norm(around, axis=1)
+    trusted = planar & (np.einsum("ij,ij->i", around, outward) >= _AGREEMENT * count)
+    beside = ~trusted & (length >= _AGREEMENT * count)
+    directions = outward.copy()
+    directions[beside] = around[beside] / length[beside, None]
+    rest = np.flatnonzero(~trusted & ~beside)
+    directions[rest], beside[rest] = _at_rims(p, outward, trusted, neighbors[rest])
+    return directions, trusted, beside
+
+
+def _at_rims(
+    p: np.ndarray, outward: np.ndarray, trusted: np.ndarray, neighbors: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Directions where normals cancel: away from the neighbours, or towards them in a slit.
+
+    From the middle of the neighbours the normals of a sheet look away, those of a slit do not.
+    """
+    offsets = p[neighbors] - p[neighbors].mean(axis=1, keepdims=True)
+    away = offsets[:, 0]
+    far, reach = np.linalg.norm(away, axis=1), np.linalg.norm(offsets, axis=2).max(axis=1)
+    looking = np.einsum("nki,nki,nk->n", offsets, outward[neighbors], trusted[neighbors])
+    sign = np.where(looking < 0, -1.0, 1.0)
+    known = (far > _OFF_MIDDLE * reach) & (looking != 0)
+    directions = np.where(known, sign / np.maximum(far, np.finfo(float).tiny), 0.0)[:, None] * away
+    return np.where(known[:, None], directions, outward[neighbors[:, 0]]), known
 
 
 def outliers(p: np.ndarray) -> np.ndarray:

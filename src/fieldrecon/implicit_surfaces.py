@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
 from fieldrecon._chunks import Progress
@@ -11,7 +14,7 @@ from fieldrecon._point_clouds import Cloud, as_clean_cloud
 from fieldrecon.fields import Field
 from fieldrecon.functionals import derivatives_at, values_at
 from fieldrecon.hermite import HermiteRBF
-from fieldrecon.off_surface import off_surface_points
+from fieldrecon.off_surface import classified_points, off_surface_points
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.radial import polyharmonic
 from fieldrecon.rbf import RBF
@@ -23,7 +26,11 @@ _METHODS = ("rbf", "partition", "hermite")
 _FEW = 700  # points up to which one system serves all
 _PATCH = 40  # sites of a patch: about 13 points, each with one outside and one inside
 _LARGEST_PATCH = 400
-_MARGIN = 4.0  # spacings that the box keeps from the points
+_MARGIN, _WIDER = 4.0, 0.1  # that the box keeps from the points: spacings, parts of its size
+_LATTICE, _NEAREST = 2.0, 1.5  # spacings: of a lattice, and its least distance from the points
+_RINGS = 2  # nodes of a lattice from the points outward
+_SHIFT = 0.382  # of a cell: so that lattices of different steps have no node in common
+_WALL = 9  # points along each edge of the box
 _EXACT = 0.02  # of the spacing: noise below which the points are taken for exact
 
 
@@ -49,9 +56,7 @@ class ImplicitSurface(Solid):
         self.points, self.outward, self.left_out = cloud.points, cloud.outward, cloud.left_out
         self.noise, self.smoothing, self.spacing = cloud.noise, smoothing, cloud.spacing
         self.field, self.remarks = field, cloud.remarks
-        margin = _MARGIN * cloud.spacing
-        self.near = self.points
-        self.box = np.array([self.points.min(axis=0) - margin, self.points.max(axis=0) + margin])
+        self.near, self.box = self.points, _box_about(cloud)
 
     def _values(self, x: np.ndarray) -> np.ndarray:
         return self.field(x)
@@ -108,8 +113,8 @@ def implicit_surface(
         of the points.
     smoothing : float, optional
         Length of the waves of the surface that are halved; shorter ones vanish, longer ones stay.
-        0 interpolates. By default 10 sqrt(noise spacing), with the noise that the points show,
-        and 0 if that is below a fiftieth of their spacing.
+        0 interpolates, as "hermite" always does. By default 10 sqrt(noise spacing), with the noise
+        that the points show, and 0 if that is below a fiftieth of their spacing.
     progress : callable, optional
         Called as progress(done, total) with numbers of patches.
 
@@ -145,16 +150,23 @@ def implicit_surface(
         method = "rbf" if len(cloud.points) <= _FEW else "partition"
     if method not in _METHODS:
         raise ValueError(f"method must be one of {', '.join(_METHODS)}; got {method!r}")
+    if method == "hermite":
+        if smoothing:
+            raise ValueError("method hermite interpolates: it takes smoothing=0")
+        return ImplicitSurface(cloud, _hermite(cloud), 0.0)
     length = _smoothing_of(cloud) if smoothing is None else (
         valid.as_length(smoothing, "smoothing", zero_allowed=True))  # fmt: skip
-    if method == "hermite":
-        return ImplicitSurface(cloud, _hermite(cloud, length), length)
-    some = np.flatnonzero(cloud.trusted)
     distance = cloud.spacing if distance is None else distance
     off = off_surface_points(cloud.points, cloud.outward, distance)
-    told = np.isin(off.sites, some)
+    # at an edge there is room on one side only, that of the obtuse angle
+    told = cloud.trusted[off.sites] | (cloud.beside[off.sites] & (np.abs(off.values) == distance))
     sites = np.concatenate([cloud.points, off.points[told]])
     values = np.concatenate([np.zeros(len(cloud.points)), off.values[told]])
+    if method == "partition":
+        # beyond their sites the patches say little: these hold the field farther out
+        more, told_there = _far_points(cloud, _box_about(cloud))
+        sites = np.concatenate([sites, more])
+        values = np.concatenate([values, told_there])
     weight = _energy_weight(length, cloud.spacing)
     if method == "rbf":
         return ImplicitSurface(cloud, RBF(sites, polyharmonic(3), smoothing=weight).field(values),
@@ -166,9 +178,45 @@ def implicit_surface(
     return ImplicitSurface(cloud, patches.field(values, progress=progress), length)
 
 
-def _hermite(cloud: Cloud, smoothing: float) -> Field:
-    if smoothing:
-        raise ValueError("method hermite interpolates: it takes smoothing=0")
+def _far_points(cloud: Cloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points farther from the surface, and values: lattices ever coarser, and the walls of the box.
+
+    Nodes are told by the nearest point, if it has a normal. Far inside nothing is said: where the
+    points see one side of the body only, nobody knows how deep it is.
+    """
+    step, known = _LATTICE * cloud.spacing, cloud.trusted | cloud.beside
+    parts, low = [_walls(cloud, box)], box[0]
+    size = float((box[1] - low).max())
+    for level in range(int(np.log2(max(size / (4 * step), 1))) + 1):
+        unit = 2.0**level
+        cells = np.unique(np.round((cloud.points - low) / (unit * step)).astype(np.int64), axis=0)
+        about = np.array(list(product(range(-_RINGS, _RINGS + 1), repeat=3)))
+        index = np.unique((cells[:, None] + about).reshape(-1, 3), axis=0)
+        nodes = low + unit * step * (index + _SHIFT)
+        nodes = nodes[((nodes > box[0]) & (nodes < box[1])).all(axis=1)]
+        told = classified_points(cloud.points, cloud.outward, nodes)
+        far = np.linalg.norm(told.points - cloud.points[told.sites], axis=1)
+        kept = (far > unit * _NEAREST * cloud.spacing) & (far < unit * _RINGS * step)
+        kept &= known[told.sites] & ((level == 0) | (told.values < 0))
+        parts.append((told.points[kept], told.values[kept]))
+    points, values = zip(*parts, strict=True)
+    return np.concatenate(points), np.concatenate(values)
+
+
+def _walls(cloud: Cloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points on the walls of the box, which are outside: the body is bounded."""
+    t = np.stack(np.meshgrid(*[np.linspace(0, 1, _WALL)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    walls = box[0] + (box[1] - box[0]) * t[((t == 0) | (t == 1)).any(axis=1)]
+    return walls, -cKDTree(cloud.points - box[0]).query(walls - box[0])[0]
+
+
+def _box_about(cloud: Cloud) -> np.ndarray:
+    low, high = cloud.points.min(axis=0), cloud.points.max(axis=0)
+    margin = max(_MARGIN * cloud.spacing, _WIDER * float((high - low).max()))
+    return np.array([low - margin, high + margin])
+
+
+def _hermite(cloud: Cloud) -> Field:
     some = cloud.trusted
     method = HermiteRBF(
         [values_at(cloud.points), derivatives_at(cloud.points[some], cloud.outward[some])],

@@ -12,7 +12,8 @@ from fieldrecon.solids import Solid
 __all__ = ["Ball", "Box", "Cylinder", "Torus", "roughened", "sample_surface", "scanned"]
 
 _ORIGIN = (0.0, 0.0, 0.0)
-_SHELL = 0.02  # points are drawn so near to the surface, in parts of the box
+_SHELL = 0.01  # points are drawn so near to the surface, in parts of the box
+_DRAWS = 200  # after so many without enough points there is no surface
 _MARCH = 64  # steps of a ray from a point to the eye
 
 
@@ -189,21 +190,29 @@ def sample_surface(solid: Solid, n: int, seed: Seed) -> tuple[np.ndarray, np.nda
     shell = _SHELL * size.max()
     low, span = solid.box[0] - shell, size + 2 * shell
     found, count = [np.empty((0, 3))], 0
-    for _ in range(1000):
+    for _ in range(_DRAWS):
         if count >= n:
             break
         x = low + span * rng.random((min(max(4 * n, 4096), 2**18), 3))
         x = x[np.abs(solid(x)) < shell]
-        for _ in range(8):
-            g = solid.gradient(x)
-            x = x - (solid(x) / np.maximum(np.einsum("ij,ij->i", g, g), 1e-12))[:, None] * g
-        x = x[np.abs(solid(x)) < 1e-9 * shell]
-        found.append(x)
-        count += len(x)
+        foot = _led(solid, x)
+        # from beyond an edge all would come to lie on it, askew to the normal
+        along = np.abs(np.einsum("ij,ij->i", x - foot, solid.normals(foot)))
+        straight = along > 0.999 * np.linalg.norm(x - foot, axis=1)
+        found.append(foot[straight & (np.abs(solid(foot)) < 1e-9 * shell)])
+        count += len(found[-1])
     if count < n:
         raise ValueError("the body has no surface in its box, or its field is far from a distance")
     points = np.concatenate(found)[:n]
     return points, solid.normals(points)
+
+
+def _led(solid: Solid, x: np.ndarray) -> np.ndarray:
+    """Points led to the surface along the gradient."""
+    for _ in range(8):
+        g = solid.gradient(x)
+        x = x - (solid(x) / np.maximum(np.einsum("ij,ij->i", g, g), 1e-12))[:, None] * g
+    return x
 
 
 def roughened(points: ArrayLike, normals: ArrayLike, noise: float, seed: Seed) -> np.ndarray:

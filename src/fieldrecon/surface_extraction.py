@@ -8,13 +8,15 @@ from importlib import import_module
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import sparse
+from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
 from fieldrecon._chunks import Progress
 from fieldrecon._surface_cells import Grid, followed, searched
 from fieldrecon.mesh_audit import MeshAudit, audit_mesh
-from fieldrecon.polynomials import resolution
+from fieldrecon.polynomials import EPS
 from fieldrecon.shapes import Box
 from fieldrecon.solids import Solid, as_box, intersection
 
@@ -23,6 +25,8 @@ __all__ = ["ExtractedSurface", "extract_surface"]
 _CELLS = 64  # along the longest side of the box, where nobody says how fine
 _STEPS = 60  # each either a Newton step or the middle of what is left
 _SETTLED = 1e-9  # of an edge: a vertex that moves less has arrived
+_SPECK = 3  # cells: a part of the surface that extends less says nothing
+_ROUNDINGS = 64  # of the largest coordinate, if these are more
 _APART = 1e-6  # of an edge: what vertices keep from its ends
 
 
@@ -93,7 +97,8 @@ def extract_surface(
     is led to F = 0 by Newton steps. Cells are looked at only where the surface is: from those that
     contain points near it, it is followed through the faces that it crosses, to its end. It comes
     out closed, oriented and without self-intersections, whatever the field. Sharp edges are cut
-    off by less than a cell, and what is thinner than a cell may be lost.
+    off by less than a cell, what is thinner than a cell may be lost, and parts of the surface that
+    extend over less than three cells are left out.
 
     Parameters
     ----------
@@ -153,11 +158,10 @@ def extract_surface(
             "the body has no surface in the box, or none near the points: F has one sign there"
         )
     ends, triangles = _marched(values, crossed, grid)
+    ends, triangles = _without_specks(ends, triangles)
     points = _on_edges(closed, grid, ends, values)
-    cut = np.flatnonzero(wall(points) <= 2 * _APART * spacing + resolution(points))
-    tree = None if given is None else cKDTree(points)
-    missed = np.empty(0, np.intp) if tree is None or given is None else np.flatnonzero(
-        np.isinf(tree.query(given, distance_upper_bound=2 * spacing)[0]))  # fmt: skip
+    cut = np.flatnonzero(np.abs(wall(points)) <= 1e-3 * spacing)
+    missed = np.empty(0, np.intp) if given is None else _far_from(points, given, 2 * spacing)
     if within is not None:
         points, triangles, cut = _trimmed(points, triangles, cut, given, within)
     return ExtractedSurface(points, triangles, solid, spacing, cut, missed)
@@ -184,6 +188,26 @@ def _marched(
     return (lower, (middle - lower).argmax(axis=1)), triangles.astype(np.intp)
 
 
+def _without_specks(
+    ends: tuple[np.ndarray, np.ndarray], triangles: np.ndarray
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+    """What is left without the parts of two cells or less, but for the largest."""
+    lower, axis = ends
+    joints = (triangles.ravel(), np.roll(triangles, 1, axis=1).ravel())
+    graph = sparse.csr_array((np.ones(triangles.size, dtype=bool), joints), (len(lower),) * 2)
+    count, part = csgraph.connected_components(graph, directed=False)
+    if count == 1:
+        return ends, triangles
+    order = np.argsort(part, kind="stable")
+    starts = np.searchsorted(part[order], np.arange(count))
+    along = lower[order]
+    extent = np.maximum.reduceat(along, starts) - np.minimum.reduceat(along, starts)
+    kept = extent.max(axis=1) >= min(_SPECK, extent.max())
+    used = kept[part]
+    number = np.cumsum(used) - 1
+    return (lower[used], axis[used]), number[triangles[used[triangles[:, 0]]]]
+
+
 def _on_edges(
     solid: Solid, grid: Grid, ends: tuple[np.ndarray, np.ndarray], values: np.ndarray
 ) -> np.ndarray:
@@ -195,7 +219,7 @@ def _on_edges(
     base, sign = grid.nodes(lower), np.where(start > 0, 1.0, -1.0)
     low, high = np.zeros(len(base)), np.ones(len(base))
     t = start / (start - end)
-    apart = max(_APART, 64 * resolution(base) / grid.spacing)
+    apart = max(_APART, _ROUNDINGS * EPS * float(np.abs(base).max()) / grid.spacing)
     active = np.arange(len(base))
     for _ in range(_STEPS):
         a, k = active, axis[active]
@@ -225,11 +249,15 @@ def _trimmed(
     """What is within a distance of the points."""
     if near is None:
         raise ValueError("within needs points near the surface; this body has none")
-    far = np.isinf(
-        cKDTree(near).query(points, distance_upper_bound=valid.as_length(within, "within"))[0]
-    )
-    left = triangles[~far[triangles].any(axis=1)]
+    far = _far_from(near, points, valid.as_length(within, "within"))
+    left = triangles[~np.isin(triangles, far).any(axis=1)]
     used = np.zeros(len(points), dtype=bool)
     used[left] = True
     number = np.cumsum(used) - 1
     return points[used], number[left], number[cut[used[cut]]]
+
+
+def _far_from(points: np.ndarray, x: np.ndarray, distance: float) -> np.ndarray:
+    """Which of x are farther than a distance from all of the points."""
+    found = cKDTree(points - x[0]).query(x - x[0], distance_upper_bound=distance, workers=-1)[0]
+    return np.flatnonzero(np.isinf(found))

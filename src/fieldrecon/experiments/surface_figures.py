@@ -1,0 +1,118 @@
+"""The figures of surfaces from points: clouds, surfaces, bodies put together, isolines."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fieldrecon.experiments.experiment import Result
+from fieldrecon.experiments.mesh_pictures import Picture, draw
+from fieldrecon.reporting.style import figure, line, shades
+
+TOWARD = np.array([0.55, -0.7, 0.55])
+"""Whence bodies are seen."""
+SHOWN = ("with noise", "with holes", "in shadow", "with strays and copies")
+BODIES = ("union", "intersection", "difference", "blend")
+FROM_ABOVE = np.array([0.35, -0.75, 0.8])
+_HEIGHTS = 3.0  # times higher than true: the relief is flat
+
+
+def draw_cloud_and_surface(result: Result) -> Figure:
+    """Draw the cloud of the part beside its surface."""
+    with figure(height=2.7, columns=2) as (page, (left, right)):
+        _cloud(left, result, "part", size=1.2)
+        _surface(right, result, "part", 800)
+    return page
+
+
+def plot_scans(result: Result) -> Figure:
+    """Clouds with something wrong, above, and what was made of them, below."""
+    with figure(height=3.3, rows=2, columns=len(SHOWN)) as (page, axes):
+        for name, (above, below) in zip(SHOWN, axes.T, strict=True):
+            above.set_title(name, loc="center", fontsize=8)
+            _cloud(above, result, name, size=0.5)
+            _surface(below, result, name, 400)
+    return page
+
+
+def plot_bodies(result: Result) -> Figure:
+    """Two bodies made from points, put together in four ways."""
+    return _strip(result, BODIES, height=1.6)
+
+
+def plot_deformation(result: Result) -> Figure:
+    """A ball that becomes a ring."""
+    frames = tuple(str(n) for n in result.arrays["frames"] if str(n).startswith("t ="))
+    return _strip(result, frames, height=1.35)
+
+
+def plot_isolines(result: Result) -> Figure:
+    """Points on isolines, and the surface through them, both seen from above and aside."""
+    sites, x, y, z = (result.arrays[f"land:{k}"] for k in ("sites", "x", "y", "heights"))
+    columns, rows = np.meshgrid(x, y)
+    points = np.column_stack([columns.ravel(), rows.ravel(), _HEIGHTS * z.ravel()])
+    picture = Picture(points, _triangulated(z.shape), FROM_ABOVE, 900)
+    raised = sites * [1, 1, _HEIGHTS]
+    places = (raised - points.min(axis=0)) / np.ptp(points, axis=0).max() @ picture.axes
+    with figure(height=2.1, columns=2) as (page, (left, right)):
+        left.scatter(*places[:, :2].T, c=sites[:, 2], cmap="viridis", s=0.7, linewidths=0,
+                     rasterized=True)  # fmt: skip
+        left.set(aspect="equal")
+        right.imshow(picture.image(), interpolation="antialiased")
+        for panel in (left, right):
+            panel.set_axis_off()
+    return page
+
+
+def plot_convergence(result: Result) -> Figure:
+    """Errors against the number of points, and against the cells."""
+    with figure(height=2.3, columns=2) as (page, (left, right)):
+        table = result.tables["convergence"]
+        n = np.array(table.column("points"), dtype=float)
+        looks = (line("RBF"), line("MLS"))
+        for name, label, look in zip(("rbf", "hermite"), ("points off the surface", "normals"),
+                                     looks, strict=True):  # fmt: skip
+            left.loglog(n, np.array(table.column(name), dtype=float), **look | {"label": label})
+        left.set(xlabel="points", ylabel="rms distance")
+        left.legend()
+        table = result.tables["cells"]
+        n = np.array(table.column("cells"), dtype=float)
+        for name, look in zip(("volume", "area"), shades("truth", 2), strict=True):
+            right.loglog(n, np.array(table.column(name), dtype=float), **look | {"label": name})
+        right.set(xlabel="cells across the tube", ylabel="relative error")
+        right.legend()
+    return page
+
+
+def _strip(result: Result, names: tuple[str, ...], height: float) -> Figure:
+    with figure(height=height, columns=len(names)) as (page, axes):
+        for name, panel in zip(names, axes, strict=True):
+            panel.set_title(name, loc="center", fontsize=8)
+            _surface(panel, result, name, 400)
+    return page
+
+
+def _surface(panel: Axes, result: Result, name: str, pixels: int) -> None:
+    points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
+    draw(panel, points, triangles, {}, TOWARD, pixels)
+    panel.set_aspect("equal", adjustable="datalim")
+
+
+def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
+    """Draw points, those behind lighter."""
+    picture = Picture(*(result.arrays[f"{name}:{w}"] for w in ("points", "triangles")), TOWARD, 40)
+    x, y, depth = (result.arrays[f"{name}:cloud"] @ picture.axes).T
+    order = np.argsort(depth)
+    panel.scatter(x[order], y[order], c=-depth[order], cmap="Greys_r", s=size, linewidths=0,
+                  vmin=-depth.max(), vmax=-2.2 * depth.min(), rasterized=True)  # fmt: skip
+    panel.set_aspect("equal", adjustable="datalim")
+    panel.set_axis_off()
+
+
+def _triangulated(shape: tuple[int, ...]) -> np.ndarray:
+    """Two triangles for each square of a grid."""
+    index = np.arange(shape[0] * shape[1]).reshape(shape)
+    a, b, c, d = (index[s].ravel() for s in (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1],
+                                              np.s_[1:, 1:]))  # fmt: skip
+    return np.concatenate([np.column_stack([a, b, d]), np.column_stack([a, d, c])])
