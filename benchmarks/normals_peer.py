@@ -13,20 +13,27 @@ import open3d  # type: ignore[import-not-found] # only in the environment that i
 
 def main() -> None:
     folder, neighbors, joined = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-    cloud = open3d.geometry.PointCloud()
-    cloud.points = open3d.utility.Vector3dVector(np.load(folder / "points.npy"))
+    clouds = {path.stem: read(path) for path in folder.glob("*.npy")}
     search = open3d.geometry.KDTreeSearchParamKNN(neighbors)
     print("ready", flush=True)
-    for _ in sys.stdin:
+    for line in sys.stdin:
+        name = line.strip()
+        cloud = clouds[name]
         cloud.normals = open3d.utility.Vector3dVector()
         start = time.perf_counter()
         cloud.estimate_normals(search)
         estimated = time.perf_counter()
         cloud.orient_normals_consistent_tangent_plane(joined)
         oriented = time.perf_counter()
-        np.save(folder / "normals.npy", np.asarray(cloud.normals))
+        np.save(folder / f"normals of {name}.npy", np.asarray(cloud.normals))
         told = {"estimate": estimated - start, "orient": oriented - estimated}
         print(json.dumps(told), flush=True)
+
+
+def read(path: Path) -> open3d.geometry.PointCloud:
+    cloud = open3d.geometry.PointCloud()
+    cloud.points = open3d.utility.Vector3dVector(np.load(path))
+    return cloud
 
 
 if __name__ == "__main__":
