@@ -361,7 +361,9 @@ def test_the_lock_files_hold_what_pyproject_asks_for():
     project = settings["project"]
     extras = project["optional-dependencies"]
     asked = {
-        "requirements.lock": ["report", "mesh", "surface", "parquet", "dask", "course", "test", "lint"],
+        "requirements.lock": [
+            *("report", "mesh", "surface", "parquet", "dask", "course", "test", "lint"),
+        ],
         "requirements-lab.lock": ["lab"],
         "requirements-bench.lock": ["bench"],
     }

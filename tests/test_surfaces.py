@@ -58,7 +58,7 @@ def test_of_each_off_surface_point_its_own_site_is_the_nearest(distance):
 def test_without_shrinking_the_check_fails(monkeypatch):
     """Half as far again as a plate is thick, the points inside come out on the other side."""
     points, normals = cloud(Box([1.0, 1.0, 0.1]), 1500)
-    monkeypatch.setattr(off_surface, "_empty_balls", lambda p, n, tree, d: np.full(len(p), d))
+    monkeypatch.setattr(off_surface, "_empty_balls", lambda p, *rest: np.full(len(p), rest[-1]))
     off = off_surface_points(points, normals, 0.15)
     assert not nearest_is_own(points, off)
     inside = off.values > 0
@@ -175,6 +175,7 @@ def test_noise_is_estimated_and_smoothed():
     x, _ = cloud(Ball(1.0), 400, seed=9)
     errors = [np.sqrt(np.mean(body(x) ** 2)) for body in
               (implicit_surface(rough), implicit_surface(rough, smoothing=0.0))]  # fmt: skip
+    assert "are smoothed away" in implicit_surface(rough).remarks[-1]
     assert errors[0] < 0.5 * errors[1]
     assert errors[0] < 0.1 * spacing
 
@@ -229,6 +230,28 @@ def test_a_sheet_two_spacings_thick_has_two_sides():
     mesh = extract_surface(body, within=2 * body.spacing)
     inner = np.abs(mesh.points[:, :2]).max(axis=1) < 0.25
     assert np.abs(np.abs(mesh.points[inner, 2]) - 0.02).max() < 0.5 * body.spacing
+
+
+def test_thinner_than_that_it_is_told():
+    """A sheet of half the distance of its points looks like noise; given normals serve."""
+    solid = Box([0.6, 0.6, 0.01])
+    points, normals = cloud(solid, 1500)
+    assert "are about 0.005 off a smooth surface" in implicit_surface(points).remarks[-1]
+    body = implicit_surface(points, normals, smoothing=0.0)
+    assert body.remarks == ()
+    assert body([0, 0, 0.0]) > 0 > max(body([0, 0, 0.02]), body([0, 0, -0.02]))
+
+
+def test_half_a_ball_is_closed_within_its_box(monkeypatch):
+    """Nobody saw the other half; without what holds the field there it goes on to the walls."""
+    points = spiral(1600)
+    points = points[points[:, 2] > 0]
+    mesh = extract_surface(implicit_surface(points, points))
+    assert mesh.audit.clean
+    assert len(mesh.cut) == 0
+    nothing = np.empty((0, 3)), np.empty(0)
+    monkeypatch.setattr(implicit_surfaces, "_far_points", lambda *_: nothing)
+    assert len(extract_surface(implicit_surface(points, points)).cut) > 100
 
 
 # --- triangles ------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,13 +13,13 @@ from fieldrecon.normals import PointNormals, as_cloud, estimate_normals
 from fieldrecon.off_surface import as_oriented, spacing_of
 from fieldrecon.polynomials import monomials
 
-_ALONE = 4.0  # times farther from the others than these from each other: an outlier
+_ALONE = 1.5  # times the reach of its neighbours: a point with one other nearer is an outlier
 _NEIGHBORS = 8  # that a point has about it, with whom it is compared
 _SAMPLE = 2000  # points of which the noise is judged
 _QUADRIC = 12  # neighbours through which a paraboloid is laid
 _AGREEMENT = 0.5  # of a normal with those about it, in the mean of the cosines
+_AGAINST = 0.3  # of those about in the mean: a direction that contradicts them is none
 _OFF_MIDDLE = 0.2  # of the reach: a point so far off the middle of its neighbours is at a rim
-_FLAT = 0.7  # of the neighbourhoods should be
 _ROUGH = 0.2  # of the spacing: noise from which on a plane takes more neighbours
 
 
@@ -85,19 +85,21 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
 
 def _estimated(p: np.ndarray, rough: bool) -> PointNormals:
     """Normals by more neighbours where there is noise, and by fewer where these are no plane."""
-    estimate = estimate_normals(p, 32 if rough else 16)
-    if estimate.planar.mean() > _FLAT:
-        return estimate
-    closer = estimate_normals(p, 8)
-    return closer if closer.planar.mean() > estimate.planar.mean() else estimate
+    wide = estimate_normals(p, 32 if rough else 16)
+    if rough:
+        return wide
+    close = estimate_normals(p, 8)
+    vectors = np.where(wide.planar[:, None], wide.vectors, close.vectors)
+    return replace(wide, vectors=vectors, planar=wide.planar | close.planar)
 
 
 def _agreed(
     p: np.ndarray, outward: np.ndarray, planar: np.ndarray, neighbors: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Normals, or directions outward at edges and rims, and which are the one and the other."""
-    around = (outward * planar[:, None])[neighbors].sum(axis=1)
-    count = np.maximum(planar[neighbors].sum(axis=1), 1)
+    weight = planar[neighbors] * _beside(p, outward, neighbors)
+    around = np.einsum("nk,nki->ni", weight, outward[neighbors])
+    count = np.maximum(weight.sum(axis=1), np.finfo(float).tiny)
     length = np.linalg.norm(around, axis=1)
     trusted = planar & (np.einsum("ij,ij->i", around, outward) >= _AGREEMENT * count)
     beside = ~trusted & (length >= _AGREEMENT * count)
@@ -105,7 +107,25 @@ def _agreed(
     directions[beside] = around[beside] / length[beside, None]
     rest = np.flatnonzero(~trusted & ~beside)
     directions[rest], beside[rest] = _at_rims(p, outward, trusted, neighbors[rest])
+    beside &= ~_against(p, directions, trusted | beside, neighbors)
     return directions, trusted, beside
+
+
+def _beside(p: np.ndarray, outward: np.ndarray, neighbors: np.ndarray) -> np.ndarray:
+    """1 - (e . n_k)^2 / |e|^2 of neighbours (n, k): none of those across a sheet."""
+    e = p[neighbors] - p[:, None]
+    along, squared = np.einsum("nki,nki->nk", e, outward[neighbors]) ** 2, (e**2).sum(axis=2)
+    return 1 - np.divide(along, squared, out=np.zeros_like(along), where=squared > 0)
+
+
+def _against(
+    p: np.ndarray, directions: np.ndarray, known: np.ndarray, neighbors: np.ndarray
+) -> np.ndarray:
+    """Which directions (n,) are against those about, the nearest counting most."""
+    squared = ((p[neighbors] - p[:, None]) ** 2).sum(axis=2)
+    weight = np.divide(known[neighbors], squared, out=np.zeros_like(squared), where=squared > 0)
+    cosine = np.einsum("nki,ni->nk", directions[neighbors], directions)
+    return (weight * cosine).sum(axis=1) < -_AGAINST * weight.sum(axis=1)
 
 
 def _at_rims(
@@ -126,12 +146,15 @@ def _at_rims(
 
 
 def outliers(p: np.ndarray) -> np.ndarray:
-    """Points (n,) whose neighbours are much nearer to each other than to them."""
+    """Points (n,) that have hardly another as near as their neighbours have eight.
+
+    Two strays together are found too; the neighbours' reach allows for a changing density.
+    """
     if len(p) <= _NEIGHBORS + 1:
         return np.zeros(len(p), dtype=bool)
     p = p - p[0]
     reach, index = cKDTree(p).query(p, _NEIGHBORS + 1, workers=-1)
-    return reach[:, -1] > _ALONE * np.median(reach[index[:, 1:], -1], axis=1)
+    return reach[:, 2] > _ALONE * np.median(reach[index[:, 1:], -1], axis=1)
 
 
 def noise_of(p: np.ndarray) -> float:

@@ -55,7 +55,7 @@ class ImplicitSurface(Solid):
     def __init__(self, cloud: Cloud, field: Field, smoothing: float) -> None:
         self.points, self.outward, self.left_out = cloud.points, cloud.outward, cloud.left_out
         self.noise, self.smoothing, self.spacing = cloud.noise, smoothing, cloud.spacing
-        self.field, self.remarks = field, cloud.remarks
+        self.field, self.remarks = field, cloud.remarks + _said(cloud, smoothing)
         self.near, self.box = self.points, _box_about(cloud)
 
     def _values(self, x: np.ndarray) -> np.ndarray:
@@ -208,6 +208,22 @@ def _walls(cloud: Cloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     t = np.stack(np.meshgrid(*[np.linspace(0, 1, _WALL)] * 3, indexing="ij"), -1).reshape(-1, 3)
     walls = box[0] + (box[1] - box[0]) * t[((t == 0) | (t == 1)).any(axis=1)]
     return walls, -cKDTree(cloud.points - box[0]).query(walls - box[0])[0]
+
+
+def _said(cloud: Cloud, smoothing: float) -> tuple[str, ...]:
+    """Sentences about noise, and about normals that mostly are none."""
+    said = []
+    if smoothing:
+        said.append(
+            f"The points are about {cloud.noise:.2g} off a smooth surface; waves of it shorter "
+            f"than {smoothing:.2g} are smoothed away."
+        )
+    if cloud.trusted.mean() < 0.5:
+        said.append(
+            "Most points have no normal: the body is thinner than their distance, or these are no "
+            "points of a surface; with normals, or with more points, it can be told."
+        )
+    return tuple(said)
 
 
 def _box_about(cloud: Cloud) -> np.ndarray:

@@ -229,10 +229,10 @@ def _on_edges(
         before = sign[a] * f > 0
         low[a], high[a] = np.where(before, t[a], low[a]), np.where(before, high[a], t[a])
         newton = t[a] - np.divide(f, slope, out=np.full(len(a), np.inf), where=slope != 0)
-        inside = (newton > low[a]) & (newton < high[a])
-        new = np.where(inside, newton, (low[a] + high[a]) / 2)
-        settled = np.abs(new - t[a]) < _SETTLED
-        t[a] = new
+        settled = np.abs(newton - t[a]) < _SETTLED
+        inside = settled | ((newton > low[a]) & (newton < high[a]))
+        t[a] = np.where(inside, newton, (low[a] + high[a]) / 2)
+        settled |= high[a] - low[a] < _SETTLED
         active = a[~settled]
         if len(active) == 0:
             break

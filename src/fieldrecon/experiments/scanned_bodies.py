@@ -12,8 +12,9 @@ from fieldrecon.solids import Solid
 
 EYES = np.array([[4.0, -4.0, 1.5], [-4.0, -3.0, 1.5], [0.0, 4.0, -2.0]])
 """Where the scanner stood: twice above, once below, always aside; what lies deep it never saw."""
+HOLES = 0.8 * np.array([[0.87, -0.5, 0.25], [0.0, -1.0, 0.25], [-0.87, 0.5, 0.25], [0.5, 0.87, 0]])
+"""Where points are missing, on the rim of the wheel, and how far around."""
 HOLE = 0.18
-"""Radius of the holes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,10 +26,10 @@ class Scan:
 
 
 def machine_part() -> Solid:
-    """Return a plate with a hole, a pin with a ring about it, and a thin fin."""
-    plate = Box([2.0, 1.4, 0.3]) - Cylinder(0.32, 1.0, [-0.55, 0.0, 0.0])
-    pin = Cylinder(0.2, 1.0, [0.45, 0.0, 0.4]) | Torus(0.34, 0.1, [0.45, 0.0, 0.55])
-    fin = Box([0.09, 1.1, 0.8], [-0.05, 0.0, 0.4])
+    """Return a plate with a hole, a pin with a collar, and a thin fin."""
+    plate = Box([2.0, 1.4, 0.3]) - Cylinder(0.3, 1.0, [-0.6, 0.0, 0.0])
+    pin = Cylinder(0.2, 1.0, [0.5, 0.0, 0.4]) | Torus(0.2, 0.13, [0.5, 0.0, 0.6])
+    fin = Box([0.1, 1.1, 0.8], [-0.1, 0.0, 0.4])
     return plate | pin | fin
 
 
@@ -54,7 +55,7 @@ def damaged(count: int, noise: float, seed: int) -> dict[str, Scan]:
     spacing = spacing_of(points)
     rng = np.random.default_rng(seed)
     rough = roughened(points, normals, noise * spacing, rng)
-    holes = np.linalg.norm(points[:, None] - points[:4], axis=2).min(axis=1)
+    missing = np.linalg.norm(points[:, None] - HOLES, axis=2).min(axis=1) < HOLE
     low, high = 1.3 * body.box
     strays = low + (high - low) * rng.random((count // 50, 3))
     strays = strays[-body(strays) > 5 * spacing]
@@ -64,7 +65,7 @@ def damaged(count: int, noise: float, seed: int) -> dict[str, Scan]:
     return {
         "as drawn": Scan(points, body),
         "with noise": Scan(rough, body),
-        "with holes": Scan(points[holes > HOLE], body),
+        "with holes": Scan(points[~missing], body),
         "in shadow": Scan(points[scanned(body, points, normals, EYES)], body),
         "with strays and copies": Scan(np.vstack([points, strays, points[: count // 10]]), body),
         "two bodies": Scan(np.vstack([points, more]), body | other),

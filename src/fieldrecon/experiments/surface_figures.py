@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.experiments.experiment import Result
-from fieldrecon.experiments.mesh_pictures import Picture, draw
+from fieldrecon.experiments.mesh_pictures import Picture
 from fieldrecon.reporting.style import figure, line, shades
 
 TOWARD = np.array([0.55, -0.7, 0.55])
@@ -20,19 +20,21 @@ _HEIGHTS = 3.0  # times higher than true: the relief is flat
 
 def draw_cloud_and_surface(result: Result) -> Figure:
     """Draw the cloud of the part beside its surface."""
-    with figure(height=2.7, columns=2) as (page, (left, right)):
+    with figure(height=2.35, columns=2) as (page, (left, right)):
         _cloud(left, result, "part", size=1.2)
-        _surface(right, result, "part", 800)
+        _surface(right, result, "part", 900, edges=True)
     return page
 
 
 def plot_scans(result: Result) -> Figure:
     """Clouds with something wrong, above, and what was made of them, below."""
-    with figure(height=3.3, rows=2, columns=len(SHOWN)) as (page, axes):
+    with figure(height=2.7, rows=2, columns=len(SHOWN)) as (page, axes):
         for name, (above, below) in zip(SHOWN, axes.T, strict=True):
             above.set_title(name, loc="center", fontsize=8)
             _cloud(above, result, name, size=0.5)
             _surface(below, result, name, 400)
+        for row in axes:
+            _alike(row)
     return page
 
 
@@ -59,9 +61,8 @@ def plot_isolines(result: Result) -> Figure:
         left.scatter(*places[:, :2].T, c=sites[:, 2], cmap="viridis", s=0.7, linewidths=0,
                      rasterized=True)  # fmt: skip
         left.set(aspect="equal")
-        right.imshow(picture.image(), interpolation="antialiased")
-        for panel in (left, right):
-            panel.set_axis_off()
+        left.set_axis_off()
+        _draw(right, picture, edges=False)
     return page
 
 
@@ -75,14 +76,21 @@ def plot_convergence(result: Result) -> Figure:
                                      looks, strict=True):  # fmt: skip
             left.loglog(n, np.array(table.column(name), dtype=float), **look | {"label": label})
         left.set(xlabel="points", ylabel="rms distance")
+        _ticks(left, n)
         left.legend()
         table = result.tables["cells"]
         n = np.array(table.column("cells"), dtype=float)
         for name, look in zip(("volume", "area"), shades("truth", 2), strict=True):
             right.loglog(n, np.array(table.column(name), dtype=float), **look | {"label": name})
         right.set(xlabel="cells across the tube", ylabel="relative error")
+        _ticks(right, n)
         right.legend()
     return page
+
+
+def _ticks(panel: Axes, n: np.ndarray) -> None:
+    panel.set_xticks(n, [f"{k:g}" for k in n])
+    panel.set_xticks([], minor=True)
 
 
 def _strip(result: Result, names: tuple[str, ...], height: float) -> Figure:
@@ -90,13 +98,29 @@ def _strip(result: Result, names: tuple[str, ...], height: float) -> Figure:
         for name, panel in zip(names, axes, strict=True):
             panel.set_title(name, loc="center", fontsize=8)
             _surface(panel, result, name, 400)
+        _alike(axes)
     return page
 
 
-def _surface(panel: Axes, result: Result, name: str, pixels: int) -> None:
+def _surface(panel: Axes, result: Result, name: str, pixels: int, *, edges: bool = False) -> None:
     points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
-    draw(panel, points, triangles, {}, TOWARD, pixels)
-    panel.set_aspect("equal", adjustable="datalim")
+    _draw(panel, Picture(points, triangles, TOWARD, pixels), edges=edges)
+
+
+def _draw(panel: Axes, picture: Picture, *, edges: bool) -> None:
+    picture.rim &= edges
+    panel.imshow(picture.image(), interpolation="antialiased")
+    panel.set_axis_off()
+
+
+def _alike(panels: np.ndarray) -> None:
+    """Give panels windows of one shape, so that their titles are level."""
+    sizes = [np.ptp([panel.get_xlim(), panel.get_ylim()], axis=1) for panel in panels]
+    shape = max(height / width for width, height in sizes)
+    for panel, (width, height) in zip(panels, sizes, strict=True):
+        more = (shape * width - height) / 2
+        low, high = panel.get_ylim()
+        panel.set_ylim(low - more, high + more)
 
 
 def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
@@ -106,7 +130,7 @@ def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
     order = np.argsort(depth)
     panel.scatter(x[order], y[order], c=-depth[order], cmap="Greys_r", s=size, linewidths=0,
                   vmin=-depth.max(), vmax=-2.2 * depth.min(), rasterized=True)  # fmt: skip
-    panel.set_aspect("equal", adjustable="datalim")
+    panel.set(aspect="equal")
     panel.set_axis_off()
 
 
