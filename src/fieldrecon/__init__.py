@@ -39,7 +39,8 @@ from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.polygon_soup import PolygonSoup
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
-from fieldrecon.ray_tracing import View, first_zeros, ray_traced
+from fieldrecon.ray_tracing import View, ray_traced
+from fieldrecon.rays import first_zeros
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.rigid_motions import resultants, rigid_motions

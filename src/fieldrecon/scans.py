@@ -84,17 +84,8 @@ class Scan:
         """What a reader should know."""
         whose = f"those of the {self.cloud.normals_of}" if self.told else "estimated"
         normals = f"The normals are {whose}."
-        of_points = [*self.cloud.remarks, normals, *self.body.remarks]
-        return [*of_points, *self._of_noise(), *self._of_mesh()]
-
-    def _of_noise(self) -> Iterator[str]:
-        body = self.body
-        yield f"The points are {body.spacing:.3g} apart, in the median."
-        if body.smoothing:
-            yield (
-                f"They are off a smooth surface by about {body.noise:.2g}, so waves of it shorter "
-                f"than {body.smoothing:.3g} are smoothed away; --smoothing 0 keeps them."
-            )
+        apart = f"The points are {self.body.spacing:.3g} apart, in the median."
+        return [*self.cloud.remarks, normals, apart, *self.body.remarks, *self._of_mesh()]
 
     def _of_mesh(self) -> Iterator[str]:
         mesh = self.mesh
