@@ -27,6 +27,7 @@ NAMES = (
     "grading_workers",
     "grading_class",
     "mesh_audit",
+    "normals",
     "patch_sizes",
     "streaming",
     "peers",

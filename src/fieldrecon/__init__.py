@@ -13,6 +13,7 @@ from fieldrecon.block_means import block_means
 from fieldrecon.cell_velocity import cell_velocities, raviart_thomas
 from fieldrecon.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
 from fieldrecon.characteristics import Inflow, Snapshots, departure_points
+from fieldrecon.cloud_files import read_cloud
 from fieldrecon.coupling import Coupling
 from fieldrecon.deformations import blend, deformation, moved
 from fieldrecon.dual_meshes import barycentric_dual, circumcentric_dual
@@ -40,8 +41,11 @@ from fieldrecon.normals import PointNormals, estimate_normals
 from fieldrecon.off_surface import OffSurface, classified_points, off_surface_points
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.plates import Plate, isotropic
+from fieldrecon.polygon_soup import PolygonSoup
 from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
+from fieldrecon.ray_tracing import View, ray_traced
+from fieldrecon.rays import first_zeros
 from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.rigid_motions import resultants, rigid_motions
@@ -51,6 +55,7 @@ from fieldrecon.spline_bases import b_splines, cardinal_b_spline
 from fieldrecon.splines import NaturalCubicSpline
 from fieldrecon.surface_extraction import ExtractedSurface, extract_surface
 from fieldrecon.triangle_files import read_triangles, write_triangles
+from fieldrecon.variational import ShapeTransformation, variational_implicit
 from fieldrecon.velocity import (
     divergence,
     normal_velocities,
@@ -83,11 +88,14 @@ __all__ = [
     "PartitionOfUnityRBF",
     "Plate",
     "PointNormals",
+    "PolygonSoup",
     "Reconstruction",
+    "ShapeTransformation",
     "SimplexMesh",
     "Snapshots",
     "Solid",
     "State",
+    "View",
     "VoronoiCell",
     "VortexLattice",
     "adapted_points",
@@ -112,6 +120,7 @@ __all__ = [
     "estimate_normals",
     "extract_surface",
     "fixed_point",
+    "first_zeros",
     "gaussian",
     "implicit_surface",
     "intersection",
@@ -133,6 +142,8 @@ __all__ = [
     "orient_normals",
     "polyharmonic",
     "raviart_thomas",
+    "ray_traced",
+    "read_cloud",
     "read_mesh",
     "read_mesh_and_data",
     "read_surface",
@@ -148,6 +159,7 @@ __all__ = [
     "thin_plate_spline",
     "union",
     "values_at",
+    "variational_implicit",
     "velocity_weights",
     "vertex_gradients",
     "vertex_velocities",

@@ -76,8 +76,8 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
             help="a closed mesh from a scan: points on the surface of a body, in a file",
             description="Reconstruct the body whose surface goes through points: normals, a field "
             "that is zero at the points, a mesh of its zeros, a picture, and a page that says how "
-            "far the points are from it. The status is 0 if the mesh is closed and no point is "
-            "without surface, 1 if there is something to look at, and 2 if there is none.",
+            "far the points are from it. The status is 0 if the mesh is closed, sound, and "
+            "misses no point, 1 if there is something to look at, and 2 if there is no mesh.",
         )
     )
     _add_audit(

@@ -34,13 +34,16 @@ class Cloud:
     triangles : ndarray of shape (m, 3)
         Between the points; none if the file has none.
     remarks : tuple of str
-        What was left out, and whose the normals are, in sentences.
+        What was left out, in sentences.
+    normals_of : str
+        Whose the normals are: "file" or "triangles in the file".
     """
 
     points: np.ndarray
     normals: np.ndarray | None
     triangles: np.ndarray
     remarks: tuple[str, ...] = ()
+    normals_of: str = "file"
 
 
 def read_cloud(path: str | Path) -> Cloud:
@@ -199,7 +202,7 @@ def _finite(cloud: Cloud) -> Cloud:
 def _with_normals(cloud: Cloud) -> Cloud:
     """The cloud with the normals of its triangles, if it has these and no others."""
     if cloud.normals is not None and cloud.normals.any():
-        return replace(cloud, remarks=(*cloud.remarks, "The normals are those of the file."))
+        return cloud
     if not len(cloud.triangles):
         return replace(cloud, normals=None)
     p = cloud.points - cloud.points.mean(axis=0)
@@ -208,5 +211,4 @@ def _with_normals(cloud: Cloud) -> Cloud:
     normals = np.stack([
         np.bincount(cloud.triangles.ravel(), np.repeat(column, 3), len(p)) for column in area.T
     ], axis=1)  # fmt: skip
-    remark = "The normals are those of the triangles in the file."
-    return replace(cloud, normals=normals, remarks=(*cloud.remarks, remark))
+    return replace(cloud, normals=normals, normals_of="triangles in the file")

@@ -17,6 +17,7 @@ from fieldrecon.triangle_distances import distances_to_triangles
 
 GAP = 3.0
 """Spacings from the nearest point beyond which the surface is not known."""
+_FLAT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,8 @@ class Scan:
         Of the points that counted, to the triangles.
     gaps : (t,) ndarray of bool
         Triangles that are farther than GAP spacings from all points.
+    told : bool
+        Whether the normals are those of the cloud.
     """
 
     cloud: Cloud
@@ -43,6 +46,7 @@ class Scan:
     mesh: ExtractedSurface
     distances: np.ndarray
     gaps: np.ndarray
+    told: bool
 
     @property
     def points(self) -> np.ndarray:
@@ -55,10 +59,14 @@ class Scan:
         counts = self.mesh.audit.counts.values()
         return [in_words(kind, n) for kinds in counts for kind, n in kinds.items() if n]
 
-    @property
-    def whole(self) -> bool:
-        """Whether the mesh is closed and sound, and no point is without it."""
-        return self.mesh.audit.clean and not len(self.mesh.missed)
+    def sound(self, rim: bool) -> bool:
+        """Whether the mesh is closed and clean, goes no farther than the points, and misses none.
+
+        Where a rim is wanted, it is none the worse for being open.
+        """
+        allowed = {"boundary_loops"} if rim else set()
+        beyond = len(self.mesh.cut) > 0 and not rim
+        return {*self.mesh.audit.found} <= allowed and not beyond and not len(self.mesh.missed)
 
     @property
     def quality(self) -> dict[str, float]:
@@ -74,16 +82,10 @@ class Scan:
     @property
     def remarks(self) -> list[str]:
         """What a reader should know."""
-        return [*self.cloud.remarks, *self.body.remarks, *self._of_noise(), *self._of_mesh()]
-
-    def _of_noise(self) -> Iterator[str]:
-        body = self.body
-        yield f"The points are {body.spacing:.3g} apart, in the median."
-        if body.smoothing:
-            yield (
-                f"They are off a smooth surface by about {body.noise:.2g}, so waves of it shorter "
-                f"than {body.smoothing:.3g} are smoothed away; --smoothing 0 keeps them."
-            )
+        whose = f"those of the {self.cloud.normals_of}" if self.told else "estimated"
+        normals = f"The normals are {whose}."
+        apart = f"The points are {self.body.spacing:.3g} apart, in the median."
+        return [*self.cloud.remarks, normals, apart, *self.body.remarks, *self._of_mesh()]
 
     def _of_mesh(self) -> Iterator[str]:
         mesh = self.mesh
@@ -140,6 +142,7 @@ def surface_of(
     # far from the origin squares of coordinates would keep few digits
     middle = (cloud.points.min(axis=0) + cloud.points.max(axis=0)) / 2
     points, normals = cloud.points - middle, cloud.normals if own_normals else None
+    _refuse_flat(points)
     if normals is not None:
         told = normals.any(axis=1)
         points, normals = points[told], normals[told]
@@ -150,9 +153,16 @@ def surface_of(
     distances = distances_to_triangles(body.points, mesh.points, mesh.triangles, progress)
     stage("looking for gaps and errors")
     away = cKDTree(body.points).query(mesh.points[mesh.triangles].mean(axis=1))[0]
-    scan = Scan(cloud, middle, body, mesh, distances, away > GAP * body.spacing)
+    gaps = away > GAP * body.spacing
+    scan = Scan(cloud, middle, body, mesh, distances, gaps, normals is not None)
     _ = scan.mesh.audit
     return scan
+
+
+def _refuse_flat(points: np.ndarray) -> None:
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if spread[2] <= _FLAT * spread[0]:
+        raise np.linalg.LinAlgError("the points lie in one plane or line, and enclose nothing")
 
 
 def _areas(mesh: ExtractedSurface) -> np.ndarray:

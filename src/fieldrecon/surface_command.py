@@ -83,9 +83,7 @@ def surface(options: argparse.Namespace) -> int:
     remarks = [*scan.remarks, *_of_file(scan, options.out)]
     print_scan(options.cloud, scan, remarks, _cost(began))
     print_files(written)
-    rim_wanted = options.open is not None and {*scan.mesh.audit.found} <= {"boundary_loops"}
-    sound = scan.mesh.audit.clean or rim_wanted
-    return int(not sound or len(scan.mesh.missed) > 0)
+    return int(not scan.sound(rim=options.open is not None))
 
 
 def _written(

@@ -1,0 +1,142 @@
+"""Normals of a cloud and their orientation, against Open3D.
+
+Both estimate normals by principal components of as many neighbours, and make them agree along a
+spanning tree. Open3D is told a global sign; ours point outward of themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
+from benchmarks.other_environment import Peer
+from fieldrecon.normal_orientation import orient_normals
+from fieldrecon.normals import estimate_normals
+from fieldrecon.shapes import Ball, Torus, sample_surface
+
+OPEN3D = "open3d-cpu==0.20.0"
+NEIGHBORS, JOINED = 16, 9
+AT_MOST = 1 / 30
+
+
+@dataclass(frozen=True)
+class Size:
+    points: int = 100_000
+    repeats: int = 2
+    peer: bool = True
+
+
+FULL = Size()
+QUICK = Size(points=10_000)
+TOY = Size(points=300, repeats=1, peer=False)
+
+Cloud = tuple[np.ndarray, np.ndarray]
+"""Points and true normals."""
+
+
+def run(size: Size, track: Track) -> Outcome:
+    clouds = {name: make(size.points) for name, make in CLOUDS.items()}
+    found: dict[tuple[str, str], np.ndarray] = {}
+    stages: list[tuple[str, float, float]] = []
+
+    def ours(name: str) -> None:
+        estimate = estimate_normals(clouds[name][0], NEIGHBORS)
+        joined = estimate.neighbors[:, :JOINED]
+        found[name, "fieldrecon"] = orient_normals(clouds[name][0], estimate.vectors, joined)
+
+    candidates: dict[str, Callable[[], object]] = {}
+    with TemporaryDirectory() as folder:
+        peer = _peer(clouds, Path(folder)) if size.peer else None
+
+        def theirs(name: str) -> None:
+            told = peer.ask(name)
+            stages.append((name, told["estimate"], told["orient"]))
+
+        for name in clouds:
+            candidates[f"ours, {name}"] = partial(ours, name)
+            if peer:
+                candidates[f"theirs, {name}"] = partial(theirs, name)
+        seconds = in_turn(candidates, size.repeats, track, "normals")
+        if peer:
+            peer.close()
+            for name in clouds:
+                found[name, "Open3D"] = np.load(Path(folder) / f"normals of {name}.npy")
+    rows = [(name, who, *judged(n, clouds[name][1])) for (name, who), n in sorted(found.items())]
+    columns = ("cloud", "who", "wrong side, %", "median angle, degrees", "95 of 100 below")
+    return Outcome(
+        parameters={k: v for k, v in asdict(size).items() if k != "peer"}
+        | {"neighbours": NEIGHBORS, "neighbours joined": JOINED},
+        comparisons=[
+            Comparison(f"{name}: normals and orientation", "Open3D", seconds[f"ours, {name}"],
+                       seconds[f"theirs, {name}"], AT_MOST)
+            for name in clouds if peer
+        ],
+        tables=[
+            Table("How right they are", columns, rows),
+            Table("Open3D's stages, in seconds", ("cloud", "estimate_normals", "orientation"),
+                  stages[len(clouds) :]),
+        ],
+        notes=[
+            "Random points on closed surfaces whose normals are known. Open3D leaves the sign of "
+            "all normals together open, and is given the better.",
+            "Open3D has its clouds in memory, in C++; fieldrecon begins with arrays. Open3D joins "
+            "points by their Delaunay tetrahedra too, whose number depends on the shape.",
+        ] if peer else ["Open3D could not be had."],
+    )  # fmt: skip
+
+
+def ball(n: int) -> Cloud:
+    """Points on the unit ball."""
+    return sample_surface(Ball(1.0), n, seed=1)
+
+
+def ring(n: int) -> Cloud:
+    """Points on a torus."""
+    return sample_surface(Torus(1.0, 0.4), n, seed=1)
+
+
+def hills(n: int) -> Cloud:
+    """Points (n, 3) at r = 1 + q(u) in the directions u, and the normals of that surface."""
+    u = np.random.default_rng(1).standard_normal((n, 3))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    a, b, c = (u * [9, 8, 7]).T
+    q = 0.1 * np.sin(a) * np.sin(b) * np.cos(c)
+    slope = 0.1 * np.column_stack([
+        9 * np.cos(a) * np.sin(b) * np.cos(c),
+        8 * np.sin(a) * np.cos(b) * np.cos(c),
+        -7 * np.sin(a) * np.sin(b) * np.sin(c),
+    ])  # fmt: skip
+    tangential = slope - np.einsum("ij,ij->i", slope, u)[:, None] * u
+    normals = u - tangential / (1 + q)[:, None]
+    return (1 + q)[:, None] * u, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+CLOUDS: dict[str, Callable[[int], Cloud]] = {
+    "ball": ball,
+    "ring": ring,
+    "hills and saddles": hills,
+}
+
+
+def judged(normals: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]:
+    """Percentage on the wrong side, and angles in degrees whatever the side."""
+    cosine = np.einsum("ij,ij->i", normals, truth)
+    wrong = float(np.mean(cosine < 0))
+    angle = np.degrees(np.arccos(np.clip(np.abs(cosine), 0, 1)))
+    return (
+        100 * min(wrong, 1 - wrong), float(np.median(angle)), float(np.quantile(angle, 0.95))
+    )  # fmt: skip
+
+
+def _peer(clouds: dict[str, Cloud], folder: Path) -> Peer | None:
+    for name, (points, _) in clouds.items():
+        np.save(folder / f"{name}.npy", points)
+    worker = Path(__file__).with_name("normals_peer.py")
+    peer = Peer(worker, (OPEN3D, "numpy"), str(folder), str(NEIGHBORS), str(JOINED))
+    return peer if peer.ready else None

@@ -1,0 +1,40 @@
+"""Open3D, in an environment of its own: normals of a cloud, for each line that is read."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import open3d  # type: ignore[import-not-found] # only in the environment that is made for it
+
+
+def main() -> None:
+    folder, neighbors, joined = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
+    clouds = {path.stem: read(path) for path in folder.glob("*.npy")}
+    search = open3d.geometry.KDTreeSearchParamKNN(neighbors)
+    print("ready", flush=True)
+    for line in sys.stdin:
+        name = line.strip()
+        cloud = clouds[name]
+        cloud.normals = open3d.utility.Vector3dVector()
+        start = time.perf_counter()
+        cloud.estimate_normals(search)
+        estimated = time.perf_counter()
+        cloud.orient_normals_consistent_tangent_plane(joined)
+        oriented = time.perf_counter()
+        np.save(folder / f"normals of {name}.npy", np.asarray(cloud.normals))
+        told = {"estimate": estimated - start, "orient": oriented - estimated}
+        print(json.dumps(told), flush=True)
+
+
+def read(path: Path) -> open3d.geometry.PointCloud:
+    cloud = open3d.geometry.PointCloud()
+    cloud.points = open3d.utility.Vector3dVector(np.load(path))
+    return cloud
+
+
+if __name__ == "__main__":
+    main()
