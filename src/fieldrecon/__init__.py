@@ -19,6 +19,11 @@ from fieldrecon.fixed_points import FixedPoint, fixed_point
 from fieldrecon.flat_coupling import FlatCoupling, couple
 from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
 from fieldrecon.hermite import HermiteRBF
+from fieldrecon.incompressible import (
+    carried_normal_velocities,
+    divergence_free,
+    flow_energy,
+)
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.local_gradients import (
     local_least_squares,
@@ -85,6 +90,7 @@ __all__ = [
     "b_splines",
     "barycentric_dual",
     "cardinal_b_spline",
+    "carried_normal_velocities",
     "cell_velocities",
     "circumcenter_weights",
     "circumcentric_dual",
@@ -93,8 +99,10 @@ __all__ = [
     "departure_points",
     "derivatives_at",
     "divergence",
+    "divergence_free",
     "estimate_normals",
     "fixed_point",
+    "flow_energy",
     "gaussian",
     "inverse_multiquadric",
     "inverse_square",
