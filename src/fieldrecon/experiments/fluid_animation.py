@@ -21,6 +21,7 @@ from functools import partial
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 
 from fieldrecon.characteristics import departure_points
 from fieldrecon.experiments.convergence import rms
@@ -63,7 +64,7 @@ class Params:
         require_at_least(self, spacing=0.005, finest=0.002, steps=FRAMES - 1)
 
 
-QUICK = Params(spacing=0.15, finest=0.1, steps=5, time=0.5)
+QUICK = Params(spacing=0.2, finest=0.15, steps=5, time=0.5)
 
 
 def vortex(x: np.ndarray) -> np.ndarray:
@@ -202,7 +203,6 @@ def run(params: Params, each: Map = map) -> Result:
         "meshes": 2 * params.steps,
         "fewest": min(counts),
         "most": max(counts),
-        "first_energy": float(history[0, 0, 0] / ENERGY),
         "divergence": order_of_magnitude(float(history[0, :, 2].max())),
     }
     for name, energy, (_, error, _) in zip(
@@ -236,7 +236,8 @@ def plot(result: Result) -> Figure:
 def drawn(panel: Axes, points: np.ndarray, cells: np.ndarray, ink: np.ndarray) -> None:
     """The ink in four shades, and the mesh as one broken line."""
     x, y = points.T
-    panel.tricontourf(x, y, cells, ink, [0.2, 0.4, 0.6, 0.8, 1.01], cmap="Blues", vmin=-0.4)
+    shades = [0.2, 0.4, 0.6, 0.8, 1.01]
+    panel.tricontourf(Triangulation(x, y, cells), ink, shades, cmap="Blues", vmin=-0.4)
     around = np.concatenate(
         [points[cells[:, [0, 1, 2, 0]]], np.full((len(cells), 1, 2), np.nan)], 1
     )
