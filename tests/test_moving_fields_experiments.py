@@ -8,7 +8,7 @@ from fieldrecon import experiments
 from fieldrecon.advection import semi_lagrangian
 from fieldrecon.coupling import Coupling
 from fieldrecon.datasets import halton
-from fieldrecon.experiments import advection, coupling
+from fieldrecon.experiments import advection, coupling, slotted_disc
 from fieldrecon.flat_coupling import blended_plates
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.rigid_motions import resultants
@@ -112,3 +112,24 @@ def test_a_hundred_thousand_sites_and_a_hundred_steps():
     times = np.linspace(0, 1, 101)
     *_, end = semi_lagrangian(PartitionOfUnityRBF(x), hill, advection.turning, times, steady=True)
     assert np.abs(end.values - hill).max() < 1e-4
+
+
+def test_the_rim_of_the_slotted_disc():
+    """Its length, and the disc's area by its crossings; zero is where the sign changes."""
+    r, half = advection.RADIUS, np.arcsin(slotted_disc.SLOT / advection.RADIUS)
+    x = slotted_disc.rim()
+    length = np.linalg.norm(np.diff(x, axis=0), axis=1).sum()
+    slot = slotted_disc.TOP + r * np.cos(half)
+    assert_close(length, (2 * np.pi - 2 * half) * r + 2 * slot + 2 * slotted_disc.SLOT, 1e-4)
+    a, b = (x - advection.DISC).T
+    area = abs(np.sum(a * np.roll(b, -1) - b * np.roll(a, -1))) / 2
+    exact = np.pi * r**2 - r**2 * (half - np.sin(2 * half) / 2) - 2 * slotted_disc.SLOT * slot
+    assert_close(area, exact, 1e-5)
+    off = advection.DISC + np.array([[0.0, 0.0], [0.0, 0.12], [0.08, 0.0], [0.2, 0.0]])
+    found = slotted_disc.signed_distance(off)
+    assert_close(found, [0.025, -0.02, -0.055, 0.05], 1e-4)
+
+
+def test_numbers_of_sites_are_those_of_the_published_meshes():
+    """A quarter for each doubling of the step."""
+    assert [slotted_disc.sites_of(k) for k in range(4)] == [1130, 4520, 18078, 72314]

@@ -23,6 +23,11 @@ from fieldrecon.flat_coupling import FlatCoupling, couple
 from fieldrecon.functionals import derivatives_at, laplacians_at, values_at
 from fieldrecon.hermite import HermiteRBF
 from fieldrecon.implicit_surfaces import ImplicitSurface, implicit_surface
+from fieldrecon.incompressible import (
+    carried_normal_velocities,
+    divergence_free,
+    flow_energy,
+)
 from fieldrecon.least_squares import LeastSquares, normal_equations
 from fieldrecon.local_gradients import (
     local_least_squares,
@@ -106,6 +111,7 @@ __all__ = [
     "blend",
     "block_means",
     "cardinal_b_spline",
+    "carried_normal_velocities",
     "cell_velocities",
     "circumcenter_weights",
     "circumcentric_dual",
@@ -117,10 +123,12 @@ __all__ = [
     "derivatives_at",
     "difference",
     "divergence",
+    "divergence_free",
     "estimate_normals",
     "extract_surface",
     "fixed_point",
     "first_zeros",
+    "flow_energy",
     "gaussian",
     "implicit_surface",
     "intersection",
