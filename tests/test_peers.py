@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from fieldrecon.experiments import get
-from fieldrecon.experiments.peers import NONE, Run, plain, run, uncovered
+from fieldrecon.experiments.peers import NONE, Run, run, uncovered
 from fieldrecon.experiments.peers_figures import LIBRARIES, looks
 
 PARAMS = get("peers").defaults
@@ -56,11 +56,6 @@ def test_larger_clouds_are_counted_from_where_the_parameter_says():
     """With a bound above all sizes there is nothing to lose."""
     facts = run(replace(PARAMS, large=10**9)).facts
     assert facts["lost_large"] == facts["peers_runs_large"] == 0
-
-
-def test_a_name_becomes_one_of_a_fact():
-    """Powers are digits, words are joined."""
-    assert plain("SciPy RBF, r³, 40 neighbours") == "scipy_rbf_r3_40_neighbours"
 
 
 def test_no_two_methods_look_alike():
