@@ -20,8 +20,8 @@ OURS = [timed("fieldrecon patches", 1.0, 1e-6), timed("fieldrecon MLS", 0.5, 1e-
 
 @pytest.mark.parametrize(
     ("seconds", "error", "is_lost"),
-    [(1.1, 1.1e-6, False), (1.0, 1e-6, False), (1.0, 1e-6 * (1 - 1e-12), False), (0.9, 1e-5, True), (0.4, 1e-3, True),
-     (9.0, 9e-7, True), (0.6, 1e-3, False)],
+    [(1.1, 1.1e-6, False), (1.0, 1e-6, False), (1.0, 1e-6 * (1 - 1e-12), False),
+     (0.9, 1e-5, True), (0.4, 1e-3, True), (9.0, 9e-7, True), (0.6, 1e-3, False)],
 )  # fmt: skip
 def test_a_peer_is_covered_by_what_is_both_as_fast_and_as_accurate(seconds, error, is_lost):
     """Faster by one method of ours and more accurate by another does not cover."""
