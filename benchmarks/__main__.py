@@ -28,9 +28,11 @@ NAMES = (
     "grading_class",
     "mesh_audit",
     "patch_sizes",
+    "streaming",
     "peers",
 )
 RESULTS = Path(__file__).parent / "results"
+DOCS = Path(__file__).parents[1] / "docs"
 CORES = 2
 
 
@@ -56,6 +58,9 @@ def main(arguments: list[str] | None = None) -> None:
         if folder:
             pages.write(name, result, folder)
             console.print(f"written to {folder}")
+    if folder == RESULTS:
+        for page in DOCS.glob("*.md"):
+            page.write_text(pages.with_tables(page.read_text(), RESULTS))
 
 
 def measured(name: str, size: str, track: Track) -> dict:

@@ -54,12 +54,12 @@ class Table:
 
 @dataclass(frozen=True)
 class Chart:
-    """Lines over a common x, to be drawn on logarithmic axes."""
+    """Lines over a common x, or over one for each by its name, to be drawn on logarithmic axes."""
 
     title: str
     x_label: str
     y_label: str
-    x: Sequence[float]
+    x: Sequence[float] | Mapping[str, Sequence[float]]
     lines: Mapping[str, Sequence[float]]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -26,6 +27,21 @@ def write(name: str, result: Mapping, folder: Path) -> None:
     read = {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))}
     sections = [section(result, f"{name}.svg") for name, result in read.items()]
     (folder / "README.md").write_text("\n".join([PREFACE, *sections]))
+
+
+def with_tables(text: str, folder: Path) -> str:
+    """A text whose tables below <!-- table N of NAME --> are those of the results in the folder."""
+
+    def marked(match: re.Match[str]) -> str:
+        file = folder / f"{match['name']}.json"
+        if not file.exists():
+            return match[0]
+        result = json.loads(file.read_text())
+        table = result["tables"][int(match["number"]) - 1]
+        return f"{match['mark']}\n{_table(table['columns'], table['rows'])}\n"
+
+    mark = r"(?P<mark><!-- table (?P<number>\d+) of (?P<name>\w+) -->)\n(\|.*\n)*"
+    return re.sub(mark, marked, text)
 
 
 def section(result: Mapping, figure: str | None = None) -> str:

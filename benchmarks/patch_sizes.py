@@ -1,8 +1,9 @@
-"""Blended patches: time against patch size and degree, and growth to millions of sites.
+"""Blended patches: error against time for kernel, degree, patch size and overlap, and growth.
 
-Each number comes from a process of its own, which makes the patches, fits and evaluates at as many
-queries as there are sites; so its largest memory is what that takes, with the interpreter. The
-experiment `partition_of_unity` has the errors of the same choices on other data.
+Choices are timed in turn in this process. Growth comes from a process for each number, which makes
+the patches, fits and evaluates at as many queries as there are sites; so its largest memory is what
+that takes, with the interpreter. The experiment `partition_of_unity` counts multiplications for the
+same choices, and has the terrain.
 """
 
 from __future__ import annotations
@@ -12,98 +13,221 @@ import math
 import subprocess
 import sys
 import time
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.measure import Chart, Outcome, Table, Track
 from benchmarks.memory import largest_memory
-from fieldrecon.datasets import franke, uniform
+from benchmarks.scattered import DATA, Scattered
+from fieldrecon import _blending
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
-from fieldrecon.radial import polyharmonic
+from fieldrecon.positive_definite import wendland
+from fieldrecon.radial import Radial, polyharmonic, thin_plate_spline
 
 STEPS = ("set-up", "fit", "evaluate")
+SUPPORT = 7.7
+"""Radius of Wendland's function, in distances 1 / sqrt(n) of neighbours."""
+WITHOUT_TIME = ("front", "noisy")
+USUAL = {2: 40, 3: 80}
+"""Sites of a patch by default, in the plane and in space."""
+LARGER = 100_000
+"""Sites from which on exponents are fitted once more, where overhead no longer counts."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """r^power with polynomials on patches of so many sites."""
+    """Kernel, degree of the polynomials, and sites of each patch."""
 
-    power: int
+    kernel: str
     degree: int
     patch_size: int
+    sites_per_box: float = _blending.SITES_PER_BOX
+
+    @property
+    def label(self) -> str:
+        return f"{self.kernel}, degree {self.degree}"
+
+    def on(self, n: int) -> Radial:
+        return {
+            "r² log r": thin_plate_spline(),
+            "r³": polyharmonic(3),
+            "r⁴ log r": polyharmonic(4),
+            "r⁵": polyharmonic(5),
+            "r⁷": polyharmonic(7),
+            "Wendland C⁴": wendland(2, 2, SUPPORT / math.sqrt(n)),
+        }[self.kernel]
+
+
+KINDS = (
+    *(("r² log r", degree) for degree in (1, 3)),
+    *(("r³", degree) for degree in (1, 2, 3, 4)),
+    *((kernel, 3) for kernel in ("r⁴ log r", "r⁵", "r⁷", "Wendland C⁴")),
+)
 
 
 @dataclass(frozen=True)
 class Size:
     sites: int = 100_000
-    choices: tuple[Choice, ...] = (
-        *(Choice(3, 1, k) for k in (16, 24, 40, 64)),
-        *(Choice(3, 3, k) for k in (16, 24, 40, 64)),
-        *(Choice(5, 3, 40), Choice(7, 3, 40), Choice(3, 4, 40), Choice(3, 4, 64)),
-    )
+    kinds: tuple[tuple[str, int], ...] = KINDS
+    patch_sizes: tuple[int, ...] = (16, 24, 40, 64)
+    sites_per_box: tuple[float, ...] = (1 / 8, 1 / 5, 1 / 3, 1 / 2)
     growth: tuple[int, ...] = (10_000, 40_000, 100_000, 400_000, 1_000_000, 4_000_000)
     in_space: int = 200_000
-    runs: int = 3
+    runs: int = 2
 
 
 FULL = Size()
-QUICK = Size(choices=(Choice(3, 1, 24), Choice(3, 3, 40)), growth=(10_000, 40_000), in_space=20_000)
-TOY = Size(300, (Choice(3, 1, 24),), growth=(200, 400), in_space=300, runs=1)
+QUICK = Size(10_000, (("r³", 1), ("r³", 3)), (24, 40), (1 / 3,), (10_000, 40_000), 20_000)
+TOY = Size(300, (("r³", 1),), (24, 40), (1 / 3,), growth=(200, 400), in_space=300, runs=1)
 
 
 def run(size: Size, track: Track) -> Outcome:
-    usual = Choice(3, 3, 40)
-    names = {f"{c}": c for c in size.choices}
-    chosen = [cost(size.sites, 2, names[c], size.runs) for c in track([*names], "choices")]
-    grown = [
-        cost(int(n), 2, usual, size.runs) for n in track([str(n) for n in size.growth], "growth")
-    ]
-    space = cost(size.in_space, 3, Choice(3, 3, 80), size.runs)
+    choices = [Choice(*kind, k) for kind in size.kinds for k in size.patch_sizes]
+    overlaps = [Choice("r³", 3, USUAL[2], part) for part in size.sites_per_box]
+    samples = {name: DATA[name](size.sites) for name in ("smooth", *WITHOUT_TIME)}
+    both = {f"{c}": c for c in (*choices, *overlaps)}
+    of = partial(cost_and_errors, samples, runs=size.runs)
+    costs = {name: of(both[name]) for name in track([*both], "choices")}
+    grown = [apart(int(n), "smooth", size.runs) for n in track([*map(str, size.growth)], "growth")]
+    space = apart(size.in_space, "cube", size.runs)
     return Outcome(
-        parameters=asdict(size) | {"queries": "as many as sites"},
-        tables=[choices_table(size, chosen), growth_table(size, grown, space)],
-        charts=[growth_chart(size, grown)],
-        notes=["p: exponent of the power law s = C n^p fitted, in logarithms, to all sizes."],
+        parameters={"runs": size.runs, "sites": size.sites, "queries": "as many as sites"},
+        tables=[
+            choices_table(size.sites, {c: costs[f"{c}"] for c in choices}),
+            overlap_table(size.sites, {c: costs[f"{c}"] for c in overlaps}),
+            growth_table(size, grown, space),
+        ],
+        charts=[choices_chart(size, costs), growth_chart(size, grown)],
+        notes=[
+            "Times are the least of the runs. Smooth: Franke's function; front: a step of width "
+            "1/25; noisy: Franke's function with errors of 0.01, judged by the function without.",
+            "p: exponent of the power law s = C n^p fitted, in logarithms, to all sizes in the "
+            f"plane, and to those from {LARGER} sites on; at most 1.15 is wanted.",
+        ],
     )
 
 
-def choices_table(size: Size, costs: list[dict[str, float]]) -> Table:
-    columns = ("kernel", "degree", "patch", *(f"{s}, s" for s in STEPS), "rms error")
+def choices_table(n: int, costs: dict[Choice, dict[str, float]]) -> Table:
+    errors = ("smooth", *WITHOUT_TIME)
+    columns = ("kernel", "degree", "patch", *(f"{s}, s" for s in STEPS), "total, s",
+               *(f"rms error, {e}" for e in errors))  # fmt: skip
     rows = [
-        (f"r^{c.power}", c.degree, c.patch_size, *(cost[s] for s in STEPS), cost["error"])
-        for c, cost in zip(size.choices, costs, strict=True)
-    ]
-    return Table(f"{size.sites} sites and queries, Franke's function", columns, rows)
+        (c.kernel, c.degree, c.patch_size, *(cost[s] for s in STEPS), total(cost),
+         *(cost[e] for e in errors))
+        for c, cost in costs.items()
+    ]  # fmt: skip
+    return Table(f"{n} sites in the square", columns, rows)
+
+
+def overlap_table(n: int, costs: dict[Choice, dict[str, float]]) -> Table:
+    columns = ("sites of a box", "patches at a site", "total, s", "rms error, smooth",
+               "rms error, front")  # fmt: skip
+    rows = [
+        (round(c.patch_size * c.sites_per_box, 1), cost["overlap"], total(cost), cost["smooth"],
+         cost["front"])
+        for c, cost in costs.items()
+    ]  # fmt: skip
+    return Table(f"Overlap: {n} sites, patches of {USUAL[2]} about boxes of fewer", columns, rows)
 
 
 def growth_table(size: Size, costs: list[dict[str, float]], space: dict[str, float]) -> Table:
     columns = ("sites", "dimension", *(f"{s}, s" for s in STEPS), "memory, GB", "rms error")
+    every = [*((n, 2, c) for n, c in zip(size.growth, costs, strict=True)),
+             (size.in_space, 3, space)]  # fmt: skip
     rows: list[tuple[str | int | float, ...]] = [
         (n, d, *(cost[s] for s in STEPS), cost["bytes"] / 1e9, cost["error"])
-        for n, d, cost in [
-            *((n, 2, cost) for n, cost in zip(size.growth, costs, strict=True)),
-            (size.in_space, 3, space),
-        ]
+        for n, d, cost in every
     ]
-    powers = [exponent(size.growth, [cost[s] for cost in costs]) for s in STEPS]
-    return Table("Growth, by default", columns, [*rows, ("p", 2, *powers, "–", "–")])
+    for name, least in (("p", 0), (f"p from {LARGER} on", LARGER)):
+        if sum(n >= least for n in size.growth) > 1:
+            powers = [exponent(size.growth, costs, s, least) for s in STEPS]
+            rows.append((name, 2, *powers, "–", "–"))
+    return Table("Growth, by default", columns, rows)
+
+
+def choices_chart(size: Size, costs: dict[str, dict[str, float]]) -> Chart:
+    seconds, errors = {}, {}
+    for kind in size.kinds:
+        own = [Choice(*kind, k) for k in size.patch_sizes]
+        seconds[own[0].label] = [total(costs[f"{c}"]) for c in own]
+        errors[own[0].label] = [costs[f"{c}"]["smooth"] for c in own]
+    sizes = ", ".join(map(str, size.patch_sizes))
+    title = f"{size.sites} sites; patches of {sizes}"
+    return Chart(title, "seconds in all", "rms error", seconds, errors)
 
 
 def growth_chart(size: Size, costs: list[dict[str, float]]) -> Chart:
-    lines = {s: [cost[s] for cost in costs] for s in STEPS}
-    return Chart("Blended patches", "sites and queries", "seconds", size.growth, lines)
+    lines = {
+        f"{s}: p = {exponent(size.growth, costs, s):.2f}": [cost[s] for cost in costs]
+        for s in STEPS
+    }
+    return Chart("Growth, by default", "sites and queries", "seconds", size.growth, lines)
 
 
-def exponent(sizes: tuple[int, ...], seconds: list[float]) -> float:
-    return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
+def exponent(
+    sizes: Sequence[int], costs: Sequence[dict[str, float]], step: str, least: int = 0
+) -> float:
+    told = [(n, cost[step]) for n, cost in zip(sizes, costs, strict=True) if n >= least]
+    return float(np.polyfit(*np.log(told).T, 1)[0])
 
 
-def cost(n: int, d: int, choice: Choice, runs: int) -> dict[str, float]:
+def total(cost: dict[str, float]) -> float:
+    return sum(cost[s] for s in STEPS)
+
+
+def cost_and_errors(samples: dict[str, Scattered], choice: Choice, runs: int) -> dict[str, float]:
+    """The least seconds of each step on smooth data, and errors on the others, not timed."""
+    given = samples["smooth"]
+    make = partial(
+        PartitionOfUnityRBF, given.points, choice.on(len(given.points)), choice.degree,
+        choice.patch_size,
+    )  # fmt: skip
+    with boxes_of(choice.sites_per_box):
+        told = [steps(make, given) for _ in range(runs)]
+        method = make()
+    cost = {key: min(t[key] for t in told) for key in told[0]}
+    cost["smooth"] = cost.pop("error")
+    for name in WITHOUT_TIME:
+        cost[name] = rms(method.field(samples[name].values)(given.x) - samples[name].truth)
+    return cost | {"overlap": method.patch_sizes.sum() / len(given.points)}
+
+
+@contextmanager
+def boxes_of(part: float) -> Iterator[None]:
+    """Boxes that hold such a part of the sites of their patch."""
+    usual, _blending.SITES_PER_BOX = _blending.SITES_PER_BOX, part
+    try:
+        yield
+    finally:
+        _blending.SITES_PER_BOX = usual
+
+
+def steps(make: partial[PartitionOfUnityRBF], given: Scattered) -> dict[str, float]:
+    """Seconds of each step, and the rms error."""
+    times = [time.perf_counter()]
+    method = make()
+    times.append(time.perf_counter())
+    s = method.field(given.values)
+    times.append(time.perf_counter())
+    values = s(given.x)
+    times.append(time.perf_counter())
+    return dict(zip(STEPS, np.diff(times).tolist(), strict=True)) | {
+        "error": rms(values - given.truth)
+    }
+
+
+def rms(error: np.ndarray) -> float:
+    return math.sqrt(np.mean(error**2))
+
+
+def apart(n: int, data: str, runs: int) -> dict[str, float]:
     """The least seconds of each step, and the largest memory, of several processes."""
-    arguments = map(str, (n, d, choice.power, choice.degree, choice.patch_size))
-    command = [sys.executable, "-m", "benchmarks.patch_sizes", *arguments]
+    command = [sys.executable, "-m", "benchmarks.patch_sizes", str(n), data]
     root = Path(__file__).parents[1]
     told = [
         json.loads(subprocess.run(command, cwd=root, stdout=subprocess.PIPE, check=True).stdout)
@@ -113,28 +237,11 @@ def cost(n: int, d: int, choice: Choice, runs: int) -> dict[str, float]:
     return least | {"bytes": max(t["bytes"] for t in told)}
 
 
-def measured(n: int, d: int, power: int, degree: int, patch_size: int) -> dict[str, float]:
+def measured(n: int, data: str) -> dict[str, float]:
     """What the process of its own does."""
-    x, q = uniform(n, d, seed=1), uniform(n, d, seed=2)
-    data, truth = field(x), field(q)
-    start = time.perf_counter()
-    method = PartitionOfUnityRBF(x, polyharmonic(power), degree, patch_size)
-    made = time.perf_counter()
-    s = method.field(data)
-    fitted = time.perf_counter()
-    values = s(q)
-    done = time.perf_counter()
-    return {
-        **dict(zip(STEPS, (made - start, fitted - made, done - fitted), strict=True)),
-        "error": math.sqrt(np.mean((values - truth) ** 2)),
-        "bytes": largest_memory(),
-    }
-
-
-def field(x: np.ndarray) -> np.ndarray:
-    """Franke's function, times a cosine of the third variable."""
-    return franke(x[:, :2]) * np.cos(x[:, 2:]).prod(axis=1)
+    given = DATA[data](n)
+    return steps(partial(PartitionOfUnityRBF, given.points), given) | {"bytes": largest_memory()}
 
 
 if __name__ == "__main__":
-    print(json.dumps(measured(*map(int, sys.argv[1:]))))
+    print(json.dumps(measured(int(sys.argv[1]), sys.argv[2])))

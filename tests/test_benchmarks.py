@@ -142,6 +142,18 @@ def test_the_page_is_that_of_the_results(tmp_path):
     assert (tmp_path / "README.md").read_text() == committed.read_text()
 
 
+def test_tables_in_the_documentation_are_those_of_the_results():
+    """What stands below a mark is what the JSON file says; and a table that differs is mended."""
+    for page in (ROOT / "docs").glob("*.md"):
+        text = page.read_text()
+        assert pages.with_tables(text, command.RESULTS) == text
+    whole = "before\n<!-- table 1 of streaming -->\n| typed |\n| 7 |\n\nafter\n"
+    mended = pages.with_tables(whole, command.RESULTS)
+    assert "typed" not in mended
+    assert mended.startswith("before\n<!-- table 1 of streaming -->\n| way | deal out, s")
+    assert mended.endswith(" |\n\nafter\n")
+
+
 def test_the_drawings_are_those_of_the_results():
     """Each committed chart bears the mark of the numbers in the JSON file beside it."""
     folder = ROOT / "benchmarks" / "results"

@@ -218,8 +218,18 @@ def test_the_page_is_whole_in_itself(tmp_path, survey):
     words = " ".join(page.texts)
     assert "<script>&, reconstructed" in words
     for wanted in ("PartitionOfUnityRBF", "polyharmonic", "13 × 11", "survey.csv", "1 row left out",
-                   "95 of 100", "GB of memory", *CANDIDATES):  # fmt: skip
+                   "95 of 100", "GB of memory", "patches of r⁵, blended"):  # fmt: skip
         assert wanted in words, wanted
+    assert CANDIDATES["tps"].meaning not in words  # nobody asked how the others do
+
+
+def test_the_page_tells_how_each_method_did(tmp_path, survey):
+    """Where none is asked for."""
+    assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11") == 0
+    words = " ".join(Page((tmp_path / "a.html").read_text()).texts)
+    for name, candidate in CANDIDATES.items():
+        assert name in words
+        assert candidate.meaning in words or f"{name}: not tried" in words, name
 
 
 @pytest.mark.parametrize("suffix", ["csv", "npz", "vtk", "nc"])

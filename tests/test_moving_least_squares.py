@@ -509,3 +509,12 @@ def test_dense_weights_beyond_the_limit_are_refused():
     h = MovingLeastSquares(p, wendland(3, 1), neighbors=10).weights(p)
     assert h.shape == (20_000, 20_000)
     assert h.nnz == 200_000
+
+
+def test_a_place_of_many_coordinates_is_told_in_short():
+    """The first three of fifty, and how many there are."""
+    x = np.random.default_rng(1).random((60, 50))
+    s = MovingLeastSquares(x, wendland(3, 1), 1, 40).field(x[:, 0])
+    words = r"at the query \(0\.5, 0\.5, 0\.5, … of 50 coordinates\) do not determine"
+    with pytest.raises(np.linalg.LinAlgError, match=words):
+        s(np.full(50, 0.5))

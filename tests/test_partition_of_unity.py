@@ -1,6 +1,7 @@
 """Blended patches: smooth across borders, exact on odd clouds, bounded, and refused in words."""
 
 import multiprocessing
+import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from fieldrecon import _blending, _chunks, _patches
 from fieldrecon._halving import Boxes
 from fieldrecon._small_systems import COLUMNS, solved, solved_for_each
-from fieldrecon.datasets import clustered, franke, halton
+from fieldrecon.datasets import clustered, franke, halton, uniform
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import gaussian
@@ -328,23 +329,28 @@ def test_it_is_the_same_on_threads_and_processes():
             assert_close(there.gradient(q, executor=executor), here.gradient(q), 0.0)
 
 
-def test_the_fit_tells_how_far_it_is_and_stops_when_told(monkeypatch):
-    """Patches of all levels count; an interrupt leaves nothing running."""
+def test_set_up_and_fit_tell_how_far_they_are(monkeypatch):
+    """Sites, then patches of all levels; the numbers rise, and the last call has all of them."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**16)
-    m, calls = PartitionOfUnityRBF(X), []
-    m.field(wave(X), progress=lambda *call: calls.append(call))
-    total = sum(len(level.patches) for level in m._levels)
-    done = [d for d, _ in calls]
-    assert done == sorted(set(done))
-    assert calls[-1] == (total, total)
+    made, fitted = [], []
+    m = PartitionOfUnityRBF(X, progress=lambda *call: made.append(call))
+    m.field(wave(X), progress=lambda *call: fitted.append(call))
+    patches = sum(len(level.patches) for level in m._levels)
+    for calls, total in ((made, len(X)), (fitted, patches)):
+        done = [d for d, _ in calls]
+        assert done == sorted(done)
+        assert len(set(done)) > 5
+        assert {of for _, of in calls} == {total}
+        assert calls[-1] == (total, total)
 
-    def interrupt(*_):
-        raise KeyboardInterrupt
 
-    for stopped in (lambda: m.field(wave(X), progress=interrupt),
-                    lambda: m.field(wave(X))(X, progress=interrupt)):  # fmt: skip
-        with pytest.raises(KeyboardInterrupt):
-            stopped()
+@pytest.mark.parametrize("n", [1, 30, 200])
+def test_few_sites_are_told_too(n):
+    """However few, the last call has all of them, and what is made does not depend on it."""
+    calls = []
+    m = PartitionOfUnityRBF(X[:n], progress=lambda *call: calls.append(call))
+    assert calls[-1] == (n, n)
+    assert_close(m.field(wave(X[:n]))(X), PartitionOfUnityRBF(X[:n]).field(wave(X[:n]))(X), 0.0)
 
 
 def test_weights_are_sparse_and_independent_of_their_company():
@@ -357,6 +363,16 @@ def test_weights_are_sparse_and_independent_of_their_company():
 
 
 # --- small systems --------------------------------------------------------------------------------
+
+
+def test_many_variables_take_no_more_memory():
+    """Differences are taken axis by axis: a few matrices, not one for each of sixty variables."""
+    m = PartitionOfUnityRBF(uniform(300, 60, seed=1))
+    tracemalloc.start()
+    m.field(m.points[:, 0])
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 12 * 8 * 361**2
 
 
 def test_singular_systems_are_solved_as_far_as_they_can_be():

@@ -8,6 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fieldrecon.least_squares import LeastSquares
+from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.polynomials import (
     Frame,
     dimension,
@@ -18,6 +20,9 @@ from fieldrecon.polynomials import (
     require_unisolvent,
     resolution,
 )
+from fieldrecon.positive_definite import gaussian
+from fieldrecon.radial import polyharmonic
+from fieldrecon.rbf import RBF
 from laws import assert_close, difference_quotient
 
 EXACT = 1e-13
@@ -168,3 +173,19 @@ def test_one_variable_is_named_in_the_singular():
     """The words are those one would say."""
     with pytest.raises(np.linalg.LinAlgError, match=r"degree 1 in 1 variable: rank 1 of 2"):
         require([[1.0], [1.0]], 1)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda x: LeastSquares(x, 10),
+        lambda x: MovingLeastSquares(x, gaussian(1.0), 10),
+        lambda x: RBF(x, polyharmonic(3), 10),
+    ],
+    ids=["LS", "MLS", "RBF"],
+)
+def test_a_basis_that_does_not_fit_into_memory_is_not_made(make):
+    """Degree 10 in 50 variables: the number of coefficients is told at once."""
+    words = "degree 10 in 50 variables, which has 75394027566 coefficients; there are 80 points"
+    with pytest.raises(np.linalg.LinAlgError, match=words):
+        make(np.random.default_rng(1).random((80, 50)))

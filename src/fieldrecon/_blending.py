@@ -10,12 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from fieldrecon._chunks import Progress, passes
 from fieldrecon._halving import Boxes
 from fieldrecon._patch_growth import systems_of
 from fieldrecon._patch_systems import PatchSystems, Problem
@@ -25,6 +27,8 @@ COVERED = 5e-3
 """The sum c of the weights from which on patches are alone."""
 FEW_COLUMNS = 3
 """Up to which sums by counting are faster than by a sparse matrix."""
+PASSES = 5
+"""Parts of the set-up: cuts, balls, what these reach, systems; and all coarser levels."""
 ALONE = 4
 """As many sites as these many patches hold are a patch of their own."""
 
@@ -81,19 +85,27 @@ class Share(NamedTuple):
             yield systems, number, pairs, self.level.member[self.patch[pairs]]
 
 
-def levels_of(points: np.ndarray, k: int, problem: Problem) -> Iterator[Level]:
+def levels_of(
+    points: np.ndarray, k: int, problem: Problem, progress: Progress | None = None
+) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
     sites = np.arange(len(points))
+    tell: Iterator[Progress | None] = passes(progress, len(points), PASSES)
     while True:
         alone = len(sites) <= ALONE * k
-        boxes = Boxes.around(points[sites], len(sites) if alone else max(1, SITES_PER_BOX * k))
+        size = len(sites) if alone else max(1, SITES_PER_BOX * k)
+        boxes = Boxes.around(points[sites], size, next(tell))
         boxes, order = boxes.in_order()
         sites = sites[order]
         own = points[sites]
         tree = cKDTree(own)
-        patches = Patches.single(own, boxes) if alone else Patches.of(own, tree, boxes, k)
-        yield Level(sites, patches, *systems_of(own, tree, patches, problem))
+        told = next(tell), next(tell)
+        patches = Patches.single(own, boxes) if alone else Patches.of(own, tree, boxes, k, *told)
+        yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(tell)))
+        tell = repeat(None)
         if alone:
+            if progress is not None:
+                progress(len(points), len(points))
             return
         sites = sites[patches.representatives]
 

@@ -69,6 +69,18 @@ def chunked(
                 future.cancel()
 
 
+def passes(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:
+    """Yield, for each of so many passes over `total` things, what tells `progress` of it."""
+    for before in range(number):
+        yield progress and partial(_told_of_pass, progress, total, before, number)
+
+
+def _told_of_pass(
+    progress: Progress, total: int, before: int, number: int, done: int, of: int
+) -> None:
+    progress(total * (before * of + done) // (number * of), total)
+
+
 @contextmanager
 def _at_hand(
     work: Callable[[np.ndarray], Result], executor: Executor | None

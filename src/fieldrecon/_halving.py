@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy import sparse
 
-from fieldrecon._chunks import chunked, rows_of
+from fieldrecon._chunks import Progress, chunked, rows_of
 
 MOST_SLABS = 7
 """Parts of the first cut, so that boxes need not be as large as powers of two make them."""
@@ -43,12 +43,12 @@ class Boxes:
     sites: np.ndarray
 
     @classmethod
-    def around(cls, points: np.ndarray, size: float) -> Boxes:
+    def around(cls, points: np.ndarray, size: float, progress: Progress | None = None) -> Boxes:
         """Boxes of so many of the sites (n, d) or fewer, but not by more than a fifth."""
         number, levels = _slabs_and_levels(len(points) / size)
         across = int(np.argmax(points.max(axis=0) / 2 - points.min(axis=0) / 2))
         cuts, slabs = _slabs(points[:, across], number)
-        parts = chunked(partial(_cut, points, levels), slabs, 1)
+        parts = chunked(partial(_cut, points, levels), slabs, 1, progress=progress)
         *halvings, sites = zip(*(part for _, part in parts), strict=True)
         return cls(across, cuts, [_joined(level) for level in halvings], np.concatenate(sites))
 
@@ -66,10 +66,13 @@ class Boxes:
             box = 2 * box + (x[each, axis[box]] > cut[box])
         return box
 
-    def reached(self, centers: np.ndarray, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def reached(
+        self, centers: np.ndarray, radii: np.ndarray, progress: Progress | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Which balls reach into each box: `ball[start[b] : start[b + 1]]`, rising."""
         rows = rows_of(2**7 * 8 * centers.shape[1])
-        parts = chunked(partial(self._reach, centers, radii), np.arange(len(centers)), rows)
+        work = partial(self._reach, centers, radii)
+        parts = chunked(work, np.arange(len(centers)), rows, progress=progress)
         ball, box = np.concatenate([part for _, part in parts], axis=1)
         shape = len(self.sites), len(centers)
         there = sparse.coo_array((np.ones(len(ball), dtype=bool), (box, ball)), shape).tocsr()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldrecon._neighborhoods import Neighborhood, gathered
+from fieldrecon._validation import place
 from fieldrecon._weighted_fits import Undetermined, coefficient_weights
 from fieldrecon.polynomials import EPS, monomials, undetermined
 from fieldrecon.radial import Radial
@@ -62,7 +63,7 @@ class LocalFit:
                 return self._shared_weights(rows)
             return coefficient_weights(self.basis, self.weight, rows, self._tolerance())
         except Undetermined as error:
-            where = ", ".join(f"{v:.6g}" for v in self.x[error.query])
+            where = place(self.x[error.query])
             counted = int((self.weight[error.query] > 0).sum())
             who = f"the {counted} sites that count at the query ({where}) do"
             d, degree = self.x.shape[1], self.method.degree

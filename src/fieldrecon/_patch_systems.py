@@ -10,16 +10,18 @@ the polynomial of the plane, constant across it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
+from operator import iadd
 
 import numpy as np
 
 from fieldrecon._chunks import Progress, chunked, rows_of
 from fieldrecon._determined import leverages, ranks
 from fieldrecon._small_systems import COLUMNS, solved, solved_for_each
-from fieldrecon._validation import without_warnings
+from fieldrecon._validation import place, without_warnings
 from fieldrecon.polynomials import dimension, monomial_gradients, monomials
 from fieldrecon.radial import Radial
 
@@ -96,7 +98,7 @@ class PatchSystems:
         q = self.size - k
         matrix = np.zeros((len(patch), k + q, k + q))
         y = self._coordinates[:, self.sites[patch]]
-        matrix[:, :k, :k] = self._kernel(patch, y[..., None] - y[:, :, None])
+        matrix[:, :k, :k] = self._kernel(patch, (a[..., None] - a[:, None] for a in y))
         matrix[:, range(k), range(k)] += self._smoothing(patch)[:, None]
         basis = monomials(self.frames(patch), self.degree)
         for i, transform in self._reduced_among(patch):
@@ -221,14 +223,13 @@ class PatchSystems:
         y = self._coordinates[:, self.sites[patch]]
         return np.subtract(x.T[:, :, None], y, out=y)
 
-    def _kernel(self, patch: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Kernel (p, ...) between places that are y (d, p, ...) apart, which is written to."""
-        y *= _per_patch(self._unit(patch) / self.radius[patch], y[0])
-        y *= y
-        squared = y[0]
-        for more in y[1:]:
-            squared += more
-        return self.problem.kernel.of_squared(squared)
+    def _kernel(self, patch: np.ndarray, y: Iterable[np.ndarray]) -> np.ndarray:
+        """Kernel (p, ...) between places that are y (p, ...) apart by axis, which is written to.
+
+        One axis after the other: in many variables all together would not fit into memory.
+        """
+        unit = self._unit(patch) / self.radius[patch]
+        return self.problem.kernel.of_squared(reduce(iadd, (_squared(a, unit) for a in y)))
 
     @cached_property
     def _coordinates(self) -> np.ndarray:
@@ -256,15 +257,20 @@ class PatchSystems:
             raise _too_flat(self.origin[patch[worst]])
 
 
+def _squared(y: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    y *= _per_patch(unit, y)
+    y *= y
+    return y
+
+
 def _per_patch(factor: np.ndarray, like: np.ndarray) -> np.ndarray:
     """Factors (p,) as an array that multiplies one of shape (p, ...)."""
     return factor.reshape(len(factor), *(1 for _ in like.shape[1:]))
 
 
 def _too_flat(where: np.ndarray) -> np.linalg.LinAlgError:
-    place = ", ".join(f"{c:.6g}" for c in where)
     return np.linalg.LinAlgError(
-        f"the field of the patch about ({place}) would miss its data, by rounding: the kernel is "
-        "too flat for sites this close and data this rough; choose a smaller scale, a rougher "
-        "kernel or some smoothing"
+        f"the field of the patch about ({place(where)}) would miss its data, by rounding: the "
+        "kernel is too flat for sites this close and data this rough; choose a smaller scale, a "
+        "rougher kernel or some smoothing"
     )

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fieldrecon._chunks import chunked, rows_of
+from fieldrecon._chunks import Progress, chunked, rows_of
 from fieldrecon._halving import Boxes, halved
 
 SITES_PER_BOX = 1 / 3
@@ -68,12 +68,20 @@ class Patches:
     start: np.ndarray
 
     @classmethod
-    def of(cls, points: np.ndarray, tree: cKDTree, boxes: Boxes, k: int) -> Patches:
+    def of(
+        cls,
+        points: np.ndarray,
+        tree: cKDTree,
+        boxes: Boxes,
+        k: int,
+        covering: Progress | None = None,
+        reaching: Progress | None = None,
+    ) -> Patches:
         """Patches of k of the sites (n, d) each, which follow each other by box."""
         rows = boxes.sites[(boxes.sites >= 0).any(axis=1)]
-        centers, radii, sites = _covering(points, tree, rows, k)
+        centers, radii, sites = _covering(points, tree, rows, k, covering)
         representatives = _thinned(points, rows)
-        reached = boxes.reached(centers, radii)
+        reached = boxes.reached(centers, radii, reaching)
         return cls(centers, radii, sites, representatives, boxes, *reached)
 
     @classmethod
@@ -109,12 +117,16 @@ class Patches:
 
 
 def _covering(
-    points: np.ndarray, tree: cKDTree, rows: np.ndarray, k: int
+    points: np.ndarray, tree: cKDTree, rows: np.ndarray, k: int, progress: Progress | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Balls about the middles of boxes; boxes that their ball does not cover are halved."""
+    """Balls about the middles of boxes; boxes that their ball does not cover are halved.
+
+    Progress is told of the first round, which has nearly all of them.
+    """
+    work = partial(_balls, points, tree, k)
     found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     while len(rows):
-        parts = chunked(partial(_balls, points, tree, k), rows, rows_of(8 * 8 * k))
+        parts = chunked(work, rows, rows_of(8 * 8 * k), progress=None if found else progress)
         *balls, covers = map(np.concatenate, zip(*(part for _, part in parts), strict=True))
         found.append(tuple(ball[covers] for ball in balls))
         rows = rows[~covers]

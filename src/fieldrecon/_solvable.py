@@ -95,7 +95,7 @@ def refuse_sites(kernel: Radial, x: np.ndarray, sites: cKDTree) -> None:
     """Queries at which a field of this kernel has no gradient."""
     distance, _ = sites.query(x)
     if (distance == 0).any():
-        where = ", ".join(f"{v:.6g}" for v in x[int(np.argmin(distance))])
+        where = valid.place(x[int(np.argmin(distance))])
         raise ValueError(f"{kernel!r} has no gradient at a site, and the query ({where}) is one")
 
 

@@ -12,6 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
+MOST_TOLD = 6
+"""Coordinates of a place that an error spells out."""
+
 
 def as_points(points: ArrayLike, name: str = "points") -> np.ndarray:
     """Sites as a read-only float array (n, d) with n, d at least 1."""
@@ -120,11 +123,18 @@ def without_warnings(function: Callable[..., Any], *arguments: Any) -> Any:
         return function(*arguments)
 
 
+def place(x: np.ndarray) -> str:
+    """A point in words: its coordinates, or the first few of many."""
+    few = x if len(x) <= MOST_TOLD else x[: MOST_TOLD // 2]
+    told = ", ".join(f"{c:.6g}" for c in few)
+    return told if len(few) == len(x) else f"{told}, … of {len(x)} coordinates"
+
+
 def finite_rows(result: Any, x: np.ndarray) -> Any:
     """The result, one row for each point x, refused in words where it is not finite."""
     entries = result.data if sparse.issparse(result) else result
     if not np.isfinite(entries).all():
         wrong = ~np.isfinite(result.toarray() if sparse.issparse(result) else result)
-        where = ", ".join(f"{c:.6g}" for c in x[np.argwhere(wrong)[0][0]])
+        where = place(x[np.argwhere(wrong)[0][0]])
         raise OverflowError(f"the result at ({where}) exceeds the range of floating-point numbers")
     return result

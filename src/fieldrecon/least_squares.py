@@ -15,6 +15,7 @@ from fieldrecon.polynomials import (
     monomial_gradients,
     monomials,
     powers_of_scale,
+    refuse_too_few,
     require_unisolvent,
 )
 from fieldrecon.reconstruction import Reconstruction
@@ -59,6 +60,7 @@ class LeastSquares(Reconstruction):
         self.points = valid.as_points(points)
         self.degree = valid.as_degree(degree)
         self._frame = Frame.around(self.points)
+        refuse_too_few(self.points, self.degree)
         b = self._basis(self.points)
         require_unisolvent(self.points, b, self.degree)
         self._column_size = np.linalg.norm(b, axis=0)

@@ -118,7 +118,7 @@ def _without(i: int, points: np.ndarray, degree: int) -> LeastSquares:
             return LeastSquares(np.delete(points, i, axis=0), degree)
     except np.linalg.LinAlgError:
         pass
-    where = ", ".join(f"{c:.6g}" for c in points[i])
+    where = valid.place(points[i])
     raise np.linalg.LinAlgError(
         f"without point {i}, ({where}), the others do not determine the polynomial: "
         "it cannot be left out"

@@ -21,7 +21,13 @@ from fieldrecon._neighborhoods import (
     places,
 )
 from fieldrecon.least_squares import half_sum_of_squares, monomial_matrix
-from fieldrecon.polynomials import Frame, dimension, monomials, require_unisolvent
+from fieldrecon.polynomials import (
+    Frame,
+    dimension,
+    monomials,
+    refuse_too_few,
+    require_unisolvent,
+)
 from fieldrecon.radial import Radial, inverse_square
 from fieldrecon.reconstruction import Reconstruction, Weights
 
@@ -84,6 +90,7 @@ class MovingLeastSquares(Reconstruction):
             )
         self.weight = weight
         self.neighbors = as_neighbors(neighbors, len(self.points))
+        refuse_too_few(self.points, self.degree)
         frame = Frame.around(self.points)
         require_unisolvent(
             self.points, monomials(frame.local(self.points), self.degree), self.degree
@@ -187,7 +194,7 @@ class MovingLeastSquares(Reconstruction):
         local = x / self.unit
         far = np.flatnonzero(~(np.abs(local).max(axis=1, initial=0.0) < 1e150))
         if len(far):
-            where = ", ".join(f"{c:.6g}" for c in x[far[0]])
+            where = valid.place(x[far[0]])
             raise OverflowError(
                 f"the query ({where}) is too far away: the square of its distance from the sites "
                 "exceeds the range of floating-point numbers"

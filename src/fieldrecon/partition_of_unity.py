@@ -50,6 +50,8 @@ class PartitionOfUnityRBF(Reconstruction):
         Sites of each patch; by default four times the number of polynomials, at least 12 d.
     smoothing : float
         Added to the diagonal, as in `RBF`. In units of the kernel.
+    progress : callable, optional
+        Called as progress(done, total) with numbers of sites, while the patches are made.
 
     Attributes
     ----------
@@ -97,6 +99,8 @@ class PartitionOfUnityRBF(Reconstruction):
         degree: int | None = None,
         patch_size: int | None = None,
         smoothing: float = 0.0,
+        *,
+        progress: Progress | None = None,
     ) -> None:
         self.points = valid.as_points(points)
         d = self.points.shape[1]
@@ -113,7 +117,8 @@ class PartitionOfUnityRBF(Reconstruction):
         unit_kernel = as_finite(self.kernel.in_units(self._frame.scale))
         problem = Problem(unit_kernel, degree, self._unit_smoothing())
         local = self._frame.local(self.points)
-        self._levels = tuple(levels_of(local, min(self.patch_size, len(local)), problem))
+        size = min(self.patch_size, len(local))
+        self._levels = tuple(levels_of(local, size, problem, progress))
         self.patch_sizes = np.repeat(
             [s.sites.shape[1] for s in self._levels[0].systems],
             [len(s) for s in self._levels[0].systems],
@@ -166,7 +171,7 @@ class PartitionOfUnityRBF(Reconstruction):
                 np.add.at(total, level.sites[own], weight[..., None] * rest)
         if not weights.all():
             i = int(np.flatnonzero(weights == 0)[0])
-            where = ", ".join(f"{c:.6g}" for c in self.points[i])
+            where = valid.place(self.points[i])
             raise np.linalg.LinAlgError(
                 f"without point {i}, ({where}), the others of its patches do not determine the "
                 "polynomial: it cannot be left out"

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 EPS = float(np.finfo(np.float64).eps)
+LARGE_BASIS = 500
+"""Members of a basis beyond which fewer sites are refused without looking at it."""
 
 
 def dimension(d: int, degree: int) -> int:
@@ -226,6 +228,26 @@ def undetermined(
         f"{who} not determine a polynomial of degree {degree} in {variables}: "
         f"rank {rank} of {dimension(d, degree)}"
     )
+
+
+def refuse_too_few(points: np.ndarray, degree: int) -> None:
+    """Refuse fewer sites than a large basis has members, before it is made.
+
+    Of a small basis the rank tells more; a large one, such as that of degree 10 in 20 variables,
+    may not fit into memory.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If the points cannot determine a polynomial of this degree.
+    """
+    n, d = points.shape
+    q = dimension(d, degree)
+    if n < q > LARGE_BASIS:
+        raise np.linalg.LinAlgError(
+            f"the points do not determine a polynomial of degree {degree} in {d} variables, which "
+            f"has {q} coefficients; there are {n} points"
+        )
 
 
 def require_unisolvent(

@@ -29,6 +29,7 @@ from fieldrecon.polynomials import (
     monomial_gradients,
     monomials,
     powers_of_scale,
+    refuse_too_few,
     require_unisolvent,
 )
 from fieldrecon.radial import Radial
@@ -90,6 +91,7 @@ class RBF(Reconstruction):
         self.smoothing = valid.as_length(smoothing, "smoothing", zero_allowed=True)
         self.interpolates = self.smoothing == 0
         self._frame = Frame.around(self.points)
+        refuse_too_few(self.points, self.degree)
         p = self._basis(self.points)
         require_unisolvent(self.points, p, self.degree)
         if self.interpolates:

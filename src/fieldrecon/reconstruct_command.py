@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TypeAlias
@@ -20,7 +21,6 @@ from fieldrecon.field_files import load_with_names, save
 from fieldrecon.judging import NO_FIELD, Judge, Trial, best
 from fieldrecon.model_selection import leave_one_out
 from fieldrecon.outcome import Outcome, peak_memory
-from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.place_files import FORMATS, Result, as_formats
 from fieldrecon.places import Places, grid_over, points_in, vertices_of
 from fieldrecon.reconstruction import Field
@@ -124,8 +124,7 @@ def _outcome(options: argparse.Namespace, stage: Stage) -> Outcome:
     if loaded is None:
         judge = Judge.of(sites, samples.values)
         trials = _trials(judge, options.method, stage)
-        allowed = [t for t in trials if options.method in ("best", t.candidate.name)]
-        chosen, (field, values) = best(allowed, lambda t: _values(t, samples, places, stage))
+        chosen, (field, values) = best(trials, lambda t: _values(t, samples, places, stage))
         judged = judge.judged
     else:
         field, trials, chosen, judged = loaded, [], None, 0
@@ -166,10 +165,13 @@ def _loaded(options: argparse.Namespace) -> tuple[Samples, Field]:
 
 
 def _trials(judge: Judge, method: str, stage: Stage) -> list[Trial]:
+    """Judge the method that is asked for, or all."""
+    asked_for = method in CANDIDATES
+    candidates = [CANDIDATES[method]] if asked_for else [*CANDIDATES.values()]
     progress, trials = stage("choosing a method"), []
-    for done, candidate in enumerate(CANDIDATES.values(), 1):
-        trials.append(judge.trial(candidate, candidate.name == method))
-        progress(done, len(CANDIDATES))
+    for done, candidate in enumerate(candidates, 1):
+        trials.append(judge.trial(candidate, asked_for))
+        progress(done, len(candidates))
     return trials
 
 
@@ -188,13 +190,12 @@ def _values(
     """Fit the method of a trial to all samples, and evaluate it."""
     if trial.maker is None:
         raise ValueError(trial.reason)
-    progress = stage("fitting")
-    points = samples.points
-    method = OnGlobe(points, trial.maker) if samples.lonlat else trial.maker(points)
-    if isinstance(method, PartitionOfUnityRBF):
-        field = method.field(samples.values, progress=progress)
-    else:
-        field = method.field(samples.values)
+    patches = trial.candidate.family == "PU"
+    progress = stage("making patches" if patches else "fitting")
+    maker = partial(trial.maker, progress=progress) if patches else trial.maker
+    method = OnGlobe(samples.points, maker) if samples.lonlat else maker(samples.points)
+    how = {"progress": stage("fitting")} if patches else {}
+    field = method.field(samples.values, **how)
     return field, field(places.points, progress=stage("evaluating"))
 
 

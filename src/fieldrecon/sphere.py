@@ -9,13 +9,14 @@ most: the square of the distance from the middle is constant on the sphere.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon import _validation as valid
-from fieldrecon.reconstruction import Reconstruction, Weights
+from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 
 def to_unit(lonlat: ArrayLike) -> np.ndarray:
@@ -101,6 +102,24 @@ class OnGlobe(Reconstruction):
         self.method = method(to_unit(self.points))
         self.degree = min(self.method.degree, 0)
         self.interpolates = self.method.interpolates
+
+    def field(self, values: ArrayLike, **how: Any) -> Field:
+        """Field of these data.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            One real or complex scalar, vector or array for each site.
+        **how
+            Further arguments of the method's own `field`, such as `executor` and `progress`.
+
+        Returns
+        -------
+        Field
+            Callable at longitudes and latitudes, with a gradient.
+        """
+        values = valid.as_values(values, len(self.points))
+        return Field(self, values, lambda columns: self.method.field(columns, **how)._prepared)
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
         return self.method._weight_rows(to_unit(x))
