@@ -139,7 +139,8 @@ def apart(data: str, n: int, method: str, repeats: int) -> Run | str:
     except subprocess.TimeoutExpired:
         return f"{about}: stopped after {PATIENCE:.0f} s"
     if done.returncode:
-        return f"{about}: {(done.stderr.strip().splitlines() or ['?'])[-1]}"
+        last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+        return f"{about}: {last}"
     return Run(**json.loads(done.stdout.splitlines()[-1]))
 
 

@@ -15,7 +15,8 @@ if str(ROOT) not in sys.path:
     sys.path.append(str(ROOT))
 
 from benchmarks import __main__ as command  # noqa: E402
-from benchmarks import charts, graders, memory, mesh_scaling, pages  # noqa: E402
+from benchmarks import charts, graders, memory, mesh_scaling, pages, peers  # noqa: E402
+from benchmarks.contestants import CONTESTANTS, OURS  # noqa: E402
 from benchmarks.handed_in import SMALL, Assignment  # noqa: E402
 from benchmarks.measure import Chart, Comparison, Outcome, cores, in_turn, threads  # noqa: E402
 from benchmarks.mesh_velocities import Flow  # noqa: E402
@@ -107,6 +108,30 @@ def test_threads_are_given_back():
     with threads(1):
         assert cores() <= before
     assert cores() == before
+
+
+def test_a_contestant_is_asked_what_its_settings_are_for():
+    """Smoothing is for noise, plane methods for the plane, dense ones for few sites."""
+    asked = {
+        (data, n): {c.name for c in CONTESTANTS.values() if c.takes(data, n)}
+        for data, n in [("noisy", 1000), ("smooth", 1000), ("cube", 1000), ("smooth", 10**6)]
+    }
+    assert "ferreus_rbf, r³, smoothed" in asked["noisy", 1000] - asked["smooth", 1000]
+    assert "wlsqm, degree 2" in asked["smooth", 1000] - asked["cube", 1000]
+    assert "SciPy RBF" in asked["smooth", 1000] - asked["smooth", 10**6]
+    assert all(OURS in names for names in asked.values())
+
+
+def test_a_run_that_fails_says_why():
+    """What a method raises, on data that it cannot take, stands in place of its numbers."""
+    told = peers.apart("smooth", 2, "fieldrecon MLS, degree 2", 1)
+    assert told.startswith("fieldrecon MLS, degree 2 on smooth, 2 sites: ValueError: neighbors")
+
+
+@pytest.mark.parametrize("method", ["fieldrecon RBF, 1000 means", "fieldrecon patches, 4000 means"])
+def test_means_smoothed_by_leave_one_out_are_better_than_the_data(method):
+    """Of noise 0.01 most is gone."""
+    assert peers.here("noisy", 600, method, 1).rms < 0.006
 
 
 def test_the_page_is_that_of_the_results(tmp_path):

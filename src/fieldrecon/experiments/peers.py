@@ -6,7 +6,7 @@ Nothing is timed here: the numbers are those of ``make bench``, read from the fi
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -29,10 +29,11 @@ class Params:
     """The measurements."""
 
     results: str = input_file("benchmarks/results/peers.json", "file that make bench wrote")
-    large: int = parameter(50_000, "number of sites from which on a picture is of large clouds")
+    large: int = parameter(50_000, "number of sites from which on a cloud is called large")
+    small: int = parameter(1000, "number of sites up to which it is called small")
 
     def __post_init__(self) -> None:
-        require_at_least(self, large=1)
+        require_at_least(self, large=1, small=0)
 
 
 QUICK = Params(large=100_000)
@@ -45,6 +46,20 @@ DATA = {
     "terrain": "terrain, m", "cube": "a wave in space",
 }  # fmt: skip
 NONE = "–"
+ROUNDING = 1e-6
+NOISE = 0.01
+TOLD_SITES, LAND, MEANS = 100_000, 50_000, 4000
+TOLD = {
+    "smooth_usual": ("smooth", TOLD_SITES, USUAL),
+    "smooth_r7": ("smooth", TOLD_SITES, "fieldrecon patches, r⁷"),
+    "smooth_wlsqm4": ("smooth", TOLD_SITES, "wlsqm, degree 4"),
+    "smooth_scipy3": ("smooth", TOLD_SITES, "SciPy RBF, r³, 40 neighbours"),
+    "noisy_usual": ("noisy", TOLD_SITES, USUAL),
+    "noisy_linear": ("noisy", TOLD_SITES, "SciPy LinearND"),
+    "noisy_means": ("noisy", TOLD_SITES, f"fieldrecon patches, {MEANS} means"),
+    "land_chosen": ("terrain", LAND, "fieldrecon patches, by leave-one-out"),
+}
+"""Runs of which the text tells seconds and error, by the names it has for them."""
 
 
 class Run(NamedTuple):
@@ -68,11 +83,17 @@ class Run(NamedTuple):
 
     def covers(self, other: Run) -> bool:
         """Whether it takes no longer and errs no more."""
-        return self.total <= other.total and self.rms <= other.rms
+        return self.total <= other.total and self.is_as_accurate_as(other)
+
+    def is_as_accurate_as(self, other: Run) -> bool:
+        """Whether it errs no more; the same interpolant by two libraries differs by rounding."""
+        return self.rms <= other.rms * (1 + ROUNDING)
 
 
 COLUMNS = ("data", "sites", "method", "fit s", "evaluate s", "total s", "cpu s", "rms error",
            "left out", "memory MiB")  # fmt: skip
+LOST = ("data", "sites", "peer", "its seconds", "its error", "our error by then",
+        "our seconds to that error")  # fmt: skip
 
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
@@ -82,7 +103,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     wanted = [table["columns"].index(name) for name in COLUMNS]
     runs = [Run(*(row[k] for k in wanted)) for row in table["rows"]]
     ratios = {(c["what"], c["peer"]): c for c in measured["comparisons"]}
-    machine = measured["machine"]
+    machine, patience = measured["machine"], measured["parameters"]["patience in seconds"]
     lost = [_loss(runs, r) for r in uncovered(runs)]
     facts = {
         "processor": machine["processor"], "cores": machine["cores used"],
@@ -90,15 +111,18 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
         "peers_runs": sum(not r.ours for r in runs), "lost": len(lost),
         "peers_runs_large": sum(not r.ours and r.sites >= params.large for r in runs),
         "lost_large": sum(row[1] >= params.large for row in lost),
+        "ahead_large": sum(_is_ahead(runs, r) and r.sites >= params.large for r in runs),
+        "land_lost": sum(row[:2] == ("terrain", LAND) for row in lost),
+        "lost_small": sum(row[1] <= params.small for row in lost),
         "repeats": measured["parameters"]["repeats"],
-        "patience": measured["parameters"]["patience in seconds"],
+        "patience": patience,
         "stopped": sum("stopped after" in note for note in measured["notes"]),
-        **dict(_numbers(runs)), **_targets(runs, ratios),
+        **_numbers(runs), **_targets(runs, ratios, patience),
     }  # fmt: skip
     tables = {
         "runs": Table(COLUMNS, tuple(runs)),
-        "lost": Table(("data", "sites", "peer", "its seconds", "its error",
-                       "our error by then", "our seconds to that error"), tuple(lost)),
+        "lost": Table(LOST, tuple(lost)),
+        "lost_beyond_small": Table(LOST, tuple(row for row in lost if row[1] > params.small)),
         "versions": Table(("package", "version"), tuple(
             (name, f"version {machine[name]}") for name in PACKAGES)),
         **{f"{data}_{n}": _side_by_side(runs, ratios, data, n)
@@ -115,6 +139,12 @@ def uncovered(runs: Sequence[Run]) -> list[Run]:
     ]  # fmt: skip
 
 
+def _is_ahead(runs: Sequence[Run], peer: Run) -> bool:
+    """Whether a peer is both faster and more accurate than every one of ours on the same data."""
+    mine = _ours(runs, peer.data, peer.sites)
+    return not peer.ours and all(peer.total < r.total and peer.rms < r.rms for r in mine)
+
+
 def _ours(runs: Iterable[Run], data: str, sites: int) -> list[Run]:
     return [r for r in runs if r.ours and (r.data, r.sites) == (data, sites)]
 
@@ -123,7 +153,7 @@ def _loss(runs: Sequence[Run], peer: Run) -> tuple[str | int | float, ...]:
     """Return what ours do in the peer's time, and how long they take to its error."""
     mine = _ours(runs, peer.data, peer.sites)
     error = min((r.rms for r in mine if r.total <= peer.total), default=NONE)
-    seconds = min((r.total for r in mine if r.rms <= peer.rms), default=NONE)
+    seconds = min((r.total for r in mine if r.is_as_accurate_as(peer)), default=NONE)
     return peer.data, peer.sites, peer.method, peer.total, peer.rms, error, seconds
 
 
@@ -134,31 +164,34 @@ def _side_by_side(
     rows = []
     for r in sorted((r for r in runs if (r.data, r.sites) == (data, n)), key=lambda r: r.rms):
         c = ratios.get((f"{data}, {n} sites: fit and evaluate", r.method))
-        spread = f"{1 / c['most']:.2g} … {1 / c['least']:.2g}" if c else NONE
-        times = 1 / c["ratio"] if c else 1.0
-        rows.append((r.method, r.fit, r.evaluate, times, spread, r.rms, r.cpu / r.total, r.memory))
-    return Table(("method", "fit s", "evaluate s", "times our time", "from … to", "rms error",
-                  "cores busy", "memory MiB"), tuple(rows))  # fmt: skip
+        times = f"{_times(c['ratio'])} ({_times(c['most'])} … {_times(c['least'])})" if c else NONE
+        rows.append((r.method, r.fit, r.evaluate, times, r.rms, r.cpu / r.total, r.memory))
+    return Table(("method", "fit s", "evaluate s", "times our time", "rms error", "cores busy",
+                  "memory MiB"), tuple(rows))  # fmt: skip
 
 
-def _numbers(runs: Iterable[Run]) -> Iterator[tuple[str, float]]:
-    """Yield seconds, error and memory of each run, by name."""
-    return {
-        f"{r.data}_{r.sites}_{plain(r.method)}_{what}": number
-        for r in runs
-        for what, number in (("seconds", r.total), ("error", r.rms), ("memory", r.memory))
-    }.items()
+def _times(ratio: float) -> str:
+    """Return a ratio turned round, with two digits or more."""
+    return f"{1 / ratio:.2g}" if ratio > 0.1 else f"{1 / ratio:.0f}"
 
 
-def plain(name: str) -> str:
-    """Return a method's name as it stands in the names of facts."""
-    for sign, word in {"³": "3", "⁴": "4", "⁷": "7", ",": "", "-": "_"}.items():
-        name = name.replace(sign, word)
-    return "_".join(name.lower().split())
+def _numbers(runs: Sequence[Run]) -> dict[str, float | str]:
+    """Return seconds and errors of the runs that are told of, and of the most accurate peers."""
+    facts: dict[str, float | str] = {"told_sites": TOLD_SITES, "land_sites": LAND, "means": MEANS}
+    for name, told in TOLD.items():
+        (own,) = (r for r in runs if r[:3] == told)
+        facts |= {f"{name}_seconds": own.total, f"{name}_error": own.rms}
+    for name, where in (("noisy", ("noisy", TOLD_SITES)), ("land", ("terrain", LAND))):
+        best = min((r for r in runs if r[:2] == where and not r.ours), key=lambda r: r.rms)
+        facts |= {
+            f"{name}_best_peer": best.method, f"{name}_best_error": best.rms,
+            f"{name}_best_seconds": best.total,
+        }  # fmt: skip
+    return facts | {"noisy_linear_of_noise": facts["noisy_linear_error"] / NOISE}
 
 
 def _targets(
-    runs: Sequence[Run], ratios: Mapping[tuple[str, str], Mapping[str, float]]
+    runs: Sequence[Run], ratios: Mapping[tuple[str, str], Mapping[str, float]], patience: float
 ) -> dict[str, float | str]:
     """Return what was aimed at: the largest clouds against the fast multipole method."""
     facts: dict[str, float | str] = {}
@@ -172,6 +205,8 @@ def _targets(
             f"{data}_sites": n, f"{data}_rival": rival.method, f"{data}_times": 1 / c["ratio"],
             f"{data}_times_least": 1 / c["most"], f"{data}_times_most": 1 / c["least"],
             f"{data}_error_ratio": rival.rms / ours.rms, f"{data}_gigabytes": ours.memory / 1024,
+            f"{data}_seconds": ours.total, f"{data}_rival_seconds": rival.total,
+            f"{data}_patience_over_ours": patience / ours.total,
         }  # fmt: skip
     return facts
 

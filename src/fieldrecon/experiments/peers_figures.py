@@ -7,7 +7,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from fieldrecon.experiments.experiment import Table
 from fieldrecon.reporting.style import FULL_WIDTH, METHOD_COLORS, figure
@@ -22,6 +24,9 @@ LIBRARIES: Mapping[str, tuple[str, Any]] = {
 }
 """Colour and dashes of each library."""
 MARKERS = "oDs^vP*Xd"
+RANGE = 30.0
+HIGHEST = {"terrain": 10.0}
+"""Errors beyond which nothing is drawn, in metres: one peer would make the others a line."""
 
 
 def looks(methods: Iterable[str]) -> dict[str, dict[str, Any]]:
@@ -52,12 +57,24 @@ def draw_errors(table: Table, titles: Mapping[str, str]) -> Figure:
             shown = {m: look for m, look in methods.items() if m in here.column("method")}
             _curves(panel, here, shown, "total s", "rms error")
             panel.set(title=title, xscale="log", yscale="log")
+            _label(panel.xaxis)
+            if name in HIGHEST:
+                panel.set(yscale="linear", ylim=(None, HIGHEST[name]))
         for panel in axes[-1]:
             panel.set_xlabel("seconds, fit and evaluation")
         for panel in axes[:, 0]:
             panel.set_ylabel("root mean square error")
         _legend(page, axes.ravel())
     return page
+
+
+def _label(axis: Axis) -> None:
+    """Label an axis of little more than a decade or less at 1, 2 and 5, in plain numbers."""
+    low, high = axis.get_data_interval()
+    if high / low < RANGE:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def draw_growth(table: Table, data: str) -> Figure:
