@@ -31,6 +31,7 @@ NAMES = (
     "patch_sizes",
     "streaming",
     "peers",
+    "million",
 )
 RESULTS = Path(__file__).parent / "results"
 DOCS = Path(__file__).parents[1] / "docs"

@@ -108,7 +108,7 @@ def has_no_kink(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest jump of the slope, and the moments of the two ends."""
     worst = 0.0
     for call, (bends,) in zip(calls, values, strict=True):
-        at_left, at_right = slopes(*call.arguments, bends)
+        at_left, at_right = slopes(call.arguments[0], call.arguments[1], bends)
         worst = max(worst, relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0))
     return worst
 
