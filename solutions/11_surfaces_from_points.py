@@ -173,8 +173,9 @@ def estimated(k, noise):
 
 
 # %% [markdown]
-# **What to look at.** Few neighbours see the noise, many see round the corner. There is a best number between, and it grows with the noise. And where the planarity is
-# small the normal is not to be trusted: it knows itself when it is wrong.
+# **What to look at.** Few neighbours see the noise, many see round the corner. There is a best number between, and it grows with the noise. A small
+# planarity warns. A large one promises little: where the curve begins to bend, the neighbours may lie close to a line that is not the
+# tangent (dots high up, on the right).
 #
 # ## Neighbours
 #

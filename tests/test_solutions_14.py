@@ -124,14 +124,14 @@ def test_flat_triangles_are_those_of_the_audit(random):
 def test_triangles_cross_where_an_edge_of_one_pierces_the_other(random):
     """Random pairs, against the exact signs of the audit."""
     crossings = 0
-    for _ in range(120):
+    for _ in range(60):
         points = random.normal(size=(6, 3))
         corners = points[[[3, 4, 5]] * 3 + [[0, 1, 2]] * 3]
         start, end = points, points[[1, 2, 0, 4, 5, 3]]
         mine = NOTEBOOK["pierced"](start, end, corners).any()
         assert mine == len(audit_mesh(points, [[0, 1, 2], [3, 4, 5]]).crossings)
         crossings += mine
-    assert 20 < crossings < 100
+    assert 10 < crossings < 50
 
 
 def test_parts_are_connected_by_links(random):

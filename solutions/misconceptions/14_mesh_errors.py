@@ -10,11 +10,13 @@ def sides(triangles):
 
 
 def parts(n, links):
-    label = np.arange(n)
-    for _ in range(n):
-        for a, b in np.reshape(links, (-1, 2)).astype(int):
-            label[[a, b]] = min(label[a], label[b])
-    return label
+    label, changed = list(range(n)), True
+    while changed:
+        changed = False
+        for a, b in np.reshape(links, (-1, 2)).astype(int).tolist():
+            changed |= label[a] != label[b]
+            label[a] = label[b] = min(label[a], label[b])
+    return np.array(label)
 
 
 def counted(triangles, ends):
