@@ -12,6 +12,7 @@ import transfers
 from fieldrecon import reconstruction
 from fieldrecon.coupling import Coupling, Transfer, applied
 from fieldrecon.datasets import halton
+from fieldrecon.experiments import precice_mappings
 from fieldrecon.flat_coupling import FlatCoupling, couple
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
@@ -290,40 +291,33 @@ def test_flat_pieces_larger_than_neighbourhoods_are_refused_in_words():
 # --- another project's formulas -------------------------------------------------------------------
 
 
-def phi(r: np.ndarray) -> np.ndarray:
-    """The compactly supported function of Wendland, of degree 2 in three variables, radius 0.8."""
-    s = np.minimum(r / 0.8, 1)
-    return (1 - s) ** 6 * (35 * s**2 + 18 * s + 3) / 3
+KERNEL = wendland(3, 2, 0.8)
 
 
 def test_the_mappings_of_precice_with_an_integrated_polynomial_are_these():
-    """Consistent: H; conservative: its transpose. Written out from their block system."""
+    """Consistent: H; conservative: its transpose. By their block system."""
     x, y = nodes(3), skin(3)
-    q, v = (np.column_stack([np.ones(len(p)), p]) for p in (x, y))
-    system = np.block([[np.zeros((4, 4)), q.T], [q, phi(cdist(x, x))]])
-    evaluation = np.hstack([v, phi(cdist(y, x))])
+    consistent, conservative = precice_mappings.integrated(x, y, KERNEL)
     u, f = np.cos(5 * x), np.sin(7 * y)
-    consistent = evaluation @ np.linalg.solve(system, np.vstack([np.zeros((4, 3)), u]))
-    conservative = np.linalg.solve(system.T, evaluation.T @ f)[4:]
-    t = Coupling(RBF(x, wendland(3, 2, 0.8), degree=1), y)
-    assert_close(t.displacements(u), consistent, 1e-9)
-    assert_close(t.loads(f), conservative, 1e-9)
+    t = Coupling(RBF(x, KERNEL, degree=1), y)
+    assert_close(t.displacements(u), consistent @ u, 1e-9)
+    assert_close(t.loads(f), conservative @ f, 1e-9)
 
 
 def test_the_mappings_of_precice_with_a_separate_polynomial_are_others_with_the_same_laws():
     """A fit is subtracted first, and kernels alone interpolate the rest."""
     x, y = nodes(3), skin(3)
-    q, v = (np.column_stack([np.ones(len(p)), p]) for p in (x, y))
-    c, a = phi(cdist(x, x)), phi(cdist(y, x))
+    consistent, conservative = precice_mappings.separate(x, y, KERNEL)
+    q = np.column_stack([np.ones(len(x)), x])
     u, f = np.cos(5 * x), np.sin(7 * y)
-    beta = np.linalg.lstsq(q, u, rcond=None)[0]
-    consistent = a @ np.linalg.solve(c, u - q @ beta) + v @ beta
-    mu = np.linalg.solve(c, a.T @ f)
-    conservative = mu - np.linalg.pinv(q).T @ (q.T @ mu - v.T @ f)
-    assert_close((consistent * f).sum(), (u * conservative).sum(), 1e-9)
-    assert_close(resultants(x, conservative), resultants(y, f), 1e-9)
-    t = Coupling(RBF(x, wendland(3, 2, 0.8), degree=1), y)
-    assert np.abs(t.loads(f) - conservative).max() > VISIBLE
+    rest = u - q @ np.linalg.lstsq(q, u, rcond=None)[0]
+    alone = RBF(x, KERNEL, degree=-1).field(rest)(y)
+    fitted = np.column_stack([np.ones(len(y)), y]) @ np.linalg.lstsq(q, u, rcond=None)[0]
+    assert_close(consistent @ u, alone + fitted, 1e-9)
+    assert_close(((consistent @ u) * f).sum(), (u * (conservative @ f)).sum(), 1e-9)
+    assert_close(resultants(x, conservative @ f), resultants(y, f), 1e-9)
+    t = Coupling(RBF(x, KERNEL, degree=1), y)
+    assert np.abs(t.loads(f) - conservative @ f).max() > VISIBLE
 
 
 # --- routes, parts, size --------------------------------------------------------------------------

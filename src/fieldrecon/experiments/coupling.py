@@ -29,7 +29,9 @@ from fieldrecon.experiments.experiment import (
     parameter,
     require_at_least,
 )
+from fieldrecon.experiments.precice_mappings import integrated, separate
 from fieldrecon.flat_coupling import FlatCoupling, blended_plates
+from fieldrecon.positive_definite import wendland
 from fieldrecon.radial import polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reporting.style import FULL_WIDTH, SEQUENTIAL, figure, line
@@ -39,6 +41,7 @@ THICKNESS = 0.12  # of the profile, as a part of the chord
 SPARS = (0.2, 0.45, 0.7)  # places along the chord
 SPAR_HEIGHT = 0.8  # of the spars, as a part of the thickness there
 SPARRED = 0.95  # of the span
+REACH = 0.5  # of the kernel that is compared with preCICE, as a part of the half span
 ROUNDING = 1e-12  # errors below are rounding, and told as this
 
 
@@ -168,10 +171,17 @@ def run(params: Params, each: Map = map) -> Result:
     rows = [(way, *found[way, params.shown]) for way in WAYS]
     given = wing(params)
     places, weights = footprints(params, given)
+    maps = mappings(params, given)
     return Result(
         params=params,
-        tables={"errors": Table(("way", *QUANTITIES), tuple(rows))},
-        facts=_facts(params, given, found),
+        tables={
+            "errors": Table(("way", *QUANTITIES), tuple(rows)),
+            "mappings": Table(
+                ("polynomial", "displacements", "loads", *QUANTITIES[:3]),
+                tuple(maps),
+            ),
+        },
+        facts=_facts(params, given, found) | {"precice_difference": maps[1][2]},
         arrays={"errors": errors, "skin": given.skin, "places": places, "weights": weights},
     )
 
@@ -197,6 +207,23 @@ def footprints(params: Params, given: Wing) -> tuple[np.ndarray, np.ndarray]:
         for name in ("transpose, linear", "transpose, patches")
     ]
     return np.vstack([nodes, one]), np.array(both)
+
+
+def mappings(params: Params, given: Wing) -> list[tuple[Cell, ...]]:
+    """PreCICE's two mappings against the coupling with the same kernel, and their own errors.
+
+    Largest differences, relative to the largest entries; then relative errors of what arrives.
+    """
+    nodes, kernel = spars(params, params.shown), wendland(3, 2, REACH)
+    ours = np.asarray(RBF(nodes, kernel, degree=1).weights(given.skin))
+    wanted = quantities(given.skin, given.forces)[:3]
+    rows: list[tuple[Cell, ...]] = []
+    for name, made in (("integrated", integrated), ("separate", separate)):
+        there, back = made(nodes, given.skin, kernel)
+        away = [np.abs(h - g).max() / np.abs(g).max() for h, g in ((there, ours), (back, ours.T))]
+        errors = np.abs(quantities(nodes, back @ given.forces)[:3] / wanted - 1)
+        rows.append((name, *np.maximum([*away, *errors], ROUNDING)))
+    return rows
 
 
 def _facts(

@@ -44,6 +44,7 @@ __all__ = ["QUICK", "Params", "plot", "plot_section", "plot_span", "plot_turns",
 
 RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
 SKIN = (16, 29)  # pieces of the skin that is drawn, along half its section and along the span
+SETTLED = 1e-8  # residual at which factors are observed, well above rounding
 NONE = 100  # times the flight's dynamic pressure: what diverges there only, does not
 ROUNDING = 1e-12  # errors below are rounding, and told as this
 
@@ -140,7 +141,7 @@ def swept(params: Params, sweep: float) -> tuple[tuple[Cell, ...], np.ndarray]:
     """
     wing, incidences = params.wing(sweep), params.incidences(sweep)
     pressures = np.array(params.pressures) * params.pressure
-    turns = [wing.steady_state(q, incidences, relaxation=1.0) for q in pressures]
+    turns = [wing.steady_state(q, incidences, 1.0, tolerance=SETTLED) for q in pressures]
     rates = np.array([t.contraction for t in turns])
     factor = params.pressure * wing.eigenvalues[0].real
     limits = (1 / wing.contraction(1.0), pressures[-1] / rates[-1])
@@ -157,7 +158,8 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
         name: wing.steady_state(q, incidences, relaxation=omega, most=300)
         for name, omega in RELAXATIONS.items()
     }
-    w = turns["aitken"].value
+    w, plain = turns["aitken"].value, turns["plain"].residuals
+    middle = plain[len(plain) // 2 :][:2]
     stiff, bent = air.circulations(incidences), wing.circulations(w, incidences)
     z = wing.heights(w).reshape(air.shape[0] + 1, -1)
     before, after = drawn(params, wing, w)
@@ -178,7 +180,7 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
     facts |= {f"{name}_turns": len(t.residuals) - 1 for name, t in turns.items()}
     facts |= {
         "contraction": wing.contraction(q),
-        "observed_contraction": turns["plain"].contraction,
+        "observed_contraction": float(middle[1] / middle[0]),
         "tip": float(arrays["rise"][-1]),
         "tip_nose_down": float(-arrays["twist"][-1]),
     }

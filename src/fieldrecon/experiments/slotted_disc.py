@@ -52,12 +52,12 @@ class Params:
     lattice: int = parameter(1200, "points along a side of the square in which areas are measured")
 
     def __post_init__(self) -> None:
-        require_at_least(self, levels=1, steps=2, lattice=10)
+        require_at_least(self, levels=2, steps=2, lattice=10)
         if self.levels > len(PUBLISHED["CIP"][0]):
             raise ValueError(f"parameter levels must be 4 or less; got {self.levels}")
 
 
-QUICK = Params(levels=1, steps=6, lattice=200)
+QUICK = Params(levels=2, steps=4, lattice=200)
 
 
 def sites_of(level: int) -> int:
@@ -95,15 +95,14 @@ def run(params: Params, each: Map = map) -> Result:
     ]  # fmt: skip
     names = ("unknowns", "here", *PUBLISHED, "mass here", "mass CIP", "mass SUPG")
     best = np.array([min(PUBLISHED[w][0][k] for w in PUBLISHED) for k in levels])
+    steps = np.array([sites_of(k) for k in levels]) ** -0.5
     facts: dict[str, Cell] = {
         "published_unknowns": UNKNOWNS,
         "coarsest": sites_of(0),
-        "finest": sites_of(params.levels - 1),
         "smallest_of_best": float((signs / best).min()),
+        "order": order(steps, signs),
+        "published_order": order(steps, best),
     }
-    if params.levels > 1:
-        steps = np.array([sites_of(k) for k in levels]) ** -0.5
-        facts |= {"order": order(steps, signs), "published_order": order(steps, best)}
     frames = {f"frame_{k}": frame for k, (_, _, frame) in enumerate(found)}
     return Result(
         params=params,
@@ -143,7 +142,7 @@ def plot(result: Result) -> Figure:
             x, y = DISC[0] + at, DISC[1] + at
             panel.contourf(x, y, field, [-1, 0], colors=["#a9cbe6"])
             panel.plot(*result.arrays["rim"].T, color="#c48600", linewidth=0.9)
-            panel.set(title=f"{sites_of(k)} sites", aspect="equal", xticks=[], yticks=[])
+            panel.set(title=f"{sites_of(k)} sites", aspect="equal")
             panel.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-            panel.grid(visible=False)
+            panel.set_axis_off()
     return page
