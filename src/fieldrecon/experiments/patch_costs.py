@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.experiments.experiment import (
+    Cell,
     Map,
     Result,
     Table,
@@ -73,10 +74,10 @@ def _table(measured: Mapping[str, Any]) -> Table:
     return Table(tuple(measured["columns"]), tuple(map(tuple, measured["rows"])))
 
 
-def _told(params: Params, choices: Table) -> dict[str, float]:
+def _told(params: Params, choices: Table) -> dict[str, Cell]:
     """Return seconds and errors of the default and of some others, by name."""
     usual = (params.kernel, params.degree, params.patch)
-    facts = {}
+    facts: dict[str, Cell] = {}
     for name, choice in {"usual": usual, **TOLD}.items():
         (own,) = (row for row in choices.rows if row[:3] == choice)
         numbers = dict(zip(choices.columns, own, strict=True))
@@ -85,7 +86,7 @@ def _told(params: Params, choices: Table) -> dict[str, float]:
     return facts | {"few_patch": TOLD["few"][2]}
 
 
-def _of_growth(growth: Table) -> Iterator[tuple[str, float]]:
+def _of_growth(growth: Table) -> Iterator[tuple[str, Cell]]:
     """Yield exponents p of seconds C n^p in the plane, and what the largest cloud takes."""
     plane = [r for r in growth.rows if r[1] == 2]
     sites, steps = np.array([r[0] for r in plane]), np.array([r[2:5] for r in plane])
@@ -100,7 +101,7 @@ def _of_growth(growth: Table) -> Iterator[tuple[str, float]]:
 def plot(result: Result) -> Figure:
     """Error against time, a curve for each kernel and degree along which patches grow."""
     table = result.tables["choices"]
-    kinds = dict.fromkeys((row[0], row[1]) for row in table.rows)
+    kinds = dict.fromkeys((str(row[0]), int(row[1])) for row in table.rows)
     with figure(FULL_WIDTH, height=3.9, columns=3) as (page, axes):
         for panel, (name, title) in zip(axes, DATA.items(), strict=True):
             error = table.columns.index(f"rms error, {name}")

@@ -104,16 +104,16 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     runs = [Run(*(row[k] for k in wanted)) for row in table["rows"]]
     ratios = {(c["what"], c["peer"]): c for c in measured["comparisons"]}
     machine, patience = measured["machine"], measured["parameters"]["patience in seconds"]
-    lost = [_loss(runs, r) for r in uncovered(runs)]
+    lost = uncovered(runs)
     facts = {
         "processor": machine["processor"], "cores": machine["cores used"],
         "runs": len(runs), "methods": len({r.method for r in runs}),
         "peers_runs": sum(not r.ours for r in runs), "lost": len(lost),
         "peers_runs_large": sum(not r.ours and r.sites >= params.large for r in runs),
-        "lost_large": sum(row[1] >= params.large for row in lost),
+        "lost_large": sum(r.sites >= params.large for r in lost),
         "ahead_large": sum(_is_ahead(runs, r) and r.sites >= params.large for r in runs),
-        "land_lost": sum(row[:2] == ("terrain", LAND) for row in lost),
-        "lost_small": sum(row[1] <= params.small for row in lost),
+        "land_lost": sum(r[:2] == ("terrain", LAND) for r in lost),
+        "lost_small": sum(r.sites <= params.small for r in lost),
         "repeats": measured["parameters"]["repeats"],
         "patience": patience,
         "stopped": sum("stopped after" in note for note in measured["notes"]),
@@ -121,8 +121,8 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     }  # fmt: skip
     tables = {
         "runs": Table(COLUMNS, tuple(runs)),
-        "lost": Table(LOST, tuple(lost)),
-        "lost_beyond_small": Table(LOST, tuple(row for row in lost if row[1] > params.small)),
+        "lost": _losses(runs, lost),
+        "lost_beyond_small": _losses(runs, [r for r in lost if r.sites > params.small]),
         "versions": Table(("package", "version"), tuple(
             (name, f"version {machine[name]}") for name in PACKAGES)),
         **{f"{data}_{n}": _side_by_side(runs, ratios, data, n)
@@ -147,6 +147,10 @@ def _is_ahead(runs: Sequence[Run], peer: Run) -> bool:
 
 def _ours(runs: Iterable[Run], data: str, sites: int) -> list[Run]:
     return [r for r in runs if r.ours and (r.data, r.sites) == (data, sites)]
+
+
+def _losses(runs: Sequence[Run], lost: Iterable[Run]) -> Table:
+    return Table(LOST, tuple(_loss(runs, peer) for peer in lost))
 
 
 def _loss(runs: Sequence[Run], peer: Run) -> tuple[str | int | float, ...]:
@@ -181,13 +185,15 @@ def _numbers(runs: Sequence[Run]) -> dict[str, float | str]:
     for name, told in TOLD.items():
         (own,) = (r for r in runs if r[:3] == told)
         facts |= {f"{name}_seconds": own.total, f"{name}_error": own.rms}
+        if name == "noisy_linear":
+            facts["noisy_linear_of_noise"] = own.rms / NOISE
     for name, where in (("noisy", ("noisy", TOLD_SITES)), ("land", ("terrain", LAND))):
         best = min((r for r in runs if r[:2] == where and not r.ours), key=lambda r: r.rms)
         facts |= {
             f"{name}_best_peer": best.method, f"{name}_best_error": best.rms,
             f"{name}_best_seconds": best.total,
         }  # fmt: skip
-    return facts | {"noisy_linear_of_noise": facts["noisy_linear_error"] / NOISE}
+    return facts
 
 
 def _targets(
@@ -205,7 +211,8 @@ def _targets(
             f"{data}_sites": n, f"{data}_rival": rival.method, f"{data}_times": 1 / c["ratio"],
             f"{data}_times_least": 1 / c["most"], f"{data}_times_most": 1 / c["least"],
             f"{data}_error_ratio": rival.rms / ours.rms, f"{data}_gigabytes": ours.memory / 1024,
-            f"{data}_seconds": ours.total, f"{data}_rival_seconds": rival.total,
+            f"{data}_seconds": ours.total, f"{data}_error": ours.rms,
+            f"{data}_rival_seconds": rival.total,
             f"{data}_patience_over_ours": patience / ours.total,
         }  # fmt: skip
     return facts

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
@@ -49,7 +50,7 @@ def looks(methods: Iterable[str]) -> dict[str, dict[str, Any]]:
 
 def draw_errors(table: Table, titles: Mapping[str, str]) -> Figure:
     """Draw error against seconds, a panel for each set of data."""
-    methods = looks(dict.fromkeys(table.column("method")))
+    methods = looks(dict.fromkeys(map(str, table.column("method"))))
     data = table.columns.index("data")
     with figure(FULL_WIDTH, height=8.6, rows=3, columns=2) as (page, axes):
         for panel, (name, title) in zip(axes.ravel(), titles.items(), strict=True):
@@ -80,7 +81,7 @@ def _label(axis: Axis) -> None:
 def draw_growth(table: Table, data: str) -> Figure:
     """Draw seconds and memory against the number of sites."""
     here = Table(table.columns, tuple(r for r in table.rows if r[0] == data))
-    methods = looks(dict.fromkeys(here.column("method")))
+    methods = looks(dict.fromkeys(map(str, here.column("method"))))
     with figure(FULL_WIDTH, height=4.4, columns=2) as (page, axes):
         for panel, column, title in (
             (axes[0], "total s", "seconds, fit and evaluation"),
@@ -103,10 +104,10 @@ def _curves(
 
 def _legend(page: Figure, panels: Iterable[Axes]) -> None:
     """Put every method once below the panels."""
-    drawn = {}
+    drawn: dict[str, Artist] = {}
     for panel in panels:
         handles, labels = panel.get_legend_handles_labels()
-        drawn |= dict(zip(labels, handles, strict=True))
+        drawn |= dict(zip(map(str, labels), handles, strict=True))
     order = sorted(drawn, key=lambda label: [*LIBRARIES].index(label.replace(",", "").split()[0]))
     page.legend(
         [drawn[label] for label in order], order, loc="outside lower center", ncols=3, fontsize=7
