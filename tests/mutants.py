@@ -512,9 +512,9 @@ class InSampleMoving(MovingLeastSquares):
 class WithoutTheNext(MovingLeastSquares):
     """Leaves a site out of its neighbourhood and does not look for the next one."""
 
-    def left_out(self, values, sites=None):
+    def left_out(self, values, sites=None, progress=None):
         fewer = MovingLeastSquares(self.points, self.weight, self.degree, self.neighbors - 1)
-        return fewer.left_out(values, sites)
+        return fewer.left_out(values, sites, progress)
 
 
 class WrongDiagonal(RBF):

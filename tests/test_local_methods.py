@@ -9,6 +9,7 @@ import pytest
 
 from fieldrecon import _chunks
 from fieldrecon.datasets import franke, halton, uniform
+from fieldrecon.model_selection import leave_one_out
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import wendland
@@ -70,6 +71,18 @@ def test_after_an_interrupt_field_and_executor_are_as_before(name):
             s(QUERIES, executor=executor, progress=interrupt)
         assert len(begun) <= _chunks._AHEAD
         assert_close(s(QUERIES, executor=executor), before, 0.0)
+
+
+@pytest.mark.parametrize("name", ["MLS", "PU", "PU on the globe"])
+@pytest.mark.usefixtures("small_chunks")
+def test_leaving_out_tells_the_way(name):
+    """The numbers rise to all of them, and the residuals are the same."""
+    method, told = METHODS[name](SITES), []
+    residuals = leave_one_out(method, franke(SITES), progress=partial(noted, told))
+    assert_close(residuals, leave_one_out(method, franke(SITES)), 0.0)
+    assert len(told) > 5
+    assert [done for done, _ in told] == sorted({done for done, _ in told})
+    assert told[-1][0] == told[-1][1]
 
 
 CTRL_C = """

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon import _validation as valid
+from fieldrecon._chunks import Progress
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
@@ -18,7 +19,9 @@ _ACCURATE = 1e-4
 
 
 @valid.finite("the residuals")
-def leave_one_out(method: Reconstruction, values: ArrayLike) -> np.ndarray:
+def leave_one_out(
+    method: Reconstruction, values: ArrayLike, *, progress: Progress | None = None
+) -> np.ndarray:
     """Leave-one-out residuals f_i - s_(-i)(p_i): each datum against the field of all the others.
 
     Least squares, and moving least squares over all sites or a fixed radius: r_i / (1 - h_ii), with
@@ -33,6 +36,9 @@ def leave_one_out(method: Reconstruction, values: ArrayLike) -> np.ndarray:
         Method on its sites.
     values : (n, ...) array_like
         Data.
+    progress : callable, optional
+        Called as progress(done, total) by methods that go through many sites or patches: blended
+        patches, and moving least squares on nearest sites.
 
     Returns
     -------
@@ -61,18 +67,20 @@ def leave_one_out(method: Reconstruction, values: ArrayLike) -> np.ndarray:
     """
     values = valid.as_values(values, len(method.points))
     columns = values.reshape(len(values), -1)
-    return _residuals(method, columns).reshape(values.shape)
+    return _residuals(method, columns, progress).reshape(values.shape)
 
 
-def _residuals(method: Reconstruction, values: np.ndarray) -> np.ndarray:
+def _residuals(
+    method: Reconstruction, values: np.ndarray, progress: Progress | None
+) -> np.ndarray:
     if isinstance(method, LeastSquares):
         return _polynomial_residuals(method, values)
     if isinstance(method, MovingLeastSquares):
-        return _moving_residuals(method, values)
+        return _moving_residuals(method, values, progress)
     if isinstance(method, OnGlobe):
-        return _residuals(method.method, values)
+        return _residuals(method.method, values, progress)
     if isinstance(method, PartitionOfUnityRBF):
-        return method.left_out(values)
+        return method.left_out(values, progress)
     if isinstance(method, RBF):
         for i in _indispensable(method.points, method.degree):
             _without(i, method.points, method.degree)
@@ -90,9 +98,11 @@ def _polynomial_residuals(method: LeastSquares, values: np.ndarray) -> np.ndarra
     return result
 
 
-def _moving_residuals(method: MovingLeastSquares, values: np.ndarray) -> np.ndarray:
+def _moving_residuals(
+    method: MovingLeastSquares, values: np.ndarray, progress: Progress | None
+) -> np.ndarray:
     if method.neighbors is not None:
-        return values - method.left_out(values)
+        return values - method.left_out(values, progress=progress)
     rest = 1.0 - method.own_weights()
     residual = values - method.field(values)(method.points)
     accurate = rest > _ACCURATE

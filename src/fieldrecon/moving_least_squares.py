@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon import _validation as valid
-from fieldrecon._chunks import rows_of
+from fieldrecon._chunks import Progress, chunked, rows_of
 from fieldrecon._local_fits import LocalFit
 from fieldrecon._neighborhoods import (
     AllSites,
@@ -21,13 +22,7 @@ from fieldrecon._neighborhoods import (
     places,
 )
 from fieldrecon.least_squares import half_sum_of_squares, monomial_matrix
-from fieldrecon.polynomials import (
-    Frame,
-    dimension,
-    monomials,
-    refuse_too_few,
-    require_unisolvent,
-)
+from fieldrecon.polynomials import Frame, dimension, monomials, refuse_too_few, require_unisolvent
 from fieldrecon.radial import Radial, inverse_square
 from fieldrecon.reconstruction import Reconstruction, Weights
 
@@ -209,7 +204,12 @@ class MovingLeastSquares(Reconstruction):
         r = np.where(near.missing, 0.0, near.distance) * self.unit
         return np.where(near.missing, 0.0, self.weight(r))
 
-    def left_out(self, values: ArrayLike, sites: np.ndarray | None = None) -> np.ndarray:
+    def left_out(
+        self,
+        values: ArrayLike,
+        sites: np.ndarray | None = None,
+        progress: Progress | None = None,
+    ) -> np.ndarray:
         """Values at sites (all by default), each reconstructed from the data of the other sites."""
         n, k = len(self.points), self.neighbors
         if k is not None and k + 2 > n:
@@ -221,13 +221,16 @@ class MovingLeastSquares(Reconstruction):
         columns = values.reshape(n, -1)
         sites = np.arange(len(columns)) if sites is None else sites
         result = np.empty_like(columns[sites])
+        work = partial(self._left_out, columns)
         rows = self._chunk_rows(columns.shape[1])
-        for start in range(0, len(sites), rows):
-            part = sites[start : start + rows]
-            fit = LocalFit(self, self.points[part], without=part)
-            a = fit.coefficient_weights(1)[:, 0]
-            result[start : start + rows] = np.einsum("mk,mkv->mv", a, columns[fit.near.index])
+        for part, rows_of_result in chunked(work, sites, rows, progress=progress):
+            result[part] = rows_of_result
         return result.reshape((len(sites), *values.shape[1:]))
+
+    def _left_out(self, columns: np.ndarray, sites: np.ndarray) -> np.ndarray:
+        fit = LocalFit(self, self.points[sites], without=sites)
+        weights = fit.coefficient_weights(1)[:, 0]
+        return np.einsum("mk,mkv->mv", weights, columns[fit.near.index])
 
     def own_weights(self) -> np.ndarray:
         """Diagonal (n,) of H(X): how much each datum decides the value at its own site."""

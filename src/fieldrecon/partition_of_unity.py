@@ -154,18 +154,21 @@ class PartitionOfUnityRBF(Reconstruction):
         prepare = partial(self._prepare, executor=executor, progress=progress)
         return Field(self, valid.as_values(values, len(self.points)), prepare)
 
-    def left_out(self, values: np.ndarray) -> np.ndarray:
+    def left_out(self, values: np.ndarray, progress: Progress | None = None) -> np.ndarray:
         """Residuals (n, v) of the data (n, v), each against the field of all others.
 
         The patches stay, and each gives up the site: a weighted mean of lambda_i / (S^-1)_ii over
         the patches that contain it.
         """
         level, total = self._levels[0], np.zeros_like(values)
-        weights = np.zeros(len(values))
+        weights, done = np.zeros(len(values)), 0
         for number, systems in enumerate(level.systems):
             patches = np.flatnonzero(level.group == number)
             work = partial(systems.left_out, values[level.sites])
-            for part, (rest, tell) in chunked(work, np.arange(len(systems)), systems.rows()):
+            told = progress and partial(_told, progress, done, len(level.patches))
+            done += len(systems)
+            every = np.arange(len(systems))
+            for part, (rest, tell) in chunked(work, every, systems.rows(), progress=told):
                 own = systems.sites[part]
                 weight = level.patches.weights(patches[part], systems.points[own]) * tell
                 np.add.at(weights, level.sites[own], weight)

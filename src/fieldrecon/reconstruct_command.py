@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from fieldrecon.model_selection import leave_one_out
 from fieldrecon.outcome import Outcome, peak_memory
 from fieldrecon.place_files import FORMATS, Result, as_formats
 from fieldrecon.places import Places, grid_over, points_in, vertices_of
-from fieldrecon.reconstruction import Field
+from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.samples import Samples, read_samples, refuse_flat
 from fieldrecon.sphere import OnGlobe, to_unit
 
@@ -192,9 +192,11 @@ def _values(
         raise ValueError(trial.reason)
     patches = trial.candidate.family == "PU"
     progress = stage("making patches" if patches else "fitting")
-    maker = partial(trial.maker, progress=progress) if patches else trial.maker
+    maker: Callable[..., Reconstruction] = trial.maker
+    if patches:
+        maker = partial(maker, progress=progress)
     method = OnGlobe(samples.points, maker) if samples.lonlat else maker(samples.points)
-    how = {"progress": stage("fitting")} if patches else {}
+    how: dict[str, Any] = {"progress": stage("fitting")} if patches else {}
     field = method.field(samples.values, **how)
     return field, field(places.points, progress=stage("evaluating"))
 
@@ -203,9 +205,9 @@ def _error(
     field: Field, sites: np.ndarray, lonlat: bool, places: Places, stage: Stage
 ) -> tuple[ErrorEstimate | str, np.ndarray]:
     """How far the field may be off, or why that is not known."""
-    stage("leaving out each sample")
+    progress = stage("leaving out each sample")
     try:
-        band = ErrorEstimate(sites, leave_one_out(field.method, field.values))
+        band = ErrorEstimate(sites, leave_one_out(field.method, field.values, progress=progress))
     except NO_FIELD as error:
         return str(error), np.full(len(places.points), np.nan)
     there = to_unit(places.points) if lonlat else places.points

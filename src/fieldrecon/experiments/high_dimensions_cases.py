@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -17,6 +18,8 @@ from fieldrecon.positive_definite import gaussian, wendland
 from fieldrecon.radial import polyharmonic
 from fieldrecon.rbf import RBF
 
+Maker: TypeAlias = Callable[[np.ndarray, np.ndarray], Callable[[np.ndarray], np.ndarray]]
+"""Takes sites and data to a field."""
 MOST_FOR_PATCHES = 10
 """Variables beyond which each patch has a good part of all sites, or there is but one."""
 
@@ -61,11 +64,11 @@ def wave(x: np.ndarray) -> np.ndarray:
 FIELDS = (ridge, few, additive, radial, pairs, wave)
 
 
-def methods(d: int, n: int) -> Mapping[str, Callable[[np.ndarray, np.ndarray], Callable]]:
+def methods(d: int, n: int) -> Mapping[str, Maker]:
     """Return what makes a field of sites and data, by name: what can be had of so many sites."""
     wide = gaussian(np.sqrt(d / 6) / 2)  # half the root mean square distance of two sites
     near = min(4 * dimension(d, 1), n - 1)
-    made = {
+    made: dict[str, Maker] = {
         "nearest": nearest,
         "linear": partial(fitted, partial(LeastSquares, degree=1)),
         "quadratic": partial(fitted, partial(LeastSquares, degree=2)),
@@ -83,12 +86,14 @@ def methods(d: int, n: int) -> Mapping[str, Callable[[np.ndarray, np.ndarray], C
     return {name: make for name, make in made.items() if not refused.get(name)}
 
 
-def fitted(make: Callable, sites: np.ndarray, data: np.ndarray) -> Callable:
+def fitted(
+    make: Callable[..., Any], sites: np.ndarray, data: np.ndarray
+) -> Callable[[np.ndarray], np.ndarray]:
     """Return a field of the library."""
     return make(sites).field(data)
 
 
-def nearest(sites: np.ndarray, data: np.ndarray) -> Callable:
+def nearest(sites: np.ndarray, data: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """Return the datum of the nearest site."""
     tree = cKDTree(sites)
     return lambda x: data[tree.query(x)[1]]

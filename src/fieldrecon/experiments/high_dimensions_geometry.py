@@ -64,7 +64,7 @@ class Geometry:
         d = self.variables
         half = brentq(lambda r: wendland(d, 1)(np.array(r)) - 0.5, 0.0, 1.0)
         polynomials = (dimension(d, m) for m in (1, 2, 3))
-        return (d, self.spread, self.nearest, *polynomials, self.counting, d // 2 + 3, half)
+        return (d, self.spread, self.nearest, *polynomials, self.counting, d // 2 + 4, half)
 
 
 def overlap(x: np.ndarray) -> float:
