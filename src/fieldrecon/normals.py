@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
+from fieldrecon._chunks import chunked
 from fieldrecon.polynomials import EPS, Frame, resolution
 
-_ROWS = 2**15  # points at once: their neighbourhoods stay in the cache
+_ROWS = 2**14  # points at once: their neighbourhoods stay in the cache
 
 
 @dataclass(frozen=True)
@@ -76,21 +78,26 @@ def estimate_normals(points: ArrayLike, neighbors: int = 16) -> PointNormals:
     p = Frame.around(cloud).local(cloud)
     index = nearest(p, neighbors)
     normals, variances = np.empty((len(p), 3)), np.empty((len(p), 3))
-    for start in range(0, len(p), _ROWS):
-        some = slice(start, start + _ROWS)
-        # differences first: far from the origin squares would keep no digit
-        offsets = p[index[some]]
-        offsets -= p[some, None]
-        mean = offsets.sum(axis=1, keepdims=True) / index.shape[1]
-        covariance = offsets.mT @ offsets - index.shape[1] * mean.mT @ mean
-        variances[some], axes = np.linalg.eigh(covariance)
-        normals[some] = axes[..., 0]
+    work = partial(_principal, p)
+    for some, (axis, variance) in chunked(work, index, _ROWS):
+        normals[some], variances[some] = axis, variance
     least, middle, largest = np.maximum(variances, 0.0).T
     planarity = 1.0 - np.divide(least, middle, out=np.ones_like(least), where=middle > 0)
     # beyond this the rounding of the covariance turns the normal visibly
     determined = middle - least > 1e3 * EPS * largest
     wide = middle > 16 * index.shape[1] * resolution(cloud) ** 2
     return PointNormals(normals, planarity, determined & wide & (planarity >= 0.75), index)
+
+
+def _principal(p: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Directions (m, 3) of least variance of the neighbours (m, k), and the variances (m, 3)."""
+    # differences first: far from the origin squares would keep no digit
+    offsets = p[index]
+    offsets -= p[index[:, :1]]
+    mean = offsets.sum(axis=1, keepdims=True) / index.shape[1]
+    covariance = offsets.mT @ offsets - index.shape[1] * mean.mT @ mean
+    variances, axes = np.linalg.eigh(covariance)
+    return axes[..., 0], variances
 
 
 def as_cloud(points: ArrayLike) -> np.ndarray:
