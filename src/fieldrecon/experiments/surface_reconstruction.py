@@ -78,11 +78,11 @@ class Params:
     seed: int = parameter(4, "seed of the points")
 
     def __post_init__(self) -> None:
-        require_at_least(self, points=400, scanned=300, noise=0.0, sizes=20, cells=2,
+        require_at_least(self, points=300, scanned=300, noise=0.0, sizes=20, cells=2,
                          frame=0.01, isolines=1, window=8, seed=0)  # fmt: skip
 
 
-QUICK = Params(points=400, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.3, window=24)
+QUICK = Params(points=300, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.4, window=16)
 
 
 @dataclass(frozen=True)
