@@ -48,7 +48,8 @@ class Words:
         rest = self._words[self._at :]
         rows = min(element.rows, len(rest) // max(width, 1))
         table = rest[: rows * width].reshape(rows, width)
-        columns, at = {}, 0
+        columns: dict[str, Column] = {}
+        at = 0
         for p in element.properties:
             if p.count:
                 if (table[:, at] != lengths[p.name]).any() or rows < element.rows:

@@ -52,6 +52,8 @@ class ImplicitSurface(Solid):
         What is to be known about the points, in sentences.
     """
 
+    spacing: float
+
     def __init__(self, cloud: Cloud, field: Field, smoothing: float) -> None:
         self.points, self.outward, self.left_out = cloud.points, cloud.outward, cloud.left_out
         self.noise, self.smoothing, self.spacing = cloud.noise, smoothing, cloud.spacing

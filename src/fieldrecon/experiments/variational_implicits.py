@@ -102,7 +102,6 @@ def run(params: Params, each: Map = map) -> Result:
             "last_parts": parts[-1],
             "first_area_percent": 100 * abs(areas[0] / exact_areas[0] - 1),
             "last_area_percent": 100 * abs(areas[-1] / exact_areas[1] - 1),
-            "middle_area": areas[len(areas) // 2],
         },
         arrays={
             "missed": missed,
