@@ -54,7 +54,7 @@ class Params:
     sites: int = parameter(1000, "sites, at random in the unit cube")
     more: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "numbers of sites to compare")
     at: int = parameter(10, "variables where numbers of sites are compared; of variables")
-    queries: int = parameter(200, "places where errors are measured, at random too")
+    queries: int = parameter(150, "places where errors are measured, at random too")
     large: int = parameter(20000, "places that tell mean and deviation of the functions")
     seed: int = parameter(1, "of sites, queries and functions")
 
