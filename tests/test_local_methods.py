@@ -23,7 +23,7 @@ METHODS = {
     "PU": PartitionOfUnityRBF,
     "PU on the globe": lambda x: OnGlobe(x, partial(PartitionOfUnityRBF, degree=1)),
 }
-SITES, QUERIES = halton(400, 2), uniform(1500, 2, seed=1)
+SITES, QUERIES = halton(250, 2), uniform(400, 2, seed=1)
 
 
 def noted(told, *call):
@@ -95,7 +95,7 @@ from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import wendland
 
 _chunks.CHUNK_BYTES = 2**14
-x, few = uniform(8000, 2, seed=1), uniform(20, 2, seed=2)
+x, few = uniform(5000, 2, seed=1), uniform(20, 2, seed=2)
 mls = MovingLeastSquares(x, wendland(2, 1), 1, 12).field(x[:, 0])
 method = PartitionOfUnityRBF(x)
 pu = method.field(x[:, 0])
