@@ -5,6 +5,7 @@ import pytest
 
 import fieldrecon as fr
 from fieldrecon.cli import main
+from fieldrecon.experiments.triangle_shapes import sphere
 from fieldrecon.reporting import surface_page
 from fieldrecon.shapes import Ball, Torus, sample_surface
 from fieldrecon.triangle_distances import distances_to_triangles
@@ -30,7 +31,7 @@ def test_a_ball_comes_back_closed_with_a_picture_and_a_page(folder, capsys):
     assert np.linalg.norm(points - 1e7, axis=1) == pytest.approx(1, abs=0.02)
     assert fr.audit_mesh(points - 1e7, triangles).clean
     page = (folder / "ball.html").read_text()
-    assert "400 of the 400 points" in page
+    assert "400 of 400 points" in page
     assert "root mean square" in page
     assert 'src="data:image/png;base64,' in page
 
@@ -67,6 +68,24 @@ def test_a_hole_is_told_and_may_stay_open(folder, capsys):
     assert "and is open; found: " in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.usefixtures("folder")
+def test_loose_triangles_become_a_closed_mesh(capsys):
+    """Torn apart, they are enclosed; the audit of the file finds holes, that of the mesh none."""
+    points, triangles = sphere(1)
+    rng = np.random.default_rng(5)
+    corners = points[triangles] + rng.uniform(-0.02, 0.02, (len(triangles), 1, 3))
+    fr.write_triangles("torn.stl", corners.reshape(-1, 3), np.arange(240).reshape(-1, 3))
+    assert not fr.audit_mesh(*read_triangles("torn.stl")).clean
+    assert main(["surface", "torn.stl", "--polygons", "0.1", "--edge", "0.15"]) == 0
+    assert "80 triangles are loose; the surface goes around them" in capsys.readouterr().out
+    mesh = read_triangles("surface.ply")
+    assert fr.audit_mesh(*mesh).clean
+    assert np.linalg.norm(mesh[0], axis=1) == pytest.approx(1, abs=0.08)
+    np.savetxt("none.xyz", points)
+    assert main(["surface", "none.xyz", "--polygons", "0"]) == 2
+    assert "holds no triangles" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -91,8 +110,6 @@ def test_what_cannot_be_is_said_with_status_2(folder, capsys, options, words):
 
 def test_distances_to_triangles_are_least_over_all_of_them():
     """Against each triangle by a dense set of its points, near and inside a ball."""
-    from fieldrecon.experiments.triangle_shapes import sphere
-
     points, triangles = sphere(2)
     x = 1.1 * np.random.default_rng(3).normal(size=(12, 3))
     shares = np.random.default_rng(4).dirichlet([0.7] * 3, 150)

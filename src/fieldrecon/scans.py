@@ -12,6 +12,7 @@ from fieldrecon._chunks import Progress
 from fieldrecon.cloud_files import Cloud
 from fieldrecon.implicit_surfaces import ImplicitSurface, implicit_surface
 from fieldrecon.mesh_audit import in_words
+from fieldrecon.soup_bodies import SoupBody
 from fieldrecon.surface_extraction import ExtractedSurface, extract_surface
 from fieldrecon.triangle_distances import distances_to_triangles
 
@@ -30,7 +31,7 @@ class Scan:
         As it was read.
     middle : (3,) ndarray
         What is added to coordinates of the body and its mesh to get those of the cloud.
-    body : ImplicitSurface
+    body : ImplicitSurface or SoupBody
     mesh : ExtractedSurface
     distances : (n,) ndarray
         Of the points that counted, to the triangles.
@@ -42,7 +43,7 @@ class Scan:
 
     cloud: Cloud
     middle: np.ndarray
-    body: ImplicitSurface
+    body: ImplicitSurface | SoupBody
     mesh: ExtractedSurface
     distances: np.ndarray
     gaps: np.ndarray
@@ -69,6 +70,13 @@ class Scan:
         return {*self.mesh.audit.found} <= allowed and not beyond and not len(self.mesh.missed)
 
     @property
+    def counted(self) -> str:
+        """What the surface was made of, in words."""
+        if isinstance(self.body, SoupBody):
+            return f"{len(self.body.points):,} places on {len(self.cloud.triangles):,} triangles"
+        return f"{len(self.body.points):,} of {len(self.cloud.points):,} points"
+
+    @property
     def quality(self) -> dict[str, float]:
         """Distances of the points to the mesh."""
         d = self.distances
@@ -82,6 +90,8 @@ class Scan:
     @property
     def remarks(self) -> list[str]:
         """What a reader should know."""
+        if isinstance(self.body, SoupBody):
+            return [*self.cloud.remarks, *self.body.remarks, *self._of_mesh()]
         whose = f"those of the {self.cloud.normals_of}" if self.told else "estimated"
         normals = f"The normals are {whose}."
         apart = f"The points are {self.body.spacing:.3g} apart, in the median."
@@ -149,12 +159,57 @@ def surface_of(
     progress = stage("normals, and the field")
     body = implicit_surface(points, normals, smoothing=smoothing, progress=progress)
     mesh = extract_surface(body, spacing, within=within, progress=stage("following the surface"))
+    return _judged(cloud, middle, body, mesh, normals is not None, stage)
+
+
+def surface_of_soup(
+    cloud: Cloud,
+    stage: Callable[[str], Progress],
+    epsilon: float,
+    *,
+    spacing: float | None = None,
+    within: float | None = None,
+) -> Scan:
+    """Make a body of the loose triangles of a cloud, and a mesh of its surface.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        With triangles.
+    stage, spacing, within
+        As for `surface_of`.
+    epsilon : float
+        As for `PolygonSoup`: 0 goes through the triangles, more around them.
+
+    Raises
+    ------
+    ValueError
+        If there are no triangles.
+    """
+    if not len(cloud.triangles):
+        raise ValueError("the file holds no triangles, of which a surface could be made")
+    middle = (cloud.points.min(axis=0) + cloud.points.max(axis=0)) / 2
+    stage("enclosing the triangles")
+    body = SoupBody(cloud.points - middle, cloud.triangles, epsilon, spacing)
+    mesh = extract_surface(body, within=within, progress=stage("following the surface"))
+    return _judged(cloud, middle, body, mesh, False, stage)
+
+
+def _judged(
+    cloud: Cloud,
+    middle: np.ndarray,
+    body: ImplicitSurface | SoupBody,
+    mesh: ExtractedSurface,
+    told: bool,
+    stage: Callable[[str], Progress],
+) -> Scan:
+    """Measure how far the points are from the mesh, and where it is invented."""
     progress = stage("distances of the points")
     distances = distances_to_triangles(body.points, mesh.points, mesh.triangles, progress)
     stage("looking for gaps and errors")
     away = cKDTree(body.points).query(mesh.points[mesh.triangles].mean(axis=1))[0]
     gaps = away > GAP * body.spacing
-    scan = Scan(cloud, middle, body, mesh, distances, gaps, normals is not None)
+    scan = Scan(cloud, middle, body, mesh, distances, gaps, told)
     _ = scan.mesh.audit
     return scan
 

@@ -11,10 +11,11 @@ from typing import TypeAlias
 import numpy as np
 
 from fieldrecon._chunks import Progress
+from fieldrecon._validation import as_length
 from fieldrecon._whole_file import whole_file, write_atomically
 from fieldrecon.cloud_files import read_cloud
 from fieldrecon.outcome import peak_memory
-from fieldrecon.scans import Scan, surface_of
+from fieldrecon.scans import Scan, surface_of, surface_of_soup
 from fieldrecon.triangle_files import write_triangles
 
 Stage: TypeAlias = Callable[[str], Progress]
@@ -48,6 +49,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="LENGTH",
         help="smooth waves of the surface away that are shorter; 0 for none (by the noise)",
     )
+    add(
+        "--polygons",
+        type=float,
+        metavar="LENGTH",
+        help="take the triangles of the file as loose polygons with their outsides: 0 for a "
+        "surface through them, else around them and smoothed below this length",
+    )
     add("--edge", type=float, metavar="LENGTH", help="of the triangles (that between points)")
     add(
         "--open",
@@ -69,21 +77,30 @@ def surface(options: argparse.Namespace) -> int:
         raise ValueError(f"{options.out} is read, and would be overwritten; choose another name")
     began = perf_counter()
     with stages() as stage:
-        stage("reading")
-        cloud = read_cloud(options.cloud)
-        scan = surface_of(
-            cloud,
-            stage,
-            own_normals=options.normals == "file",
-            smoothing=options.smoothing,
-            spacing=options.edge,
-            within=options.open,
-        )
+        scan = _scan(options, stage)
         written = list(_written(scan, options, stage, began))
     remarks = [*scan.remarks, *_of_file(scan, options.out)]
     print_scan(options.cloud, scan, remarks, _cost(began))
     print_files(written)
     return int(not scan.sound(rim=options.open is not None))
+
+
+def _scan(options: argparse.Namespace, stage: Stage) -> Scan:
+    stage("reading")
+    cloud = read_cloud(options.cloud)
+    if options.polygons is not None:
+        if options.smoothing is not None:
+            raise ValueError("--smoothing is for points; --polygons says how smooth polygons are")
+        epsilon = as_length(options.polygons, "--polygons", zero_allowed=True)
+        return surface_of_soup(cloud, stage, epsilon, spacing=options.edge, within=options.open)
+    return surface_of(
+        cloud,
+        stage,
+        own_normals=options.normals == "file",
+        smoothing=options.smoothing,
+        spacing=options.edge,
+        within=options.open,
+    )
 
 
 def _written(

@@ -53,14 +53,13 @@ def surface_page(
     name: str, scan: Scan, picture: bytes, remarks: Sequence[str], parameters: Mapping[str, Any]
 ) -> str:
     """HTML of a page about a scan, complete in itself."""
-    counted = f"{len(scan.body.points):,} of the {len(scan.cloud.points):,} points of {name}"
     rows = pairs({what: f"{d:.3g}" for what, d in scan.quality.items()})
     return page(
         f"{name}, as a surface",
-        f"Through {counted}.",
+        f"From {scan.counted} of {name}.",
         {"The surface, lit by the gradient of its field": picture},
         remarks,
-        "<h2>How far the points are from the mesh</h2>"
+        "<h2>How far these are from the mesh</h2>"
         f'<div class="scroll"><table><tbody>{rows}</tbody></table></div>',
         parameters,
     )

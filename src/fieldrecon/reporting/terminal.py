@@ -158,7 +158,7 @@ def print_audit(path: Path, audit: MeshAudit, done: dict[str, int] | None = None
 
 def print_scan(path: Path, scan: Scan, remarks: Sequence[str], cost: str) -> None:
     """Print how far the points of a scan are from its surface, and what is to be known."""
-    title = f"{path.name}: {len(scan.body.points):,} points, and how far they are from the mesh"
+    title = f"{path.name}: {scan.counted}, and how far they are from the mesh"
     print_table(("points", "distance"), tuple(scan.quality.items()), title=title)
     say = Terminal(highlight=False, markup=False).print
     for remark in remarks:
