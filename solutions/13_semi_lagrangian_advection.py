@@ -272,7 +272,7 @@ def system(z):
     """Return the matrix of (13.7), of shape (k + D + 1, k + D + 1), for sites z (k, D)."""
     k, d = z.shape
     matrix = np.zeros((k + d + 1,) * 2)
-    matrix[:k, :k] = np.linalg.norm(z[:, None] - z, axis=2) ** 3
+    matrix[:k, :k] = np.linalg.norm(z[None] - z[:, None], axis=-1) ** 3
     matrix[:k, k] = matrix[k, :k] = 1
     matrix[:k, k + 1 :], matrix[k + 1 :, :k] = z, z.T
     return matrix

@@ -483,7 +483,7 @@ class NothingOutside(OtherShares):
 class InSamplePatches(PartitionOfUnityRBF):
     """The residual of the fit that knew the datum."""
 
-    def left_out(self, values):
+    def left_out(self, values, progress=None):  # noqa: ARG002
         return values - self.field(values)(self.points)
 
 

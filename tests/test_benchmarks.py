@@ -29,7 +29,13 @@ def no_bar(items, what):  # noqa: ARG001
     return items
 
 
-@pytest.mark.parametrize("name", command.NAMES)
+LONG = {"memory", "mesh_scaling", "patch_sizes", "peers"}
+LONG |= {"grading", "grading_class", "grading_workers"}
+"""Also as toys: they start processes, or triangulate."""
+TOYS = [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in command.NAMES]
+
+
+@pytest.mark.parametrize("name", TOYS)
 def test_each_benchmark_runs_and_fills_a_page(name):
     """A toy run gives finite positive ratios, tables as wide as their heads, and valid JSON."""
     result = command.measured(name, "TOY", no_bar)

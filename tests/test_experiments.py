@@ -85,6 +85,7 @@ def test_it_survives_writing_and_reading(experiment, result, tmp_path):
     assert set(folder.iterdir()) == set(written)
 
 
+@pytest.mark.slow
 def test_its_figures_need_nothing_but_the_result(experiment, result, tmp_path):
     """Every plot draws from a result that was read back, and twice the same bytes."""
     folder = tmp_path / experiment.name

@@ -65,7 +65,7 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     k, h, _, slope = section(random, 0.25)
     other = section(random, 0.95)
-    none = np.zeros((2, 2))
+    none = 0 * slope
     both = (
         np.diag([k[0, 0], 3 * other[0][0, 0]]),
         np.vstack([np.pad(h, ((0, 0), (0, 1))), np.pad(other[1], ((0, 0), (1, 0)))]),
