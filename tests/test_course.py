@@ -308,16 +308,22 @@ def test_the_guard_finds_a_part_of_a_solution_in_an_output(tmp_path):
     assert list(leaks.code_leaks(SOURCES[0], [file]))
 
 
-def test_the_guard_finds_hidden_numbers(tmp_path):
+def test_the_guard_finds_hidden_numbers():
     """One number of a hidden input, or of the answer to it, is enough."""
     source, question = SOURCES[0], questions()["01.2"]
     tried = trials(question, source.functions(), [], [], "leak", "a secret salt")[1]
+
+    def found(*numbers):
+        written = {"numbers.json": leaks.long_numbers(json.dumps(numbers))}
+        return list(leaks.number_leaks(tried.calls, tried.answers.right, written))
+
     for array in (tried.calls[0].arguments[0], tried.answers.right[0][0]):
-        file = tmp_path / "numbers.json"
-        file.write_text(json.dumps([1.0, float(array.ravel()[0])]))
-        assert list(leaks.number_leaks(tried.calls, tried.answers.right, [file]))
-    file.write_text(json.dumps([0.5, 0.123456789123]))
-    assert not list(leaks.number_leaks(tried.calls, tried.answers.right, [file]))
+        x = float(array.ravel()[0])
+        assert found(1.0, x)
+        assert found(float(f"{x:.12g}"))
+        assert found(float(f"{x:.9g}")), "rounded"
+        assert not found(x * (1 + 1e-10)), "another number, though nine digits are the same"
+    assert not found(0.5, 0.123456789123)
 
 
 # The bundle

@@ -14,7 +14,7 @@ from fieldrecon.course.bundle import student_tree
 from fieldrecon.course.catalogue import entries
 from fieldrecon.course.hidden import hidden_cases
 from fieldrecon.course.known import answers_file
-from fieldrecon.course.leaks import code_leaks, number_leaks
+from fieldrecon.course.leaks import code_leaks, long_numbers, number_leaks
 from fieldrecon.course.notebooks import (
     execute,
     solved_notebook,
@@ -129,7 +129,9 @@ def _solve(root: Path, source: Source) -> None:
 
 def leaks(root: Path, salt: str) -> Iterator[str]:
     """Yield what students would be told too much."""
-    tree = [path for _, path in student_tree(root) if path.is_file()]
+    files = {name: path for name, path in student_tree(root) if path.is_file()}
+    tree = list(files.values())
+    written = {k: long_numbers(path.read_text(encoding="utf-8")) for k, path in files.items()}
     for source in all_sources(root):
         yield from code_leaks(source, tree)
         functions, hidden = source.functions(), hidden_cases(source)
@@ -138,7 +140,7 @@ def leaks(root: Path, salt: str) -> Iterator[str]:
             if question.notebook == source.number:
                 tried = trials(question, functions, mistakes, hidden, "leak", salt)
                 for trial in tried[1:]:
-                    yield from number_leaks(trial.calls, trial.answers.right, tree)
+                    yield from number_leaks(trial.calls, trial.answers.right, written)
 
 
 def _write(file: Path, text: str) -> None:

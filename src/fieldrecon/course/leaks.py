@@ -8,7 +8,7 @@ import json
 import keyword
 import re
 import tokenize
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +20,8 @@ RUN = 8
 """So many tokens in a row, names with their dots as one, are nobody's accident."""
 WORDS = 12
 """The same of the words of a model answer, or of a rubric."""
-SIGNIFICANT = 9
-"""Numbers that agree in so many digits are the same."""
+SIGNIFICANT, MOST_SIGNIFICANT = 9, 12
+"""Numbers that agree in as many digits as are written are the same, if these are so many."""
 LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
 
 
@@ -40,16 +40,37 @@ def code_leaks(source: Source, tree: Iterable[Path]) -> Iterator[str]:
 
 
 def number_leaks(
-    calls: Sequence[Call], answers: Sequence[Values], tree: Iterable[Path]
+    calls: Sequence[Call], answers: Sequence[Values], written: Mapping[str, Set[str]]
 ) -> Iterator[str]:
-    """Yield each file for students with a number of a hidden input, or of the answer to one."""
+    """Yield each file for students with a number of a hidden input, or of the answer to one.
+
+    Parameters
+    ----------
+    calls, answers : sequence
+        Hidden inputs, and the right answers.
+    written : mapping
+        What `long_numbers` finds in the files, by their names.
+    """
     arrays = [np.asarray(a, dtype=float) for call in calls for a in call.arguments]
     secret = _long([*arrays, *(v for values in answers for v in values)])
-    for path in tree:
-        numbers = LONG_NUMBER.findall(path.read_text(encoding="utf-8"))
-        found = {_digits(float(n)) for n in numbers if len(n) > SIGNIFICANT}
-        if found & secret:
-            yield f"{path.name} holds a number of a hidden case: {min(found & secret)}"
+    for name, numbers in written.items():
+        if found := numbers & secret:
+            yield f"{name} holds a number of a hidden case: {min(found)}"
+
+
+def long_numbers(text: str) -> set[str]:
+    """Return the numbers in a text with all the digits that it has of them, up to twelve.
+
+    Examples
+    --------
+    >>> sorted(long_numbers("1.5, 0.12345678901 and -12.34567890123456"))
+    ['-12.3456789012', '0.12345678901']
+    """
+    return {
+        _digits(float(number), min(count, MOST_SIGNIFICANT))
+        for number in LONG_NUMBER.findall(text)
+        if (count := _significant(number)) >= SIGNIFICANT
+    }
 
 
 def _signatures(source: Source) -> set[tuple[str, ...]]:
@@ -143,8 +164,13 @@ def word_runs(text: str) -> set[tuple[str, ...]]:
 def _long(arrays: Iterable[np.ndarray]) -> set[str]:
     """Return the numbers that need all of the digits; short ones, as 0.5, are no secret."""
     numbers = {float(x) for array in arrays for x in np.ravel(array)}
-    return {_digits(x) for x in numbers if np.isfinite(x) and float(f"{x:.6g}") != x}
+    secret = [x for x in numbers if np.isfinite(x) and float(f"{x:.6g}") != x]
+    return {_digits(x, k) for x in secret for k in range(SIGNIFICANT, MOST_SIGNIFICANT + 1)}
 
 
-def _digits(x: float) -> str:
-    return f"{x:.{SIGNIFICANT}g}"
+def _digits(x: float, count: int) -> str:
+    return f"{x:.{count}g}"
+
+
+def _significant(number: str) -> int:
+    return len(number.lower().partition("e")[0].replace(".", "").lstrip("-0"))
