@@ -130,7 +130,7 @@ def implicit_surface(
     ValueError
         If an argument has the wrong form.
     numpy.linalg.LinAlgError
-        If the points lie on no surface, or in one plane, which encloses nothing.
+        If the points lie on no surface: nowhere does a plane fit their neighbours.
     MemoryError
         If there are too many for one system.
 

@@ -14,7 +14,7 @@ EYES = np.array([[4.0, -4.0, 1.5], [-4.0, -3.0, 1.5], [0.0, 4.0, -2.0]])
 """Where the scanner stood: twice above, once below, always aside; what lies deep it never saw."""
 HOLES = 0.8 * np.array([[0.87, -0.5, 0.25], [0.0, -1.0, 0.25], [-0.87, 0.5, 0.25], [0.5, 0.87, 0]])
 """Where points are missing, on the rim of the wheel, and how far around."""
-HOLE = 0.18
+HOLE = 0.26
 
 
 @dataclass(frozen=True, eq=False)

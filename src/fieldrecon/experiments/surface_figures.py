@@ -22,7 +22,7 @@ def draw_cloud_and_surface(result: Result) -> Figure:
     """Draw the cloud of the part beside its surface."""
     with figure(height=2.35, columns=2) as (page, (left, right)):
         _cloud(left, result, "part", size=1.2)
-        _surface(right, result, "part", 900, edges=True)
+        _surface(right, result, "part", 640, edges=True)
     return page
 
 
@@ -32,7 +32,7 @@ def plot_scans(result: Result) -> Figure:
         for name, (above, below) in zip(SHOWN, axes.T, strict=True):
             above.set_title(name, loc="center", fontsize=8)
             _cloud(above, result, name, size=0.5)
-            _surface(below, result, name, 400)
+            _surface(below, result, name, 320)
         for row in axes:
             _alike(row)
     return page
@@ -54,7 +54,7 @@ def plot_isolines(result: Result) -> Figure:
     sites, x, y, z = (result.arrays[f"land:{k}"] for k in ("sites", "x", "y", "heights"))
     columns, rows = np.meshgrid(x, y)
     points = np.column_stack([columns.ravel(), rows.ravel(), _HEIGHTS * z.ravel()])
-    picture = Picture(points, _triangulated(z.shape), FROM_ABOVE, 900)
+    picture = Picture(points, _triangulated(z.shape), FROM_ABOVE, 640)
     raised = sites * [1, 1, _HEIGHTS]
     places = (raised - points.min(axis=0)) / np.ptp(points, axis=0).max() @ picture.axes
     with figure(height=2.1, columns=2) as (page, (left, right)):
@@ -97,7 +97,7 @@ def _strip(result: Result, names: tuple[str, ...], height: float) -> Figure:
     with figure(height=height, columns=len(names)) as (page, axes):
         for name, panel in zip(names, axes, strict=True):
             panel.set_title(name, loc="center", fontsize=8)
-            _surface(panel, result, name, 400)
+            _surface(panel, result, name, 320)
         _alike(axes)
     return page
 
@@ -125,7 +125,8 @@ def _alike(panels: np.ndarray) -> None:
 
 def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
     """Draw points, those behind lighter."""
-    picture = Picture(*(result.arrays[f"{name}:{w}"] for w in ("points", "triangles")), TOWARD, 40)
+    points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
+    picture = Picture(points, triangles, TOWARD, 40)
     x, y, depth = (result.arrays[f"{name}:cloud"] @ picture.axes).T
     order = np.argsort(depth)
     panel.scatter(x[order], y[order], c=-depth[order], cmap="Greys_r", s=size, linewidths=0,

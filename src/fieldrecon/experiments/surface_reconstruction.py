@@ -72,17 +72,17 @@ class Params:
     noise: float = parameter(0.3, "standard deviation of the noise, in distances of the points")
     sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the flattened ball")
     cells: tuple[int, ...] = parameter((4, 8, 16), "cells across the tube of a torus")
-    frame: float = parameter(0.085, "edge of the cells of bodies put together, in lengths")
+    frame: float = parameter(0.09, "edge of the cells of bodies put together, in lengths")
     isolines: int = parameter(40, "difference of height between isolines, in metres")
     window: int = parameter(100, "nodes along each side of the terrain that is shown")
     seed: int = parameter(4, "seed of the points")
 
     def __post_init__(self) -> None:
-        require_at_least(self, points=400, scanned=300, noise=0.0, sizes=20, cells=2,
+        require_at_least(self, points=300, scanned=300, noise=0.0, sizes=20, cells=2,
                          frame=0.01, isolines=1, window=8, seed=0)  # fmt: skip
 
 
-QUICK = Params(points=400, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.3, window=24)
+QUICK = Params(points=300, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.4, window=16)
 
 
 @dataclass(frozen=True)
@@ -134,12 +134,12 @@ def reconstructed(scan: Scan) -> Rebuilt:
     """Make a body of a scan, and triangles of the body where there are points."""
     body = implicit_surface(scan.points)
     surface = extract_surface(body)
-    off = np.abs(scan.body(surface.points)) / body.spacing
+    off = np.abs(scan.body(surface.points)) / surface.spacing
     known = ~np.isin(np.arange(len(off)), _invented(surface))
     row = (
         len(scan.points),
         len(body.left_out),
-        round(body.noise / body.spacing, 4),
+        round(body.noise / surface.spacing, 4),
         float(np.sqrt(np.mean(off[known] ** 2))),
         float(off[known].max()),
         surface.audit.parts,
@@ -221,16 +221,14 @@ def _table(
     return Table((first, *columns), tuple((n, *v) for n, v in zip(sizes, values, strict=True)))
 
 
-def _orders(
-    names: tuple[str, ...], steps: list[float], errors: np.ndarray
-) -> Mapping[str, float]:
+def _orders(names: tuple[str, ...], steps: list[float], errors: np.ndarray) -> dict[str, Cell]:
     return {f"order_{name}": order(steps, e) for name, e in zip(names, errors.T, strict=True)}
 
 
 def _facts(rebuilt: Mapping[str, Rebuilt]) -> dict[str, Cell]:
     """Return what the text says of the scans."""
     told = {name: dict(zip(COLUMNS[1:], one.row, strict=True)) for name, one in rebuilt.items()}
-    near, far = told["as drawn"]["rms"], told["far away"]["rms"]
+    near, far = (float(told[name]["rms"]) for name in ("as drawn", "far away"))
     return {
         "part_rms": told["part"]["rms"],
         "part_largest": told["part"]["largest"],
