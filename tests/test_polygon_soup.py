@@ -175,6 +175,13 @@ def test_a_value_in_place_of_a_function_is_no_surface(monkeypatch):
     assert not soup(RNG.normal(size=(20, 3))).any()
 
 
+def test_too_many_polygons_to_enclose_are_refused_in_words(monkeypatch):
+    """Before memory runs out."""
+    monkeypatch.setattr(polygon_soup, "DENSE_LIMIT_BYTES", 10_000)
+    with pytest.raises(MemoryError, match="take fewer polygons"):
+        fr.PolygonSoup(*sphere(1), 0.1).enclosing()
+
+
 @pytest.mark.parametrize(
     ("points", "polygons", "options", "words"),
     [

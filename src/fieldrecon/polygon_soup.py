@@ -12,6 +12,7 @@ from scipy.spatial.distance import cdist
 from fieldrecon import _validation as valid
 from fieldrecon._chunks import Progress, chunked, rows_of
 from fieldrecon._weight_integrals import over_segments, over_triangles
+from fieldrecon.reconstruction import DENSE_LIMIT_BYTES
 
 LEAST_EPSILON = 1e-9
 """In sizes of the soup, below which the weight is not distinguished from the singular one."""
@@ -137,10 +138,20 @@ class PolygonSoup:
         return self._in_chunks(self._gradients, x, (d,), progress)
 
     def weights(self, x: ArrayLike) -> np.ndarray:
-        """Weights A_k / sum_j A_j of the polygons with an extent at the places, (m, k)."""
-        d = self.points.shape[1]
-        a, _ = self._integrals(valid.as_queries(x, d).reshape(-1, d) - self._middle)
-        return a / a.sum(axis=1, keepdims=True)
+        """Weights A_k / sum_j A_j of the polygons with an extent at the places, (m, k).
+
+        Raises
+        ------
+        MemoryError
+            If the matrix would exceed DENSE_LIMIT_BYTES.
+        """
+        k = len(self._normals)
+        if 8 * k * (np.size(x) // self.points.shape[1]) > DENSE_LIMIT_BYTES:
+            raise MemoryError(
+                f"the weights of {k:,} polygons at {np.size(x) // self.points.shape[1]:,} places "
+                f"would take more than {DENSE_LIMIT_BYTES / 2**30:.0f} GiB; take fewer polygons"
+            )
+        return self._in_chunks(self._weights, x, (k,), None).reshape(-1, k)
 
     def enclosing(self) -> PolygonSoup:
         """Return the soup with offsets such that F >= 0 at all corners, and about 0 at most.
@@ -189,6 +200,10 @@ class PolygonSoup:
     def _values(self, x: np.ndarray) -> np.ndarray:
         a, _ = self._integrals(x)
         return np.einsum("qm,qm->q", a, self._planes(x)) / a.sum(axis=1)
+
+    def _weights(self, x: np.ndarray) -> np.ndarray:
+        a, _ = self._integrals(x)
+        return a / a.sum(axis=1, keepdims=True)
 
     def _gradients(self, x: np.ndarray) -> np.ndarray:
         a, near = self._integrals(x)

@@ -54,7 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         metavar="LENGTH",
         help="take the triangles of the file as loose polygons with their outsides: 0 for a "
-        "surface through them, else around them and smoothed below this length",
+        "surface through them, else around them and smoothed below this length (some thousands "
+        "at most: the time grows with their number times that of the mesh's triangles)",
     )
     add("--edge", type=float, metavar="LENGTH", help="of the triangles (that between points)")
     add(
