@@ -46,11 +46,12 @@ class Contestant:
         return sites <= self.most and d in self.dimensions and data in self.data
 
 
-OURS = "fieldrecon patches"
+OURS, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
 CONTESTANTS = {
     c.name: c
     for c in (
         Contestant(OURS, ours.patches),
+        Contestant(SMALL, ours.patches_of(3, 3, 32), dimensions=FLAT, data=WITHOUT_NOISE),
         Contestant("fieldrecon patches, r⁴ log r", ours.patches_of(4, 2, 120), dimensions=FLAT),
         Contestant("fieldrecon patches, r⁷", ours.patches_of(7, 4, 60), dimensions=FLAT,
                    data=WITHOUT_NOISE),

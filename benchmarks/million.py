@@ -6,12 +6,13 @@ The largest sizes of `peers` once more, and only these: short enough to find a m
 from __future__ import annotations
 
 from benchmarks import peers
-from benchmarks.contestants import OURS
+from benchmarks.contestants import OURS, SMALL
 from benchmarks.measure import Outcome, Track
 from benchmarks.peers import Size
 
 METHODS = (
-    OURS, "fieldrecon MLS, degree 2", "SciPy RBF, r³, 40 neighbours", "ferreus_rbf, thin plate",
+    OURS, SMALL, "fieldrecon MLS, degree 2", "SciPy RBF, r³, 40 neighbours",
+    "ferreus_rbf, thin plate",
 )  # fmt: skip
 FULL = Size((("smooth", (10**6,)), ("cube", (2 * 10**5,))), methods=METHODS)
 QUICK = Size((("smooth", (10**3,)), ("cube", (10**3,))), 1, METHODS)

@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 Progress = Callable[[int, int], object]
 Result = TypeVar("Result")
 
-CHUNK_BYTES = 2**22
+CHUNK_BYTES = 2**24
 """Working memory of one chunk, in bytes; it never depends on the number of cores."""
 
 _AHEAD = 8  # chunks that wait or run at once: bounds the memory for any executor

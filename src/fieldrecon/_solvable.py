@@ -67,6 +67,8 @@ def refuse_duplicates(
     points: np.ndarray, remedy: str = "merge them, or give smoothing > 0"
 ) -> None:
     """Two equal rows of the system make it singular."""
+    if any((np.diff(np.sort(axis)) > 0).all() for axis in points.T):
+        return  # no two are equal in one coordinate: the usual case, and told ten times as fast
     place = places(points)
     if place.max() + 1 < len(points):
         first = np.unique(place, return_index=True)[1][place]
