@@ -19,6 +19,8 @@ from fieldrecon.course.grading.results import Grade, Record, read_results
 from graded_class import ROOT, TIER, checkout, class_files, points, right, run
 from handed_in import lay, notebook
 
+pytestmark = pytest.mark.slow  # each grades anew, and starts pytest inside of pytest
+
 CHECKS = '''
 import numpy as np
 import pytest
