@@ -22,7 +22,7 @@ from fieldrecon.normals import estimate_normals
 from fieldrecon.shapes import Ball, Torus, sample_surface
 
 OPEN3D = "open3d-cpu==0.20.0"
-NEIGHBORS, JOINED = 16, 9
+NEIGHBORS, JOINED = 16, 16
 AT_MOST = 1 / 30
 
 
