@@ -118,6 +118,7 @@ def one_bump():
         section.set(xlabel="$y_1$, with $y_2 = 0$", ylabel=r"$w(\mathbf{y})$")
         grid = np.stack(np.meshgrid(side, side), axis=-1)
         image = plan.contourf(side, side, kernel(grid), np.linspace(-0.4, 1.4, 19), extend="max")
+        image.set_rasterized(True)
         plan.contour(side, side, kernel(grid), levels=[0], colors="white", linewidths=1)
         plan.set(xlabel="$y_1$", ylabel="$y_2$", aspect="equal")
         page.colorbar(image, ax=plan, label="$w$", ticks=[-0.4, 0, 0.5, 1])
@@ -294,6 +295,7 @@ def surface():
     with figure(5.4, 4.0) as page:
         axes = page.subplots()
         image = axes.contourf(side, side, field, levels=20)
+        image.set_rasterized(True)
         axes.scatter(*points.T, c=values, norm=image.norm, ec="white", s=70)
         axes.set(
             xlabel="$x_1$",

@@ -78,7 +78,8 @@ def draw_normals(axes, points, normals, length=0.22, color=BLUE, both=False):
 def draw_pieces(axes, ends, **style):
     """Draw lines from point to point, given their ends (K, 2, 2)."""
     if len(ends):
-        axes.plot(*ends.transpose(2, 1, 0), zorder=2, **style)
+        gaps = np.insert(np.asarray(ends, dtype=float), 2, np.nan, axis=1)
+        axes.plot(*gaps.reshape(-1, 2).T, zorder=2, **style)
 
 
 def lattice(n, size=1.9):
@@ -546,6 +547,7 @@ def whole_road(noise, k, distance):
         image = right.contourf(
             *nodes.transpose(2, 0, 1), f, np.linspace(-1, 1, 21), cmap="PuOr", extend="both"
         )
+        image.set_rasterized(True)
         page.colorbar(image, ax=right, ticks=[-1, 0, 1], label="F", shrink=0.8)
         level = zero_level(nodes, f)
         draw_pieces(right, level, color="black", lw=1.6)
@@ -595,7 +597,8 @@ def slices(height):
         left.set(aspect="equal", title="slices of the level")
         left.set_axis_off()
         f = values_at(height)
-        right.contourf(*nodes.transpose(2, 0, 1), f, np.linspace(-0.8, 0.8, 17), cmap="PuOr", extend="both")
+        bands = right.contourf(*nodes.transpose(2, 0, 1), f, np.linspace(-0.8, 0.8, 17), cmap="PuOr", extend="both")
+        bands.set_rasterized(True)
         draw_pieces(right, zero_level(nodes, f), color=ORANGE, lw=2.2)
         right.set(aspect="equal", title=f"F at the height {height:.2g}")
         right.set_axis_off()

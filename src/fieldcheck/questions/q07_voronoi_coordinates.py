@@ -1,4 +1,4 @@
-"""Questions of notebook 07, Voronoi coordinates.
+"""Questions 07.1 to 07.7, Voronoi coordinates.
 
 A star is made from its cell: the neighbours of a point are its mirror images in the edges of a
 convex polygon round it. So the circumcentres are known, and nothing here computes one.
@@ -38,6 +38,11 @@ def mirror_images(center: np.ndarray, corners: np.ndarray) -> np.ndarray:
 def places_inside(random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int) -> np.ndarray:
     """Return m places well inside a cell."""
     return center + 0.8 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
+
+
+def on_edges(corners: np.ndarray) -> np.ndarray:
+    """Return one place on each edge, a quarter of the way from each corner to the next."""
+    return 0.75 * corners + 0.25 * np.array([*corners[1:], corners[0]])
 
 
 def misses_the_place(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) -> float:
@@ -212,48 +217,6 @@ def gives_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) ->
     return relative(values[1][0] - 1.0 - calls[1].arguments[4] @ SLOPES, calls[1].arguments[3])
 
 
-# 07.8 Coordinates without division
-
-
-def safe_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places inside, the same after a quarter turn, and places on the edges of a square cell.
-
-    The square has sides and corners that floating-point numbers hold exactly, so that a quotient is
-    zero by zero there, on every machine.
-    """
-    random = np.random.default_rng(seed)
-    center, rim, corners = star(random, 6)
-    x = places_inside(random, center, corners, 4)
-    quarter = np.array([[0.0, 1.0], [-1.0, 0.0]])
-    other, other_rim, other_corners = star(random, 5, clockwise=True)
-    side = 2.0 ** int(random.integers(-2, 3))
-    middle = side * random.integers(-9, 9, 2).astype(float)
-    square = middle + side * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
-    name = "safe_coordinates"
-    return (
-        Call(name, (center, rim, x), "four places inside a cell"),
-        Call(name, (center @ quarter, rim @ quarter, x @ quarter), "the same after a quarter turn"),
-        Call(name, (other, other_rim, places_inside(random, other, other_corners, 3)), "neighbours listed clockwise"),
-        Call(name, (middle, mirror_images(middle, square), on_edges(square)), "places on the edges of a square cell"),
-    )
-
-
-def on_edges(corners: np.ndarray) -> np.ndarray:
-    """Return one place on each edge, a quarter of the way from each corner to the next."""
-    return 0.75 * corners + 0.25 * np.array([*corners[1:], corners[0]])
-
-
-def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much a quarter turn changes the coordinates."""
-    return relative(values[1][0] - values[0][0], values[0][0])
-
-
-def is_linear_on_edges(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far a quarter of the way along an edge the weights are from three quarters and one."""
-    wanted = 0.75 * np.eye(4) + 0.25 * np.eye(4)[[1, 2, 3, 0]]
-    return relative(values[3][0] - wanted, 1.0)
-
-
 def per_place(call: Call, x: int) -> tuple[tuple[int, ...], ...]:
     return ((len(call.arguments[x]), len(call.arguments[1])),)
 
@@ -294,10 +257,5 @@ QUESTIONS = (
         "07.7", "interpolate", 1, interpolate_inputs, lambda call: ((len(call.arguments[4]),),),
         (Law("A constant comes back.", gives_constants_back),
          Law("A linear field comes back.", gives_linear_fields_back)),
-    ),
-    Question(
-        "07.8", "safe_coordinates", 3, safe_inputs, lambda call: per_place(call, 2),
-        (ONE, Law("Turning everything changes nothing.", turns_along),
-         Law("On an edge only its two corners have a weight, in the ratio of the distances.", is_linear_on_edges)),
     ),
 )  # fmt: skip

@@ -5,7 +5,6 @@ Nothing is timed here: the numbers are those of ``make bench ONLY=million``.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -15,16 +14,16 @@ from matplotlib.figure import Figure
 from fieldrecon.experiments.experiment import (
     Map,
     Result,
-    Table,
-    in_checkout,
     input_file,
     parameter,
     require_at_least,
 )
+from fieldrecon.experiments.measurements import measured, selected, tables
 from fieldrecon.reporting.style import figure
 
 USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
 RIVAL = "ferreus_rbf, thin plate"
+TITLES = {"smooth": "in the plane", "cube": "in space"}
 COLUMNS = ("data", "sites", "method", "fit s", "evaluate s", "total s", "least s", "most s",
            "cpu s", "rms error", "memory MiB")  # fmt: skip
 
@@ -45,15 +44,15 @@ QUICK = Params(wanted=5.0)
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
     """Read what was measured."""
-    measured = json.loads(in_checkout(params.results).read_text(encoding="utf-8"))
-    (table,) = measured["tables"]
-    found = [dict(zip(table["columns"], row, strict=True)) for row in table["rows"]]
-    facts: dict[str, float | int | str] = {"repeats": measured["parameters"]["repeats"]}
-    for comparison in measured["comparisons"]:
+    result = measured(params.results)
+    (table,) = tables(result)
+    runs = selected(table, COLUMNS)
+    found = [dict(zip(COLUMNS, row, strict=True)) for row in runs.rows]
+    facts: dict[str, float | int | str] = {"repeats": result["parameters"]["repeats"]}
+    for comparison in result["comparisons"]:
         if comparison["peer"] == RIVAL:
             facts |= dict(_against(found, comparison, params.wanted))
-    rows = tuple(tuple(run[name] for name in COLUMNS) for run in found)
-    return Result(params, {"runs": Table(COLUMNS, rows)}, facts)
+    return Result(params, {"runs": runs}, facts)
 
 
 def _against(
@@ -95,6 +94,3 @@ def plot(result: Result) -> Figure:
             panel.grid(visible=False, axis="y")
         axes[0].legend(loc="lower right")
     return page
-
-
-TITLES = {"smooth": "in the plane", "cube": "in space"}

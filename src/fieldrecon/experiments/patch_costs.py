@@ -5,10 +5,8 @@ Nothing is timed here: the numbers are those of ``make bench``, read from the fi
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,11 +16,11 @@ from fieldrecon.experiments.experiment import (
     Map,
     Result,
     Table,
-    in_checkout,
     input_file,
     parameter,
     require_at_least,
 )
+from fieldrecon.experiments.measurements import measured, tables
 from fieldrecon.reporting.style import FULL_WIDTH, METHOD_COLORS, figure, line
 
 
@@ -59,19 +57,15 @@ MARKERS = {1: "o", 2: "s", 3: "D", 4: "^"}
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
     """Read what was measured."""
-    measured = json.loads(in_checkout(params.results).read_text(encoding="utf-8"))
-    choices, overlap, growth = map(_table, measured["tables"])
+    result = measured(params.results)
+    choices, overlap, growth = tables(result)
     grown = Table(growth.columns, tuple(r for r in growth.rows if isinstance(r[0], int)))
     return Result(
         params,
         {"choices": choices, "overlap": overlap, "growth": grown},
-        {"sites": measured["parameters"]["sites"], **_told(params, choices),
+        {"sites": result["parameters"]["sites"], **_told(params, choices),
          **dict(_of_growth(grown))},
     )  # fmt: skip
-
-
-def _table(measured: Mapping[str, Any]) -> Table:
-    return Table(tuple(measured["columns"]), tuple(map(tuple, measured["rows"])))
 
 
 def _told(params: Params, choices: Table) -> dict[str, Cell]:

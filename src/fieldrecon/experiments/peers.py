@@ -5,7 +5,6 @@ Nothing is timed here: the numbers are those of ``make bench``, read from the fi
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -16,11 +15,11 @@ from fieldrecon.experiments.experiment import (
     Map,
     Result,
     Table,
-    in_checkout,
     input_file,
     parameter,
     require_at_least,
 )
+from fieldrecon.experiments.measurements import measured, selected, tables
 from fieldrecon.experiments.peers_figures import draw_errors, draw_growth
 
 
@@ -98,12 +97,11 @@ LOST = ("data", "sites", "peer", "its seconds", "its error", "our error by then"
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
     """Read what was measured."""
-    measured = json.loads(in_checkout(params.results).read_text(encoding="utf-8"))
-    (table,) = measured["tables"]
-    wanted = [table["columns"].index(name) for name in COLUMNS]
-    runs = [Run(*(row[k] for k in wanted)) for row in table["rows"]]
-    ratios = {(c["what"], c["peer"]): c for c in measured["comparisons"]}
-    machine, patience = measured["machine"], measured["parameters"]["patience in seconds"]
+    result = measured(params.results)
+    (table,) = tables(result)
+    runs = [Run._make(row) for row in selected(table, COLUMNS).rows]
+    ratios = {(c["what"], c["peer"]): c for c in result["comparisons"]}
+    machine, patience = result["machine"], result["parameters"]["patience in seconds"]
     lost = uncovered(runs)
     facts = {
         "processor": machine["processor"], "cores": machine["cores used"],
@@ -114,12 +112,12 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
         "ahead_large": sum(_is_ahead(runs, r) and r.sites >= params.large for r in runs),
         "land_lost": sum(r[:2] == ("terrain", LAND) for r in lost),
         "lost_small": sum(r.sites <= params.small for r in lost),
-        "repeats": measured["parameters"]["repeats"],
+        "repeats": result["parameters"]["repeats"],
         "patience": patience,
-        "stopped": sum("stopped after" in note for note in measured["notes"]),
+        "stopped": sum("stopped after" in note for note in result["notes"]),
         **_numbers(runs), **_targets(runs, ratios, patience),
     }  # fmt: skip
-    tables = {
+    told = {
         "runs": Table(COLUMNS, tuple(runs)),
         "lost": _losses(runs, lost),
         "lost_beyond_small": _losses(runs, [r for r in lost if r.sites > params.small]),
@@ -128,7 +126,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
         **{f"{data}_{n}": _side_by_side(runs, ratios, data, n)
            for data, n in dict.fromkeys((r.data, r.sites) for r in runs)},
     }  # fmt: skip
-    return Result(params, tables, facts)
+    return Result(params, told, facts)
 
 
 def uncovered(runs: Sequence[Run]) -> list[Run]:

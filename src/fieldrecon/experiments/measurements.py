@@ -1,0 +1,26 @@
+"""What ``make bench`` measured, read from the file that it wrote."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from fieldrecon.experiments.experiment import Table, in_checkout
+
+
+def measured(file: str) -> dict[str, Any]:
+    """Return the result of a benchmark, from a file that is named from the root of the checkout."""
+    found: dict[str, Any] = json.loads(in_checkout(file).read_text(encoding="utf-8"))
+    return found
+
+
+def tables(result: Mapping[str, Any]) -> list[Table]:
+    """Return the tables of a result."""
+    return [Table(tuple(t["columns"]), tuple(map(tuple, t["rows"]))) for t in result["tables"]]
+
+
+def selected(table: Table, columns: tuple[str, ...]) -> Table:
+    """Return some columns of a table, in the order asked for."""
+    wanted = [table.columns.index(name) for name in columns]
+    return Table(columns, tuple(tuple(row[k] for k in wanted) for row in table.rows))
