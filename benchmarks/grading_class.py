@@ -1,7 +1,7 @@
 """Three hundred submissions of all notebooks, a tenth of them hostile, and the grader's memory.
 
 Every tenth is a case of the hostile suite, with its limits. The grader runs in a process of its
-own, and its largest memory so far is read after each third of the class.
+own, and the largest memory so far of it and of its workers is read after each third of the class.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
+from multiprocessing import active_children
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -32,7 +32,7 @@ COLUMNS = ("graded", "seconds", "peak memory of the grader in MiB", "statuses")
 @dataclass(frozen=True)
 class Size:
     submissions: int = 300
-    notebooks: int = 8
+    notebooks: int = 14
 
 
 FULL = Size()
@@ -48,8 +48,8 @@ def run(size: Size, track: Track) -> Outcome:
         tables=[Table("After each third of the class", COLUMNS, rows)],
         notes=[
             f"{fair[0]} of {size.submissions} submissions got the fair grade for every question, "
-            f"{fair[1]} of them of {fair[2]} hostile ones. The peak is that of the trusted "
-            "process; what students wrote runs in others, with limits of their own."
+            f"{fair[1]} of them of {fair[2]} hostile ones. The peak is the sum of those of "
+            "the trusted processes, of which each worker is one; what students wrote runs in others, with limits of their own."
         ],
         parameters=asdict(size) | {"workers": WORKERS, "walls": fair[3]},
     )
@@ -78,7 +78,7 @@ def grade_class(size: Size) -> None:
         fair = dict(_class(folder / "in", size, list(_cases(tier))))
         plan = Run(folder / "in", folder / "out", ROOT, tier=tier, jobs=WORKERS)
         start, statuses, good, tamed, done = time.monotonic(), Counter[str](), 0, 0, 0
-        with ThreadPoolExecutor(WORKERS) as executor, workplace.opened():
+        with workplace.opened(), workplace.workers(WORKERS) as executor:
             server, kept = Server(tier, LIMITS), (plan.archive, plan.cache, plan.ledger)
             batch = Batch(plan.course, server, *kept, executor, WORKERS)
             for _, record in batch.records(plan.portions()):
@@ -99,7 +99,8 @@ def grade_class(size: Size) -> None:
 
 def _row(done: int, seconds: float, statuses: Counter[str]) -> tuple[int, float, float, str]:
     told = ", ".join(f"{number} {status}" for status, number in sorted(statuses.items()))
-    return done, round(seconds, 1), round(largest_memory() / 2**20, 1), told
+    peak = largest_memory() + sum(largest_memory(worker.pid) for worker in active_children())
+    return done, round(seconds, 1), round(peak / 2**20, 1), told
 
 
 def _class(

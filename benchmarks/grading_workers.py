@@ -11,7 +11,6 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -78,7 +77,8 @@ def _seconds(folder: Path, tier: str, workers: int, cores: int) -> float:
 @contextmanager
 def _batch(plan: Run, workers: int) -> Iterator[Batch]:
     kept = (plan.archive, plan.cache, plan.ledger)
-    with ThreadPoolExecutor(workers) as executor, workplace.opened():
+    with workplace.opened(), workplace.workers(workers) as executor:
+        _ = [*executor.map(time.sleep, [1.0] * workers)]  # all processes have started then
         yield Batch(plan.course, Server(plan.tier), *kept, executor, workers)
 
 

@@ -121,9 +121,9 @@ def evaluate_or_hold(what: str, m: str, doing: str) -> int:
     return largest_memory()
 
 
-def largest_memory() -> int:
-    """The most memory that this process ever held, in bytes."""
-    status = Path("/proc/self/status")
+def largest_memory(process: int | str = "self") -> int:
+    """The most memory that a process ever held, in bytes; only on Linux another than this one."""
+    status = Path(f"/proc/{process}/status")
     if status.exists():  # on Linux ru_maxrss would begin with what the parent once held
         return 1024 * int(re.search(r"VmHWM:\s*(\d+) kB", status.read_text())[1])
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -125,6 +126,24 @@ def test_the_ledger_names_the_year_and_not_the_salt(small):
     }  # fmt: skip
     assert todo.salt.text not in line.values()
     assert line["tier"] == TIER
+
+
+def test_what_is_kept_and_cannot_be_read_is_found_again(small, tmp_path):
+    """A file for each submission, torn, of another kind, or with one finding that is none."""
+    todo, _ = small
+    other = replace(todo, out=tmp_path / "out")
+    shutil.copytree(todo.out, other.out)
+    kept = sorted((other.out / "cache").rglob("*.json"))
+    assert len(kept) == 4
+    known = json.loads(kept[0].read_text())
+    name = next(iter(known))
+    kept[0].write_text(json.dumps(known | {name: {"verdict": "right"}}))
+    kept[1].write_text(kept[1].read_text()[:-9])
+    kept[2].write_text("[]")
+    graded(other)
+    assert len(ledger(other.out)) == 4 + 3
+    assert json.loads(kept[0].read_text()) == known
+    assert (other.out / "results.json").read_bytes() == (todo.out / "results.json").read_bytes()
 
 
 # What depends on what
@@ -346,19 +365,42 @@ def test_a_check_that_fails_on_the_right_answer_is_the_graders_fault(tmp_path):
     assert [r.status for r in graded(replace(todo, root=ROOT)).results.records] == ["graded"]
 
 
-def test_a_run_that_is_killed_goes_on_where_it_stopped(tmp_path):
-    """Killed without warning, it leaves no results; started again, it does the rest, once."""
+def stopped(todo, folder, by):
+    """Grade in processes of its own, and stop that when a quarter is done; return its end."""
+    command = [sys.executable, "-m", "fieldrecon.cli", "grade", "in", "--root", str(ROOT)]
+    command += ["--out", "out", "--jobs", "2", "--tier", TIER]
+    temporary = folder / "temporary"
+    temporary.mkdir()
+    process = subprocess.Popen(
+        command, cwd=folder, stderr=subprocess.DEVNULL, env=os.environ | {"TMPDIR": str(temporary)}
+    )
+    until(lambda: len(ledger(todo.out)) >= 3)
+    assert list(temporary.iterdir())
+    process.send_signal(by)
+    process.wait(30)
+    until(lambda: not list(temporary.iterdir()))
+    return process.returncode
+
+
+def until(true):
+    deadline = time.monotonic() + 60
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize(
+    ("by", "status"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)]
+)
+def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status):
+    """Killed or interrupted, it leaves no results, and its workers end and leave nothing behind.
+
+    Started again, it does the rest, once.
+    """
     slow = "import time\ntime.sleep(0.25)\n"
     files = {f"s{k}/01.ipynb": notebook(*right(), f"{slow}# {k}") for k in range(12)}
     todo = run(tmp_path, files)
-    command = [sys.executable, "-m", "fieldrecon.cli", "grade", "in", "--root", str(ROOT)]
-    command += ["--out", "out", "--jobs", "2", "--tier", TIER]
-    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.DEVNULL)
-    deadline = time.monotonic() + 60
-    while len(ledger(todo.out)) < 3 and time.monotonic() < deadline:
-        time.sleep(0.02)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
+    assert stopped(todo, tmp_path, by) == status
     done = ledger(todo.out)
     assert 3 <= len(done) < 12
     assert not (todo.out / "results.json").exists()

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csgraph
 
 from fieldrecon import normal_orientation
 from fieldrecon.normal_orientation import orient_normals
-from fieldrecon.normals import estimate_normals
+from fieldrecon.normals import estimate_normals, nearest
 from laws import assert_close
 
 
@@ -202,11 +203,24 @@ def test_vectors_are_turned_and_nothing_else():
 def test_without_the_mirror_a_thin_plate_is_not_oriented(monkeypatch):
     """Hoppe's expectation, n_j = n_i: both sides of a sheet get one sign."""
 
-    def plain(p, n, i, j):  # noqa: ARG001
-        return np.einsum("ij,ij->i", n[i], n[j]), np.zeros(len(i))
+    def plain(offset, n, other):
+        return (n * other).sum(axis=0), np.zeros(offset.shape[1:])
 
     monkeypatch.setattr(normal_orientation, "_agreement", plain)
     assert right(*sheet(0.125, 0.1)) == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_forest_costs_as_little_as_one_found_at_once(name):
+    """Cheap joints first, the others where they still connect something: no loss."""
+    points, _ = BODIES[name]
+    index = nearest(points, 9)[:, 1:]
+    cost = np.random.default_rng(9).random(index.shape).round(2) + 1  # with many equal ones
+    at_once = csgraph.minimum_spanning_tree(normal_orientation._graph(cost, index))
+    forest = normal_orientation._minimum_spanning_forest(cost, index)
+    parts = [csgraph.connected_components(f, directed=False)[0] for f in (forest, at_once)]
+    assert parts[0] == parts[1] == len(points) - forest.nnz
+    assert_close(forest.sum(), at_once.sum(), 1e-12)
 
 
 def test_zero_costs_must_not_vanish(monkeypatch):

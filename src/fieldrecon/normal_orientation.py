@@ -8,7 +8,8 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from fieldrecon import _validation as valid
-from fieldrecon.normals import as_cloud, nearest, reach
+from fieldrecon._chunks import chunked
+from fieldrecon.normals import ROWS, as_cloud, nearest, reach
 from fieldrecon.polynomials import Frame
 
 _SWEEPS = 20  # after so many votes what still wavers is left as it is
@@ -77,14 +78,11 @@ def orient_normals(
         raise ValueError(f"normals must have the shape of the points, {p.shape}; got {n.shape}")
     noise = valid.as_length(noise, "noise", zero_allowed=True)
     index = _as_neighbors(neighbors, p)
-    i, j = np.repeat(np.arange(len(p)), index.shape[1]), index.ravel()
-    i, j = i[i != j], j[i != j]
-    agreement, steepness = _agreement(p, n, i, j)
+    agreement, steepness = _joints(p.T, n.T, index)
     # a joint of cost zero would be none to scipy.sparse, hence the shift
-    costs = sparse.csr_array((2 - np.abs(agreement) + noise * steepness, (i, j)), (len(p),) * 2)
-    sign, part = _spread(csgraph.minimum_spanning_tree(costs), p, n)
-    flat = np.maximum(1 - 2 * steepness, 0)
-    _vote(sign, sparse.csr_array((agreement * flat, (i, j)), shape=costs.shape))
+    costs = 2 - np.abs(agreement) + noise * steepness
+    sign, part = _spread(_minimum_spanning_forest(costs, index), p, n)
+    _vote(sign, _graph(agreement * np.maximum(1 - 2 * steepness, 0), index))
     oriented = sign[:, None] * n
     return oriented * _outward(p, oriented, reach(p, index) ** 2, part)[part, None]
 
@@ -103,15 +101,62 @@ def _as_neighbors(neighbors: int | np.ndarray, p: np.ndarray) -> np.ndarray:
     return neighbors
 
 
+def _joints(p: np.ndarray, n: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Agreement and steepness (n, k) of joints; of a point with itself none."""
+    p, n = np.ascontiguousarray(p), np.ascontiguousarray(n)
+    agreement, steepness = np.empty(index.shape), np.empty(index.shape)
+
+    def work(i: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        j = np.ascontiguousarray(index[i].T)
+        offset = np.take(p, j, axis=1) - p[:, None, i]
+        agreed, steep = _agreement(offset, n[:, None, i], np.take(n, j, axis=1))
+        return np.where(j == i, 0.0, agreed).T, steep.T
+
+    for some, (agreed, steep) in chunked(work, np.arange(len(index)), ROWS):
+        agreement[some], steepness[some] = agreed, steep
+    return agreement, steepness
+
+
 def _agreement(
-    p: np.ndarray, n: np.ndarray, i: np.ndarray, j: np.ndarray
+    offset: np.ndarray, n: np.ndarray, other: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of n_j with n_i mirrored across the middle of i and j, and |e . n_i| |e . n_j|."""
-    e = p[j] - p[i]
-    squared = np.einsum("ij,ij->i", e, e)
-    steep = np.einsum("ij,ij->i", e, n[i]) * np.einsum("ij,ij->i", e, n[j])
+    """Of n_j, at an offset (3, ...), with n_i mirrored across the middle; |e . n_i| |e . n_j|."""
+
+    def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+    squared = dot(offset, offset)
+    steep = dot(offset, n) * dot(offset, other)
     steep /= np.where(squared > 0, squared, 1.0)  # none between points that coincide
-    return np.einsum("ij,ij->i", n[i], n[j]) - 2 * steep, np.abs(steep)
+    return dot(n, other) - 2 * steep, np.abs(steep)
+
+
+def _graph(values: np.ndarray, index: np.ndarray) -> sparse.csr_array:
+    """Values (n, k) as those of the joints of each point with its neighbours."""
+    n, k = index.shape
+    return sparse.csr_array((values.ravel(), index.ravel(), k * np.arange(n + 1)), shape=(n, n))
+
+
+def _minimum_spanning_forest(costs: np.ndarray, index: np.ndarray) -> sparse.csr_array:
+    """The cheapest joints that connect what can be connected.
+
+    First those of the cheapest quarter: of the others most lie within a tree of these, and need
+    not be sorted (Osipov, Sanders and Singler 2009).
+    """
+    n, k = index.shape
+    i, j, cost = np.repeat(np.arange(n), k), index.ravel(), costs.ravel()
+    cheap = cost <= np.partition(cost, len(cost) // 4)[len(cost) // 4]
+    forest = _forest(i[cheap], j[cheap], cost[cheap], n).tocoo()
+    _, tree = csgraph.connected_components(forest, directed=False)
+    left = ~cheap & (tree[i] != tree[j])
+    return _forest(
+        np.append(forest.row, i[left]), np.append(forest.col, j[left]),
+        np.append(forest.data, cost[left]), n,
+    )  # fmt: skip
+
+
+def _forest(i: np.ndarray, j: np.ndarray, cost: np.ndarray, n: int) -> sparse.csr_array:
+    return csgraph.minimum_spanning_tree(sparse.csr_array((cost, (i, j)), shape=(n, n)))
 
 
 def _spread(
@@ -130,7 +175,9 @@ def _spread(
     parent = parent[:top]
     child = np.flatnonzero(parent != np.arange(top))
     sign = np.ones(top)
-    sign[child] = np.where(_agreement(p, n, parent[child], child)[0] < 0, -1.0, 1.0)
+    above = parent[child]
+    agreement, _ = _agreement((p[above] - p[child]).T, n[child].T, n[above].T)
+    sign[child] = np.where(agreement < 0, -1.0, 1.0)
     # each step looks twice as far up: as many steps as the depth has binary digits
     while (parent[parent] != parent).any():
         sign, parent = sign * sign[parent], parent[parent]
@@ -139,9 +186,8 @@ def _spread(
 
 def _vote(sign: np.ndarray, votes: sparse.csr_array) -> None:
     """Turn, in place, the signs that most neighbours contradict."""
-    votes = votes + votes.T
     for _ in range(_SWEEPS):
-        against = sign * (votes @ sign) < 0
+        against = sign * (votes @ sign + votes.T @ sign) < 0
         if not against.any():
             return
         sign[against] *= -1

@@ -11,9 +11,11 @@ from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
 from fieldrecon._chunks import chunked
+from fieldrecon._principal_axes import principal_axes
 from fieldrecon.polynomials import EPS, Frame, resolution
 
-_ROWS = 2**14  # points at once: their neighbourhoods stay in the cache
+ROWS = 2**13
+"""Points at once: their neighbourhoods stay in the cache."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +80,8 @@ def estimate_normals(points: ArrayLike, neighbors: int = 16) -> PointNormals:
     p = Frame.around(cloud).local(cloud)
     index = nearest(p, neighbors)
     normals, variances = np.empty((len(p), 3)), np.empty((len(p), 3))
-    work = partial(_principal, p)
-    for some, (axis, variance) in chunked(work, index, _ROWS):
+    work = partial(_principal, np.ascontiguousarray(p.T))
+    for some, (axis, variance) in chunked(work, index, ROWS):
         normals[some], variances[some] = axis, variance
     least, middle, largest = np.maximum(variances, 0.0).T
     planarity = 1.0 - np.divide(least, middle, out=np.ones_like(least), where=middle > 0)
@@ -89,15 +91,15 @@ def estimate_normals(points: ArrayLike, neighbors: int = 16) -> PointNormals:
     return PointNormals(normals, planarity, determined & wide & (planarity >= 0.75), index)
 
 
-def _principal(p: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _principal(coordinates: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Directions (m, 3) of least variance of the neighbours (m, k), and the variances (m, 3)."""
+    offsets = np.take(coordinates, np.ascontiguousarray(index.T), axis=1)
     # differences first: far from the origin squares would keep no digit
-    offsets = p[index]
-    offsets -= p[index[:, :1]]
-    mean = offsets.sum(axis=1, keepdims=True) / index.shape[1]
-    covariance = offsets.mT @ offsets - index.shape[1] * mean.mT @ mean
-    variances, axes = np.linalg.eigh(covariance)
-    return axes[..., 0], variances
+    offsets = offsets - offsets[:, :1]
+    offsets -= offsets.mean(axis=1, keepdims=True)
+    covariance = [[np.einsum("km,km->m", a, b) for b in offsets] for a in offsets]
+    variances, axes = principal_axes(np.array(covariance))
+    return axes[0].T, variances.T
 
 
 def as_cloud(points: ArrayLike) -> np.ndarray:

@@ -1,15 +1,14 @@
-"""Processes that compute for a build and do not outlive it."""
+"""What computes for a build: processes, which end at once when the build fails."""
 
 from __future__ import annotations
 
 import multiprocessing
-import os
-import signal
-import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from typing import Any
+
+from fieldrecon._processes import Processes
 
 
 @contextmanager
@@ -24,8 +23,7 @@ def workers(count: int) -> Iterator[Executor]:
     if count == 1:
         yield _Here()
         return
-    context = multiprocessing.get_context("spawn")
-    pool = _Processes(count, mp_context=context, initializer=_end_with_parent)
+    pool = Processes(count)
     try:
         yield pool
     except BaseException:
@@ -46,25 +44,3 @@ class _Here(Executor):
         except Exception as error:
             future.set_exception(error)
         return future
-
-
-class _Processes(ProcessPoolExecutor):
-    """Processes that leave Ctrl-C to the parent: they start with the signal blocked."""
-
-    def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
-            return super().submit(fn, *args, **kwargs)
-        finally:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-
-    def watch() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()

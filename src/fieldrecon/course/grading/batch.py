@@ -15,7 +15,7 @@ from fieldrecon.course.grading import workplace
 from fieldrecon.course.grading.archive import Archive
 from fieldrecon.course.grading.cache import Cache, keys
 from fieldrecon.course.grading.examine import Examined, assembled, examine
-from fieldrecon.course.grading.findings import Found, reached, unknown
+from fieldrecon.course.grading.findings import Finding, Found, reached, unknown
 from fieldrecon.course.grading.intake import Handed
 from fieldrecon.course.grading.isolation import Server
 from fieldrecon.course.grading.ledger import Ledger
@@ -151,8 +151,13 @@ class Batch:
         return future, lambda: self._finished(portion, submission, known, future)
 
     def _known(self, submission: Submission, questions: Iterable[str]) -> Known:
-        kept = {name: keys(self.course, self.server, submission, name) for name in questions}
-        return Known(kept, {name: self.cache.known(its) for name, its in kept.items()})
+        names = {q: keys(self.course, self.server, submission, q) for q in questions}
+        kept = self.cache.get(submission)
+        known = {
+            q: {check: kept[name] for check, name in its.items() if name in kept}
+            for q, its in names.items()
+        }
+        return Known(names, known)
 
     def _finished(
         self, portion: Portion, submission: Submission, known: Known, future: Future[Examined]
@@ -164,11 +169,11 @@ class Batch:
             raise
         except Exception as error:
             return self._fault(portion, error)
-        made: dict[str, dict[str, str]] = {}
-        for name, findings in examined.findings.items():
-            made[name] = {check: self.course.checks(name)[check] for check in findings}
-            for check, finding in findings.items():
-                self.cache.put(known.keys[name][check], finding)
+        found, made = dict[str, Finding](), dict[str, dict[str, str]]()
+        for question, findings in examined.findings.items():
+            made[question] = {check: self.course.checks(question)[check] for check in findings}
+            found |= {known.keys[question][check]: f for check, f in findings.items()}
+        self.cache.put(submission, found)
         record = self._record(portion, submission, known, examined)
         self.ledger.note(record, made)
         return record

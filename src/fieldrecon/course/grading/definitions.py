@@ -19,7 +19,7 @@ CELL_MAGIC = re.compile(r"\s*%%(\w*).*")
 RUNS_IN_PLACE = ("time", "capture", "prun")
 
 
-MOST_REMEMBERED, LONGEST_REMEMBERED = 4096, 4096
+MOST_REMEMBERED, LONGEST_REMEMBERED = 1024, 32 << 10
 """Cells, and characters of one, whose tree is read once: most cells of a class are the same."""
 
 

@@ -32,7 +32,8 @@ def graded(
         What is graded, behind which walls, and where the results go.
     executor : Executor, optional
         What does the work: a pool of processes, or ``get_executor()`` of a Dask client whose
-        workers see the same folders. Without one there are as many threads as `run` has jobs.
+        workers see the same folders. Without one there are as many processes as `run` has jobs,
+        and for one job a thread.
     told : callable, optional
         ``told(done, of)`` is called as submissions are done.
     options : sequence of str, optional

@@ -81,13 +81,13 @@ class Instructor:
         """
         made_by, name = _made_by(item, check), _in_words(item)
         key = self._key(made_by, submission)
-        found = self.run.cache.get(key)
+        found = self.run.cache.get(submission).get(key)
         if found is None:
             self._require_sound(item, check, made_by)
             passed = not _error(item, item.funcargs)
             verdict = Verdict(check.question, "right" if passed else "wrong", check.sentence)
             found = Finding(verdict, "" if passed else name)
-            self.run.cache.put(key, found)
+            self.run.cache.put(submission, {key: found})
         return Checked(check, name, made_by, found.verdict.right)
 
     def _require_sound(self, item: pytest.Function, check: Check, made_by: str) -> None:

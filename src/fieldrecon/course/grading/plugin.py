@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor
 from contextlib import ExitStack
 from typing import Any
 
@@ -150,13 +150,13 @@ class Grading:
         """Begin: one process does all; those of pytest-xdist each do what they are told to."""
         if self._is_worker or getattr(session.config.option, "dist", "no") != "no":
             return
-        self._stream = self._batch(self.run.jobs).records(self._portions.values())
+        workers = min(self.run.jobs, len(self._portions)) or 1
+        self._stream = self._batch(workers).records(self._portions.values())
 
     def _batch(self, workers: int) -> Batch:
         run = self.run
         if self.executor is None:
-            self.executor = ThreadPoolExecutor(workers, "grading")
-            self._open.callback(self.executor.shutdown, wait=False, cancel_futures=True)
+            self.executor = self._open.enter_context(workplace.workers(workers))
         return Batch(
             run.course, run.server, run.archive, run.cache, run.ledger, self.executor, workers
         )
