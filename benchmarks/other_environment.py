@@ -7,8 +7,11 @@ what they depend on. uv makes them one, and a worker in it does the work when to
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 
@@ -27,19 +30,36 @@ class Peer:
 
     def __init__(self, worker: Path, packages: tuple[str, ...], *arguments: str) -> None:
         environment = [option for package in packages for option in ("--with", package)]
-        command = [sys.executable, "-m", "uv", "run", "--quiet", "--no-project", "--python",
-                   sys.executable, *environment, "python", str(worker), *arguments]  # fmt: skip
-        self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        self.ready = bool(self._process.stdout.readline())
+        self._command = [
+            sys.executable, "-m", "uv", "run", "--quiet", "--no-project", "--python",
+            sys.executable, *environment, "python", str(worker), *arguments,
+        ]  # fmt: skip
+        self.ready = self._started()
 
-    def ask(self, what: str) -> dict:
-        """Answer of the worker."""
+    def ask(self, what: str, patience: float | None = None) -> dict | None:
+        """Answer of the worker; None if after so many seconds there is none: then it is replaced."""
+        end = threading.Timer(patience or threading.TIMEOUT_MAX, self._end)
+        end.start()
         self._process.stdin.write(what + "\n")
         self._process.stdin.flush()
-        return json.loads(self._process.stdout.readline())
+        answer = self._process.stdout.readline()
+        end.cancel()
+        if answer:
+            return json.loads(answer)
+        self._process.wait()
+        self._started()
+        return None
 
     def close(self) -> None:
         """End the worker."""
         self._process.communicate()
+
+    def _started(self) -> bool:
+        self._process = subprocess.Popen(
+            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            start_new_session=True,
+        )  # fmt: skip
+        return bool(self._process.stdout.readline())
+
+    def _end(self) -> None:
+        os.killpg(self._process.pid, signal.SIGKILL)  # uv, and Python below it

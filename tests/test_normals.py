@@ -216,7 +216,7 @@ def test_the_forest_costs_as_little_as_one_found_at_once(name):
     points, _ = BODIES[name]
     index = nearest(points, 9)[:, 1:]
     cost = np.random.default_rng(9).random(index.shape).round(2) + 1  # with many equal ones
-    at_once = csgraph.minimum_spanning_tree(normal_orientation._graph(cost, index))
+    at_once = csgraph.minimum_spanning_tree(normal_orientation._graph(cost, index, cost > 0))
     forest = normal_orientation._minimum_spanning_forest(cost, index)
     parts = [csgraph.connected_components(f, directed=False)[0] for f in (forest, at_once)]
     assert parts[0] == parts[1] == len(points) - forest.nnz

@@ -82,7 +82,7 @@ def orient_normals(
     # a joint of cost zero would be none to scipy.sparse, hence the shift
     costs = 2 - np.abs(agreement) + noise * steepness
     sign, part = _spread(_minimum_spanning_forest(costs, index), p, n)
-    _vote(sign, _graph(agreement * np.maximum(1 - 2 * steepness, 0), index))
+    _vote(sign, agreement * np.maximum(1 - 2 * steepness, 0), index)
     oriented = sign[:, None] * n
     return oriented * _outward(p, oriented, reach(p, index) ** 2, part)[part, None]
 
@@ -131,63 +131,53 @@ def _agreement(
     return dot(n, other) - 2 * steep, np.abs(steep)
 
 
-def _graph(values: np.ndarray, index: np.ndarray) -> sparse.csr_array:
-    """Values (n, k) as those of the joints of each point with its neighbours."""
-    n, k = index.shape
-    return sparse.csr_array((values.ravel(), index.ravel(), k * np.arange(n + 1)), shape=(n, n))
-
-
 def _minimum_spanning_forest(costs: np.ndarray, index: np.ndarray) -> sparse.csr_array:
     """The cheapest joints that connect what can be connected.
 
-    First those of the cheapest quarter: of the others most lie within a tree of these, and need
-    not be sorted (Osipov, Sanders and Singler 2009).
+    First of the cheapest joints, four for each point: most of the others lie within a tree of
+    these, and are never sorted (Osipov, Sanders and Singler 2009).
     """
-    n, k = index.shape
-    i, j, cost = np.repeat(np.arange(n), k), index.ravel(), costs.ravel()
-    cheap = cost <= np.partition(cost, len(cost) // 4)[len(cost) // 4]
-    forest = _forest(i[cheap], j[cheap], cost[cheap], n).tocoo()
+    count = min(4 * len(index), costs.size - 1)
+    cheap = costs <= np.partition(costs, count, axis=None)[count]
+    forest = csgraph.minimum_spanning_tree(_graph(costs, index, cheap))
     _, tree = csgraph.connected_components(forest, directed=False)
-    left = ~cheap & (tree[i] != tree[j])
-    return _forest(
-        np.append(forest.row, i[left]), np.append(forest.col, j[left]),
-        np.append(forest.data, cost[left]), n,
-    )  # fmt: skip
+    between = tree[index] != tree[:, None]
+    return csgraph.minimum_spanning_tree(forest + _graph(costs, index, between))
 
 
-def _forest(i: np.ndarray, j: np.ndarray, cost: np.ndarray, n: int) -> sparse.csr_array:
-    return csgraph.minimum_spanning_tree(sparse.csr_array((cost, (i, j)), shape=(n, n)))
+def _graph(values: np.ndarray, index: np.ndarray, chosen: np.ndarray) -> sparse.csr_array:
+    """Values (n, k) of the chosen joints of each point with its neighbours."""
+    ends = np.append(0, np.cumsum(np.count_nonzero(chosen, axis=1)))
+    return sparse.csr_array((values[chosen], index[chosen], ends), shape=(len(index),) * 2)
 
 
 def _spread(
     forest: sparse.csr_array, p: np.ndarray, n: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Signs (n,) relative to the root of each tree, and the tree of each point."""
-    _, part = csgraph.connected_components(forest, directed=False)
-    _, roots = np.unique(part, return_index=True)
-    # one more vertex, above the roots, makes one tree of the forest
-    top = len(p)
-    links = sparse.csr_array((np.ones(len(roots)), (roots, np.full(len(roots), top))),
-                             shape=(top + 1, top + 1))  # fmt: skip
-    tree = sparse.block_diag([forest, sparse.csr_array((1, 1))], format="csr") + links
-    _, parent = csgraph.breadth_first_order(tree, top, directed=False)
+    count, part = csgraph.connected_components(forest, directed=False)
+    roots, top = np.unique(part, return_index=True)[1], len(p)
+    # one more vertex, joined to the roots, makes one tree of the forest
+    joints = (
+        np.append(forest.data, np.ones(count)), np.append(forest.indices, roots),
+        np.append(forest.indptr, forest.nnz + count),
+    )  # fmt: skip
+    tree = sparse.csr_array(joints, shape=(top + 1, top + 1))
+    parent = csgraph.breadth_first_order(tree, top, directed=False)[1][:top]
     parent[roots] = roots
-    parent = parent[:top]
-    child = np.flatnonzero(parent != np.arange(top))
-    sign = np.ones(top)
-    above = parent[child]
-    agreement, _ = _agreement((p[above] - p[child]).T, n[child].T, n[above].T)
-    sign[child] = np.where(agreement < 0, -1.0, 1.0)
+    agreement, _ = _agreement((p[parent] - p).T, n.T, n[parent].T)
+    sign = np.where(agreement < 0, -1.0, 1.0)
     # each step looks twice as far up: as many steps as the depth has binary digits
     while (parent[parent] != parent).any():
         sign, parent = sign * sign[parent], parent[parent]
     return sign * sign[parent], part
 
 
-def _vote(sign: np.ndarray, votes: sparse.csr_array) -> None:
+def _vote(sign: np.ndarray, votes: np.ndarray, index: np.ndarray) -> None:
     """Turn, in place, the signs that most neighbours contradict."""
+    graph = _graph(votes, index, votes != 0)
     for _ in range(_SWEEPS):
-        against = sign * (votes @ sign + votes.T @ sign) < 0
+        against = sign * (graph @ sign + graph.T @ sign) < 0
         if not against.any():
             return
         sign[against] *= -1
