@@ -48,8 +48,8 @@ def run(size: Size, track: Track) -> Outcome:
         tables=[Table("After each third of the class", COLUMNS, rows)],
         notes=[
             f"{fair[0]} of {size.submissions} submissions got the fair grade for every question, "
-            f"{fair[1]} of them of {fair[2]} hostile ones. The peak is the sum of those of "
-            "the trusted processes, of which each worker is one; what students wrote runs in others, "
+            f"{fair[1]} of them of {fair[2]} hostile ones. The peak is the sum of those of the "
+            "trusted processes, of which each worker is one; what students wrote runs in others, "
             "with limits of their own."
         ],
         parameters=asdict(size) | {"workers": WORKERS, "walls": fair[3]},

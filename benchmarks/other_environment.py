@@ -37,7 +37,7 @@ class Peer:
         self.ready = self._started()
 
     def ask(self, what: str, patience: float | None = None) -> dict | None:
-        """Answer of the worker; None if after so many seconds there is none: then it is replaced."""
+        """Answer of the worker; if after so many seconds there is none, None, and a new worker."""
         end = threading.Timer(patience or threading.TIMEOUT_MAX, self._end)
         end.start()
         self._process.stdin.write(what + "\n")
