@@ -1,8 +1,9 @@
 """What an answer goes through: mistakes are recognised on any inputs, and cost nothing before."""
 
+import numpy as np
 import pytest
 
-from fieldcheck.questions import get
+from fieldcheck.questions import get, questions
 from fieldrecon.course.catalogue import entries
 from fieldrecon.course.hidden import hidden_cases
 from fieldrecon.course.trials import trials
@@ -10,6 +11,45 @@ from graded_class import SOURCES
 
 SOURCE = SOURCES["01"]
 FUNCTIONS, MISTAKES = SOURCE.functions(), entries(SOURCE, "misconceptions")
+
+
+def of_class(number, count):
+    """What the students of a class go through in a notebook, one by one."""
+    source = SOURCES[number]
+    functions, hidden = source.functions(), hidden_cases(source)
+    asked = [q for q in questions().values() if q.notebook == number]
+    for k in range(count):
+        yield {q.name: trials(q, functions, (), hidden, f"student {k}", "a salt") for q in asked}
+
+
+@pytest.mark.parametrize("number", SOURCES)
+def test_no_right_number_is_the_rounding_of_zero(number):
+    """Else it would be the unit of all differences, and who rounds otherwise would be wrong.
+
+    What is nothing, as the bends of a spline through two sites, is zero in its normal form.
+    """
+    for its in of_class(number, 25):
+        for trial in (trial for trials in its.values() for trial in trials):
+            for call, right in zip(trial.calls, trial.answers.right, strict=True):
+                made_of = [*call.arguments, *right]
+                most = max((largest(a) for a in made_of if isinstance(a, np.ndarray)), default=0.0)
+                for array in map(largest, trial.question.normal_form(call, right)):
+                    assert array == 0 or array > 1e-10 * most, (trial.question.name, call.case)
+
+
+def largest(array):
+    return float(np.abs(array).max(initial=0.0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", SOURCES)
+def test_who_is_right_in_another_way_is_right_in_any_class(number):
+    """Thirty students, each with own inputs: right ways round differently."""
+    functions, others = SOURCES[number].functions(), entries(SOURCES[number], "alternatives")
+    for its in of_class(number, 30):
+        for other in others:
+            found = [trial.verdict(other.namespace(functions)) for trial in its[other.question]]
+            assert all(verdict.right for verdict in found), (other.name, found)
 
 
 def tried(question):

@@ -236,7 +236,7 @@ def number(_: Call) -> tuple[tuple[int, ...], ...]:
 
 def loose(_: Call) -> float:
     """Return what rounding does to null vectors of a matrix whose gap is not small."""
-    return 1e-8
+    return 1e-6
 
 
 QUESTIONS = (
