@@ -37,6 +37,14 @@ def test_the_student_notebook_is_that_of_its_source(source):
     assert file.read_text(encoding="utf-8") == made
 
 
+@each_source
+def test_headers_alone_tell_the_questions_in_words(source):
+    """As the whole notebook does, which takes long to read."""
+    told = {c.answer: float(c.metadata.get("points", 0)) for c in source.cells if c.answer}
+    assert source.words == told
+    assert told
+
+
 def sentences(known):
     return [(mistake.name, mistake.sentence) for mistake in known.mistakes]
 

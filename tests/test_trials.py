@@ -1,5 +1,7 @@
 """What an answer goes through: mistakes are recognised on any inputs, and cost nothing before."""
 
+from itertools import chain
+
 import numpy as np
 import pytest
 
@@ -29,7 +31,7 @@ def test_no_right_number_is_the_rounding_of_zero(number):
     What is nothing, as the bends of a spline through two sites, is zero in its normal form.
     """
     for its in of_class(number, 25):
-        for trial in (trial for trials in its.values() for trial in trials):
+        for trial in chain.from_iterable(its.values()):
             for call, right in zip(trial.calls, trial.answers.right, strict=True):
                 made_of = [*call.arguments, *right]
                 most = max((largest(a) for a in made_of if isinstance(a, np.ndarray)), default=0.0)

@@ -22,6 +22,7 @@ from typing import Any
 
 BEGIN, END = "# BEGIN SOLUTION", "# END SOLUTION"
 REGION = re.compile(rf"^(?P<indent> *){BEGIN}\n(?P<body>.*?)^ *{END}\n?", re.MULTILINE | re.DOTALL)
+WORDS = re.compile(r'^# %% \[markdown\] answer="(.+?)"(?: points=(\S+))?$', re.MULTILINE)
 NAME = re.compile(r"\d\d_\w+\.py")
 
 
@@ -97,6 +98,12 @@ class Source:
     def title(self) -> str:
         """The first heading."""
         return self.cells[0].text.partition("\n")[0].lstrip("# ")
+
+    @cached_property
+    def words(self) -> dict[str, float]:
+        """The points of the questions that are answered in words, by their headers alone."""
+        found = WORDS.findall(self.path.read_text(encoding="utf-8"))
+        return {question: float(points or 0) for question, points in found}
 
     def answer_cells(self) -> dict[str, Cell]:
         """Return the cells with the functions that are asked for, by question."""

@@ -82,12 +82,13 @@ def _came_out(run: Run, graded: Sequence[Record], earlier: int) -> Iterator[str]
 
 def _compare(options: argparse.Namespace, changed: bool) -> None:
     """Tell which grades changed, if asked to, and remember what was decided for the next time."""
-    from fieldrecon.course.gradebook.command import print_differences
     from fieldrecon.course.gradebook.decided import ClassFolder, remember
-    from fieldrecon.course.gradebook.differences import compared
 
     file, folder = options.out / RESULTS, ClassFolder(options.tables)
     if options.diff:
+        from fieldrecon.course.gradebook.command import print_differences
+        from fieldrecon.course.gradebook.differences import compared
+
         print_differences(compared(file, folder, None if changed else file))
     remember(options.out, folder)
 

@@ -12,6 +12,7 @@ from importlib.util import find_spec
 import pytest
 from threadpoolctl import threadpool_limits
 
+from fieldrecon._processes import prepare
 from fieldrecon.course.grading.plugin import Grading
 from fieldrecon.course.grading.run import Run
 
@@ -48,6 +49,8 @@ def graded(
     ValueError
         There is nothing to be graded, a table or a check is wrong, or so are the options.
     """
+    if executor is None and run.jobs > 1:
+        prepare(("fieldrecon.course.grading.batch", "jupytext"))
     _ = run.taken  # what is wrong with the tables, or with what was handed in, is told first
     grading = Grading(run, executor, told)
     with threadpool_limits(1), by_itself():

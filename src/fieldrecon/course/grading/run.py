@@ -104,9 +104,9 @@ class Run:
     def words(self) -> list[dict[str, Any]]:
         """The questions that are answered in words."""
         return [
-            {"question": cell.answer, "notebook": source.number, "kind": "words", "function": "",
-             "points": float(cell.metadata.get("points", 0))}
-            for source in all_sources(self.root) for cell in source.cells if cell.answer
+            {"question": question, "notebook": source.number, "kind": "words", "function": "",
+             "points": points}
+            for source in all_sources(self.root) for question, points in source.words.items()
         ]  # fmt: skip
 
     @cached_property

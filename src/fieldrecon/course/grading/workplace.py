@@ -15,7 +15,7 @@ from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from fieldrecon._processes import Processes
+from fieldrecon._processes import METHOD, Processes
 from fieldrecon.course.grading.examine import Fault
 from fieldrecon.course.grading.isolation import Limits, Server, Tier
 
@@ -150,7 +150,7 @@ def _cores_for_each(count: int) -> SimpleQueue[int] | None:
     free = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     if len(free) != count:
         return None
-    cores: SimpleQueue[int] = get_context("spawn").SimpleQueue()
+    cores: SimpleQueue[int] = get_context(METHOD).SimpleQueue()
     for core in free:
         cores.put(core)
     return cores
