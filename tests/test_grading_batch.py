@@ -365,14 +365,14 @@ def test_a_check_that_fails_on_the_right_answer_is_the_graders_fault(tmp_path):
     assert [r.status for r in graded(replace(todo, root=ROOT)).results.records] == ["graded"]
 
 
-def stopped(todo, folder, by):
+def stopped(todo, temporary, by):
     """Grade in processes of its own, and stop that when a quarter is done; return its end."""
     command = [sys.executable, "-m", "fieldrecon.cli", "grade", "in", "--root", str(ROOT)]
     command += ["--out", "out", "--jobs", "2", "--tier", TIER]
-    temporary = folder / "temporary"
     temporary.mkdir()
+    environment = os.environ | {"TMPDIR": str(temporary)}
     process = subprocess.Popen(
-        command, cwd=folder, stderr=subprocess.DEVNULL, env=os.environ | {"TMPDIR": str(temporary)}
+        command, cwd=todo.out.parent, stderr=subprocess.DEVNULL, env=environment
     )
     until(lambda: len(ledger(todo.out)) >= 3)
     assert list(temporary.glob("grading-*"))
@@ -390,9 +390,10 @@ def until(true):
 
 
 @pytest.mark.parametrize(
-    ("by", "status"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)]
+    ("by", "status", "name"),
+    [(signal.SIGKILL, -signal.SIGKILL, "short"), (signal.SIGINT, 130, "too long for sockets" * 5)],
 )
-def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status):
+def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):
     """Killed or interrupted, it leaves no results, and its workers end and leave nothing behind.
 
     Started again, it does the rest, once.
@@ -400,7 +401,7 @@ def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status):
     slow = "import time\ntime.sleep(0.25)\n"
     files = {f"s{k}/01.ipynb": notebook(*right(), f"{slow}# {k}") for k in range(12)}
     todo = run(tmp_path, files)
-    assert stopped(todo, tmp_path, by) == status
+    assert stopped(todo, tmp_path / name, by) == status
     done = ledger(todo.out)
     assert 3 <= len(done) < 12
     assert not (todo.out / "results.json").exists()

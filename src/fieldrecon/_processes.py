@@ -7,20 +7,32 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
-from multiprocessing import forkserver
+from contextlib import contextmanager, suppress
+from multiprocessing.context import BaseContext
 from typing import Any
-
-METHOD = "forkserver" if sys.platform == "linux" else "spawn"
-"""How processes come into being. Elsewhere a process with NumPy loaded is better not forked."""
 
 
 def prepare(modules: Sequence[str]) -> None:
     """Begin to import modules for the processes to come; this does not wait for it."""
-    if METHOD == "forkserver":
-        multiprocessing.get_context(METHOD).set_forkserver_preload(list(modules))
-        forkserver.ensure_running()
+    if sys.platform == "linux":
+        multiprocessing.set_forkserver_preload(list(modules))
+    _context()
+
+
+def _context() -> BaseContext:
+    """Return how processes come into being: from a server that has imported what they need.
+
+    Outside of Linux a process with NumPy loaded is better not forked.
+    """
+    if sys.platform == "linux":
+        from multiprocessing import forkserver
+
+        with suppress(OSError):  # the path to temporary files may be too long for a socket
+            forkserver.ensure_running()
+            return multiprocessing.get_context("forkserver")
+    return multiprocessing.get_context("spawn")
 
 
 def _nothing() -> None:
@@ -46,22 +58,31 @@ class Processes(ProcessPoolExecutor):
         begin: Callable[[], object] = _nothing,
         end: Callable[[], object] = _nothing,
     ) -> None:
-        context = multiprocessing.get_context(METHOD)
-        super().__init__(count, mp_context=context, initializer=_begin, initargs=(begin, end))
+        super().__init__(count, mp_context=_context(), initializer=_begin, initargs=(begin, end))
 
     def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
         """Have a function called; what is started for it has Ctrl-C blocked until it is ready."""
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
+        with _ctrl_c_blocked():
             return super().submit(fn, *args, **kwargs)
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _ctrl_c_blocked() -> Iterator[None]:
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin(begin: Callable[[], object], end: Callable[[], object]) -> None:
     # what is started from here is to know Ctrl-C again: a handler ends with exec, a mask does not
     signal.signal(signal.SIGINT, lambda *_: None)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     threading.Thread(target=_end_with_parent, args=(end,), daemon=True).start()
     begin()
 

@@ -15,7 +15,7 @@ from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from fieldrecon._processes import METHOD, Processes
+from fieldrecon._processes import Processes
 from fieldrecon.course.grading.examine import Fault
 from fieldrecon.course.grading.isolation import Limits, Server, Tier
 
@@ -71,13 +71,13 @@ def server(tier: Tier, limits: Limits) -> Server:
     held = _here.server
     if held and _here.process == os.getpid() and (held.tier, held.limits) == (tier, limits):
         return held
-    if _over.is_set():
-        raise Over
     dismiss()
-    stack = ExitStack()
-    _here.server = stack.enter_context(Server(tier, limits).started())
-    _here.process, _here.stack = os.getpid(), stack
-    with _lock:
+    with _lock:  # what is being started when the work ends is seen by who ends it
+        if _over.is_set():
+            raise Over
+        stack = ExitStack()
+        _here.server = stack.enter_context(Server(tier, limits).started())
+        _here.process, _here.stack = os.getpid(), stack
         if os.getpid() not in _open:
             _open[os.getpid()] = []
             util.Finalize(None, close, exitpriority=10)  # processes of a pool run no atexit
@@ -150,7 +150,7 @@ def _cores_for_each(count: int) -> SimpleQueue[int] | None:
     free = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     if len(free) != count:
         return None
-    cores: SimpleQueue[int] = get_context(METHOD).SimpleQueue()
+    cores: SimpleQueue[int] = get_context("spawn").SimpleQueue()
     for core in free:
         cores.put(core)
     return cores
