@@ -17,6 +17,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from fieldrecon import reconstruct_command, surface_command
+from fieldrecon._processes import prepare
+from fieldrecon.course.grading import FOR_WORKERS
 
 if TYPE_CHECKING:
     from fieldrecon.experiments import Map
@@ -124,6 +126,7 @@ def _add_course(parser: argparse.ArgumentParser) -> None:
 
 def _add_grade(parser: argparse.ArgumentParser) -> None:
     """Declare the options that grading itself knows."""
+    prepare(FOR_WORKERS)  # first, since it goes on while the rest is imported here
     try:
         from fieldrecon.course.grading.command import add_arguments
     except ModuleNotFoundError as missing:

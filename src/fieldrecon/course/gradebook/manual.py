@@ -10,7 +10,6 @@ from pathlib import Path
 
 from fieldrecon._whole_file import write_atomically
 from fieldrecon.course.gradebook.decisions import Mark
-from fieldrecon.course.gradebook.pages import page, rendered, with_formulas
 from fieldrecon.course.grading.tables import (
     Row,
     header,
@@ -80,6 +79,9 @@ def reading_page(
     changed : collection of str
         Who wrote something else since.
     """
+    # late, since who only reads marks need not wait for fonts
+    from fieldrecon.course.gradebook.pages import page, rendered, with_formulas
+
     written = {student: words for student, words in sorted(answers.items()) if words}
     silent = sorted(set(answers) - set(written))
     typeset = with_formulas(list(written.values()))

@@ -13,6 +13,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from fieldrecon._processes import prepare
+from fieldrecon.course.grading import FOR_WORKERS
 from fieldrecon.course.grading.plugin import Grading
 from fieldrecon.course.grading.run import Run
 
@@ -50,7 +51,7 @@ def graded(
         There is nothing to be graded, a table or a check is wrong, or so are the options.
     """
     if executor is None and run.jobs > 1:
-        prepare(("fieldrecon.course.grading.batch", "jupytext"))
+        prepare(FOR_WORKERS)
     _ = run.taken  # what is wrong with the tables, or with what was handed in, is told first
     grading = Grading(run, executor, told)
     with threadpool_limits(1), by_itself():
