@@ -391,7 +391,10 @@ def until(true):
 
 @pytest.mark.parametrize(
     ("by", "status", "name"),
-    [(signal.SIGKILL, -signal.SIGKILL, "short"), (signal.SIGINT, 130, "too long for sockets" * 5)],
+    [
+        (signal.SIGKILL, -signal.SIGKILL, "short"),
+        pytest.param(signal.SIGINT, 130, "too long for sockets" * 5, marks=pytest.mark.slow),
+    ],
 )
 def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):
     """Killed or interrupted, it leaves no results, and its workers end and leave nothing behind.
