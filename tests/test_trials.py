@@ -30,7 +30,7 @@ def test_no_right_number_is_the_rounding_of_zero(number):
 
     What is nothing, as the bends of a spline through two sites, is zero in its normal form.
     """
-    for its in of_class(number, 15):
+    for its in of_class(number, 25):
         for trial in chain.from_iterable(its.values()):
             for call, right in zip(trial.calls, trial.answers.right, strict=True):
                 made_of = [*call.arguments, *right]

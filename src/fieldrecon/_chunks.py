@@ -113,8 +113,8 @@ def _read(file: Path) -> Callable[[np.ndarray], Any]:
     return work
 
 
-class _Inline(Executor):
-    """Runs at once, in the calling thread: one chunk needs no pool."""
+class Inline(Executor):
+    """Runs at once, in the calling thread: one worker needs no pool."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         future: Future[Any] = Future()
@@ -129,4 +129,4 @@ def _threads(chunks: int) -> Executor:
     cores = (
         len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     )
-    return _Inline() if min(chunks, cores) <= 1 else ThreadPoolExecutor(min(chunks, cores))
+    return Inline() if min(chunks, cores) <= 1 else ThreadPoolExecutor(min(chunks, cores))

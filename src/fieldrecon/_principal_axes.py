@@ -17,8 +17,8 @@ _ROUNDS = 12  # three or four do for covariances of neighbours
 def principal_axes(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues (3, m), from small to large, and unit eigenvectors (3, 3, m), the k-th at [k].
 
-    Of positive semidefinite matrices (3, 3, m); each entry is a contiguous array, which takes a
-    fifth of the time that a decomposition one by one does.
+    Of positive semidefinite matrices (3, 3, m). Each entry is a contiguous array, and each step is
+    made for all matrices at once.
 
     References
     ----------

@@ -92,5 +92,6 @@ def plot(result: Result) -> Figure:
                        label="evaluation")  # fmt: skip
             panel.set(xlabel="seconds", title=f"{sites:,} points, {TITLES[data]}")
             panel.grid(visible=False, axis="y")
-        axes[0].legend(loc="lower right")
+        page.set_layout_engine("constrained", wspace=0.06)  # names stand between the panels
+        axes[-1].legend(loc="upper right")  # where bars are short
     return page

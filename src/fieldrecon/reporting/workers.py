@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future
+from collections.abc import Iterator
+from concurrent.futures import Executor
 from contextlib import contextmanager
-from typing import Any
 
+from fieldrecon._chunks import Inline
 from fieldrecon._processes import Processes
 
 
@@ -21,7 +21,7 @@ def workers(count: int) -> Iterator[Executor]:
         How many; 1 computes in this process.
     """
     if count == 1:
-        yield _Here()
+        yield Inline()
         return
     pool = Processes(count)
     try:
@@ -32,15 +32,3 @@ def workers(count: int) -> Iterator[Executor]:
         raise
     finally:
         pool.shutdown(cancel_futures=True)
-
-
-class _Here(Executor):
-    """Compute at once, in this process."""
-
-    def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
-        future: Future = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future

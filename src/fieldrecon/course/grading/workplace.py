@@ -145,7 +145,7 @@ def _cores_for_each(count: int) -> SimpleQueue[int] | None:
     """Return a core for each worker, if there are as many: else the system places them better.
 
     A worker and the process behind its walls take turns. On two cores each would have to wake the
-    other from its sleep for every answer, which takes a tenth of the time.
+    other from its sleep for every answer.
     """
     free = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     if len(free) != count:
