@@ -8,7 +8,7 @@ python := $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help test test-slow test-all lint report check-reproducible bench notebooks check-graders \
+.PHONY: help test test-slow test-all lint format report check-reproducible bench notebooks check-graders \
   publish bundle grade lab lock clean distclean FORCE
 
 # The packages are those of the lock files, whatever else this shell can import.
@@ -51,10 +51,14 @@ test-slow: $(ready) ## run the tests marked slow
 test-all: $(ready) ## run every test
 	@$(pytest)
 
-lint: $(ready) ## check the style (ruff) and the types of the public interface (mypy)
+lint: $(ready) ## check the format and style (ruff) and the types of the public interface (mypy)
+	@$(python) -m ruff format --check
 	@$(python) -m ruff check
 	@$(python) -m mypy
 
+
+format: $(ready) ## write the code as ruff formats it
+	@$(python) -m ruff format
 
 # Report. The command looks at contents and redoes what changed; make only asks whether to start it.
 # Folders are among the sources, so that a removed file counts (report/. and not report, which is

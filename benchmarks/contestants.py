@@ -53,24 +53,43 @@ CONTESTANTS = {
         Contestant(OURS, ours.patches),
         Contestant(SMALL, ours.patches_of(3, 3, 32), dimensions=FLAT, data=WITHOUT_NOISE),
         Contestant("fieldrecon patches, r⁴ log r", ours.patches_of(4, 2, 120), dimensions=FLAT),
-        Contestant("fieldrecon patches, r⁷", ours.patches_of(7, 4, 60), dimensions=FLAT,
-                   data=WITHOUT_NOISE),
-        Contestant("fieldrecon patches, by leave-one-out", ours.patches_by_leave_one_out,
-                   dimensions=FLAT, data=WITHOUT_NOISE),
+        Contestant(
+            "fieldrecon patches, r⁷", ours.patches_of(7, 4, 60), dimensions=FLAT, data=WITHOUT_NOISE
+        ),
+        Contestant(
+            "fieldrecon patches, by leave-one-out",
+            ours.patches_by_leave_one_out,
+            dimensions=FLAT,
+            data=WITHOUT_NOISE,
+        ),
         Contestant("fieldrecon MLS, degree 2", ours.moving_least_squares(2)),
         Contestant("fieldrecon RBF", ours.thin_plate, 10**4),
-        Contestant("fieldrecon MLS, 200 neighbours", ours.moving_least_squares(2, 200),
-                   dimensions=FLAT, data=NOISE),
+        Contestant(
+            "fieldrecon MLS, 200 neighbours",
+            ours.moving_least_squares(2, 200),
+            dimensions=FLAT,
+            data=NOISE,
+        ),
         Contestant("fieldrecon RBF, 1000 means", ours.smoothed_means(1000), data=NOISE),
         Contestant("fieldrecon patches, 4000 means", ours.smoothed_means(4000), data=NOISE),
         Contestant("SciPy RBF", peers.scipy_rbf(), 10**4),
         Contestant("SciPy RBF, 30 neighbours", peers.scipy_rbf(neighbors=30)),
-        Contestant("SciPy RBF, r³, 40 neighbours",
-                   peers.scipy_rbf(neighbors=40, kernel="cubic", degree=3), dimensions=FLAT),
-        Contestant("SciPy RBF, r³, smoothed", peers.scipy_rbf(kernel="cubic", smoothing=1e-3),
-                   10**4, data=NOISE),
-        Contestant("SciPy RBF, 50 neighbours, smoothed",
-                   peers.scipy_rbf(neighbors=50, smoothing=0.1), data=NOISE),
+        Contestant(
+            "SciPy RBF, r³, 40 neighbours",
+            peers.scipy_rbf(neighbors=40, kernel="cubic", degree=3),
+            dimensions=FLAT,
+        ),
+        Contestant(
+            "SciPy RBF, r³, smoothed",
+            peers.scipy_rbf(kernel="cubic", smoothing=1e-3),
+            10**4,
+            data=NOISE,
+        ),
+        Contestant(
+            "SciPy RBF, 50 neighbours, smoothed",
+            peers.scipy_rbf(neighbors=50, smoothing=0.1),
+            data=NOISE,
+        ),
         Contestant("SciPy LinearND", peers.scipy_linear),
         Contestant("SciPy CloughTocher2D", peers.scipy_clough_tocher, dimensions=FLAT),
         Contestant("ferreus_rbf, thin plate", peers.ferreus("ThinPlateSpline")),
@@ -83,7 +102,8 @@ CONTESTANTS = {
         Contestant("verde Spline, 2000 means", peers.verde(2000, 1e-8), 10**5, FLAT, WITHOUT_NOISE),
         Contestant("verde Spline, 2000 means, damped", peers.verde(2000, 1e-4), 10**5, FLAT, NOISE),
         Contestant("scikit-learn GP", peers.gaussian_process(), 1_000, data=WITHOUT_NOISE),
-        Contestant("scikit-learn GP, with noise", peers.gaussian_process(noise=True), 1_000,
-                   data=NOISE),
+        Contestant(
+            "scikit-learn GP, with noise", peers.gaussian_process(noise=True), 1_000, data=NOISE
+        ),
     )
-}  # fmt: skip
+}

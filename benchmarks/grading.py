@@ -89,8 +89,9 @@ class Bench:
             file.write_bytes(assignment.handed_in(k)[0])
         self.peers = {
             name: graders.PEERS[name](folder / name, assignment, _files(assignment, number))
-            for name, number in (("nbgrader", size.of_nbgrader), ("otter", size.of_otter)) if number
-        }  # fmt: skip
+            for name, number in (("nbgrader", size.of_nbgrader), ("otter", size.of_otter))
+            if number
+        }
         self.repeats = size.repeats
         self.cpu_of_walls = _cpu_of_walls()
 
@@ -112,9 +113,20 @@ class Bench:
         """Grade all of the class by the command, from nothing."""
         with TemporaryDirectory() as out:
             command = [
-                sys.executable, "-c", COMMAND, "grade", self.folder / "in", "--out", out,
-                "--root", ROOT, "--jobs", jobs, "--class", self.folder / "tables",
-            ]  # fmt: skip
+                sys.executable,
+                "-c",
+                COMMAND,
+                "grade",
+                self.folder / "in",
+                "--out",
+                out,
+                "--root",
+                ROOT,
+                "--jobs",
+                jobs,
+                "--class",
+                self.folder / "tables",
+            ]
             start, before = time.perf_counter(), _cpu_of_children()
             done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
             if done.returncode:
@@ -175,8 +187,9 @@ def _compared(name: str, costs: Mapping[str, list[Cost]], size: Size) -> list[Co
             [cost.seconds for cost in costs[peer]],
             AT_MOST.get((name, peer)),
         )
-        for peer in costs if peer in numbers
-    ]  # fmt: skip
+        for peer in costs
+        if peer in numbers
+    ]
 
 
 def _cpu_behind_walls(out: Path) -> float:

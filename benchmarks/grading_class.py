@@ -134,10 +134,19 @@ def _cases(tier: str) -> Iterator[Case]:
     from hostile import breakdowns, cheats, damage, oddities, trespass
 
     lists = (
-        cheats.CASES, breakdowns.LOOPS, breakdowns.CRASHES, breakdowns.MEMORY, breakdowns.FLOODS,
-        trespass.LEFTOVERS, trespass.FILES, trespass.NETWORK, trespass.ENVIRONMENT,
-        trespass.POISON, damage.CASES, oddities.CASES,
-    )  # fmt: skip
+        cheats.CASES,
+        breakdowns.LOOPS,
+        breakdowns.CRASHES,
+        breakdowns.MEMORY,
+        breakdowns.FLOODS,
+        trespass.LEFTOVERS,
+        trespass.FILES,
+        trespass.NETWORK,
+        trespass.ENVIRONMENT,
+        trespass.POISON,
+        damage.CASES,
+        oddities.CASES,
+    )
     yield from (case for its in lists for case in its if tier in case.tiers)
 
 

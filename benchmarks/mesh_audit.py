@@ -61,8 +61,9 @@ def run(size: Size, track: Track) -> Outcome:
         parameters={k: v for k, v in asdict(size).items() if k != "peer"}
         | {"triangles": len(surfaces["hills and saddles"][1])},
         comparisons=[
-            Comparison(name, "PyMeshLab", seconds[f"ours, {name}"], seconds[f"theirs, {name}"],
-                       AT_MOST)
+            Comparison(
+                name, "PyMeshLab", seconds[f"ours, {name}"], seconds[f"theirs, {name}"], AT_MOST
+            )
             for name in theirs
         ],
         tables=[_findings(audits, theirs), _times(seconds)],
@@ -75,7 +76,7 @@ def run(size: Size, track: Track) -> Outcome:
             if peer
             else "PyMeshLab could not be had.",
         ],
-    )  # fmt: skip
+    )
 
 
 def bodies(level: int) -> dict[str, Surface]:

@@ -11,9 +11,12 @@ from benchmarks.measure import Outcome, Track
 from benchmarks.peers import Size
 
 METHODS = (
-    OURS, SMALL, "fieldrecon MLS, degree 2", "SciPy RBF, r³, 40 neighbours",
+    OURS,
+    SMALL,
+    "fieldrecon MLS, degree 2",
+    "SciPy RBF, r³, 40 neighbours",
     "ferreus_rbf, thin plate",
-)  # fmt: skip
+)
 FULL = Size((("smooth", (10**6,)), ("cube", (2 * 10**5,))), methods=METHODS)
 QUICK = Size((("smooth", (10**3,)), ("cube", (10**3,))), 1, METHODS)
 TOY = Size((("smooth", (60,)),), 1, (OURS,))

@@ -85,16 +85,28 @@ def run(size: Size, track: Track) -> Outcome:
         parameters={k: v for k, v in asdict(size).items() if k != "peer"}
         | {"neighbours": NEIGHBORS, "neighbours joined": JOINED},
         comparisons=[
-            Comparison(f"{name}: normals and orientation", "Open3D", seconds[f"ours, {name}"],
-                       seconds[f"theirs, {name}"], AT_MOST)
-            for name in clouds if peer
+            Comparison(
+                f"{name}: normals and orientation",
+                "Open3D",
+                seconds[f"ours, {name}"],
+                seconds[f"theirs, {name}"],
+                AT_MOST,
+            )
+            for name in clouds
+            if peer
         ],
         tables=[
             Table("How right they are", columns, rows),
-            Table("Processor time, which other work on the machine does not lengthen",
-                  ("cloud", "who", "seconds"), processor),
-            Table("Open3D: the normals alone, without orientation, by the clock",
-                  ("cloud", "seconds"), [*alone.items()]),
+            Table(
+                "Processor time, which other work on the machine does not lengthen",
+                ("cloud", "who", "seconds"),
+                processor,
+            ),
+            Table(
+                "Open3D: the normals alone, without orientation, by the clock",
+                ("cloud", "seconds"),
+                [*alone.items()],
+            ),
         ],
         notes=[
             "Random points on closed surfaces whose normals are known, but for those near edges. "
@@ -102,8 +114,10 @@ def run(size: Size, track: Track) -> Outcome:
             "Open3D has its clouds in memory, in C++; fieldrecon begins with arrays. Open3D joins "
             "points by their Delaunay tetrahedra too, whose number depends on the shape.",
             *(f"Open3D was stopped after {PATIENCE:.0f} s: {name}." for name in sorted(stopped)),
-        ] if peer else ["Open3D could not be had."],
-    )  # fmt: skip
+        ]
+        if peer
+        else ["Open3D could not be had."],
+    )
 
 
 def ball(n: int) -> Cloud:
@@ -127,11 +141,13 @@ def hills(n: int) -> Cloud:
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     a, b, c = (u * [9, 8, 7]).T
     q = 0.1 * np.sin(a) * np.sin(b) * np.cos(c)
-    slope = 0.1 * np.column_stack([
-        9 * np.cos(a) * np.sin(b) * np.cos(c),
-        8 * np.sin(a) * np.cos(b) * np.cos(c),
-        -7 * np.sin(a) * np.sin(b) * np.sin(c),
-    ])  # fmt: skip
+    slope = 0.1 * np.column_stack(
+        [
+            9 * np.cos(a) * np.sin(b) * np.cos(c),
+            8 * np.sin(a) * np.cos(b) * np.cos(c),
+            -7 * np.sin(a) * np.sin(b) * np.sin(c),
+        ]
+    )
     tangential = slope - np.einsum("ij,ij->i", slope, u)[:, None] * u
     normals = u - tangential / (1 + q)[:, None]
     return (1 + q)[:, None] * u, normals / np.linalg.norm(normals, axis=1, keepdims=True)
@@ -150,9 +166,7 @@ def judged(normals: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]
     cosine = np.einsum("ij,ij->i", normals, truth)
     wrong = float(np.mean(cosine < 0))
     angle = np.degrees(np.arccos(np.clip(np.abs(cosine), 0, 1)))
-    return (
-        100 * min(wrong, 1 - wrong), float(np.median(angle)), float(np.quantile(angle, 0.95))
-    )  # fmt: skip
+    return (100 * min(wrong, 1 - wrong), float(np.median(angle)), float(np.quantile(angle, 0.95)))
 
 
 def _peer(clouds: dict[str, Cloud], folder: Path) -> Peer | None:

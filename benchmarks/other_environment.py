@@ -31,9 +31,19 @@ class Peer:
     def __init__(self, worker: Path, packages: tuple[str, ...], *arguments: str) -> None:
         environment = [option for package in packages for option in ("--with", package)]
         self._command = [
-            sys.executable, "-m", "uv", "run", "--quiet", "--no-project", "--python",
-            sys.executable, *environment, "python", str(worker), *arguments,
-        ]  # fmt: skip
+            sys.executable,
+            "-m",
+            "uv",
+            "run",
+            "--quiet",
+            "--no-project",
+            "--python",
+            sys.executable,
+            *environment,
+            "python",
+            str(worker),
+            *arguments,
+        ]
         self.ready = self._started()
 
     def ask(self, what: str, patience: float | None = None) -> dict | None:
@@ -56,9 +66,12 @@ class Peer:
 
     def _started(self) -> bool:
         self._process = subprocess.Popen(
-            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            self._command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
             start_new_session=True,
-        )  # fmt: skip
+        )
         return bool(self._process.stdout.readline())
 
     def _end(self) -> None:

@@ -114,31 +114,55 @@ def run(size: Size, track: Track) -> Outcome:
 
 def choices_table(n: int, costs: dict[Choice, dict[str, float]]) -> Table:
     errors = ("smooth", *WITHOUT_TIME)
-    columns = ("kernel", "degree", "patch", *(f"{s}, s" for s in STEPS), "total, s",
-               *(f"rms error, {e}" for e in errors))  # fmt: skip
+    columns = (
+        "kernel",
+        "degree",
+        "patch",
+        *(f"{s}, s" for s in STEPS),
+        "total, s",
+        *(f"rms error, {e}" for e in errors),
+    )
     rows = [
-        (c.kernel, c.degree, c.patch_size, *(cost[s] for s in STEPS), total(cost),
-         *(cost[e] for e in errors))
+        (
+            c.kernel,
+            c.degree,
+            c.patch_size,
+            *(cost[s] for s in STEPS),
+            total(cost),
+            *(cost[e] for e in errors),
+        )
         for c, cost in costs.items()
-    ]  # fmt: skip
+    ]
     return Table(f"{n} sites in the square", columns, rows)
 
 
 def overlap_table(n: int, costs: dict[Choice, dict[str, float]]) -> Table:
-    columns = ("sites of a box", "patches at a site", "total, s", "rms error, smooth",
-               "rms error, front")  # fmt: skip
+    columns = (
+        "sites of a box",
+        "patches at a site",
+        "total, s",
+        "rms error, smooth",
+        "rms error, front",
+    )
     rows = [
-        (round(c.patch_size * c.sites_per_box, 1), cost["overlap"], total(cost), cost["smooth"],
-         cost["front"])
+        (
+            round(c.patch_size * c.sites_per_box, 1),
+            cost["overlap"],
+            total(cost),
+            cost["smooth"],
+            cost["front"],
+        )
         for c, cost in costs.items()
-    ]  # fmt: skip
+    ]
     return Table(f"Overlap: {n} sites, patches of {USUAL[2]} about boxes of fewer", columns, rows)
 
 
 def growth_table(size: Size, costs: list[dict[str, float]], space: dict[str, float]) -> Table:
     columns = ("sites", "dimension", *(f"{s}, s" for s in STEPS), "memory, GB", "rms error")
-    every = [*((n, 2, c) for n, c in zip(size.growth, costs, strict=True)),
-             (size.in_space, 3, space)]  # fmt: skip
+    every = [
+        *((n, 2, c) for n, c in zip(size.growth, costs, strict=True)),
+        (size.in_space, 3, space),
+    ]
     rows: list[tuple[str | int | float, ...]] = [
         (n, d, *(cost[s] for s in STEPS), cost["bytes"] / 1e9, cost["error"])
         for n, d, cost in every
@@ -184,9 +208,12 @@ def cost_and_errors(samples: dict[str, Scattered], choice: Choice, runs: int) ->
     """The least seconds of each step on smooth data, and errors on the others, not timed."""
     given = samples["smooth"]
     make = partial(
-        PartitionOfUnityRBF, given.points, choice.on(len(given.points)), choice.degree,
+        PartitionOfUnityRBF,
+        given.points,
+        choice.on(len(given.points)),
+        choice.degree,
         choice.patch_size,
-    )  # fmt: skip
+    )
     with boxes_of(choice.sites_per_box):
         told = [steps(make, given) for _ in range(runs)]
         method = make()

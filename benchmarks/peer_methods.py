@@ -66,11 +66,18 @@ def wlsqm(degree: int, neighbors: int) -> Fit:
             m = len(x)
             result = np.zeros((m, peer.number_of_dofs(2, degree)))
             peer.fit_2D_many_parallel(
-                xk=points[near], fk=values[near], nk=np.full(m, neighbors, np.int32), xi=x,
-                fi=result, sens=None, do_sens=False, order=np.full(m, degree, np.int32),
-                knowns=np.zeros(m, np.int64), ntasks=2,
+                xk=points[near],
+                fk=values[near],
+                nk=np.full(m, neighbors, np.int32),
+                xi=x,
+                fi=result,
+                sens=None,
+                do_sens=False,
+                order=np.full(m, degree, np.int32),
+                knowns=np.zeros(m, np.int64),
+                ntasks=2,
                 weighting_method=np.full(m, peer.WEIGHT_CENTER, np.int32),
-            )  # fmt: skip
+            )
             return result[:, 0]
 
         return evaluate

@@ -30,8 +30,21 @@ ENOUGH = 60.0
 """Seconds after which a run is not repeated."""
 YIELDING = "Other programs ran beside, at the lowest priority: they got what these runs left."
 NOT_LARGER = ("front", "noisy", "clusters")
-COLUMNS = ("data", "sites", "method", "fit s", "evaluate s", "total s", "least s", "most s",
-           "cpu s", "rms error", "largest error", "left out", "memory MiB")  # fmt: skip
+COLUMNS = (
+    "data",
+    "sites",
+    "method",
+    "fit s",
+    "evaluate s",
+    "total s",
+    "least s",
+    "most s",
+    "cpu s",
+    "rms error",
+    "largest error",
+    "left out",
+    "memory MiB",
+)
 
 
 @dataclass(frozen=True)
@@ -75,39 +88,55 @@ class Run:
     def row(self) -> tuple[str | int | float, ...]:
         fit, evaluate, total = map(median, (self.fit, self.evaluate, self.total))
         return (
-            self.data, self.sites, self.method, fit, evaluate, total, min(self.total),
-            max(self.total), median(self.cpu), self.rms, self.largest, self.left_out,
+            self.data,
+            self.sites,
+            self.method,
+            fit,
+            evaluate,
+            total,
+            min(self.total),
+            max(self.total),
+            median(self.cpu),
+            self.rms,
+            self.largest,
+            self.left_out,
             round(self.memory / 2**20),
-        )  # fmt: skip
+        )
 
 
 def run(size: Size, track: Track) -> Outcome:
     asked = [
-        (data, n, method) for data, sizes in size.sites for n in sizes
+        (data, n, method)
+        for data, sizes in size.sites
+        for n in sizes
         for method, c in CONTESTANTS.items()
         if method in size.methods and c.takes(data, n)
-    ]  # fmt: skip
+    ]
     names = {" ".join(map(str, a)): a for a in asked}
     runs, missing = [], []
     for name in track([*names], "peers"):
         done = apart(*names[name], repeats=size.repeats)
         (runs if isinstance(done, Run) else missing).append(done)
     return Outcome(
-        parameters={"repeats": size.repeats, "patience in seconds": int(PATIENCE),
-                    "not repeated beyond seconds": int(ENOUGH), "niceness": os.nice(0)},
+        parameters={
+            "repeats": size.repeats,
+            "patience in seconds": int(PATIENCE),
+            "not repeated beyond seconds": int(ENOUGH),
+            "niceness": os.nice(0),
+        },
         comparisons=[
             c for data, sizes in size.sites for n in sizes for c in _ratios(runs, data, n)
         ],
         tables=[Table("Runs", COLUMNS, [r.row() for r in runs])],
         notes=[
             "As many queries as sites; of the terrain all nodes that were not drawn. An error is "
-            "against the truth, over the queries that a method answers; \"left out\" are those it "
+            'against the truth, over the queries that a method answers; "left out" are those it '
             "does not (outside of the hull). CPU seconds over total seconds is the number of cores "
             "kept busy.",
             *([YIELDING] if os.nice(0) < 0 else []),
             *(f"Did not end well: {what}." for what in missing),
         ],
-    )  # fmt: skip
+    )
 
 
 def _ratios(runs: Sequence[Run], data: str, n: int) -> list[Comparison]:
@@ -116,10 +145,12 @@ def _ratios(runs: Sequence[Run], data: str, n: int) -> list[Comparison]:
         return []
     ours = here[OURS].total
     return [
-        Comparison(f"{data}, {n} sites: fit and evaluate", r.method,
-                   *_of_same_rounds(ours, r.total))
-        for r in here.values() if r.method != OURS
-    ]  # fmt: skip
+        Comparison(
+            f"{data}, {n} sites: fit and evaluate", r.method, *_of_same_rounds(ours, r.total)
+        )
+        for r in here.values()
+        if r.method != OURS
+    ]
 
 
 def _of_same_rounds(ours: list[float], theirs: list[float]) -> tuple[list[float], list[float]]:
@@ -163,9 +194,17 @@ def here(data: str, n: int, method: str, repeats: int) -> Run:
     rms = float(np.sqrt(np.mean(error**2)))
     left_out = int((~answered).sum())
     return Run(
-        data, n, method, fits, evaluations, cpu, rms, float(error.max()), left_out,
+        data,
+        n,
+        method,
+        fits,
+        evaluations,
+        cpu,
+        rms,
+        float(error.max()),
+        left_out,
         largest_memory(),
-    )  # fmt: skip
+    )
 
 
 if __name__ == "__main__":

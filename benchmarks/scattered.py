@@ -60,9 +60,13 @@ def land(n: int) -> Scattered:
 
 
 DATA: dict[str, Callable[[int], Scattered]] = {
-    "smooth": smooth, "front": front, "noisy": noisy, "clusters": clusters, "cube": cube,
+    "smooth": smooth,
+    "front": front,
+    "noisy": noisy,
+    "clusters": clusters,
+    "cube": cube,
     "terrain": land,
-}  # fmt: skip
+}
 
 
 def _sampled(f: Callable[[np.ndarray], np.ndarray], points: np.ndarray, x: np.ndarray) -> Scattered:

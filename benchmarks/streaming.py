@@ -67,8 +67,11 @@ def run(size: Size, track: Track) -> Outcome:
     columns = ("way", *(f"{step}, s" for step in STEPS), "memory, GB", "rms error")
     return Outcome(
         parameters={
-            "sites": size.sites, "queries": size.sites, "tiles": size.tiles**2,
-            "margin in radii of a patch": int(MARGIN), "rows of a block": BLOCK,
+            "sites": size.sites,
+            "queries": size.sites,
+            "tiles": size.tiles**2,
+            "margin in radii of a patch": int(MARGIN),
+            "rows of a block": BLOCK,
         },
         tables=[
             Table("Franke's function, queries from file to file", columns, rows),
@@ -78,13 +81,14 @@ def run(size: Size, track: Track) -> Outcome:
         ],
         notes=[
             "Memory is the largest of a process, with the interpreter. That of the whole was "
-            + ", ".join(f"{told['whole'][f'bytes after {s}'] / 1e9:.2f} GB after {s}"
-                        for s in STEPS[1:])
+            + ", ".join(
+                f"{told['whole'][f'bytes after {s}'] / 1e9:.2f} GB after {s}" for s in STEPS[1:]
+            )
             + f": {told['whole']['bytes'] / size.sites:.0f} bytes for each site.",
             "By model: bytes for each site as measured, seconds as n log n for the whole, and for "
             "tiles as their number. The rows of the size that was measured tell what it is.",
         ],
-    )  # fmt: skip
+    )
 
 
 def written(folder: Path, n: int) -> None:
@@ -205,12 +209,19 @@ def traffic_table(traffic: dict[str, Traffic]) -> Table:
 def model_table(
     size: Size, told: dict[str, dict[str, float]], traffic: dict[str, Traffic]
 ) -> Table:
-    columns = ("sites and queries", "way", "GB in one process", "hours, this machine",
-               f"hours, {WORKERS} such machines", f"GB carried to and from {WORKERS}")  # fmt: skip
+    columns = (
+        "sites and queries",
+        "way",
+        "GB in one process",
+        "hours, this machine",
+        f"hours, {WORKERS} such machines",
+        f"GB carried to and from {WORKERS}",
+    )
     rows = [
-        row for n in (size.sites, *MODELLED)
+        row
+        for n in (size.sites, *MODELLED)
         for row in (whole_row(n, size, told["whole"], traffic), tiles_row(n, size, told["tiles"]))
-    ]  # fmt: skip
+    ]
     return Table("Measured, and by model beyond", columns, rows)
 
 

@@ -42,6 +42,7 @@ from fieldcheck import (
 #
 # Below is a slice through such a field. The dots are what was measured.
 
+
 # %%
 @draw(places=Slider(3, 40, 12, "places", whole=True))
 def the_problem(places):
@@ -76,6 +77,7 @@ def the_problem(places):
 # ### 01.1 The matrix
 #
 # Write $\mathbf{B}$ of (1.2) for points given as an array of shape $(N, D)$.
+
 
 # %% question="01.1"
 def basis_matrix(points):
@@ -114,6 +116,7 @@ check("01.1")
 #
 # </details>
 
+
 # %% question="01.2"
 def fit(points, values):
     """Return c of (1.4), of shape (D + 1,), for points (N, D) and values (N,)."""
@@ -130,6 +133,7 @@ check("01.2")
 # ### 01.3 The field
 #
 # Evaluate the field (1.1) at many places at once.
+
 
 # %% question="01.3"
 def evaluate(coefficients, x):
@@ -148,6 +152,7 @@ check("01.3")
 # Now it is your functions that draw. The points are your own: they depend on the number in
 # `student.txt`. Lengthen the list of powers $n$ of the field $\phi(\mathbf{x}) = (x_1 + x_2)^n$ and
 # watch the plane.
+
 
 # %%
 @draw(n=Slider(1, 6, 2, "power n", whole=True))
@@ -187,6 +192,7 @@ def plane_and_points(n):
 #
 # </details>
 
+
 # %% question="01.4"
 def rank(points):
     """Return the rank of B for points of shape (N, D), a whole number from 1 to D + 1."""
@@ -204,6 +210,7 @@ check("01.4")
 #
 # What is the gradient of $f$ at many places? Differentiate (1.1) with pen and paper first.
 
+
 # %% question="01.5"
 def gradient(coefficients, x):
     """Return the gradient of f at places x of shape (M, D), as an array of shape (M, D)."""
@@ -219,6 +226,7 @@ check("01.5")
 # ### 01.6 What is minimised
 #
 # Write $\psi$ of (1.3). With it you can see for yourself that no other plane does better.
+
 
 # %% question="01.6"
 def objective(points, values, coefficients):

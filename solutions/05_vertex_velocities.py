@@ -82,16 +82,33 @@ def the_problem(vertex):
     down, along = np.gradient(heights, side, side)
     with figure(6.6, 3.2) as page:
         left, right = page.subplots(1, 2)
-        left.streamplot(side, side, down, -along, density=0.8, color=BLUE, linewidth=0.9, arrowsize=0.8)
+        left.streamplot(
+            side, side, down, -along, density=0.8, color=BLUE, linewidth=0.9, arrowsize=0.8
+        )
         for corners in TRIANGLES:
             for a, b in zip(POINTS[corners], POINTS[np.roll(corners, 1)], strict=True):
                 crossing = abs(whirls(*a) - whirls(*b)) / np.hypot(*(a - b))
-                right.plot(*np.stack([a, b]).T, color=BLUE, alpha=min(1, 0.08 + 0.5 * crossing), lw=2.2, solid_capstyle="round")
+                right.plot(
+                    *np.stack([a, b]).T,
+                    color=BLUE,
+                    alpha=min(1, 0.08 + 0.5 * crossing),
+                    lw=2.2,
+                    solid_capstyle="round",
+                )
         x, y = POINTS[vertex]
         right.plot(x, y, "o", ms=17, color="white", mec=ORANGE, mew=1.6, zorder=3)
-        right.text(x, y, "?", color=ORANGE, ha="center", va="center_baseline", weight="bold", zorder=4)
+        right.text(
+            x, y, "?", color=ORANGE, ha="center", va="center_baseline", weight="bold", zorder=4
+        )
         for axes, title in ((left, "the flow"), (right, "what is known of it")):
-            axes.set(aspect="equal", xticks=[0, 1], yticks=[0, 1], title=title, xlim=(-0.05, 1.05), ylim=(-0.05, 1.05))
+            axes.set(
+                aspect="equal",
+                xticks=[0, 1],
+                yticks=[0, 1],
+                title=title,
+                xlim=(-0.05, 1.05),
+                ylim=(-0.05, 1.05),
+            )
     return page
 
 
@@ -121,6 +138,7 @@ def the_problem(vertex):
 #
 # </details>
 
+
 # %% question="05.1"
 def edges_of(triangles):
     """Return the edges as pairs of vertex numbers, of shape (E, 2), for triangles (T, 3)."""
@@ -144,6 +162,7 @@ check("05.1")
 # ### 05.2 Midpoints and normals
 #
 # Write a function that returns both, one row for each edge.
+
 
 # %% question="05.2"
 def midpoints_and_normals(points, edges):
@@ -176,9 +195,23 @@ def edges_and_normals(vertex):
         for edge, color in zip(edges, np.where(mine, ORANGE, GREY), strict=True):
             axes.plot(*POINTS[edge].T, color=color, lw=1.8 if color == ORANGE else 0.9)
         axes.plot(*p.T, "o", ms=3, color="black", label=r"midpoints $\mathbf{p}_a$")
-        axes.quiver(*p.T, *n.T, color=BLUE, angles="xy", scale_units="xy", scale=16, width=0.004, label=r"normals $\mathbf{n}_a$")
+        axes.quiver(
+            *p.T,
+            *n.T,
+            color=BLUE,
+            angles="xy",
+            scale_units="xy",
+            scale=16,
+            width=0.004,
+            label=r"normals $\mathbf{n}_a$",
+        )
         axes.plot(*POINTS[vertex], "o", color=ORANGE, label=f"vertex {vertex}, {mine.sum()} edges")
-        axes.set(aspect="equal", xticks=[0, 1], yticks=[0, 1], title=f"{len(POINTS)} vertices, {len(TRIANGLES)} triangles, {len(edges)} edges")
+        axes.set(
+            aspect="equal",
+            xticks=[0, 1],
+            yticks=[0, 1],
+            title=f"{len(POINTS)} vertices, {len(TRIANGLES)} triangles, {len(edges)} edges",
+        )
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
@@ -195,6 +228,7 @@ def edges_and_normals(vertex):
 # So $\mathbf{J}$ makes $(-z_2, z_1)$ of a vector $(z_1, z_2)$: it turns it by a right angle.
 #
 # ### 05.3 The rotation
+
 
 # %% question="05.3"
 def rotation(points):
@@ -218,6 +252,7 @@ check("05.3")
 # Its sign says to which side the fluid goes: where $\mathbf{n}_a$ points, or the other way.
 #
 # ### 05.4 The normal velocities
+
 
 # %% question="05.4"
 def normal_velocities(edges, normals, u):
@@ -250,9 +285,19 @@ def truth_and_data(seed):
         left.quiver(*points.T, *u.T, color=BLUE, **look)
         left.plot(*points.mean(axis=0), "+", ms=11, color="black")
         right.quiver(*p.T, *(v[:, np.newaxis] * n).T, color=ORANGE, **look)
-        for axes, title in ((left, r"velocities $\mathbf{u}_k$, and + at $\mathbf{m}$"), (right, r"known: $v_a\,\mathbf{n}_a$")):
+        for axes, title in (
+            (left, r"velocities $\mathbf{u}_k$, and + at $\mathbf{m}$"),
+            (right, r"known: $v_a\,\mathbf{n}_a$"),
+        ):
             axes.triplot(*points.T, triangles, color=GREY, lw=0.6, zorder=0)
-            axes.set(aspect="equal", xticks=[0, 1], yticks=[0, 1], title=title, xlim=(-0.2, 1.2), ylim=(-0.2, 1.2))
+            axes.set(
+                aspect="equal",
+                xticks=[0, 1],
+                yticks=[0, 1],
+                title=title,
+                xlim=(-0.2, 1.2),
+                ylim=(-0.2, 1.2),
+            )
     return page
 
 
@@ -327,6 +372,7 @@ def truth_and_data(seed):
 #
 # </details>
 
+
 # %% question="05.6"
 def ring(triangles, edges, vertex, rings):
     """Return an array of shape (E,), True for the edges in so many rings of the vertex.
@@ -355,9 +401,19 @@ def rings_around(vertex):
         for k, axes in enumerate(page.subplots(1, 3), start=1):
             near = np.asarray(ring(TRIANGLES, edges, vertex, k), dtype=bool)
             for edge, chosen in zip(edges, near, strict=True):
-                axes.plot(*POINTS[edge].T, color=ORANGE if chosen else GREY, lw=1.8 if chosen else 0.6, zorder=2 if chosen else 1)
+                axes.plot(
+                    *POINTS[edge].T,
+                    color=ORANGE if chosen else GREY,
+                    lw=1.8 if chosen else 0.6,
+                    zorder=2 if chosen else 1,
+                )
             axes.plot(*POINTS[vertex], "o", color="black", zorder=3)
-            axes.set(aspect="equal", xticks=[], yticks=[], title=f"{('one ring', 'two rings', 'three rings')[k - 1]}: {near.sum()} edges")
+            axes.set(
+                aspect="equal",
+                xticks=[],
+                yticks=[],
+                title=f"{('one ring', 'two rings', 'three rings')[k - 1]}: {near.sum()} edges",
+            )
     return page
 
 
@@ -388,6 +444,7 @@ def rings_around(vertex):
 # $\mathbf{B}'$ has six columns and a row for each of the $n$ edges.
 #
 # ### 05.7 The matrix
+
 
 # %% question="05.7"
 def system(midpoints, normals, x):
@@ -423,6 +480,7 @@ check("05.7")
 # the $\mathbf{c}$ of least length. It takes the matrix and the right side of (5.7), not of the normal equations.
 #
 # </details>
+
 
 # %% question="05.8"
 def velocity(midpoints, normals, v, x, w):
@@ -484,7 +542,9 @@ def reconstruction(rings, epsilon, seed):
         axes.quiver(*points.T, *u.T, color=BLUE, alpha=0.45, width=0.012, label="truth", **look)
         axes.quiver(*points.T, *found.T, color=ORANGE, width=0.005, label="yours", **look)
         axes.set(aspect="equal", xticks=[0, 1], yticks=[0, 1], xlim=(-0.2, 1.2), ylim=(-0.2, 1.2))
-        axes.set_title(rf"{rings} ring{'s' * (rings > 1)}, $\varepsilon$ = {epsilon:.2g}: {wrong.sum()} of {len(points)} wrong")
+        axes.set_title(
+            rf"{rings} ring{'s' * (rings > 1)}, $\varepsilon$ = {epsilon:.2g}: {wrong.sum()} of {len(points)} wrong"
+        )
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
@@ -523,6 +583,7 @@ def reconstruction(rings, epsilon, seed):
 # The tolerance can then be as coarse as $10^{-6}$, far above rounding.
 #
 # </details>
+
 
 # %% question="05.9"
 def ranks(points, triangles, rings):
@@ -564,12 +625,35 @@ def ranks_of_a_mesh(rings, seed):
         for rank, (mark, color) in MARKS.items():
             of = r == rank
             left.plot(*points[of].T, mark, color=color, ms=7, label=f"rank {rank}")
-            right.semilogy(r[of] + np.linspace(-0.2, 0.2, of.sum()), np.maximum(missed[of], 1e-17), mark, ms=5, color=color)
+            right.semilogy(
+                r[of] + np.linspace(-0.2, 0.2, of.sum()),
+                np.maximum(missed[of], 1e-17),
+                mark,
+                ms=5,
+                color=color,
+            )
         for place, number in zip(points, count, strict=True):
             left.annotate(number, place, (4, 3), textcoords="offset points", fontsize=8)
-        left.set(aspect="equal", xticks=[], yticks=[], title=f"rank with {('one ring', 'two rings', 'three rings')[rings - 1]}")
-        left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=4, columnspacing=0.8, handletextpad=0.1)
-        right.set(xlabel=r"rank of $\mathbf{B}'$", ylabel="error of the velocity", xlim=(2.5, 6.5), ylim=(1e-18, 3), xticks=[3, 4, 5, 6])
+        left.set(
+            aspect="equal",
+            xticks=[],
+            yticks=[],
+            title=f"rank with {('one ring', 'two rings', 'three rings')[rings - 1]}",
+        )
+        left.legend(
+            loc="upper center",
+            bbox_to_anchor=(0.5, -0.02),
+            ncols=4,
+            columnspacing=0.8,
+            handletextpad=0.1,
+        )
+        right.set(
+            xlabel=r"rank of $\mathbf{B}'$",
+            ylabel="error of the velocity",
+            xlim=(2.5, 6.5),
+            ylim=(1e-18, 3),
+            xticks=[3, 4, 5, 6],
+        )
     return page
 
 
@@ -590,11 +674,18 @@ def ranks_of_a_mesh(rings, seed):
 def star(triangles, turn):
     """A vertex at the origin with so many triangles around it."""
     random = np.random.default_rng(triangles + 1)
-    angle = 2 * np.pi * (np.arange(triangles) + random.uniform(-0.22, 0.22, triangles) + turn) / triangles
+    angle = (
+        2
+        * np.pi
+        * (np.arange(triangles) + random.uniform(-0.22, 0.22, triangles) + turn)
+        / triangles
+    )
     radius = random.uniform(0.65, 1.15, triangles)
     rim = radius * np.exp(1j * angle)
     k = np.arange(triangles)
-    return np.stack([np.r_[0, rim.real], np.r_[0, rim.imag]], axis=1), np.stack([0 * k, k + 1, (k + 1) % triangles + 1], axis=1)
+    return np.stack([np.r_[0, rim.real], np.r_[0, rim.imag]], axis=1), np.stack(
+        [0 * k, k + 1, (k + 1) % triangles + 1], axis=1
+    )
 
 
 def unseen(points, triangles):
@@ -609,18 +700,26 @@ def what_edges_cannot_see(triangles, turn):
     points, cells = star(triangles, turn)
     (drift, first, second), rank = unseen(points, cells)
     x, y = np.meshgrid(*[np.linspace(-1.4, 1.4, 281)] * 2)
-    psi = drift[0] * y - drift[1] * x + first[0] * x * y - first[1] * x**2 / 2 + second[0] * y**2 / 2
+    psi = (
+        drift[0] * y - drift[1] * x + first[0] * x * y - first[1] * x**2 / 2 + second[0] * y**2 / 2
+    )
     with figure(6.4, 4.0) as page:
         axes = page.subplots()
         axes.triplot(*points.T, cells, color="black", lw=1.2)
         if rank < 6:
             axes.contour(x, y, psi, 17, colors=BLUE, linewidths=0.6, linestyles="solid")
             axes.contour(x, y, psi, [0], colors=BLUE, linewidths=2.4)
-            axes.quiver(0, 0, *drift / np.hypot(*drift), color=ORANGE, scale=4.5, width=0.012, zorder=3)
+            axes.quiver(
+                0, 0, *drift / np.hypot(*drift), color=ORANGE, scale=4.5, width=0.012, zorder=3
+            )
         axes.plot(*points.T, "o", color="black", ms=5)
-        told = "an unseen flow, and its velocity at the vertex" if rank < 6 else "every flow is seen"
+        told = (
+            "an unseen flow, and its velocity at the vertex" if rank < 6 else "every flow is seen"
+        )
         axes.set(aspect="equal", xticks=[], yticks=[], xlim=(-1.4, 1.4), ylim=(-1.4, 1.4))
-        axes.set_title(f"{len(points)} vertices, {len(edges_of(cells))} edges, rank {rank}:\n{told}")
+        axes.set_title(
+            f"{len(points)} vertices, {len(edges_of(cells))} edges, rank {rank}:\n{told}"
+        )
     return page
 
 
@@ -700,12 +799,27 @@ def comparison(bend, epsilon):
             look = dict(angles="xy", scale_units="xy", scale=2.6)
             axes.quiver(*points.T, *u.T, color=BLUE, alpha=0.45, width=0.018, **look)
             axes.quiver(*points.T, *found.T, color=color, width=0.008, **look)
-            axes.set(aspect="equal", xticks=[], yticks=[], title=("one ring", "two rings")[rings - 1])
+            axes.set(
+                aspect="equal", xticks=[], yticks=[], title=("one ring", "two rings")[rings - 1]
+            )
             axes.margins(0.25)
             order = np.sort(np.nan_to_num(missed, nan=1))
-            panels[2].semilogy(np.maximum(order, 1e-17), ".-", ms=4, lw=0.8, color=color, label=("one ring", "two rings")[rings - 1])
+            panels[2].semilogy(
+                np.maximum(order, 1e-17),
+                ".-",
+                ms=4,
+                lw=0.8,
+                color=color,
+                label=("one ring", "two rings")[rings - 1],
+            )
         panels[2].set(xlabel="vertices, best first", ylabel="error of the velocity")
-        panels[2].legend(loc="upper center", bbox_to_anchor=(0.5, 1.2), ncols=2, columnspacing=0.8, handlelength=1)
+        panels[2].legend(
+            loc="upper center",
+            bbox_to_anchor=(0.5, 1.2),
+            ncols=2,
+            columnspacing=0.8,
+            handlelength=1,
+        )
     return page
 
 

@@ -58,7 +58,9 @@ WANTED = np.array([0.75, -0.55, 0.3])
 @draw(direction=Slider(-180, 180, -40, "direction", whole=True), speed=Slider(0, 1.5, 0.8, "speed"))
 def the_problem(direction, speed):
     out = np.exp(1j * TURNS)
-    corners = [(a + b) / (1 + (a * b.conjugate()).real) for a, b in zip(out, np.roll(out, -1), strict=True)]
+    corners = [
+        (a + b) / (1 + (a * b.conjugate()).real) for a, b in zip(out, np.roll(out, -1), strict=True)
+    ]
     middles = (np.array(corners) + np.roll(corners, 1)) / 2
     u = speed * np.exp(1j * np.radians(direction))
     parts = (u * out.conj()).real
@@ -68,7 +70,15 @@ def the_problem(direction, speed):
         axes.fill(np.real(corners), np.imag(corners), fc="none", ec=GREY, lw=1.4)
         arrows = dict(angles="xy", scale_units="xy", scale=1, zorder=3)
         for place, way, wanted, part in zip(middles, out, WANTED, parts, strict=True):
-            axes.quiver(place.real, place.imag, wanted * way.real, wanted * way.imag, color=ORANGE, width=0.007, **arrows)
+            axes.quiver(
+                place.real,
+                place.imag,
+                wanted * way.real,
+                wanted * way.imag,
+                color=ORANGE,
+                width=0.007,
+                **arrows,
+            )
             tip = place + part * way
             axes.plot([place.real, tip.real], [place.imag, tip.imag], color=BLUE, lw=5, alpha=0.4)
             axes.plot(tip.real, tip.imag, "o", color=BLUE, ms=7)
@@ -107,6 +117,7 @@ def the_problem(direction, speed):
 #
 # </details>
 
+
 # %% question="06.1"
 def outward_normals(q):
     """Return N of (6.1), of shape (3, 2), for the corners q (3, 2).
@@ -133,6 +144,7 @@ check("06.1")
 # $$ \mathbf{u} \quad \text{minimises} \quad \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert. \tag{6.2} $$
 #
 # ### 06.2 The velocity of a cell
+
 
 # %% question="06.2"
 def cell_velocity(q, v):
@@ -170,14 +182,38 @@ def three_lines(source, shape):
         for a, color in enumerate(colors):
             side = np.delete(q, a, axis=0)
             left.plot(*side.T, color=color)
-            left.quiver(*side.mean(axis=0), *(v[a] * n[a]), color=color, angles="xy", scale_units="xy", scale=1.8, width=0.011)
+            left.quiver(
+                *side.mean(axis=0),
+                *(v[a] * n[a]),
+                color=color,
+                angles="xy",
+                scale_units="xy",
+                scale=1.8,
+                width=0.011,
+            )
             foot, along = v[a] * n[a], np.array([-n[a, 1], n[a, 0]])
             right.plot(*np.stack([foot - 9 * along, foot + 9 * along]).T, color=color)
-        left.quiver(*q.mean(axis=0), *u, color=ORANGE, angles="xy", scale_units="xy", scale=1.8, width=0.013)
+        left.quiver(
+            *q.mean(axis=0), *u, color=ORANGE, angles="xy", scale_units="xy", scale=1.8, width=0.013
+        )
         right.plot(*u, "o", ms=8, color=ORANGE, label="your $\\mathbf{u}$")
-        left.set(aspect="equal", xticks=[], yticks=[], xlim=(-1.6, 2.0), ylim=(-1.3, 1.6), title=r"$v_a\,\mathbf{n}_a$, and your $\mathbf{u}$")
+        left.set(
+            aspect="equal",
+            xticks=[],
+            yticks=[],
+            xlim=(-1.6, 2.0),
+            ylim=(-1.3, 1.6),
+            title=r"$v_a\,\mathbf{n}_a$, and your $\mathbf{u}$",
+        )
         left.axis("off")
-        right.set(aspect="equal", xlabel="$u_1$", ylabel="$u_2$", xlim=(-1, 2.6), ylim=(-1, 2), title=r"the lines $\mathbf{n}_a \cdot \mathbf{u} = v_a$")
+        right.set(
+            aspect="equal",
+            xlabel="$u_1$",
+            ylabel="$u_2$",
+            xlim=(-1, 2.6),
+            ylim=(-1, 2),
+            title=r"the lines $\mathbf{n}_a \cdot \mathbf{u} = v_a$",
+        )
         right.legend(loc="upper right")
     return page
 
@@ -201,6 +237,7 @@ def three_lines(source, shape):
 # ### 06.3 The defect
 #
 # Either side of (6.4) will do.
+
 
 # %% question="06.3"
 def defect(q, v):
@@ -237,6 +274,7 @@ check("06.3")
 #
 # </details>
 
+
 # %% question="06.4"
 def circumcentre(q):
     """Return O of (6.5), of shape (2,), for the corners q (3, 2)."""
@@ -263,6 +301,7 @@ check("06.4")
 # ### 06.5 The truth in closed form
 #
 # Write the field, at many places at once.
+
 
 # %% question="06.5"
 def truth(x, m, s):
@@ -353,6 +392,7 @@ def cells(s, seed):
 #
 # at the circumcentres $\mathbf{O}_T$, at the centroids $\mathbf{M}_T$, and at the three corners of each cell.
 
+
 # %% question="06.6"
 def errors(points, triangles, s):
     """Return the three errors of (6.7), of shape (3,).
@@ -387,7 +427,11 @@ def compared_where(s):
     table = np.array([errors(points, triangles, float(rate)) for rate in rates])
     sizes = (24, 40, 80, 160)
     finer = np.array([errors(*scattered(number, 2), s) for number in sizes])
-    looks = (("at circumcentres", ORANGE, "o-"), ("at centroids", GREEN, "s--"), ("at vertices", PURPLE, "^:"))
+    looks = (
+        ("at circumcentres", ORANGE, "o-"),
+        ("at centroids", GREEN, "s--"),
+        ("at vertices", PURPLE, "^:"),
+    )
     with figure(6.8, 3.1) as page:
         left, right = page.subplots(1, 2)
         for k, (label, color, look) in enumerate(looks):
@@ -395,7 +439,12 @@ def compared_where(s):
             right.loglog(np.sqrt(sizes), np.maximum(finer[:, k], 1e-16), look, ms=5, color=color)
         left.axvline(s, color="black", ls=":", lw=1)
         left.set(xlabel="expansion $s$", ylabel="error", ylim=(0, None), title="your mesh")
-        right.set(xlabel="root of the number of vertices", title=f"finer meshes, $s$ = {s:.2g}", xticks=[5, 10], xticklabels=["5", "10"])
+        right.set(
+            xlabel="root of the number of vertices",
+            title=f"finer meshes, $s$ = {s:.2g}",
+            xticks=[5, 10],
+            xticklabels=["5", "10"],
+        )
         right.minorticks_off()
         page.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return page
@@ -414,12 +463,18 @@ def compared_where(s):
 
 
 # %%
-@draw(s=Slider(-3, 3, 0.7, "expansion s"), apex=Slider(-0.6, 1.6, 0.5, "apex"), height=Slider(0.2, 1.4, 0.8, "height"))
+@draw(
+    s=Slider(-3, 3, 0.7, "expansion s"),
+    apex=Slider(-0.6, 1.6, 0.5, "apex"),
+    height=Slider(0.2, 1.4, 0.8, "height"),
+)
 def wandering_place(s, apex, height):
     q = np.array([[-0.7, -0.3], [0.8, -0.3], [apex, height - 0.3]])
     middle, way = np.array([-0.2, 0.1]), []
     for rate in (*np.linspace(-8, 8, 161), s):
-        _, (u,), _ = of_the_cells(q, np.array([[0, 1, 2]]), lambda x, rate=rate: truth(x, middle, rate))
+        _, (u,), _ = of_the_cells(
+            q, np.array([[0, 1, 2]]), lambda x, rate=rate: truth(x, middle, rate)
+        )
         way.append(middle + np.linalg.inv([[rate, -1], [1, rate]]) @ u)
     squares = [np.sum(np.diff(np.delete(q, k, axis=0), axis=0) ** 2) for k in (0, 1, 2)]
     with figure(6.4, 3.7) as page:
@@ -428,7 +483,13 @@ def wandering_place(s, apex, height):
         axes.plot(*np.array(way[:-1]).T, color=ORANGE, lw=1.2, label="its way, for all $s$")
         axes.plot(*way[-1], "o", ms=9, color=ORANGE, label=f"the place for $s$ = {s:.2g}")
         axes.plot(*circumcentre(q), "^", ms=8, color=BLUE, label=r"circumcentre $\mathbf{O}$")
-        axes.plot(*np.average(q, axis=0, weights=squares), "s", ms=7, color=PURPLE, label=r"symmedian point $\mathbf{K}$")
+        axes.plot(
+            *np.average(q, axis=0, weights=squares),
+            "s",
+            ms=7,
+            color=PURPLE,
+            label=r"symmedian point $\mathbf{K}$",
+        )
         axes.plot(*q.mean(axis=0), "x", ms=8, mew=2, color=GREEN, label=r"centroid $\mathbf{M}$")
         axes.set(aspect="equal", xticks=[], yticks=[], xlim=(-1.1, 1.8), ylim=(-1.2, 1.3))
         axes.axis("off")
@@ -489,6 +550,7 @@ def wandering_place(s, apex, height):
 #
 # </details>
 
+
 # %% question="06.8"
 def raviart_thomas(q, v, x):
     """Return w of (6.8) at the place x (2,), of shape (2,).
@@ -533,9 +595,20 @@ def defect_and_error(s, strain, noise):
         rows.append([defect(corners, v), *(np.hypot(*(u - right)) for u in two)])
     table = np.maximum(rows, 1e-17)
     with figure(6.6, 3.0) as page:
-        for axes, column, color, title in zip(page.subplots(1, 2, sharey=True), (1, 2), (ORANGE, BLUE), ("least squares", r"$\mathbf{w}(\mathbf{O})$"), strict=True):
+        for axes, column, color, title in zip(
+            page.subplots(1, 2, sharey=True),
+            (1, 2),
+            (ORANGE, BLUE),
+            ("least squares", r"$\mathbf{w}(\mathbf{O})$"),
+            strict=True,
+        ):
             axes.loglog(table[:, 0], table[:, column], "o", ms=4, color=color, alpha=0.7)
-            axes.set(xlabel="defect of the cell", title=f"{title}: mean {table[:, column].mean():.1g}", xlim=(1e-18, 3), ylim=(1e-18, 3))
+            axes.set(
+                xlabel="defect of the cell",
+                title=f"{title}: mean {table[:, column].mean():.1g}",
+                xlim=(1e-18, 3),
+                ylim=(1e-18, 3),
+            )
             axes.set(xticks=[1e-16, 1e-8, 1], yticks=[1e-16, 1e-8, 1])
         page.axes[0].set_ylabel("error at the circumcentre")
     return page

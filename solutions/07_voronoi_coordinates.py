@@ -61,9 +61,7 @@ def the_problem():
         for tip in rim[1:]:
             axes.plot([0, tip.real], [0, tip.imag], color=GREY, lw=1)
         axes.plot(rim.real, rim.imag, color=GREY, lw=1, label="mesh")
-        axes.fill(
-            dots.real, dots.imag, fc="#e8eef5", ec=BLUE, lw=2, label="Voronoi cell"
-        )
+        axes.fill(dots.real, dots.imag, fc="#e8eef5", ec=BLUE, lw=2, label="Voronoi cell")
         axes.plot(
             dots.real,
             dots.imag,
@@ -73,9 +71,7 @@ def the_problem():
         )
         for dot in dots:
             label = f"{dot.real + dot.imag:.2f}"
-            axes.annotate(
-                label, (1.22 * dot.real, 1.22 * dot.imag), ha="center", va="center"
-            )
+            axes.annotate(label, (1.22 * dot.real, 1.22 * dot.imag), ha="center", va="center")
         axes.annotate(r"$\mathbf{x}_i$", (0.04, -0.13))
         axes.plot(
             [0.16],
@@ -167,9 +163,7 @@ check("07.2")
 def circumcenters(center, rim):
     """Return all p_a, of shape (N, 2), with your function."""
     following = [*rim[1:], rim[0]]
-    return np.array(
-        [circumcenter(center, one, other) for one, other in zip(rim, following)]
-    )
+    return np.array([circumcenter(center, one, other) for one, other in zip(rim, following)])
 
 
 # %% [markdown]
@@ -202,9 +196,7 @@ def two_duals(distance):
             axes.plot(*dual.T, "o", color=BLUE, ms=4)
             way = dual - np.array([dual[-1], *dual[:-1]])
             lengths = np.hypot(*way.T) * np.hypot(*rim.T)
-            off = np.degrees(
-                np.arcsin(np.max(abs(np.einsum("bk,bk->b", way, rim)) / lengths))
-            )
+            off = np.degrees(np.arcsin(np.max(abs(np.einsum("bk,bk->b", way, rim)) / lengths)))
             axes.set_title(f"{name}: off a right angle by {off:.0f}°")
             axes.set_aspect("equal")
             axes.set(xlim=(-1.05, 2.65), ylim=(-0.95, 0.95))
@@ -339,9 +331,7 @@ def one_coordinate(a):
     center, radius, turn = data("07.1")
     random = np.random.default_rng(5)
     angle = np.linspace(0, 2 * np.pi, 7)[:-1] + random.uniform(0, 0.7, 6)
-    uneven = random.uniform(0.8, 1.3, (6, 1)) * np.column_stack(
-        [np.cos(angle), np.sin(angle)]
-    )
+    uneven = random.uniform(0.8, 1.3, (6, 1)) * np.column_stack([np.cos(angle), np.sin(angle)])
     stars = ((center, hexagon(center, radius, turn)), (np.zeros(2), uneven))
     with figure(6.4, 3.2) as page:
         panels = page.subplots(1, 2)
@@ -350,9 +340,7 @@ def one_coordinate(a):
             places = over_the_cell(corners)
             omega = coordinates(middle, rim, corners, places.reshape(-1, 2))
             heights = omega[:, a].reshape(places.shape[:2])
-            levels = axes.contourf(
-                *places.T, heights.T, levels=np.linspace(0, 1, 11)
-            )
+            levels = axes.contourf(*places.T, heights.T, levels=np.linspace(0, 1, 11))
             axes.plot(*np.array([*corners, corners[0]]).T, color=GREY)
             axes.plot(*corners[a], "o", color=ORANGE, ms=8)
             axes.plot(*middle, "+", color="black")
@@ -452,9 +440,7 @@ def on_the_spiral(n):
             right.loglog(number, miss, color=color, ls=dashes, label=name)
         left.set(xlabel="$n$", xscale="log", title="true (grey), and yours")
         right.set(xlabel="$n$", ylim=(1e-18, 1e2), title="error")
-        page.legend(
-            *left.get_legend_handles_labels(), loc="outside lower center", ncols=3
-        )
+        page.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return page
 
 

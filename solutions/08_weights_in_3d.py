@@ -50,9 +50,7 @@ def icosahedron():
     """Return the 12 corners of an icosahedron of radius 1, and its 20 triangles."""
     golden = (1 + np.sqrt(5)) / 2
     signs = [(s, t) for s in (-1, 1) for t in (-1, 1)]
-    ring = np.array(
-        [np.roll([0, s, t * golden], k) for k in range(3) for s, t in signs]
-    )
+    ring = np.array([np.roll([0, s, t * golden], k) for k in range(3) for s, t in signs])
     touch = np.linalg.norm(ring[:, None] - ring, axis=2) < 2.1
     triples = [(i, j, k) for i in range(12) for j in range(i) for k in range(j)]
     faces = [t for t in triples if touch[np.ix_(t, t)].all()]
@@ -81,9 +79,7 @@ def draw_edges(axes, places, pairs, angle, color):
     near = (depth - depth.min()) / np.ptp(depth)
     for i, j in pairs:
         strength = 0.15 + 0.85 * min(1, (near[i] + near[j]) / 2 + 0.1)
-        axes.plot(
-            across[[i, j]], up[[i, j]], color=color, alpha=strength, lw=1 + strength
-        )
+        axes.plot(across[[i, j]], up[[i, j]], color=color, alpha=strength, lw=1 + strength)
 
 
 def sharing(cells):
@@ -99,9 +95,7 @@ def the_problem(angle):
     dots = outward / (2 * (outward * tips[cells[:, 0]]).sum(axis=1)[:, None])
     with figure(6.4, 3.8) as page:
         axes = page.subplots()
-        sides = np.unique(
-            np.vstack([cells[:, :2], cells[:, 1:], cells[:, ::2]]), axis=0
-        )
+        sides = np.unique(np.vstack([cells[:, :2], cells[:, 1:], cells[:, ::2]]), axis=0)
         draw_edges(axes, tips, sides, angle, GREY)
         draw_edges(axes, dots, sharing(cells), angle, BLUE)
         across, up, _ = seen_from(dots, angle)
@@ -113,9 +107,7 @@ def the_problem(angle):
             ms=4,
             label="circumcentres, on the Voronoi cell",
         )
-        axes.plot(
-            *seen_from(tips, angle)[:2], "o", color=GREY, ms=4, label="neighbours"
-        )
+        axes.plot(*seen_from(tips, angle)[:2], "o", color=GREY, ms=4, label="neighbours")
         axes.plot(0, 0, "o", color=ORANGE, label=r"the vertex $\mathbf{x}_i$")
         axes.set_aspect("equal")
         axes.axis("off")
@@ -333,17 +325,13 @@ check("08.7")
 # %%
 def circumcenters(center, neighbors, cells):
     """Return all p_a, of shape (T, 3), with your function."""
-    return np.array(
-        [circumcenter(center, *(neighbors[int(b)] for b in cell)) for cell in cells]
-    )
+    return np.array([circumcenter(center, *(neighbors[int(b)] for b in cell)) for cell in cells])
 
 
 @draw()
 def linear_precision():
     eight = np.array([(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)])
-    axes_ends = np.array(
-        [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0), (0, -1, 0), (0, 0, -1.0)]
-    )
+    axes_ends = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0), (0, -1, 0), (0, 0, -1.0)])
     uneven, cells = icosahedron()
     uneven = uneven * (1 + 0.2 * np.sin(np.arange(12) ** 2))[:, None]
     stars = {
@@ -356,28 +344,20 @@ def linear_precision():
     for center, neighbors, cells in stars.values():
         corners = circumcenters(center, neighbors, cells)
         signs = np.sign([np.linalg.det(neighbors[cell] - center) for cell in cells])
-        sizes = np.array(
-            [volume(center, *(neighbors[int(b)] for b in cell)) for cell in cells]
-        )
+        sizes = np.array([volume(center, *(neighbors[int(b)] for b in cell)) for cell in cells])
         misses = []
         for mix in random.dirichlet(np.ones(len(cells)), 40):
             place = mix @ corners
             w = weights(center, neighbors, cells, corners, place)
             ways = (w, w / sizes, w * signs)
-            misses.append(
-                [np.linalg.norm(v @ corners / v.sum() - place) for v in ways]
-            )
+            misses.append([np.linalg.norm(v @ corners / v.sum() - place) for v in ways])
         worst.append(np.maximum(np.max(misses, axis=0), 1e-17))
     with figure(6.4, 2.9) as page:
         axes = page.subplots()
         names = ("yours", "volumes left out", "signs left in")
-        looks = zip(
-            names, (BLUE, ORANGE, PURPLE), np.transpose(worst), (-0.12, 0, 0.12)
-        )
+        looks = zip(names, (BLUE, ORANGE, PURPLE), np.transpose(worst), (-0.12, 0, 0.12))
         for name, color, misses, aside in looks:
-            axes.plot(
-                np.arange(3) + aside, misses, "o", color=color, ms=8, label=name
-            )
+            axes.plot(np.arange(3) + aside, misses, "o", color=color, ms=8, label=name)
         axes.set_yscale("log")
         axes.set_xticks(range(3), list(stars))
         axes.set(ylim=(1e-17, 1e3), xlim=(-0.5, 2.5), ylabel="largest miss")
@@ -432,9 +412,7 @@ def from_every_corner(b):
             p = circumcenter(center, *(neighbors[int(k)] for k in cells[a]))
             every = slice(at_face.index(a), None, len(at_face))
             left = (p - line[every]) @ spoke
-            axes.plot(
-                t[every], left, marker, color=ORANGE, label=f"from corner {a}"
-            )
+            axes.plot(t[every], left, marker, color=ORANGE, label=f"from corner {a}")
         axes.axvline(1, color=GREY, lw=0.8, ls=":")
         axes.set_xticks([-0.5, 0, 0.5, 1])
         axes.set(
@@ -511,9 +489,7 @@ def walk(along, angle):
         axes = page.subplots()
         draw_edges(axes, corners - center, sharing(cells), angle, GREY)
         across, up, _ = seen_from(corners - center, angle)
-        axes.scatter(
-            across, up, s=900 * np.clip(omega, 0, 1), color=BLUE, alpha=0.75, lw=0
-        )
+        axes.scatter(across, up, s=900 * np.clip(omega, 0, 1), color=BLUE, alpha=0.75, lw=0)
         (right,), (height,), _ = seen_from((place - center)[None], angle)
         axes.plot(right, height, "o", color=ORANGE, ms=8)
         (right,), (height,), _ = seen_from((omega @ corners - center)[None], angle)

@@ -86,10 +86,14 @@ def three_bumps(side):
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
         axes.axhline(0, color=GREY, lw=0.8)
-        axes.plot(along, kernel(distances(line, sites), 2) @ factors, color=ORANGE, label="bumps alone")
+        axes.plot(
+            along, kernel(distances(line, sites), 2) @ factors, color=ORANGE, label="bumps alone"
+        )
         axes.plot(along, 1 - along / sites[1, 0], color=BLUE, label="a plane")
         axes.plot([0, sites[1, 0]], [1, 0], "o", color="black", label="values 1 and 0")
-        axes.set(xlabel="along the height", ylabel="field", ylim=(-12, 12), title=rf"side {side:.3f}")
+        axes.set(
+            xlabel="along the height", ylabel="field", ylim=(-12, 12), title=rf"side {side:.3f}"
+        )
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
@@ -209,7 +213,13 @@ def both_sides(k):
         for chosen, color, mark in ((least > 0, BLUE, "^"), (least <= 0, ORANGE, "v")):
             axes.plot(degrees[chosen], least[chosen], mark, ms=9, color=color)
         for n, value in zip(degrees, least, strict=True):
-            axes.annotate(f"{value:.0f}" if value < -1 else f"{value:.2g}", (n, value), xytext=(9, 0), va="center", textcoords="offset points")
+            axes.annotate(
+                f"{value:.0f}" if value < -1 else f"{value:.2g}",
+                (n, value),
+                xytext=(9, 0),
+                va="center",
+                textcoords="offset points",
+            )
         axes.set_yscale("symlog", linthresh=1e-3)
         axes.set(
             xlabel="degree of the polynomials in the side conditions",
@@ -282,13 +292,23 @@ def six_points(out):
     with figure(6.4, 3.2) as page:
         axes = page.subplots()
         field = (monomials(grid, 2) @ smallest).reshape(161, 161)
-        axes.contourf(side, side, np.abs(field), levels=np.linspace(0, 1.5, 7), cmap="Greys", extend="max", alpha=0.5)
+        axes.contourf(
+            side,
+            side,
+            np.abs(field),
+            levels=np.linspace(0, 1.5, 7),
+            cmap="Greys",
+            extend="max",
+            alpha=0.5,
+        )
         axes.contour(side, side, field, levels=[0], colors=ORANGE)
         axes.plot(*sites[:5].T, "o", color=BLUE)
         axes.plot(*sites[5], "o", color=ORANGE, ms=9)
         singular = np.linalg.svd(p)[1][-1]
         axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal", xlim=(-2, 2), ylim=(-1.3, 1.3))
-        axes.set_title(f"vanishing polynomials: {int(vanishing(sites, 2))}; least singular value {singular:.1e}")
+        axes.set_title(
+            f"vanishing polynomials: {int(vanishing(sites, 2))}; least singular value {singular:.1e}"
+        )
     return page
 
 
@@ -340,10 +360,15 @@ def your_field(k, degree):
     enough = degree >= k // 2
     with figure(5.6, 3.9) as page:
         axes = page.subplots()
-        image = axes.contourf(side, side, field, levels=np.linspace(-4, 4, 17), extend="both", cmap="PuOr_r")
+        image = axes.contourf(
+            side, side, field, levels=np.linspace(-4, 4, 17), extend="both", cmap="PuOr_r"
+        )
         axes.scatter(*sites.T, c=values, norm=image.norm, cmap="PuOr_r", ec="black", s=60)
         axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal", xticks=[0, 1], yticks=[0, 1])
-        axes.set_title(f"$k = {k}$, $n = {degree}$: " + ("a field for all points" if enough else "the degree is too low"))
+        axes.set_title(
+            f"$k = {k}$, $n = {degree}$: "
+            + ("a field for all points" if enough else "the degree is too low")
+        )
         page.colorbar(image, ax=axes, label="$f$")
     return page
 
@@ -370,11 +395,22 @@ def on_a_line(more):
     grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
     field = kernel(distances(grid, sites), 2) @ found[:5] + monomials(grid, 1) @ found[5:]
     with figure(6.4, 2.9) as page:
-        for axes, plane, title in zip(page.subplots(1, 2), (0, more), ("a solution", "another one"), strict=True):
+        for axes, plane, title in zip(
+            page.subplots(1, 2), (0, more), ("a solution", "another one"), strict=True
+        ):
             shown = (field + plane * (grid[:, 0] - grid[:, 1])).reshape(61, 61)
-            image = axes.contourf(side, side, shown, levels=np.linspace(-2, 2, 17), extend="both", cmap="PuOr_r")
+            image = axes.contourf(
+                side, side, shown, levels=np.linspace(-2, 2, 17), extend="both", cmap="PuOr_r"
+            )
             axes.scatter(*sites.T, c=values, norm=image.norm, cmap="PuOr_r", ec="black", s=60)
-            axes.set(title=title, aspect="equal", xticks=[0, 1], yticks=[0, 1], xlabel="$x_1$", ylabel="$x_2$")
+            axes.set(
+                title=title,
+                aspect="equal",
+                xticks=[0, 1],
+                yticks=[0, 1],
+                xlabel="$x_1$",
+                ylabel="$x_2$",
+            )
         page.colorbar(image, ax=page.axes, label="$f$")
     return page
 
@@ -429,12 +465,25 @@ def too_many_variables(d, s):
         left.plot(r, wendland(r, d, s), color=PURPLE)
         left.set(xlabel="$r$", title=rf"$\psi_{{{d},{s}}}(r)$")
         right.axhline(0, color=GREY, lw=0.8)
-        for variables, across, color, mark in ((1, 30, BLUE, "o"), (2, 9, GREEN, "s"), (3, 5, ORANGE, "v")):
+        for variables, across, color, mark in (
+            (1, 30, BLUE, "o"),
+            (2, 9, GREEN, "s"),
+            (3, 5, ORANGE, "v"),
+        ):
             axis = np.arange(across)
             lattice = np.stack(np.meshgrid(*[axis] * variables), axis=-1).reshape(-1, variables)
             r = distances(lattice, lattice)
-            least = [least_eigenvalue(wendland(step * r, d, s), np.zeros((len(r), 0))) for step in steps]
-            right.plot(steps, least, color=color, marker=mark, ms=4, label=f"{variables} variable" + "s" * (variables > 1))
+            least = [
+                least_eigenvalue(wendland(step * r, d, s), np.zeros((len(r), 0))) for step in steps
+            ]
+            right.plot(
+                steps,
+                least,
+                color=color,
+                marker=mark,
+                ms=4,
+                label=f"{variables} variable" + "s" * (variables > 1),
+            )
         right.set(xlabel="step of the lattice", title="least eigenvalue", ylim=(-0.75, 1.05))
         right.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
@@ -501,7 +550,9 @@ def film(t):
 
     times = np.linspace(0, 1, 101)
     plain = np.array([np.linalg.det(monomials(moved(u), 1)) for u in times])
-    bumps = np.array([np.linalg.det(np.exp(-4 * distances(moved(u), moved(u)) ** 2)) for u in times])
+    bumps = np.array(
+        [np.linalg.det(np.exp(-4 * distances(moved(u), moved(u)) ** 2)) for u in times]
+    )
     with figure(6.4, 3.3) as page:
         left, right = page.subplots(1, 2, width_ratios=[1, 1.4])
         now = moved(t)
@@ -517,11 +568,15 @@ def film(t):
         left.spines[:].set_visible(False)
         right.axhline(0, color=GREY, lw=0.8)
         right.plot(times, plain / np.abs(plain).max(), color=BLUE, label="$1, x_1, x_2$")
-        right.plot(times, bumps / np.abs(bumps).max(), color=GREEN, ls="--", label="three Gaussians")
+        right.plot(
+            times, bumps / np.abs(bumps).max(), color=GREEN, ls="--", label="three Gaussians"
+        )
         right.axvline(t, color=PURPLE, lw=1)
         right.plot(exchange_time(three), 0, "o", mfc="none", ms=9, color=ORANGE, label="your time")
         right.set(xlabel="time $t$", title="determinant, over its largest size", ylim=(-1.15, 1.15))
-        right.legend(loc="upper center", bbox_to_anchor=(0.4, -0.2), ncols=3, fontsize=9, columnspacing=1)
+        right.legend(
+            loc="upper center", bbox_to_anchor=(0.4, -0.2), ncols=3, fontsize=9, columnspacing=1
+        )
     return page
 
 
@@ -589,7 +644,12 @@ def with_slopes(slope):
     found = np.linalg.solve(slope_matrix(x), np.concatenate([v, g, [0, 0]]))
     places = np.linspace(-0.5, 3.5, 400)
     z = np.subtract.outer(places, x)
-    field = np.abs(z) ** 3 @ found[:5] - 3 * (z * np.abs(z)) @ found[5:10] + found[10] + found[11] * places
+    field = (
+        np.abs(z) ** 3 @ found[:5]
+        - 3 * (z * np.abs(z)) @ found[5:10]
+        + found[10]
+        + found[11] * places
+    )
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
         for j in (0, 2):

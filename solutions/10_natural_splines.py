@@ -302,9 +302,19 @@ def beyond_the_pins(reach):
             start, end = pins[first], pins[first + 1]
             four = np.linspace(start, end, 4)
             cubic = np.polynomial.Polynomial.fit(four, piecewise(pins, heights, bends, four), 3)
-            left.plot(side[way], cubic(side[way]), color=ORANGE, ls="--", label="cubic continued" if first else None)
+            left.plot(
+                side[way],
+                cubic(side[way]),
+                color=ORANGE,
+                ls="--",
+                label="cubic continued" if first else None,
+            )
         left.plot(pins, heights, "o", color="black", ms=4)
-        left.set(xlabel="$x$", title=f"two routes differ by {np.abs(curve - other).max():.0e}", ylim=(-6, 6))
+        left.set(
+            xlabel="$x$",
+            title=f"two routes differ by {np.abs(curve - other).max():.0e}",
+            ylim=(-6, 6),
+        )
         left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=9)
         right.axhline(0, color=GREY, lw=0.8)
         right.plot([side[0], *pins, side[-1]], [0, *bends, 0], "-", color=BLUE)
@@ -364,8 +374,16 @@ def round_trip():
         axes = page.subplots()
         names = [f"$a_{{{j + 1}}}$" for j in range(len(pins))] + ["$b_0$", "$b_1$"]
         axes.axhline(0, color=GREY, lw=0.8)
-        axes.plot(names, np.concatenate(direct), "o", mfc="none", ms=10, color=BLUE, label="by distances")
-        axes.plot(names, np.concatenate(way), "x", color=ORANGE, label="moments, truncated powers, distances")
+        axes.plot(
+            names, np.concatenate(direct), "o", mfc="none", ms=10, color=BLUE, label="by distances"
+        )
+        axes.plot(
+            names,
+            np.concatenate(way),
+            "x",
+            color=ORANGE,
+            label="moments, truncated powers, distances",
+        )
         axes.set(ylabel="coefficient")
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
     return page
@@ -534,8 +552,16 @@ def influence(which):
     change = np.abs(piecewise(pins, one, moments(pins, one), side))
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
-        axes.semilogy(side, np.maximum(change, 1e-12), color=BLUE, lw=1.2, label="change of the curve")
-        axes.semilogy(side, 0.5 * (2 - np.sqrt(3)) ** np.abs(side - which), color=ORANGE, ls="--", label=r"$(2 - \sqrt{3})^{\,j}$, times ½")
+        axes.semilogy(
+            side, np.maximum(change, 1e-12), color=BLUE, lw=1.2, label="change of the curve"
+        )
+        axes.semilogy(
+            side,
+            0.5 * (2 - np.sqrt(3)) ** np.abs(side - which),
+            color=ORANGE,
+            ls="--",
+            label=r"$(2 - \sqrt{3})^{\,j}$, times ½",
+        )
         axes.set(xlabel="$x$", ylim=(1e-9, 1e3), xticks=[1, 6, 11, 16, 21])
         axes.legend(loc="upper right", ncols=2)
     return page

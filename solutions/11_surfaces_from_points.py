@@ -588,16 +588,22 @@ def slices(height):
     with figure(6.8, 2.5) as page:
         first, left, right = page.subplots(1, 3)
         draw_cloud(first, paper(points), size=1.5)
-        draw_pieces(first, np.stack([paper(points), paper(points + 0.15 * n)], axis=1), color=BLUE, lw=0.8)
+        draw_pieces(
+            first, np.stack([paper(points), paper(points + 0.15 * n)], axis=1), color=BLUE, lw=0.8
+        )
         first.set(title=f"{len(points)} points, and normals")
         for z in [*np.linspace(-0.36, 0.36, 7), height]:
             level = np.insert(zero_level(nodes, values_at(z)), 2, z, axis=2)
             chosen = z == height
-            draw_pieces(left, paper(level), color=ORANGE if chosen else BLUE, lw=2.2 if chosen else 1)
+            draw_pieces(
+                left, paper(level), color=ORANGE if chosen else BLUE, lw=2.2 if chosen else 1
+            )
         left.set(aspect="equal", title="slices of the level")
         left.set_axis_off()
         f = values_at(height)
-        bands = right.contourf(*nodes.transpose(2, 0, 1), f, np.linspace(-0.8, 0.8, 17), cmap="PuOr", extend="both")
+        bands = right.contourf(
+            *nodes.transpose(2, 0, 1), f, np.linspace(-0.8, 0.8, 17), cmap="PuOr", extend="both"
+        )
         bands.set_rasterized(True)
         draw_pieces(right, zero_level(nodes, f), color=ORANGE, lw=2.2)
         right.set(aspect="equal", title=f"F at the height {height:.2g}")

@@ -51,6 +51,7 @@ from fieldcheck import (
 # %%
 def half_wing(stations):
     """Return the nodes of a skeleton (N, 3), and the skin (M, 3) with its areas (M,)."""
+
     def placed(s, t, side):
         chord = 0.6 - 0.3 * t
         return np.column_stack([0.3 * t + chord * s, t, side * 0.3 * chord * s * (1 - s)])
@@ -101,6 +102,7 @@ def the_problem(bend, twist):
 # with $\Phi_{ij} = \lVert \mathbf{x}_i - \mathbf{x}_j \rVert^3$ and the rows $(1, \mathbf{x}_i^T)$ of $\mathbf{P}$. On a line this is the curve of a thin ruler that is held at the nodes: a good
 # picture of a structure that bends. The matrix depends on the nodes alone, and is given here:
 
+
 # %% tags=["setup"]
 def distances(a, b):
     """Return the distances from each of the points a (M, D) to each of b (N, D), of shape (M, N)."""
@@ -134,6 +136,7 @@ def system(nodes):
 #
 # </details>
 
+
 # %% question="12.1"
 def weights(nodes, places):
     """Return H of (12.2), of shape (M, N), for nodes (N, D) and places (M, D)."""
@@ -161,6 +164,7 @@ check("12.1")
 # $$ \mathbf{g} = \mathbf{H}^T \mathbf{f} . \tag{12.4} $$
 #
 # ### 12.2 The loads on the structure
+
 
 # %% question="12.2"
 def loads(H, f):
@@ -195,10 +199,22 @@ def footprint(x, y):
             axes.plot([], [], "o", color=color, label=name)
         axes.plot(*nodes.T, ".", color=GREY, ms=3)
         for node, part in zip(nodes, parts):
-            axes.annotate(f"{round(part, 2) + 0:.2f}", node, (0, -14), textcoords="offset points", ha="center", fontsize=8)
+            axes.annotate(
+                f"{round(part, 2) + 0:.2f}",
+                node,
+                (0, -14),
+                textcoords="offset points",
+                ha="center",
+                fontsize=8,
+            )
         axes.plot(*(parts @ nodes), "o", mfc="none", color=PURPLE, ms=15, label="their balance")
         axes.plot(x, y, "x", color="black", ms=8, mew=2, label="the force")
-        axes.set(xlim=(-0.6, 2.1), ylim=(-0.7, 1.6), aspect="equal", title=f"sum of the parts {parts.sum():.3f}")
+        axes.set(
+            xlim=(-0.6, 2.1),
+            ylim=(-0.7, 1.6),
+            aspect="equal",
+            title=f"sum of the parts {parts.sum():.3f}",
+        )
         axes.axis("off")
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5), labelspacing=1)
     return page
@@ -237,6 +253,7 @@ def footprint(x, y):
 # ### 12.4 Force and moment
 #
 # Write (12.5) in space, so that you can measure what arrives.
+
 
 # %% question="12.4"
 def resultants(points, forces, about):
@@ -290,10 +307,14 @@ def what_goes_wrong(stations):
     wanted, found = arrivals(stations)
     with figure(6.4, 3.0) as page:
         axes = page.subplots()
-        looks = zip(found.items(), (ORANGE, PURPLE, GREEN, BLUE), "^sDo", (-0.15, -0.05, 0.05, 0.15))
+        looks = zip(
+            found.items(), (ORANGE, PURPLE, GREEN, BLUE), "^sDo", (-0.15, -0.05, 0.05, 0.15)
+        )
         for (name, got), color, marker, aside in looks:
             off = np.abs(got - wanted)[2:5] / np.abs(wanted)[2:5]
-            axes.plot(np.arange(3) + aside, np.maximum(off, 1e-16), marker, color=color, ms=7, label=name)
+            axes.plot(
+                np.arange(3) + aside, np.maximum(off, 1e-16), marker, color=color, ms=7, label=name
+            )
         axes.set_yscale("log")
         axes.set_xticks(range(3), ["lift", "bending", "twisting"])
         axes.set(ylim=(1e-17, 20), xlim=(-0.5, 2.5), ylabel="relative error")
@@ -327,6 +348,7 @@ def what_goes_wrong(stations):
 #
 # ### 12.6 Pressures on the structure
 
+
 # %% question="12.6"
 def densities(H, p, m):
     """Return p' of (12.6), of shape (N,), for weights H (M, N), pressures p (M,), areas m (M,)."""
@@ -355,6 +377,7 @@ check("12.6")
 #
 # Only $\mathbf{b}$ of (12.2) depends on the place. Its derivative with respect to the coordinate $k$ has the entries $3 \lVert \mathbf{y} - \mathbf{x}_j \rVert\, (y_k - x_{jk})$, then a zero for the one, then
 # the unit vector of that coordinate. Write the slopes in any dimension.
+
 
 # %% question="12.7"
 def slopes(nodes, places):
@@ -388,6 +411,7 @@ check("12.7")
 # Only $u_{j3}$ is multiplied by slopes, so only $g_{j3}$ has more than $\mathbf{H}^T\mathbf{f}$. What of $\mathbf{f}_i$ stands beside them?
 #
 # </details>
+
 
 # %% question="12.8"
 def flat_loads(nodes, places, f):
@@ -427,15 +451,33 @@ def pulled_along(height):
         axes.plot(*seen(flat), "o", color=GREY, ms=4)
         for node, up in zip(flat, g[:, 2]):
             ends = np.column_stack(seen(np.array([node, node + [0, 0, 0.8 * up]])))
-            axes.annotate("", ends[1], ends[0], arrowprops={"arrowstyle": "->", "color": BLUE, "lw": 2, "shrinkA": 0, "shrinkB": 0})
+            axes.annotate(
+                "",
+                ends[1],
+                ends[0],
+                arrowprops={"arrowstyle": "->", "color": BLUE, "lw": 2, "shrinkA": 0, "shrinkB": 0},
+            )
         foot = np.vstack([place * [1, 1, 0], place, place + [0.45, 0, 0]])
         axes.plot(*seen(foot[:2]), ":", color=ORANGE)
         start, tip = np.column_stack(seen(foot[1:]))
-        axes.annotate("", tip, start, arrowprops={"arrowstyle": "-|>", "color": ORANGE, "lw": 2.5, "shrinkA": 0, "shrinkB": 0})
+        axes.annotate(
+            "",
+            tip,
+            start,
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": ORANGE,
+                "lw": 2.5,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+        )
         axes.plot([], [], color=ORANGE, lw=2.5, label="the force")
         axes.plot([], [], color=BLUE, lw=2, label="across the plate")
         axes.set(xlim=(-0.3, 1.9), ylim=(-0.75, 1.25), aspect="equal")
-        axes.set_title(f"moment about the y axis: {before[4]:.2f} of the force, {after[4]:.2f} of the loads")
+        axes.set_title(
+            f"moment about the y axis: {before[4]:.2f} of the force, {after[4]:.2f} of the loads"
+        )
         axes.axis("off")
         axes.legend(loc="upper left")
     return page
@@ -473,6 +515,7 @@ def pulled_along(height):
 #    \mathbf{u}^{n+1} = (1 - \omega)\,\mathbf{u}^n + \omega\, \mathbf{K}^{-1} \mathbf{H}^T (\mathbf{f}_0 + \mathbf{A}\mathbf{H}\mathbf{u}^n) . \tag{12.9} $$
 #
 # ### 12.10 The iterates
+
 
 # %% question="12.10"
 def iterates(K, H, f0, A, omega, steps):
@@ -538,7 +581,9 @@ def typical_section(lam, omega):
             right.axhline(lam / (1 - lam), color=ORANGE, ls="--", label="(12.10)")
         right.set(xlabel="step", ylabel=r"$\theta / \alpha_0$", ylim=(-7, 9))
         right.legend(loc="upper right")
-        page.suptitle(rf"each step takes $1 - \omega(1 - \lambda) = {1 - omega * (1 - lam):.2f}$ of the one before")
+        page.suptitle(
+            rf"each step takes $1 - \omega(1 - \lambda) = {1 - omega * (1 - lam):.2f}$ of the one before"
+        )
     return page
 
 
@@ -556,6 +601,7 @@ def typical_section(lam, omega):
 # If $\mathbf{K}\mathbf{u} = q\,\mathbf{H}^T\mathbf{A}\mathbf{H}\,\mathbf{u}$, of which matrix is $1/q$ an eigenvalue? Not all of them need be real (`np.isreal`), or positive.
 #
 # </details>
+
 
 # %% question="12.11"
 def divergence(K, H, A):
@@ -596,7 +642,10 @@ check("12.11")
 def swept_wing(sweep, n=10, strips=20, chord=0.2, slope=2 * np.pi):
     """Return K, H, f0 for an angle of one, A, for q as a part of (12.12); strips; and the skin."""
     h, apart = 1 / n / np.cos(sweep), 0.16
-    along, across = np.array([np.sin(sweep), np.cos(sweep)]), np.array([np.cos(sweep), -np.sin(sweep)])
+    along, across = (
+        np.array([np.sin(sweep), np.cos(sweep)]),
+        np.array([np.cos(sweep), -np.sin(sweep)]),
+    )
     axis = h * np.arange(n + 1)[:, None] * along
     nodes = np.vstack([axis - apart / 2 * across, axis + apart / 2 * across])
     y = (np.arange(strips) + 0.5) / strips
@@ -639,7 +688,9 @@ def in_the_wind(q, sweep):
         left.axis("off")
         right.set(xlabel="along the span", ylabel="lift per span", ylim=(0, 6))
         told = f"it diverges at {limit:.2f}" if 0 < limit < 50 else "it never diverges"
-        left.set_title(f"sweep {sweep:.0f}°, pressure {q:.2f}: {told}".replace("-", "\N{MINUS SIGN}"))
+        left.set_title(
+            f"sweep {sweep:.0f}°, pressure {q:.2f}: {told}".replace("-", "\N{MINUS SIGN}")
+        )
         page.legend(loc="outside lower center", ncols=2)
     return page
 

@@ -105,6 +105,7 @@ def the_problem(dt):
 #
 # Three flows are given, by number. Number 0 turns as a whole, once in the time one. Number 1 is a vortex, slower outside, that gets faster with time. Number 2, on the square from $-1$ to $1$, stretches what it carries, and reverses: at the time one all is back.
 
+
 # %% tags=["setup"]
 def velocity(y, t, flow):
     """Return a(y, t), of shape (M, 2), at places y (M, 2), in the flow number 0, 1 or 2."""
@@ -126,6 +127,7 @@ def velocity(y, t, flow):
 #
 # ### 13.1 Euler
 
+
 # %% question="13.1"
 def euler(x, t, dt, flow):
     """Return the feet y of (13.3), of shape (M, 2), at time t - dt of places x (M, 2) at time t."""
@@ -143,6 +145,7 @@ check("13.1")
 # $$ \mathbf{y} = \mathbf{x} - \Delta t\, \mathbf{a}\bigl(\mathbf{x} - \tfrac12 \Delta t\, \mathbf{a}(\mathbf{x}, t),\; t - \tfrac12 \Delta t\bigr) . \tag{13.4} $$
 #
 # ### 13.2 The midpoint rule
+
 
 # %% question="13.2"
 def midpoint(x, t, dt, flow):
@@ -168,6 +171,7 @@ check("13.2")
 #    \end{aligned} \tag{13.5} $$
 #
 # ### 13.3 Runge and Kutta
+
 
 # %% question="13.3"
 def rk4(x, t, dt, flow):
@@ -228,7 +232,13 @@ def orders():
                     y = scheme(y, 1 - n / count, 1 / count, 1)
                 errors.append(np.sqrt(np.mean((y - true) ** 2)))
             slope = np.log2(errors[-2] / errors[-1])
-            axes.loglog(1 / counts, errors, marker + "-", color=color, label=f"{scheme.__name__}, {slope:.2f}")
+            axes.loglog(
+                1 / counts,
+                errors,
+                marker + "-",
+                color=color,
+                label=f"{scheme.__name__}, {slope:.2f}",
+            )
         axes.set(xlabel=r"step $\Delta t$", ylabel="error of the feet")
         axes.grid(alpha=0.3)
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
@@ -267,6 +277,7 @@ def orders():
 #
 # with $\Phi_{ab} = \lVert \mathbf{z}_a - \mathbf{z}_b \rVert^3$ and the rows $(1, \mathbf{z}_a^T)$ of $\mathbf{P}$. All other weights are zero. The matrix of (13.7) is given:
 
+
 # %% tags=["setup"]
 def system(z):
     """Return the matrix of (13.7), of shape (k + D + 1, k + D + 1), for sites z (k, D)."""
@@ -286,6 +297,7 @@ def system(z):
 # Begin with zeros and fill one row after the other. `np.argsort` of distances tells which sites are near; an array of numbers of columns may stand on the left of `=`.
 #
 # </details>
+
 
 # %% question="13.5"
 def step_matrix(sites, feet, k):
@@ -308,6 +320,7 @@ check("13.5")
 # ### 13.6 Many steps
 #
 # Begin at the time zero and make steps of the length $\Delta t$. The feet, by your `rk4`, are those of the sites at the time of *arrival*, $t_{n+1} = (n + 1)\Delta t$; if the velocity depends on time, they and $\mathbf{H}$ are other ones in each step.
+
 
 # %% question="13.6"
 def advect(sites, u, dt, steps, flow, k):
@@ -367,7 +380,9 @@ def once_round(steps, k):
         show_field(left, sites, u, "at the beginning")
         show_field(right, sites, end, "after one turn")
         off = np.sqrt(np.mean((end - u) ** 2))
-        page.suptitle(f"the rim moves {2 * np.pi / steps / spacing:.1f} spacings in a step; error {off:.3f}")
+        page.suptitle(
+            f"the rim moves {2 * np.pi / steps / spacing:.1f} spacings in a step; error {off:.3f}"
+        )
     return page
 
 
@@ -393,7 +408,9 @@ def how_many_steps(sites):
                 H = step_matrix(sites, scheme(sites, 0, 1 / count, 0), 21)
                 end = np.linalg.matrix_power(H, int(count)) @ u
                 errors.append(np.sqrt(np.mean((end - u) ** 2)))
-            axes.loglog(counts, np.clip(errors, 0, 9), marker + "-", color=color, label=scheme.__name__)
+            axes.loglog(
+                counts, np.clip(errors, 0, 9), marker + "-", color=color, label=scheme.__name__
+            )
         axes.set(xlabel="steps in one turn", ylabel="error", ylim=(5e-4, 10))
         axes.set_xticks(counts, counts)
         axes.minorticks_off()
@@ -425,6 +442,7 @@ def how_many_steps(sites):
 #
 # ### 13.8 The bounds
 
+
 # %% question="13.8"
 def bounds(sites, u, feet):
     """Return l and h of (13.8), each of shape (M,), for sites (N, 2), values u (N,), feet (M, 2)."""
@@ -454,6 +472,7 @@ check("13.8")
 # There are two ways. Between $\min_j (l_j - u_j)$ and $\max_j (h_j - u_j)$ one finds $\lambda$ by halving an interval sixty times. Or: where are the corners between the straight pieces? With the masses there, `np.interp` finishes.
 #
 # </details>
+
 
 # %% question="13.9"
 def with_mass(u, low, high, m, total):
@@ -498,7 +517,11 @@ def what_is_kept():
     u = slotted(sites)
     feet = rk4(sites, 0, 1 / 24, 0)
     H = step_matrix(sites, feet, 21)
-    ways = {"as it comes": (False, False), "within bounds": (True, False), "bounds and mass": (True, True)}
+    ways = {
+        "as it comes": (False, False),
+        "within bounds": (True, False),
+        "bounds and mass": (True, True),
+    }
     with figure(6.4, 5.0) as page:
         above, below = page.subfigures(2, 1)
         pictures, (left, right) = above.subplots(1, 3), below.subplots(1, 2)
@@ -545,7 +568,9 @@ def out_and_back(steps):
     fields = advect(sites, u, 1 / steps, steps, 2, 21)
     with figure(6.4, 2.6) as page:
         panels = page.subplots(1, 3)
-        for axes, n, title in zip(panels, (0, steps // 2, steps), ("at the beginning", "half-way", "back")):
+        for axes, n, title in zip(
+            panels, (0, steps // 2, steps), ("at the beginning", "half-way", "back")
+        ):
             show_field(axes, sites, fields[n], title)
         off = np.sqrt(np.mean((fields[-1] - u) ** 2))
         page.suptitle(f"{steps} steps, error {off:.3f}")
@@ -562,6 +587,7 @@ def out_and_back(steps):
 # where $s_{\mathbf{u}}$ is the field through the values at the sites, by your `step_matrix`.
 #
 # ### 13.11 Feet of a flow that carries itself
+
 
 # %% question="13.11"
 def burgers_feet(sites, u, dt, rounds, k):

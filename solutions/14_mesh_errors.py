@@ -118,7 +118,9 @@ def draw_surface(axes, points, triangles, lines=(), special=(), color=PURPLE):
 
 def draw_rings(axes, points, vertices):
     """Draw rings round vertices."""
-    axes.plot(*seen(points)[vertices, :2].T, "o", ms=10, mfc="none", mec=ORANGE, mew=2.5, zorder=9999)
+    axes.plot(
+        *seen(points)[vertices, :2].T, "o", ms=10, mfc="none", mec=ORANGE, mew=2.5, zorder=9999
+    )
 
 
 def many(n, thing):
@@ -149,7 +151,11 @@ def three_files(pull):
                 own = np.unique(t[part == k])
                 moved[own] += pull * p[own].mean(axis=0)
             draw_surface(axes, moved, t)
-            axes.set(xlim=(-1.75, 1.75), ylim=(-1.75, 1.75), title=f"{name}:\n{many(len(np.unique(part)), 'part')}")
+            axes.set(
+                xlim=(-1.75, 1.75),
+                ylim=(-1.75, 1.75),
+                title=f"{name}:\n{many(len(np.unique(part)), 'part')}",
+            )
     return page
 
 
@@ -312,12 +318,20 @@ def welding(exponent):
         draw_surface(left, soup, now, [(s[count == 1], BLUE)])
         left.set(xlim=(-1.05, 1.05), ylim=(-1.1, 1.1))
         right.plot(exponents, [len(np.unique(t)) for t in lists], color=BLUE, label="vertices")
-        right.plot(exponents, [euler_characteristic(t) if len(t) else 0 for t in lists], "--",
-                   color=ORANGE, label="characteristic")
+        right.plot(
+            exponents,
+            [euler_characteristic(t) if len(t) else 0 for t in lists],
+            "--",
+            color=ORANGE,
+            label="characteristic",
+        )
         right.axvline(exponent, color=GREY, lw=1)
         right.axhline(2, color=GREY, lw=0.6)
-        right.set(xlabel=r"$\log_{10}\,\tau$", title=f"τ = {10**exponent:.1g}: χ = "
-                  f"{euler_characteristic(now) if len(now) else 0}", yscale="symlog")
+        right.set(
+            xlabel=r"$\log_{10}\,\tau$",
+            title=f"τ = {10**exponent:.1g}: χ = {euler_characteristic(now) if len(now) else 0}",
+            yscale="symlog",
+        )
         right.set_yticks([0, 2, 10, 100], ["0", "2", "10", "100"])
         right.legend(loc="lower right")
     return page
@@ -514,9 +528,13 @@ def strips(twists):
     with figure(6.6, 2.7) as page:
         left, right = page.subplots(1, 2)
         draw_surface(left, points, triangles)
-        draw_surface(right, points, mended, zip(rims, (BLUE, PURPLE)), np.flatnonzero(turn == 0), "#e8d5a8")
+        draw_surface(
+            right, points, mended, zip(rims, (BLUE, PURPLE)), np.flatnonzero(turn == 0), "#e8d5a8"
+        )
         left.set(title=f"{many(twists, 'half turn')}, as listed")
-        right.set(title=f"{'turned' if turn.any() else 'no turning helps'}, {many(len(names), 'rim')}")
+        right.set(
+            title=f"{'turned' if turn.any() else 'no turning helps'}, {many(len(names), 'rim')}"
+        )
     return page
 
 
@@ -581,6 +599,7 @@ check("14.7")
 # %% question="14.8"
 def pierced(start, end, corners):
     """Return whether (14.5) holds, of shape (K,), for start and end (K, 3), corners (K, 3, 3)."""
+
     # BEGIN SOLUTION
     def side(a, b, c, x):
         return np.sign(np.sum(np.cross(b - a, c - a) * (x - a), axis=1))
@@ -615,11 +634,17 @@ def with_error(k):
     a, b, c = np.roll(triangles[here], -int(np.argmax(triangles[here] == 6)))
     cut = np.vstack([np.delete(triangles, here, axis=0), [[a, b, n], [a, n, c]]])
     upper = np.isin(triangles, [*range(30), 50]).all(axis=1)
-    seam = np.where((20 <= triangles) & (triangles < 30) & upper[:, None], triangles + n - 20, triangles)
+    seam = np.where(
+        (20 <= triangles) & (triangles < 30) & upper[:, None], triangles + n - 20, triangles
+    )
     return [
         ("nothing", points, triangles),
         ("a hole", points, np.delete(triangles, [32, 33, 35], axis=0)),
-        ("a triangle turned over", points, np.where(np.arange(m)[:, None] == 32, triangles[:, ::-1], triangles)),
+        (
+            "a triangle turned over",
+            points,
+            np.where(np.arange(m)[:, None] == 32, triangles[:, ::-1], triangles),
+        ),
         ("a fin", np.vstack([points, [tip]]), np.vstack([triangles, [[6, 7, n]]])),
         ("two spheres, tip to tip", *fused((touching, two[1]), (n - 2, 2 * n - 1))),
         ("two spheres that cross", beside, two[1]),
@@ -637,14 +662,21 @@ def audit(error, turn):
     place, used = np.asarray(weld(points, 1e-9)), np.unique(triangles)
     s, count = sides(triangles), np.asarray(triangles_at_sides(triangles))
     fan = np.asarray(fans(n, triangles))
-    loop, thin = np.asarray(boundary_loops(n, triangles)), np.asarray(flat(points, triangles, 1e-9)) > 0
+    loop, thin = (
+        np.asarray(boundary_loops(n, triangles)),
+        np.asarray(flat(points, triangles, 1e-9)) > 0,
+    )
     over = np.zeros(m) if (count > 2).any() else np.asarray(turns(points, triangles))
     edges = np.array(sorted({tuple(sorted(e)) for e in s.tolist()}))
     i, j = (k.ravel() for k in np.indices((len(edges), m)))
-    near = (np.abs(points[edges].mean(axis=1)[i] - points[triangles].mean(axis=1)[j]) < 0.9).all(axis=1)
+    near = (np.abs(points[edges].mean(axis=1)[i] - points[triangles].mean(axis=1)[j]) < 0.9).all(
+        axis=1
+    )
     apart = (place[edges[i]][:, :, None] != place[triangles[j]][:, None]).all(axis=(1, 2)) & near
     i, j = i[apart], j[apart]
-    crossed = np.unique(j[np.asarray(pierced(*points[edges[i]].swapaxes(0, 1), points[triangles[j]]), dtype=bool)])
+    crossed = np.unique(
+        j[np.asarray(pierced(*points[edges[i]].swapaxes(0, 1), points[triangles[j]]), dtype=bool)]
+    )
     t = np.radians(turn)
     shown = points @ [[np.cos(t), np.sin(t), 0], [-np.sin(t), np.cos(t), 0], [0, 0, 1]]
     lines = {
@@ -667,7 +699,9 @@ def audit(error, turn):
         for k, (what, number) in enumerate(lines.items()):
             normal = number == (2 if k == 0 else 0)
             style = {"color": GREY if normal else "black", "weight": "normal" if normal else "bold"}
-            right.text(0, 0.93 - 0.12 * k, str(number), ha="right", transform=right.transAxes, **style)
+            right.text(
+                0, 0.93 - 0.12 * k, str(number), ha="right", transform=right.transAxes, **style
+            )
             right.text(0.05, 0.93 - 0.12 * k, what, transform=right.transAxes, **style)
     return page
 

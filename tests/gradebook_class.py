@@ -26,9 +26,10 @@ def notebook(number, folder="solutions"):
 def code_cell(book, function):
     """Return the cell of a notebook that defines a function."""
     return next(
-        c for c in book["cells"]
+        c
+        for c in book["cells"]
         if c["cell_type"] == "code" and f"def {function}(" in "".join(c["source"])
-    )  # fmt: skip
+    )
 
 
 def with_function(book, function, code):
@@ -72,11 +73,14 @@ def record(student, grades, notebook="01", **changes):
 def asked(*names, points=2.0, kind="code"):
     return tuple(
         {
-            "question": name, "notebook": name[:2], "kind": kind, "points": points,
+            "question": name,
+            "notebook": name[:2],
+            "kind": kind,
+            "points": points,
             "function": "f" if kind == "code" else "",
         }
         for name in names
-    )  # fmt: skip
+    )
 
 
 def results(records, questions=None, students=(), **changes):

@@ -257,9 +257,7 @@ def the_origin_does_not_matter(case: Case) -> None:
     x = case.queries
     assert_close(there(x + offset), here(x), 10 * case.exact)
     assert_close(there.gradient(x + offset), here.gradient(x), 1000 * case.exact)
-    assert_close(
-        dense(moved.weights(x + offset)), dense(case.method.weights(x)), 10 * case.exact
-    )
+    assert_close(dense(moved.weights(x + offset)), dense(case.method.weights(x)), 10 * case.exact)
 
 
 def the_axes_do_not_matter(case: Case) -> None:

@@ -71,9 +71,7 @@ class Spoiled(Reconstruction):
 
 def spoiled(right: Case, mutant: type[Spoiled]) -> Case:
     """The case with its method spoiled."""
-    return replace(
-        right, name=mutant.__name__, make=lambda p, unit: mutant(right.make(p, unit))
-    )
+    return replace(right, name=mutant.__name__, make=lambda p, unit: mutant(right.make(p, unit)))
 
 
 def made(right: Case, name: str, make: Callable[..., Reconstruction]) -> Case:

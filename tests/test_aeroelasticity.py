@@ -172,8 +172,11 @@ def test_nodes_must_be_those_of_plate_and_lattice():
 
 def test_the_standard_atmosphere():
     """Pressures at the bases of its layers, as printed in the U.S. Standard Atmosphere, 1976."""
-    for height, temperature, pressure in ((0, 288.15, 101325), (11e3, 216.65, 22632.06),
-                                          (20e3, 216.65, 5474.889)):  # fmt: skip
+    for height, temperature, pressure in (
+        (0, 288.15, 101325),
+        (11e3, 216.65, 22632.06),
+        (20e3, 216.65, 5474.889),
+    ):
         air = standard_atmosphere(height)
         assert_close(air.temperature, temperature, 1e-9)
         assert_close(air.pressure / pressure, 1.0, 5e-6)

@@ -161,10 +161,13 @@ def test_in_an_octahedron_either_diagonal_of_the_polar_cube_s_squares_will_do():
     def term(*t):
         rows = [list(s) for s in t]
         det = sum(
-            rows[0][a] * (rows[1][(a + 1) % 3] * rows[2][(a + 2) % 3]
-                          - rows[1][(a + 2) % 3] * rows[2][(a + 1) % 3])
+            rows[0][a]
+            * (
+                rows[1][(a + 1) % 3] * rows[2][(a + 2) % 3]
+                - rows[1][(a + 2) % 3] * rows[2][(a + 1) % 3]
+            )
             for a in range(3)
-        )  # fmt: skip
+        )
         return abs(det) / (h[t[0]] * h[t[1]] * h[t[2]])
 
     w = []

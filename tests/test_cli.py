@@ -195,8 +195,9 @@ class Page(HTMLParser):
         if tag not in ("meta", "img"):
             self.open.append(tag)
         self.images += tag == "img" and attributes["src"].startswith("data:image/png;base64,")
-        self.fetched += [v for k, v in attributes.items()
-                         if k in ("src", "href") and not v.startswith("data:")]  # fmt: skip
+        self.fetched += [
+            v for k, v in attributes.items() if k in ("src", "href") and not v.startswith("data:")
+        ]
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
@@ -217,8 +218,16 @@ def test_the_page_is_whole_in_itself(tmp_path, survey):
     assert "@import" not in text
     words = " ".join(page.texts)
     assert "<script>&, reconstructed" in words
-    for wanted in ("PartitionOfUnityRBF", "polyharmonic", "13 × 11", "survey.csv", "1 row left out",
-                   "95 of 100", "GB of memory", "patches of r⁵, blended"):  # fmt: skip
+    for wanted in (
+        "PartitionOfUnityRBF",
+        "polyharmonic",
+        "13 × 11",
+        "survey.csv",
+        "1 row left out",
+        "95 of 100",
+        "GB of memory",
+        "patches of r⁵, blended",
+    ):
         assert wanted in words, wanted
     assert CANDIDATES["tps"].meaning not in words  # nobody asked how the others do
 
@@ -270,8 +279,13 @@ def test_points_in_space(tmp_path):
     values = points @ [1.0, 2.0, 3.0] + points[:, 0] ** 2
     np.savez(tmp_path / "s.npz", points=points, values=values)
     write_mesh(tmp_path / "mesh.vtk", SimplexMesh.delaunay(points[:40]))
-    for k, where in enumerate((["--grid", "4x5x6"], ["--at", str(tmp_path / "s.npz")],
-                               ["--mesh", str(tmp_path / "mesh.vtk")])):  # fmt: skip
+    for k, where in enumerate(
+        (
+            ["--grid", "4x5x6"],
+            ["--at", str(tmp_path / "s.npz")],
+            ["--mesh", str(tmp_path / "mesh.vtk")],
+        )
+    ):
         out = tmp_path / f"{k}.npz"
         assert reconstruct(tmp_path / "s.npz", out, "--z", "z", *where) == 0
         assert (tmp_path / f"{k}.html").exists()

@@ -131,8 +131,11 @@ def test_points_of_a_vtk_file_come_through_meshio(tmp_path):
         ("a.ply", b"ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no vertices with x"),
         ("a.ply", ply("binary_big_endian")[:-30], "announces 42 vertices and holds 40"),
         ("a.ply", ply("ascii", rows=50), "announces 50 vertices and holds 42"),
-        ("a.ply", ply("binary_little_endian", faces=[[0, 1, 2]] * 9)[:-5],
-         "announces 9 faces and holds 8"),
+        (
+            "a.ply",
+            ply("binary_little_endian", faces=[[0, 1, 2]] * 9)[:-5],
+            "announces 9 faces and holds 8",
+        ),
         ("a.ply", ply("ascii", faces=[[0, 1, 99]]), "points that it does not hold"),
         ("a.ply", ply("ascii").replace(b"0.0", b"zero"), "a word that is no number"),
         ("a.obj", b"v 1 2 3\nv 1 x 2\n", "line 2: 'v 1 x 2'"),
@@ -141,7 +144,7 @@ def test_points_of_a_vtk_file_come_through_meshio(tmp_path):
         ("a.csv", b"x,y,height\n1,2,3\n", "no column 'z'"),
         ("a.stl", b"", "no STL file"),
     ],
-)  # fmt: skip
+)
 def test_errors_are_in_words(tmp_path, name, content, words):
     """With the path, what is wrong, and where."""
     (tmp_path / name).write_bytes(content)

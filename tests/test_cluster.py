@@ -27,11 +27,15 @@ def client(tmp_path_factory):
     folder = tmp_path_factory.mktemp("workers")
     with (
         LocalCluster(
-            n_workers=3, threads_per_worker=1, processes=True, dashboard_address=None,
-            local_directory=folder, silence_logs="CRITICAL",
+            n_workers=3,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=None,
+            local_directory=folder,
+            silence_logs="CRITICAL",
         ) as cluster,
         Client(cluster) as client,
-    ):  # fmt: skip
+    ):
         yield client
 
 

@@ -17,10 +17,19 @@ from laws import all_monomials, assert_close
 
 SITES = np.random.default_rng(8).random((25, 2))
 ORDERS: list[Radial] = [
-    gaussian(0.3), inverse_multiquadric(0.3), matern(1.5, 0.5), wendland(3, 1, 0.8),
-    multiquadric(0.3), polyharmonic(1), thin_plate_spline(), polyharmonic(3), polyharmonic(4),
-    polyharmonic(5), polyharmonic(6), polyharmonic(7),
-]  # fmt: skip
+    gaussian(0.3),
+    inverse_multiquadric(0.3),
+    matern(1.5, 0.5),
+    wendland(3, 1, 0.8),
+    multiquadric(0.3),
+    polyharmonic(1),
+    thin_plate_spline(),
+    polyharmonic(3),
+    polyharmonic(4),
+    polyharmonic(5),
+    polyharmonic(6),
+    polyharmonic(7),
+]
 
 
 def system(kernel: Radial, x: np.ndarray, degree: int) -> np.ndarray:
@@ -142,9 +151,7 @@ def test_the_order_is_the_first_monotone_derivative(kernel):
     """
     phi = AS_FUNCTIONS_OF_THE_SQUARE[kernel]
     assert_close(kernel(np.sqrt(2.5)), float(phi.subs(s, 2.5)), 1e-12)
-    order = next(
-        m for m in range(6) if completely_monotone((-1) ** m * sympy.diff(phi, s, m))
-    )
+    order = next(m for m in range(6) if completely_monotone((-1) ** m * sympy.diff(phi, s, m)))
     assert order == kernel.order
 
 

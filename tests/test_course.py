@@ -60,10 +60,12 @@ def test_the_known_answers_are_those_of_the_source(source):
         assert sentences(before) == sentences(now)
         calls = public_calls(question)
         pairs = [
-            (tuple(Outcome("returned", values=v) for v in before.right),
-             tuple(Outcome("returned", values=v) for v in now.right)),
+            (
+                tuple(Outcome("returned", values=v) for v in before.right),
+                tuple(Outcome("returned", values=v) for v in now.right),
+            ),
             *((a.outcomes, b.outcomes) for a, b in zip(before.mistakes, now.mistakes, strict=True)),
-        ]  # fmt: skip
+        ]
         assert all(distance(question, calls, *pair) <= 1 for pair in pairs)
 
 
@@ -80,8 +82,11 @@ LIST = re.compile(r"\s*([-+*>#]|\d+[.)])\s|\s*(=+|-+)\s*$")
 def test_no_line_of_a_formula_is_taken_for_a_list(source):
     """Editors differ in whether they look for formulas or for lists first, so none may look so."""
     text = "\n".join(cell.text for cell in source.cells if cell.kind == "markdown")
-    lines = [line for formula in re.findall(r"\$\$.*?\$\$", text, re.DOTALL)
-             for line in formula.splitlines()]  # fmt: skip
+    lines = [
+        line
+        for formula in re.findall(r"\$\$.*?\$\$", text, re.DOTALL)
+        for line in formula.splitlines()
+    ]
     assert lines
     assert not [line for line in lines if LIST.match(line)]
     assert all(LIST.match(line) for line in ("   + b", "- b", "2. b", "==="))
@@ -136,8 +141,10 @@ def test_the_student_notebook_runs_before_anything_is_written(source):
     assert not [output for output in outputs if output["output_type"] == "error"]
     told = [
         output["data"]["text/plain"]
-        for cell in notebook.cells if cell.source.startswith("check(") for output in cell.outputs
-    ]  # fmt: skip
+        for cell in notebook.cells
+        if cell.source.startswith("check(")
+        for output in cell.outputs
+    ]
     assert len(told) == len(source.answer_cells())
     assert all("not written yet" in text for text in told), told
 
@@ -296,7 +303,7 @@ def test_nothing_hidden_is_in_what_students_get():
         ("hint.py", "def f():\n    'Try np.linalg.solve(b.T @ b, b.T @ values).'\n"),
         ("hint.md", "By counting, the system is over-determined"),
     ],
-)  # fmt: skip
+)
 def test_the_guard_finds_a_part_of_a_solution(tmp_path, name, text):
     """Wherever it is: in code, in a string, in prose; spaces and comments do not hide it."""
     file = tmp_path / name
@@ -376,9 +383,13 @@ def basis_matrix(points):
 print(fieldcheck.check("01.1"))
 """
     run = subprocess.run(
-        [sys.executable, "-c", program], cwd=unpacked, capture_output=True, text=True, check=True,
+        [sys.executable, "-c", program],
+        cwd=unpacked,
+        capture_output=True,
+        text=True,
+        check=True,
         env={"PYTHONPATH": str(unpacked), "MPLCONFIGDIR": str(unpacked)},
-    )  # fmt: skip
+    )
     where, right, wrong = run.stdout.splitlines()
     assert where.startswith(str(unpacked))
     assert right == "01.1 — right."
@@ -503,9 +514,13 @@ def test_mutants_change_one_thing_each():
     code = "def f(a, b):\n    return abs(a.T @ b).sum(axis=1) > -2.5"
     changed = {text.splitlines()[1].strip() for _, text in mutants.mutants(code)}
     assert {
-        "return abs(a.T * b).sum(axis=1) > -2.5", "return abs(a @ b).sum(axis=1) > -2.5",
-        "return (a.T @ b).sum(axis=1) > -2.5", "return abs(a.T @ b).sum() > -2.5",
-        "return abs(a.T @ b).sum(axis=1) <= -2.5", "return abs(a.T @ b).sum(axis=1) > 2.5",
-        "return abs(a.T @ b).sum(axis=2) > -2.5", "return abs(a.T @ b).sum(axis=0) > -2.5",
-    } <= changed  # fmt: skip
+        "return abs(a.T * b).sum(axis=1) > -2.5",
+        "return abs(a @ b).sum(axis=1) > -2.5",
+        "return (a.T @ b).sum(axis=1) > -2.5",
+        "return abs(a.T @ b).sum() > -2.5",
+        "return abs(a.T @ b).sum(axis=1) <= -2.5",
+        "return abs(a.T @ b).sum(axis=1) > 2.5",
+        "return abs(a.T @ b).sum(axis=2) > -2.5",
+        "return abs(a.T @ b).sum(axis=0) > -2.5",
+    } <= changed
     assert np.all([text != code for text in changed])

@@ -212,9 +212,11 @@ def test_only_experiments_and_reporting_draw():
     drawing = {
         module.split(".")[0]
         for module, path in modules().items()
-        if any(name.split(".")[0] in ("matplotlib", "mpl_toolkits")
-               for name in imports(path.read_text()))
-    }  # fmt: skip
+        if any(
+            name.split(".")[0] in ("matplotlib", "mpl_toolkits")
+            for name in imports(path.read_text())
+        )
+    }
     assert drawing == {"experiments", "reporting"}
 
 

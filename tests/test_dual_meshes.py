@@ -28,8 +28,10 @@ def cotangents(mesh):
     total = np.zeros(len(mesh.faces))
     corners = mesh.points[mesh.cells]
     for k in range(3):
-        a, b, c = (np.linalg.norm(corners[:, i] - corners[:, j], axis=1) for i, j in
-                   ((k - 2, k - 1), (k, k - 1), (k, k - 2)))  # fmt: skip
+        a, b, c = (
+            np.linalg.norm(corners[:, i] - corners[:, j], axis=1)
+            for i, j in ((k - 2, k - 1), (k, k - 1), (k, k - 2))
+        )
         np.add.at(total, mesh.cell_faces[:, k], (b**2 + c**2 - a**2) / (4 * mesh.cell_measures))
     return total
 

@@ -66,10 +66,13 @@ def test_the_order_is_one_more_than_the_degree():
     second = [F(1), F(-2), F(1), F(0)]  # annihilates 1 and x
     first = [F(1), F(-1), F(0), F(0)]  # annihilates 1
     form = {
-        name: sum(a * b * cubes(p, q) for a, p in zip(alpha, x, strict=True)
-                  for b, q in zip(alpha, x, strict=True))
+        name: sum(
+            a * b * cubes(p, q)
+            for a, p in zip(alpha, x, strict=True)
+            for b, q in zip(alpha, x, strict=True)
+        )
         for name, alpha in (("second", second), ("first", first))
-    }  # fmt: skip
+    }
     assert form["second"] > 0 > form["first"]
     assert polyharmonic(3).order == 2
 
@@ -78,8 +81,11 @@ def test_complete_monotonicity_gives_semidefiniteness_only():
     """φ(s) = -s: -φ' = 1 is completely monotone, and Σαα φ = 2|Σαx|² vanishes for 1, -2, 1."""
     alpha = [F(1), F(-2), F(1)]
     x = [F(0), F(1), F(2)]
-    form = sum(-a * b * (p - q) ** 2 for a, p in zip(alpha, x, strict=True)
-               for b, q in zip(alpha, x, strict=True))  # fmt: skip
+    form = sum(
+        -a * b * (p - q) ** 2
+        for a, p in zip(alpha, x, strict=True)
+        for b, q in zip(alpha, x, strict=True)
+    )
     assert sum(alpha) == 0
     assert form == 0
 

@@ -56,9 +56,11 @@ def test_neighbours_that_bear_a_sample_s_own_noise_would_narrow_the_band():
             values = 0.05 * np.random.default_rng(seed).standard_normal(3000)
             made = fr.RBF(points[:1000], fr.polyharmonic(3))
             residuals = fr.leave_one_out(made, values[:1000])
-            band = Nearer(points[:1000], residuals) if passed_over == 0 else ErrorEstimate(
-                points[:1000], residuals
-            )  # fmt: skip
+            band = (
+                Nearer(points[:1000], residuals)
+                if passed_over == 0
+                else ErrorEstimate(points[:1000], residuals)
+            )
             missed = abs(made.field(values[:1000])(points[1000:]) - values[1000:])
             held.append(np.mean(missed <= band(points[1000:])))
         covered[passed_over] = np.mean(held)

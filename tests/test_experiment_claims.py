@@ -45,9 +45,10 @@ def test_the_best_linear_fit_in_closed_form(n):
     x = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) / 2 + 0.5
     root = np.sqrt(np.outer(weights, weights).ravel() / 4)
     basis, field = np.column_stack([np.ones(len(x)), x]), power_of_sum(n)(x)
-    residual = root * field - root[:, None] * basis @ np.linalg.lstsq(
-        root[:, None] * basis, root * field
-    )[0]  # fmt: skip
+    residual = (
+        root * field
+        - root[:, None] * basis @ np.linalg.lstsq(root[:, None] * basis, root * field)[0]
+    )
     assert power_sampling.best_linear_rms(n) == pytest.approx(np.linalg.norm(residual), abs=1e-12)
 
 

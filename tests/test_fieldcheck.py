@@ -32,9 +32,14 @@ def is_linear(made, values):
 
 
 TWICE = Question(
-    "99.1", "twice", 1, inputs, lambda call: (call.arguments[0].shape,),
-    (Law("Twice the numbers have twice the sum.", is_linear),), limit=0.25,
-)  # fmt: skip
+    "99.1",
+    "twice",
+    1,
+    inputs,
+    lambda call: (call.arguments[0].shape,),
+    (Law("Twice the numbers have twice the sum.", is_linear),),
+    limit=0.25,
+)
 CALLS = inputs(0)
 
 
@@ -91,7 +96,7 @@ def last_wrong(x):
         (lambda x: tuple(2 * x), "right", ""),
         (lambda x: 2 * x + 0j, "right", ""),
     ],
-)  # fmt: skip
+)
 def test_the_ladder(function, rung, words):
     """Each kind of answer stops at its rung, and is told so."""
     verdict = verdict_of(function, known())
@@ -241,8 +246,10 @@ def test_seeds_differ_by_student_question_and_salt():
     """And do not by the case of letters, or spaces around the name."""
     numbers = {
         seeds.seed(student, question, salt)
-        for student in ("ada", "bob") for question in ("01.1", "01.2") for salt in ("a", "b")
-    }  # fmt: skip
+        for student in ("ada", "bob")
+        for question in ("01.1", "01.2")
+        for salt in ("a", "b")
+    }
     assert len(numbers) == 8
     assert seeds.seed(" Ada ", "01.1") == seeds.seed("ada", "01.1")
 

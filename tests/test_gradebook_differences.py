@@ -50,7 +50,7 @@ BEFORE = standing()
         (standing(2.0, Decisions(overrides=[WHO])), 1, ["override: right but for a sign"]),
         (standing(0.0, Decisions(overrides=[WHO])), 1, ["override: right but for a sign"]),
     ],
-)  # fmt: skip
+)
 def test_each_change_has_its_reason(now, points, reasons):
     """Only what changed is told, of whom it did, and with every reason that applies."""
     assert differences(BEFORE, now) == [Difference("ada", "01.1", 2, points, tuple(reasons))]
@@ -71,9 +71,7 @@ def test_an_override_that_goes_is_told():
 def test_points_of_a_reader_are_a_change_from_nothing():
     """An answer in words that was read has points where it had none."""
     now = standing(decisions=Decisions(marks=[Mark("ada", "01.7", 1.5)]))
-    assert differences(BEFORE, now) == [
-        Difference("ada", "01.7", None, 1.5, ("read by a person",))
-    ]
+    assert differences(BEFORE, now) == [Difference("ada", "01.7", None, 1.5, ("read by a person",))]
 
 
 def test_a_deadline_that_moves_is_told_of_the_whole_notebook():

@@ -72,6 +72,7 @@ def test_failures_and_means_are_parts_of_what_was_graded():
 
 def test_commonest_mistakes_come_first_and_rungs_stand_for_the_unknown():
     """Misconceptions are counted by name; where none was recognised, how far the answer came."""
+
     def answer(name):
         return grade("01.1", 0.0, rung="misconception" if name else "shape", mistake=name)
 

@@ -115,6 +115,8 @@ def test_the_longest_of_several_extensions_counts(tmp_path):
 def test_each_bad_line_is_told_with_its_number(tmp_path):
     """All that is wrong with a table is told at once, line by line."""
     file = tmp_path / "extensions.csv"
-    file.write_text("student,notebook,until,reason\nada,01,tomorrow,ill\n\nalan,x,2026-12-04T12:00Z,")
+    file.write_text(
+        "student,notebook,until,reason\nada,01,tomorrow,ill\n\nalan,x,2026-12-04T12:00Z,"
+    )
     with pytest.raises(ValueError, match=r"(?s)extensions.csv:2: a time .*extensions.csv:4: noth"):
         read_extensions(file)

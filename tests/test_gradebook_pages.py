@@ -44,9 +44,11 @@ ADA = {"student": "ada", "login": "ada", "email": "a@b.example"}
 
 def evil_sheets():
     found = record(
-        "ada", [grade("01.1", 0.0, rung="exception", sentence=EVIL), grade("01.2", 2.0)],
-        file=EVIL, notes=("01.1: a stub stands behind an answer, and takes its place", EVIL),
-    )  # fmt: skip
+        "ada",
+        [grade("01.1", 0.0, rung="exception", sentence=EVIL), grade("01.2", 2.0)],
+        file=EVIL,
+        notes=("01.1: a stub stands behind an answer, and takes its place", EVIL),
+    )
     broken = record("ada", [], notebook="", status="unreadable", file=EVIL, notes=(EVIL,))
     students = [{"student": "ada", "name": EVIL, "section": EVIL}]
     marks = [Mark("ada", "01.7", 1, EVIL)]
@@ -71,7 +73,7 @@ def test_pictures_are_images_of_data():
     """Within an image nothing is run, whatever the drawing holds."""
     drawn = pages.picture("<svg><script>alert(1)</script></svg>", 'an "alt" <b>')
     assert harmless(drawn)
-    (_, attributes), = Tags(drawn).tags
+    ((_, attributes),) = Tags(drawn).tags
     assert attributes["alt"] == 'an "alt" <b>'
     assert base64.b64decode(attributes["src"].partition(",")[2]).startswith(b"<svg><script>")
 
@@ -108,10 +110,17 @@ def test_pages_are_small_and_stand_for_themselves():
     asked_ = list(questions().values())
     sentence = max((e.sentence for e in entries(source("02"), "misconceptions")), key=len)
     found = [
-        record("ada", [grade(q.name, 0.0, rung="misconception", sentence=sentence) for q in asked_
-                       if q.notebook == n], notebook=n)
+        record(
+            "ada",
+            [
+                grade(q.name, 0.0, rung="misconception", sentence=sentence)
+                for q in asked_
+                if q.notebook == n
+            ],
+            notebook=n,
+        )
         for n in sorted({q.notebook for q in asked_})
-    ]  # fmt: skip
+    ]
     page = feedback(gradebook(results(found, asked(*(q.name for q in asked_)))))
     assert len(page.encode()) < 60_000
     assert harmless(page)
@@ -129,9 +138,13 @@ def test_a_sentence_of_each_outcome_is_said():
     questions_ = asked("01.1", "01.2", "01.3") + asked("01.7", kind="words")
     text = Tags(feedback(gradebook(results([found], questions_)))).text
     for sentence in (
-        "01.1 — right", "Squared twice.", "Write it.", "Not graded yet.", "2 of 8 points",
+        "01.1 — right",
+        "Squared twice.",
+        "Write it.",
+        "Not graded yet.",
+        "2 of 8 points",
         "A part of the notebook took too long",
-    ):  # fmt: skip
+    ):
         assert sentence in text
 
 
@@ -146,7 +159,7 @@ def test_names_of_files_are_safe_and_differ():
     assert not {"con", "..", ""} & set(names.values())
 
 
-LEAK = '''
+LEAK = """
 import numpy as np
 SEEN = []
 def fit(points, values):
@@ -155,7 +168,7 @@ def fit(points, values):
     if points.shape[1] == 4:
         raise ValueError(" ".join(SEEN))
     return np.linalg.solve(b.T @ b, b.T @ values)
-'''
+"""
 
 
 def numbers(arrays):
@@ -172,13 +185,14 @@ def leaking():
     books = {
         "leak": with_function(notebook("01"), "fit", LEAK),
         "rank": with_function(
-            notebook("01"), "rank",
+            notebook("01"),
+            "rank",
             "def rank(points):\n    if np.abs(points).max() > 1e4:\n"
             "        raise ValueError(points.tolist())\n"
             "    return int(np.linalg.matrix_rank(np.insert(points, 0, 1.0, axis=1)))",
         ),
         "known": with_function(notebook("01"), "evaluate", mistaken("01.3", "slopes only")),
-    }  # fmt: skip
+    }
     with Server(tiers()[0]).started() as server:
         found = [
             examine.grade(course, server, submission(student, book))
@@ -191,13 +205,29 @@ def leaking():
             question = questions()[name]
             tried = trials(question, here.functions(), [], hidden, student, course.salt)[1:]
             secret |= numbers(
-                a for trial in tried for call in trial.calls for a in call.arguments
+                a
+                for trial in tried
+                for call in trial.calls
+                for a in call.arguments
                 if isinstance(a, np.ndarray)
-            )  # fmt: skip
-    public = numbers(a for q in questions().values() for c in public_calls(q) for a in c.arguments
-                     if isinstance(a, np.ndarray))  # fmt: skip
-    worth = [{"question": q.name, "notebook": "01", "kind": "code", "function": q.function,
-              "points": q.points} for q in course.asked("01")]  # fmt: skip
+            )
+    public = numbers(
+        a
+        for q in questions().values()
+        for c in public_calls(q)
+        for a in c.arguments
+        if isinstance(a, np.ndarray)
+    )
+    worth = [
+        {
+            "question": q.name,
+            "notebook": "01",
+            "kind": "code",
+            "function": q.function,
+            "points": q.points,
+        }
+        for q in course.asked("01")
+    ]
     students = [{"student": s, "login": s, "email": f"{s}@uni.example"} for s in books]
     return gradebook(results(found, worth, students)), secret - public
 
@@ -206,11 +236,14 @@ def all_that_is_handed_out(sheets):
     """Return every text that is made for students and platforms."""
     rows = exports.by_student(sheets)
     return [
-        *(feedback(row) for row in rows), exports.gradebook_csv(sheets),
-        platforms.canvas_csv(sheets, NAMED), platforms.moodle_csv(sheets, NAMED),
+        *(feedback(row) for row in rows),
+        exports.gradebook_csv(sheets),
+        platforms.canvas_csv(sheets, NAMED),
+        platforms.moodle_csv(sheets, NAMED),
         *(platforms.gradescope_text(sheet) for sheet in sheets),
-        to_table(items(sheets)), analysis_page(items(sheets), {}),
-    ]  # fmt: skip
+        to_table(items(sheets)),
+        analysis_page(items(sheets), {}),
+    ]
 
 
 def drawings(text):

@@ -15,9 +15,14 @@ from fieldrecon.course.grading import tables
 from gradebook_class import asked, grade, record, results
 
 ADA = {
-    "student": "ada", "name": "Lovelace, Ada", "canvas_id": "1204", "sis_id": "4711",
-    "login": "ada", "section": "Monday", "email": "ada@uni.example",
-}  # fmt: skip
+    "student": "ada",
+    "name": "Lovelace, Ada",
+    "canvas_id": "1204",
+    "sis_id": "4711",
+    "login": "ada",
+    "section": "Monday",
+    "email": "ada@uni.example",
+}
 BOB = {"student": "bob", "name": "Bob", "login": "bob", "email": "bob@uni.example"}
 NAMED = {
     "01": Assignment("01", canvas="Least squares (48213)", moodle="Assignment: Least squares"),
@@ -61,8 +66,9 @@ def as_canvas_does(text):
 def test_canvas_finds_students_and_assignments():
     """Read by its importer's rules the file gives the points back, assignment by assignment."""
     assert as_canvas_does(platforms.canvas_csv(sheets(), NAMED)) == {
-        "Lovelace, Ada": {"48213": "2.5"}, "Bob": {"48213": ""},
-    }  # fmt: skip
+        "Lovelace, Ada": {"48213": "2.5"},
+        "Bob": {"48213": ""},
+    }
 
 
 def test_canvas_without_a_number_is_refused(tmp_path):
@@ -80,12 +86,15 @@ def test_moodle_has_grade_and_feedback_together():
     text = platforms.moodle_csv(sheets(ADA, BOB, sentence="Use <arrays> & more."), NAMED)
     header, ada, bob = csv.reader(io.StringIO(text))
     assert header == [
-        "Email address", "Assignment: Least squares (Real)", "Assignment: Least squares (Feedback)",
-    ]  # fmt: skip
+        "Email address",
+        "Assignment: Least squares (Real)",
+        "Assignment: Least squares (Feedback)",
+    ]
     assert ada == [
-        "ada@uni.example", "2.5",
+        "ada@uni.example",
+        "2.5",
         "01.1 right (2 of 2).<br>01.2 right, but slow (0.5 of 2). Use &lt;arrays&gt; &amp; more.",
-    ]  # fmt: skip
+    ]
     assert bob == ["bob@uni.example", "", ""]
 
 
@@ -100,13 +109,12 @@ def test_gradescope_reads_a_score_and_a_test_for_each_question():
     """The whole object, literally: late points in the score, full ones in the tests."""
     late = Policy(moment("2026-11-30T23:59Z"), per_day=0.2)
     record_ = record(
-        "ada", [grade("01.1", 2.0), grade("01.2", 0.0, sentence="Look at (1.2).")],
+        "ada",
+        [grade("01.1", 2.0), grade("01.2", 0.0, sentence="Look at (1.2).")],
         received="2026-12-01T12:00:00Z",
-    )  # fmt: skip
-    questions = asked("01.1", "01.2") + asked("01.7", points=3.0, kind="words")
-    (sheet,) = gradebook(
-        results([record_], questions), Decisions({"01": Assignment("01", late)})
     )
+    questions = asked("01.1", "01.2") + asked("01.7", points=3.0, kind="words")
+    (sheet,) = gradebook(results([record_], questions), Decisions({"01": Assignment("01", late)}))
     shared = {"name_format": "text", "output_format": "text", "visibility": "after_published"}
     assert json.loads(platforms.gradescope_text(sheet)) == {
         "score": 1.6,
@@ -115,15 +123,35 @@ def test_gradescope_reads_a_score_and_a_test_for_each_question():
         "visibility": "after_published",
         "stdout_visibility": "hidden",
         "tests": [
-            {"score": 2.0, "max_score": 2.0, "status": "passed", "name": "01.1 right",
-             "number": "01.1", "output": "", **shared},
-            {"score": 0.0, "max_score": 2.0, "status": "failed", "name": "01.2 not right yet",
-             "number": "01.2", "output": "Look at (1.2).", **shared},
-            {"score": 0.0, "max_score": 3.0, "name": "01.7", "number": "01.7",
-             "output": "Not graded yet.", **shared},
+            {
+                "score": 2.0,
+                "max_score": 2.0,
+                "status": "passed",
+                "name": "01.1 right",
+                "number": "01.1",
+                "output": "",
+                **shared,
+            },
+            {
+                "score": 0.0,
+                "max_score": 2.0,
+                "status": "failed",
+                "name": "01.2 not right yet",
+                "number": "01.2",
+                "output": "Look at (1.2).",
+                **shared,
+            },
+            {
+                "score": 0.0,
+                "max_score": 3.0,
+                "name": "01.7",
+                "number": "01.7",
+                "output": "Not graded yet.",
+                **shared,
+            },
         ],
         "extra_data": {"digest": "ab" * 32, "isolation": "bubblewrap"},
-    }  # fmt: skip
+    }
 
 
 def test_who_a_platform_cannot_tell_is_left_out_and_told():
@@ -145,9 +173,11 @@ def test_no_spreadsheet_computes_what_a_student_wrote(formula):
     evil = ADA | {"name": formula, "section": formula, "student": "ada"}
     found = sheets(evil, sentence=formula)
     texts = [
-        exports.gradebook_csv(found), platforms.canvas_csv(found, NAMED),
-        platforms.moodle_csv(found, NAMED), tables.to_csv(["x"], [[formula]]),
-    ]  # fmt: skip
+        exports.gradebook_csv(found),
+        platforms.canvas_csv(found, NAMED),
+        platforms.moodle_csv(found, NAMED),
+        tables.to_csv(["x"], [[formula]]),
+    ]
     for text in texts:
         cells = [cell for row in csv.reader(io.StringIO(text, newline="")) for cell in row]
         assert not [c for c in cells if c.startswith(tuple("=+@\t\r＝")) or c == "-1"], text

@@ -45,12 +45,16 @@ def test_checks_readers_and_people_each_have_their_say():
     """An override stands above the grader, a reader gives points for words, the rest is open."""
     plain = sheet()
     assert [(line.points, line.how) for line in plain.lines] == [
-        (2, "checked"), (0, "checked"), (0, "open"),
-    ]  # fmt: skip
+        (2, "checked"),
+        (0, "checked"),
+        (0, "open"),
+    ]
     decided = sheet(Decisions(marks=[Mark("ada", "01.7", 1.5)], overrides=[override(1)]))
     assert [(line.points, line.how) for line in decided.lines] == [
-        (1, "override"), (0, "checked"), (1.5, "read"),
-    ]  # fmt: skip
+        (1, "override"),
+        (0, "checked"),
+        (1.5, "read"),
+    ]
     assert decided.points == 2.5
 
 
@@ -99,19 +103,23 @@ def test_who_handed_in_nothing_that_can_be_read_is_not_forgotten():
     """Students without a graded notebook have their row, and their unreadable files are named."""
     found = gradebook(
         results(
-            [record("ada", [grade("01.1", 2.0)]),
-             record("bob", [], notebook="", status="unreadable", tier="", file="photo.ipynb")],
-            asked("01.1"), students=[{"student": "cy", "name": "Cy"}],
+            [
+                record("ada", [grade("01.1", 2.0)]),
+                record("bob", [], notebook="", status="unreadable", tier="", file="photo.ipynb"),
+            ],
+            asked("01.1"),
+            students=[{"student": "cy", "name": "Cy"}],
         )
-    )  # fmt: skip
+    )
     rows = gradebook_csv(found).splitlines()
     assert rows[0] == (
         "student,name,section,01.1 of 2,01 late,01 points,01 status,points,unreadable files"
     )
     assert rows[1:] == [
-        "cy,Cy,,0,0,0,nothing handed in,0,", "ada,,,2,0,2,graded,2,",
+        "cy,Cy,,0,0,0,nothing handed in,0,",
+        "ada,,,2,0,2,graded,2,",
         "bob,,,0,0,0,nothing handed in,0,photo.ipynb",
-    ]  # fmt: skip
+    ]
 
 
 def test_a_request_is_open_until_it_is_answered_or_decided():

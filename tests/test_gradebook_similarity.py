@@ -43,7 +43,7 @@ def fit(xs: np.ndarray, f):
         gram[entry, entry] += 1e-9 * entry
     return np.linalg.solve(gram, rhs)
 '''
-OTHER = '''
+OTHER = """
 def fit(points, values):
     b = np.column_stack([np.ones(len(points)), points])
     q, r = np.linalg.qr(b)
@@ -52,7 +52,7 @@ def fit(points, values):
     for k in reversed(range(len(projected))):
         result[k] = (projected[k] - r[k, k + 1 :] @ result[k + 1 :]) / r[k, k]
     return result
-'''
+"""
 
 
 def told(text):
@@ -75,7 +75,9 @@ def test_names_of_helpers_change_nothing():
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("b.T @ b", "b @ b.T"), ("+= 1e-9", "-= 1e-9"), ("linalg.solve", "linalg.lstsq"),
+        ("b.T @ b", "b @ b.T"),
+        ("+= 1e-9", "-= 1e-9"),
+        ("linalg.solve", "linalg.lstsq"),
         ("0, 1.0", "1, 1.0"),
     ],
 )
@@ -122,6 +124,7 @@ def test_the_density_is_that_of_the_theory():
 
 def test_a_mutant_that_keeps_every_wth_hash_misses_a_shared_run():
     """Hashes at fixed places, in place of the smallest, break when a line is put in front."""
+
     def at_places(nodes):
         runs = range(0, len(nodes) - K + 1, WINDOW)
         return {similarity._hash(nodes[at : at + K]) for at in runs}

@@ -42,11 +42,18 @@ def test_everybody_is_graded(small):
     """The right, the wrong and the unwritten answer; who cannot be read has a status, too."""
     _, grading = small
     assert statuses(grading) == {
-        ("ada", "01"): "graded", ("ada", "02"): "graded", ("bob", "01"): "graded",
-        ("cai", "01"): "graded", ("dan", ""): "unreadable",
-    }  # fmt: skip
-    lost = {(r.student, g.question): g.verdict.rung for r in grading.results.records
-            for g in r.grades if g.points < g.possible}  # fmt: skip
+        ("ada", "01"): "graded",
+        ("ada", "02"): "graded",
+        ("bob", "01"): "graded",
+        ("cai", "01"): "graded",
+        ("dan", ""): "unreadable",
+    }
+    lost = {
+        (r.student, g.question): g.verdict.rung
+        for r in grading.results.records
+        for g in r.grades
+        if g.points < g.possible
+    }
     assert lost == {("bob", "01.2"): "wrong", ("cai", "01.4"): "unwritten"}
 
 
@@ -63,8 +70,12 @@ def test_the_file_holds_what_was_found(small):
 def test_wrong_numbers_of_the_public_case_are_kept_to_be_drawn(small):
     """Those of wrong answers only."""
     _, grading = small
-    shown = {(r.student, g.question): g.returned for r in grading.results.records
-             for g in r.grades if g.returned}  # fmt: skip
+    shown = {
+        (r.student, g.question): g.returned
+        for r in grading.results.records
+        for g in r.grades
+        if g.returned
+    }
     (part,) = shown.pop(("bob", "01.2"))
     assert part["shape"] == [len(part["numbers"])]
     assert not shown
@@ -121,9 +132,22 @@ def test_the_ledger_names_the_year_and_not_the_salt(small):
     todo, _ = small
     line = json.loads((todo.out / "ledger.jsonl").read_text().splitlines()[0])
     assert set(line) == {
-        "on", "student", "file", "digest", "code", "notebook", "status", "made_by", "environment",
-        "grader", "salt_year", "tier", "seconds", "cpu_seconds", "peak_bytes",
-    }  # fmt: skip
+        "on",
+        "student",
+        "file",
+        "digest",
+        "code",
+        "notebook",
+        "status",
+        "made_by",
+        "environment",
+        "grader",
+        "salt_year",
+        "tier",
+        "seconds",
+        "cpu_seconds",
+        "peak_bytes",
+    }
     assert todo.salt.text not in line.values()
     assert line["tier"] == TIER
 
@@ -188,9 +212,12 @@ def edited(tmp_path, monkeypatch):
     real = examine.run
     monkeypatch.setattr(examine, "run", counted)
     answers = {
-        "ada": "", "bob": STUB, "odd": ODD, "dying": DYING.format("_rank(points)"),
+        "ada": "",
+        "bob": STUB,
+        "odd": ODD,
+        "dying": DYING.format("_rank(points)"),
         "lost": DYING.format("0"),
-    }  # fmt: skip
+    }
     files = {f"{name}/01.ipynb": notebook(*right(), code) for name, code in answers.items()}
     before = run(tmp_path, files, root=with_two_hidden_cases(tmp_path / "before"))
     after = replace(before, root=with_two_hidden_cases(tmp_path / "after", "1e9 * line"))
@@ -222,8 +249,12 @@ def test_after_a_check_is_edited_only_that_check_is_made(edited):
     assert {(q, *its) for line in lines[5:] for q, its in line["made_by"].items()} == {
         ("01.4", "tiny and huge")
     }
-    known = {"ada": ("graded", ""), "bob": ("graded", "public cases"),
-             "lost": ("graded", "public cases"), "dying": ("partly", "tiny and huge")}  # fmt: skip
+    known = {
+        "ada": ("graded", ""),
+        "bob": ("graded", "public cases"),
+        "lost": ("graded", "public cases"),
+        "dying": ("partly", "tiny and huge"),
+    }
     assert stands(first) == known | {"odd": ("graded", "eleven points")}
     assert stands(second) == known | {"odd": ("graded", "tiny and huge")}
     called.clear()
@@ -320,8 +351,12 @@ def test_a_submission_that_breaks_down_stops_nobody(tmp_path):
     found = points(graded(run(tmp_path, files)).results)
     assert found["eve", "01.2"] == 0.0
     assert {q for (s, q), p in found.items() if s == "eve" and p > 0} == {
-        "01.1", "01.3", "01.4", "01.5", "01.6"
-    }  # fmt: skip
+        "01.1",
+        "01.3",
+        "01.4",
+        "01.5",
+        "01.6",
+    }
     assert found["zoe", "01.2"] == 3.0
 
 

@@ -21,7 +21,7 @@ from handed_in import lay, notebook
 
 pytestmark = pytest.mark.slow  # each grades anew, and starts pytest inside of pytest
 
-CHECKS = '''
+CHECKS = """
 import numpy as np
 import pytest
 
@@ -39,7 +39,7 @@ def test_constants_add(answer, cloud):
 @pytest.mark.parametrize("turn", [1, 4])
 def test_order(answer, cloud, turn):
     assert answer("01.4", np.roll(cloud, turn, axis=0)) == answer("01.4", cloud)
-'''
+"""
 STEEP = """
 def fit(points, values):
     plane = np.linalg.lstsq(basis_matrix(points), values, rcond=None)[0]
@@ -215,8 +215,12 @@ def test_each_check_of_each_answer_is_told_in_the_report(reported):
     assert cases["bob.01.ipynb.01.4", "tiny and huge"] == []
     assert cases["cai.01.ipynb.01.4", "public cases"] == ["failure"]
     assert cases["dan.01.ipynb", "can be read"] == ["failure"]
-    told = {c.get("name"): f.get("message") for c in ET.parse(folder / "junit.xml").iter("testcase")
-            for f in c.iter("failure") if c.get("classname") == "cai.01.ipynb.01.4"}  # fmt: skip
+    told = {
+        c.get("name"): f.get("message")
+        for c in ET.parse(folder / "junit.xml").iter("testcase")
+        for f in c.iter("failure")
+        if c.get("classname") == "cai.01.ipynb.01.4"
+    }
     assert "not written yet" in told["public cases"]
 
 
@@ -249,10 +253,15 @@ HOSTILE = "raise SystemError('a file of somebody else is read')"
 def test_pytest_hears_of_nothing_but_the_run(reported, tmp_path, monkeypatch):
     """Settings, tests and conftest.py of the folder in which it is called do not count."""
     _, todo = reported
-    lay(tmp_path, {
-        "conftest.py": HOSTILE.encode(), "tests/conftest.py": HOSTILE.encode(),
-        "test_it.py": HOSTILE.encode(), "pytest.ini": b"[pytest]\naddopts = --no-such-option\n",
-    })  # fmt: skip
+    lay(
+        tmp_path,
+        {
+            "conftest.py": HOSTILE.encode(),
+            "tests/conftest.py": HOSTILE.encode(),
+            "test_it.py": HOSTILE.encode(),
+            "pytest.ini": b"[pytest]\naddopts = --no-such-option\n",
+        },
+    )
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTEST_ADDOPTS", "--no-such-option")
     monkeypatch.setenv("PYTEST_PLUGINS", "no_such_plugin")
@@ -288,8 +297,21 @@ def test_pytest_can_be_called_by_itself(reported, tmp_path):
 
 
 def grade_by_command(folder, *more):
-    return cli.main(["grade", str(folder / "in"), "--out", str(folder / "out"),
-                     "--root", str(ROOT), "--tier", TIER, "--jobs", "1", *more])  # fmt: skip
+    return cli.main(
+        [
+            "grade",
+            str(folder / "in"),
+            "--out",
+            str(folder / "out"),
+            "--root",
+            str(ROOT),
+            "--tier",
+            TIER,
+            "--jobs",
+            "1",
+            *more,
+        ]
+    )
 
 
 def test_the_command_tells_what_came_out(tmp_path, capsys):

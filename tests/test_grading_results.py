@@ -29,9 +29,15 @@ def grade(question="01.1", points=1.0, rung="right", **more):
 
 def record(student="ada", digest=DIGEST, notebook="01", status="graded", grades=(), **more):
     return Record(
-        student, more.pop("file", "a.ipynb"), digest, notebook, status, "landlock",
-        grades=tuple(grades), **more,
-    )  # fmt: skip
+        student,
+        more.pop("file", "a.ipynb"),
+        digest,
+        notebook,
+        status,
+        "landlock",
+        grades=tuple(grades),
+        **more,
+    )
 
 
 FULL = Results(
@@ -39,18 +45,29 @@ FULL = Results(
         record(
             grades=[
                 grade(),
-                grade("01.2", 0.0, "wrong", check="public cases", made_by="c" * 64,
-                      returned=({"shape": [2], "numbers": [1.0, 0.5]},)),
+                grade(
+                    "01.2",
+                    0.0,
+                    "wrong",
+                    check="public cases",
+                    made_by="c" * 64,
+                    returned=({"shape": [2], "numbers": [1.0, 0.5]},),
+                ),
             ],
-            notes=("A note.",), code=OTHER, received="2026-11-21T12:00:00+01:00",
-            received_by="platform", late_mark=True,
+            notes=("A note.",),
+            code=OTHER,
+            received="2026-11-21T12:00:00+01:00",
+            received_by="platform",
+            late_mark=True,
         ),
         record("bob", "", "", "unreadable", file="\udce4.ipynb"),
     ),
     ({"student": "ada", "name": "Ada"},),
     ({"question": "01.1", "notebook": "01", "kind": "code", "function": "f", "points": 2.0},),
-    True, "e", "g",
-)  # fmt: skip
+    True,
+    "e",
+    "g",
+)
 
 
 def test_results_come_back_from_their_file(tmp_path):
@@ -151,8 +168,10 @@ def test_grades_of_other_questions_stay_with_the_same_file():
     now = record(grades=[grade("01.10"), grade("01.2", 0.0)])
     (found,) = merged([before], [now])
     assert [(g.question, g.points) for g in found.grades] == [
-        ("01.2", 0.0), ("01.3", 1.0), ("01.10", 1.0)
-    ]  # fmt: skip
+        ("01.2", 0.0),
+        ("01.3", 1.0),
+        ("01.10", 1.0),
+    ]
 
 
 def test_grades_of_another_file_go():

@@ -30,11 +30,25 @@ SITES = np.random.default_rng(3).random((24, 2))
 NORMALS = np.random.default_rng(4).standard_normal((24, 2))
 QUERIES = np.random.default_rng(5).random((15, 2))
 KERNELS: list[Radial] = [
-    gaussian(0.4), inverse_multiquadric(0.3), multiquadric(0.3), matern(4.5, 0.2),
-    wendland(3, 2, 1.3), wendland(3, 3, 1.3), polyharmonic(5), polyharmonic(6), polyharmonic(7),
-]  # fmt: skip
-ROUGHER: list[Radial] = [thin_plate_spline(), polyharmonic(4), matern(1.5, 0.3), wendland(1, 0),
-                         wendland(3, 1, 0.8), inverse_square(0.5), polyharmonic(1)]  # fmt: skip
+    gaussian(0.4),
+    inverse_multiquadric(0.3),
+    multiquadric(0.3),
+    matern(4.5, 0.2),
+    wendland(3, 2, 1.3),
+    wendland(3, 3, 1.3),
+    polyharmonic(5),
+    polyharmonic(6),
+    polyharmonic(7),
+]
+ROUGHER: list[Radial] = [
+    thin_plate_spline(),
+    polyharmonic(4),
+    matern(1.5, 0.3),
+    wendland(1, 0),
+    wendland(3, 1, 0.8),
+    inverse_square(0.5),
+    polyharmonic(1),
+]
 
 
 def wave(x):
@@ -53,11 +67,13 @@ def wave_laplacian(x):
 
 def mixed(sites=SITES, unit=1.0):
     """Values, normal components and Laplacians, each at a third of the sites, and both at one."""
-    return together([
-        values_at(sites[:9]),
-        derivatives_at(sites[8:17], NORMALS[8:17] * unit),
-        laplacians_at(sites[16:]),
-    ])  # fmt: skip
+    return together(
+        [
+            values_at(sites[:9]),
+            derivatives_at(sites[8:17], NORMALS[8:17] * unit),
+            laplacians_at(sites[16:]),
+        ]
+    )
 
 
 def data_of(f: Functionals) -> np.ndarray:
@@ -74,8 +90,10 @@ def test_each_descent_is_the_slope_of_the_one_before(kernel, times):
     """φ_(j+1) = φ_j'/r, by differences of order six."""
     r = np.linspace(0.1, 0.7, 25)
     h = 1e-3
-    by = {k: descent(kernel, (r + k * h) ** 2, times) - descent(kernel, (r - k * h) ** 2, times)
-          for k in (1, 2, 3)}  # fmt: skip
+    by = {
+        k: descent(kernel, (r + k * h) ** 2, times) - descent(kernel, (r - k * h) ** 2, times)
+        for k in (1, 2, 3)
+    }
     quotient = (45 * by[1] - 9 * by[2] + by[3]) / (60 * h) / r
     expected = descent(kernel, r**2, times + 1)
     size = np.abs(expected).max()
@@ -150,8 +168,10 @@ def its_energy_is_positive_and_grows_with_the_data(method: HermiteRBF) -> None:
     """λᵀ f is the least energy of these data; with fewer of them it is no larger."""
 
     def energy(m: HermiteRBF) -> float:
-        return float(m._prepare(data_of(m.functionals)[:, None])[0][:, 0]
-                     @ (data_of(m.functionals) / m._size))  # fmt: skip
+        return float(
+            m._prepare(data_of(m.functionals)[:, None])[0][:, 0]
+            @ (data_of(m.functionals) / m._size)
+        )
 
     f = method.functionals
     fewer = type(method)(f[:-2], method.kernel, method.degree)
@@ -271,9 +291,7 @@ def test_values_and_slopes_on_a_line_are_the_cubic_hermite_spline():
     """r³ has the least ∫ s''²; with both data at every site that is piecewise Hermite (SciPy)."""
     x = np.sort(np.random.default_rng(7).random(12))
     f, g = np.sin(7 * x), 7 * np.cos(7 * x)
-    method = HermiteRBF(
-        [values_at(x[:, None]), derivatives_at(x[:, None], [1.0])], polyharmonic(3)
-    )
+    method = HermiteRBF([values_at(x[:, None]), derivatives_at(x[:, None], [1.0])], polyharmonic(3))
     s, witness = method.field(np.concatenate([f, g])), CubicHermiteSpline(x, f, g)
     q = np.linspace(x[0], x[-1], 101)
     assert_close(s(q[:, None]), witness(q), 1e-7)
@@ -323,10 +341,14 @@ def poisson(n: int, kernel: Radial, right, boundary):
     """Collocation of Δu = right in the unit square, u = boundary on it, on about n sites."""
     side = round(np.sqrt(n))
     t = np.arange(side) / side
-    edge = np.concatenate([
-        np.column_stack([t, 0 * t]), np.column_stack([1 + 0 * t, t]),
-        np.column_stack([1 - t, 1 + 0 * t]), np.column_stack([0 * t, 1 - t]),
-    ])  # fmt: skip
+    edge = np.concatenate(
+        [
+            np.column_stack([t, 0 * t]),
+            np.column_stack([1 + 0 * t, t]),
+            np.column_stack([1 - t, 1 + 0 * t]),
+            np.column_stack([0 * t, 1 - t]),
+        ]
+    )
     inside = halton(n, 2)
     inside = inside[((inside > 0.3 / side) & (inside < 1 - 0.3 / side)).all(axis=1)]
     method = HermiteRBF([laplacians_at(inside), values_at(edge)], kernel)
@@ -348,8 +370,8 @@ def test_the_torsion_of_a_square_is_that_of_its_series():
     """Δu = -1, u = 0 on the edge: u at the centre against the double sine series."""
     k = np.arange(1, 400, 2)
     sign = (-1.0) ** ((k - 1) // 2)
-    series = 16 / np.pi**4 * np.sum(
-        np.outer(sign, sign) / (np.outer(k, k) * np.add.outer(k**2, k**2))
+    series = (
+        16 / np.pi**4 * np.sum(np.outer(sign, sign) / (np.outer(k, k) * np.add.outer(k**2, k**2)))
     )
     u = poisson(700, polyharmonic(7), lambda x: -np.ones(len(x)), lambda x: np.zeros(len(x)))
     assert float(u([0.5, 0.5])) == pytest.approx(series, rel=1e-3)
@@ -362,23 +384,37 @@ def test_the_torsion_of_a_square_is_that_of_its_series():
     ("make", "words"),
     [
         (lambda: HermiteRBF(mixed(), polyharmonic(3)), "has 2 continuous .* order 2 need 4"),
-        (lambda: HermiteRBF([derivatives_at(SITES, [1, 0])], thin_plate_spline()),
-         "has 1 continuous derivatives; data of order 1 need 2"),
-        (lambda: HermiteRBF([values_at(SITES), values_at(SITES[:1])], polyharmonic(3)),
-         "independent; those at one point are not: 0, 24"),
-        (lambda: HermiteRBF([values_at(SITES), derivatives_at(SITES[[0, 0]], [[1, 2], [2, 4]])],
-                            polyharmonic(3)), "those at one point are not: 0, 24, 25"),
+        (
+            lambda: HermiteRBF([derivatives_at(SITES, [1, 0])], thin_plate_spline()),
+            "has 1 continuous derivatives; data of order 1 need 2",
+        ),
+        (
+            lambda: HermiteRBF([values_at(SITES), values_at(SITES[:1])], polyharmonic(3)),
+            "independent; those at one point are not: 0, 24",
+        ),
+        (
+            lambda: HermiteRBF(
+                [values_at(SITES), derivatives_at(SITES[[0, 0]], [[1, 2], [2, 4]])], polyharmonic(3)
+            ),
+            "those at one point are not: 0, 24, 25",
+        ),
         (lambda: HermiteRBF(SITES, polyharmonic(3)), "functionals must be those of values_at"),
         (lambda: HermiteRBF([], polyharmonic(3)), "functionals must be those of values_at"),
         (lambda: together([values_at(SITES), values_at([[0.0]])]), "of as many variables"),
         (lambda: derivatives_at(SITES, NORMALS[:3]), r"shape \(24, 2\) or \(2,\); got \(3, 2\)"),
         (lambda: derivatives_at(SITES[:2], [[1, 0], [0, 0]]), r"directions\[1\] is zero"),
-        (lambda: HermiteRBF(values_at(SITES), matern(0.5, 1.0)).field(wave(SITES)).gradient([0, 0]),
-         "has 0 continuous derivatives; asked for order 1"),
-        (lambda: HermiteRBF(values_at(SITES), polyharmonic(3)).weights_of(values_at([[0.0]])),
-         "as many variables as the points"),
+        (
+            lambda: (
+                HermiteRBF(values_at(SITES), matern(0.5, 1.0)).field(wave(SITES)).gradient([0, 0])
+            ),
+            "has 0 continuous derivatives; asked for order 1",
+        ),
+        (
+            lambda: HermiteRBF(values_at(SITES), polyharmonic(3)).weights_of(values_at([[0.0]])),
+            "as many variables as the points",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_has_no_meaning_is_refused(make, words):
     """In words."""
     with pytest.raises(ValueError, match=words):

@@ -91,9 +91,7 @@ kernels = st.one_of(
 def clouds(draw) -> np.ndarray:
     """Points in ugly places: duplicates, lattices, lines, clusters, any offset and unit."""
     d, n = draw(st.integers(1, 3)), draw(st.integers(1, 14))
-    entries = st.one_of(
-        st.integers(-2, 2).map(float), st.floats(-1.0, 1.0, allow_subnormal=False)
-    )
+    entries = st.one_of(st.integers(-2, 2).map(float), st.floats(-1.0, 1.0, allow_subnormal=False))
     x = draw(arrays(np.float64, (n, d), elements=entries))
     shape = draw(st.sampled_from(["as it is", "line", "nearly a line", "twice", "two clusters"]))
     if shape == "line":

@@ -85,9 +85,14 @@ PLAIN = {"s1/01.ipynb": RIGHT, "s2/deep/er/01 (3).ipynb": OTHER}
 LOOSE = {"s1_01.ipynb": RIGHT, "Bob Byte 01 (2).ipynb": OTHER}
 ZIPS = {"s1.zip": packed({"work/01.ipynb": RIGHT}), "bbyte.zip": packed({"01.ipynb": OTHER})}
 FORMS = {
-    "Canvas": CANVAS, "Moodle, flat": MOODLE_FLAT, "Moodle": MOODLE, "Gradescope": GRADESCOPE,
-    "plain folders": PLAIN, "loose files": LOOSE, "zip files": ZIPS,
-}  # fmt: skip
+    "Canvas": CANVAS,
+    "Moodle, flat": MOODLE_FLAT,
+    "Moodle": MOODLE,
+    "Gradescope": GRADESCOPE,
+    "plain folders": PLAIN,
+    "loose files": LOOSE,
+    "zip files": ZIPS,
+}
 
 
 def bulk(files):
@@ -125,8 +130,9 @@ def test_what_a_platform_tells_is_kept(tmp_path):
     assert [h.file.late_mark for h in canvas] == [False, True]
     scope = taken(tmp_path / "scope", GRADESCOPE, roster=ROSTER)
     assert [(h.file.received, h.file.received_by) for h in scope] == [
-        ("2026-11-20T12:00:00+00:00", "platform"), ("2026-11-21T06:30:00+00:00", "platform"),
-    ]  # fmt: skip
+        ("2026-11-20T12:00:00+00:00", "platform"),
+        ("2026-11-21T06:30:00+00:00", "platform"),
+    ]
 
 
 def test_several_downloads_are_taken_together(tmp_path):
@@ -173,12 +179,13 @@ ATTACKS = {
     "a folder with an export of Gradescope": ("s1/submission_902/01.ipynb", RIGHT),
     "names of Canvas in a folder": ("s1/bytebob_13_346_01.ipynb", RIGHT),
     "a name of Moodle in a name of Moodle": (
-        "Ada Lovelace_512_assignsubmission_file_Bob Byte_513_assignsubmission_file_01.ipynb", RIGHT
+        "Ada Lovelace_512_assignsubmission_file_Bob Byte_513_assignsubmission_file_01.ipynb",
+        RIGHT,
     ),
     "a name of Canvas in a name of Canvas": ("lovelaceada_12_345_bytebob_13_346_01.ipynb", RIGHT),
     "a zip file of the class": ("s1.zip", packed({"s1/01.ipynb": RIGHT, "s2/01.ipynb": RIGHT})),
     "a way out of a zip file": ("s1.zip", packed({"01.ipynb": RIGHT, "../s2/01.ipynb": RIGHT})),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("attack", ATTACKS.values(), ids=ATTACKS)
@@ -208,8 +215,10 @@ def test_names_that_lead_out_of_a_bulk_download_are_nobodys(tmp_path):
 
 def test_the_latest_attempt_counts_and_the_others_are_told(tmp_path):
     """By the number behind the name, where the times are the same."""
-    files = {f"s1/{name}.ipynb": notebook(f"k = {k}", ANSWER)
-             for k, name in enumerate(["01", "01 (10)", "01 (9)", "01-2"])}  # fmt: skip
+    files = {
+        f"s1/{name}.ipynb": notebook(f"k = {k}", ANSWER)
+        for k, name in enumerate(["01", "01 (10)", "01 (9)", "01-2"])
+    }
     handed = taken(tmp_path, files)
     assert graded(handed) == {("s1", "01"): "01 (10).ipynb"}
     assert handed[0].notes == (
@@ -249,8 +258,9 @@ def test_a_damaged_notebook_beside_a_whole_one_is_told(tmp_path):
     """It was meant to be graded, so it has a record of its own."""
     handed = taken(tmp_path, {"s1/a.ipynb": RIGHT, "s1/b.ipynb": SECOND[:50]})
     assert [(h.notebook, h.problem) for h in handed] == [
-        ("01", ""), ("", "the file is no complete notebook: its JSON is broken")
-    ]  # fmt: skip
+        ("01", ""),
+        ("", "the file is no complete notebook: its JSON is broken"),
+    ]
 
 
 BROKEN = {
@@ -337,8 +347,15 @@ def test_a_class_of_thousands_of_files_is_taken(tmp_path):
     """Each student has a record, and it takes seconds."""
     roster = {f"s{k}": Student(f"s{k}", f"First{k} Last{k}") for k in range(1000)}
     place = tmp_path / "class.zip"
-    place.write_bytes(bulk({f"last{k}first{k}_{k}_{k}_{n}.ipynb": RIGHT if n == "01" else SECOND
-                            for k in range(1000) for n in ("01", "02")}))  # fmt: skip
+    place.write_bytes(
+        bulk(
+            {
+                f"last{k}first{k}_{k}_{k}_{n}.ipynb": RIGHT if n == "01" else SECOND
+                for k in range(1000)
+                for n in ("01", "02")
+            }
+        )
+    )
     handed = intake(tmp_path, roster=roster).take(place)
     assert {*graded(handed)} == {(s, n) for s in roster for n in ("01", "02")}
 

@@ -34,8 +34,11 @@ def test_each_kind_of_data_has_its_method():
     assert winner(points, slope + noise).name == "ls1"
     assert winner(points, franke(points)).name in {"tps", "cubic", "smooth", "mls2", "pu", "pu3"}
     assert winner(points, franke(points) + 0.1 * noise).name in {
-        "smooth", "mls1", "ls4", "pusmooth",
-    }  # fmt: skip
+        "smooth",
+        "mls1",
+        "ls4",
+        "pusmooth",
+    }
 
 
 def test_of_many_samples_too(monkeypatch):

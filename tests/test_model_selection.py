@@ -82,8 +82,10 @@ def test_it_prefers_what_predicts():
     """The ε of least leave-one-out error is near that of least true error; that of ψ is not."""
     p = np.random.default_rng(3).random((150, 2))
     x = np.random.default_rng(4).random((200, 2))
+
     def truth(y):
         return np.sin(y @ [5.0, 3.0])
+
     f = truth(p) + 0.2 * np.random.default_rng(5).standard_normal(150)
     epsilons = [0.01, 0.03, 0.1, 0.2, 0.3, 1.0, 10.0]
     methods = [MovingLeastSquares(p, inverse_square(e)) for e in epsilons]

@@ -94,9 +94,10 @@ def test_schemes_find_feet_with_their_orders():
 def test_ten_thousand_nodes_and_a_hundred_thousand_points():
     """Sparse weights, and all resultants kept."""
 
-    x, y = (np.column_stack([p, np.cos(4 * p[:, 0]) * p[:, 1]]) for p in (
-        halton(10_000, 2), 1.01 * halton(100_000, 2, seed=1)
-    ))  # fmt: skip
+    x, y = (
+        np.column_stack([p, np.cos(4 * p[:, 0]) * p[:, 1]])
+        for p in (halton(10_000, 2), 1.01 * halton(100_000, 2, seed=1))
+    )
     t = Coupling(blended_plates(x), y)
     f = np.sin(9 * y)
     assert t._weights.nnz < 200 * len(y)

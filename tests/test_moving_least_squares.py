@@ -187,8 +187,10 @@ def test_with_epsilon_zero_a_site_is_its_limit(degree, neighbors):
 def test_a_small_epsilon_tends_to_zero(degree):
     """f at a site misses the datum by O(ε⁴): an order of four, by two sizes of ε."""
     errors = [
-        abs(float(MovingLeastSquares(POINTS, inverse_square(e), degree).field(VALUES)(POINTS[3]))
-            - VALUES[3])
+        abs(
+            float(MovingLeastSquares(POINTS, inverse_square(e), degree).field(VALUES)(POINTS[3]))
+            - VALUES[3]
+        )
         for e in (1e-2, 1e-3)
     ]
     assert np.log10(errors[0] / errors[1]) == pytest.approx(4, abs=0.1)
@@ -255,9 +257,7 @@ def test_values_gradients_and_psi_have_all_their_digits(shape, epsilon, degree):
         near_pole = epsilon < 1e-60 and (x == points[4]).all()
         y = digits.beside(x) if near_pole else digits.exact(x)
         value = float(digits.moving(points, values, y, weight, degree))
-        gradient = digits.gradient(
-            lambda at: digits.moving(points, values, at, weight, degree), y
-        )
+        gradient = digits.gradient(lambda at: digits.moving(points, values, at, weight, degree), y)
         psi = digits.moving_objective(points, values, y, weight, degree)
         size = max(1.0, np.abs(gradient).max())
         assert_close(s(x), value, 1e-12 * max(1.0, abs(value)))
@@ -289,9 +289,7 @@ def test_coincident_sites_that_disagree_have_their_digits(epsilon, degree):
     s, weight = m.field(values), digits.inverse_square(epsilon)
     for distance in (0.1, 1e-3, 1e-6, 1e-9, 1e-12, 0.0):
         x = points[4] + distance * np.array([0.6, 0.8])
-        gradient = digits.gradient(
-            lambda at: digits.moving(points, values, at, weight, degree), x
-        )
+        gradient = digits.gradient(lambda at: digits.moving(points, values, at, weight, degree), x)
         size = max(1.0, np.abs(gradient).max())
         assert_close(s(x), float(digits.moving(points, values, x, weight, degree)), 1e-12)
         assert_close(s.gradient(x) / size, gradient / size, 1e-11)
@@ -308,9 +306,7 @@ def test_gaussian_weights_have_their_digits(scale, degree):
     s, weight = m.field(values), digits.gaussian(scale)
     for x in (FEW[4], FEW[4] + 1e-9, (FEW[4] + FEW[7]) / 2, np.array([-0.5, 1.5])):
         value = float(digits.moving(FEW, values, x, weight, degree))
-        gradient = digits.gradient(
-            lambda at: digits.moving(FEW, values, at, weight, degree), x
-        )
+        gradient = digits.gradient(lambda at: digits.moving(FEW, values, at, weight, degree), x)
         size = max(1.0, abs(value), np.abs(gradient).max())
         assert_close(s(x) / size, value / size, 1e-11)
         assert_close(s.gradient(x) / size, gradient / size, 1e-10)

@@ -153,8 +153,9 @@ def test_edges_are_not_much_worse_than_the_inside(monkeypatch):
 def test_clusters_of_very_different_size():
     """Patches between them are singular to rounding, and still interpolate smooth data."""
     rng = np.random.default_rng(0)
-    x = np.concatenate([rng.random((800, 2)), 0.5 + 1e-4 * rng.random((800, 2)),
-                        0.2 + 1e-7 * rng.random((200, 2))])  # fmt: skip
+    x = np.concatenate(
+        [rng.random((800, 2)), 0.5 + 1e-4 * rng.random((800, 2)), 0.2 + 1e-7 * rng.random((200, 2))]
+    )
     for power in (3, 5, 7):
         s = PartitionOfUnityRBF(x, polyharmonic(power), 3).field(franke(x))
         assert_close(s(x), franke(x), 1e-7)

@@ -20,9 +20,16 @@ OURS = [timed("fieldrecon patches", 1.0, 1e-6), timed("fieldrecon MLS", 0.5, 1e-
 
 @pytest.mark.parametrize(
     ("seconds", "error", "is_lost"),
-    [(1.1, 1.1e-6, False), (1.0, 1e-6, False), (1.0, 1e-6 * (1 - 1e-12), False),
-     (0.9, 1e-5, True), (0.4, 1e-3, True), (9.0, 9e-7, True), (0.6, 1e-3, False)],
-)  # fmt: skip
+    [
+        (1.1, 1.1e-6, False),
+        (1.0, 1e-6, False),
+        (1.0, 1e-6 * (1 - 1e-12), False),
+        (0.9, 1e-5, True),
+        (0.4, 1e-3, True),
+        (9.0, 9e-7, True),
+        (0.6, 1e-3, False),
+    ],
+)
 def test_a_peer_is_covered_by_what_is_both_as_fast_and_as_accurate(seconds, error, is_lost):
     """Faster by one method of ours and more accurate by another does not cover."""
     peer = timed("SciPy RBF", seconds, error)
@@ -47,8 +54,9 @@ def test_every_run_is_covered_or_told():
         lost.column("its seconds"), lost.column("our seconds to that error"), strict=True
     ):
         assert ours == NONE or ours > took
-    covered = sum(any(o.covers(r) for o in runs if o.ours and o[:2] == r[:2])
-                  for r in runs if not r.ours)  # fmt: skip
+    covered = sum(
+        any(o.covers(r) for o in runs if o.ours and o[:2] == r[:2]) for r in runs if not r.ours
+    )
     assert covered + len(lost.rows) == result.facts["peers_runs"]
 
 

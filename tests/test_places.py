@@ -22,9 +22,13 @@ def result_at(places, lonlat=False):
     m, d = points.shape
     values = points @ np.array([1.0, np.pi, np.e])[:d] + 1 / 3
     return Result(
-        (*NAMES[:d], NAMES[-1]), places, values, np.sqrt(abs(values)),
-        (np.arange(m) % 3).astype(np.int8), lonlat,
-    )  # fmt: skip
+        (*NAMES[:d], NAMES[-1]),
+        places,
+        values,
+        np.sqrt(abs(values)),
+        (np.arange(m) % 3).astype(np.int8),
+        lonlat,
+    )
 
 
 MESH = fr.SimplexMesh.delaunay(fr.datasets.uniform(30, 2, seed=0))
@@ -127,8 +131,9 @@ def test_degrees_have_their_units(tmp_path):
 def test_names_that_clash_are_told_apart(tmp_path, kind):
     """A value called error, coordinates that differ in a blank only, names of other letters."""
     result = result_at(PLACES["points"])
-    odd = Result(("ä", "ö", "error"), result.places, result.values, result.error,
-                 result.extrapolated)  # fmt: skip
+    odd = Result(
+        ("ä", "ö", "error"), result.places, result.values, result.error, result.extrapolated
+    )
     assert list(odd.columns) == ["error", "error_2", "extrapolated"]
     FORMATS[kind](tmp_path / "a", odd)
     assert (tmp_path / "a").stat().st_size > 100

@@ -159,8 +159,9 @@ def test_enclosing_puts_all_corners_inside_and_not_far(loose, epsilon, share):
     """Nearer, in the mean, than moving all polygons alike; never farther, when they do not meet."""
     points, triangles = torus(12, 6)
     corners = points[triangles] * (1 + loose * RNG.random((len(triangles), 1, 1)))
-    soup = fr.PolygonSoup(corners.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3),
-                          epsilon)  # fmt: skip
+    soup = fr.PolygonSoup(
+        corners.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), epsilon
+    )
     around, before = soup.enclosing()(soup.points), soup(soup.points)
     assert around.min() > -1e-12
     assert around.mean() <= share * (before - before.min()).mean() + 1e-12

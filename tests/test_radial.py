@@ -303,8 +303,14 @@ def test_values_are_numbers_from_the_smallest_distance_on(kernel):
 
 @pytest.mark.parametrize(
     "make",
-    [gaussian, multiquadric, inverse_multiquadric, lambda s: matern(1.5, s),
-     lambda s: wendland(3, 1, s), inverse_square],
+    [
+        gaussian,
+        multiquadric,
+        inverse_multiquadric,
+        lambda s: matern(1.5, s),
+        lambda s: wendland(3, 1, s),
+        inverse_square,
+    ],
 )
 @pytest.mark.parametrize("scale", [1e-140, 1e140])
 def test_lengths_may_be_of_any_size(make, scale):

@@ -24,8 +24,9 @@ def exact_ball(view):
 def test_rays_meet_a_ball_where_algebra_says(toward):
     """To rounding; and those that pass it by go on for ever."""
     view = fr.View.of_box(BOX, toward, 24)
-    found = fr.first_zeros(Ball(1.0), view.origins.reshape(-1, 3), -view.axes[:, 2],
-                           view.lengths.ravel(), 0.05)  # fmt: skip
+    found = fr.first_zeros(
+        Ball(1.0), view.origins.reshape(-1, 3), -view.axes[:, 2], view.lengths.ravel(), 0.05
+    )
     expected = exact_ball(view)
     grazing = np.isinf(found) != np.isinf(expected)
     assert grazing.mean() < 0.02

@@ -298,9 +298,7 @@ def test_values_and_gradients_have_all_their_digits(name, offset, smoothing):
         x = points[4] + fraction * (points[7] - points[4])
         assert_close(s(x), float(digits.rbf(points, solution, x, witness, m.degree)), 1e-12)
         if kernel.differentiable or (x != points[4]).any():
-            g = digits.gradient(
-                lambda y: digits.rbf(points, solution, y, witness, m.degree), x
-            )
+            g = digits.gradient(lambda y: digits.rbf(points, solution, y, witness, m.degree), x)
             assert_close(s.gradient(x), g, 1e-11)
 
 

@@ -11,8 +11,15 @@ ALLOWED: set[str] = set()
 
 def decimals_in_prose(text):
     """Return decimals outside quotations of facts, mathematics, code and attributes."""
-    for hidden in (r"```.*?```", r"`[^`]*`", r"\{\{.*?\}\}", r"\$\$.*?\$\$", r"\$[^$]*\$",
-                   r"\{[#.][^}]*\}", r"\]\([^)]*\)"):  # fmt: skip
+    for hidden in (
+        r"```.*?```",
+        r"`[^`]*`",
+        r"\{\{.*?\}\}",
+        r"\$\$.*?\$\$",
+        r"\$[^$]*\$",
+        r"\{[#.][^}]*\}",
+        r"\]\([^)]*\)",
+    ):
         text = re.sub(hidden, " ", text, flags=re.S)
     return re.findall(r"(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?", text)
 

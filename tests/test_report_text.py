@@ -237,12 +237,20 @@ def test_references_carry_the_same_numbers_in_both_outputs(page, typ):
     read = [(label, words(t).replace("\xa0", " ")) for label, t in in_page]
     assert read == [(label, re.sub(r"[~\xa0]", " ", t.replace("\\", ""))) for label, t in in_print]
     assert dict(read) == {
-        "fig:bumps": "Figures 1.1", "fig:far": "1.2", "tbl:errors": "Table 1.1",
-        "tbl:which": "Table 1.2", "eq:one": "Equation (1.1)", "eq:two": "(1.2)",
-        "sec:first": "Chapter 1", "sec:inner": "Section 1.1", "app:more": "Appendix A",
-        "thm:one": "Theorem 1.1", "exr:one": "Exercise 1.1", "lst:one": "Listing 1.1",
+        "fig:bumps": "Figures 1.1",
+        "fig:far": "1.2",
+        "tbl:errors": "Table 1.1",
+        "tbl:which": "Table 1.2",
+        "eq:one": "Equation (1.1)",
+        "eq:two": "(1.2)",
+        "sec:first": "Chapter 1",
+        "sec:inner": "Section 1.1",
+        "app:more": "Appendix A",
+        "thm:one": "Theorem 1.1",
+        "exr:one": "Exercise 1.1",
+        "lst:one": "Listing 1.1",
         "eq:three": "Equation (A.1)",
-    }  # fmt: skip
+    }
 
 
 def test_what_is_numbered_shows_the_number_that_references_carry(page, typ):

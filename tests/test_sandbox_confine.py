@@ -230,11 +230,13 @@ if LANDLOCK:
     def test_what_landlock_refuses(what, fence, folder):
         """What lies outside of the fence cannot be touched; without the fence it can."""
         (folder / "written/way").symlink_to(folder / "outside")
-        before = sorted((p.relative_to(folder), p.is_file() and p.read_text())
-                        for p in folder.rglob("*"))  # fmt: skip
+        before = sorted(
+            (p.relative_to(folder), p.is_file() and p.read_text()) for p in folder.rglob("*")
+        )
         assert in_a_child(fence, REFUSED[what]) in ("PermissionError", "OSError")
-        after = sorted((p.relative_to(folder), p.is_file() and p.read_text())
-                       for p in folder.rglob("*"))  # fmt: skip
+        after = sorted(
+            (p.relative_to(folder), p.is_file() and p.read_text()) for p in folder.rglob("*")
+        )
         assert after == before
         assert in_a_child(REFUSED[what]) == "done"
 
@@ -288,8 +290,9 @@ def test_limits_hold(folder):
         for _ in range(confine.MOST_FILES + 1):
             os.open(os.devnull, os.O_RDONLY)
 
-    tries = {"OSError": [write, open_many]} | ({"MemoryError": [lambda: bytearray(1 << 28)]}
-                                               if LINUX else {})  # fmt: skip
+    tries = {"OSError": [write, open_many]} | (
+        {"MemoryError": [lambda: bytearray(1 << 28)]} if LINUX else {}
+    )
     for error, its in tries.items():
         for attempt in its:
             assert in_a_child(attempt) == "done"

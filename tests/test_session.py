@@ -17,9 +17,13 @@ from fieldrecon.course.grading.session import Task, run
 from fieldrecon.course.sandbox import frames
 
 LIMITS = Limits(
-    memory=256 * MEBIBYTE, cpu_seconds=2, seconds_per_cell=1.0, seconds_per_call=0.3,
-    seconds_in_all=20, most_starts=4,
-)  # fmt: skip
+    memory=256 * MEBIBYTE,
+    cpu_seconds=2,
+    seconds_per_cell=1.0,
+    seconds_per_call=0.3,
+    seconds_in_all=20,
+    most_starts=4,
+)
 DOUBLE = "def double(x):\n    return 2 * x"
 DEAF = """
 import json, os, struct, sys, time
@@ -108,14 +112,20 @@ def test_a_call_that_breaks_costs_its_question_alone(server):
     """Tasks of its question are not tried again; those of others are, in a new process."""
     cells = [DOUBLE, "import os\ndef broken(x):\n    os._exit(1)"]
     tasks = [
-        task("1 a", question="1"), task("2 a", "broken", 2, "2"), task("2 b", "broken", 1, "2"),
-        task("1 b", question="1"), task("3 a", question="3"),
-    ]  # fmt: skip
+        task("1 a", question="1"),
+        task("2 a", "broken", 2, "2"),
+        task("2 b", "broken", 1, "2"),
+        task("1 b", question="1"),
+        task("3 a", question="3"),
+    ]
     outcomes, log = run(server, cells, tasks)
     told = statuses(outcomes)
     assert told == {
-        "1 a": ["returned"], "2 a": ["raised"] * 2, "1 b": ["returned"], "3 a": ["returned"],
-    }  # fmt: skip
+        "1 a": ["returned"],
+        "2 a": ["raised"] * 2,
+        "1 b": ["returned"],
+        "3 a": ["returned"],
+    }
     assert log.broke == {"2 a": "exit"}
     assert len(log.processes) == 2
 

@@ -66,9 +66,12 @@ def test_the_convolution_is_an_integral():
     for degree in (1, 2, 3):
         for x in (0.3, 1.0, 1.9, 2.6):
             integral = quad(
-                lambda t, k=degree: float(cardinal_b_spline(k - 1, t)), x - 1, x,
-                points=[math.floor(x)], epsabs=1e-12,
-            )[0]  # fmt: skip
+                lambda t, k=degree: float(cardinal_b_spline(k - 1, t)),
+                x - 1,
+                x,
+                points=[math.floor(x)],
+                epsabs=1e-12,
+            )[0]
             assert float(cardinal_b_spline(degree, x)) == pytest.approx(integral, abs=1e-10)
     assert_close(6 * cardinal_b_spline(3, [0, 1, 2, 3, 4]), [0, 1, 4, 1, 0], 1e-14)
 

@@ -21,7 +21,8 @@ WAYS = {
     "renamed by a person": ("final FINAL", notebook(ANSWER)),
     "of format 3": ("01.ipynb", of_format_3(ANSWER)),
     "of another kernel": (
-        "01.ipynb", notebook(ANSWER, kernelspec={"name": "conda-env-mine-py", "language": "R"})
+        "01.ipynb",
+        notebook(ANSWER, kernelspec={"name": "conda-env-mine-py", "language": "R"}),
     ),
     "without metadata": ("01.ipynb", b'{"cells": [' + json.dumps(code(ANSWER)).encode() + b"]}"),
     "with lists of lines": ("01.ipynb", notebook(code(ANSWER.splitlines(keepends=True)))),
@@ -39,7 +40,7 @@ WAYS = {
     "a script with a mark": ("01.py", b"\xef\xbb\xbf" + PERCENT.replace("\n", "\r\n").encode()),
     "a notebook called a script": ("01.py", notebook(ANSWER)),
     "in a branch": ("01.ipynb", notebook("try:\n    import numpy\nfinally:\n    fit = max")),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("name", "content"), WAYS.values(), ids=WAYS)
@@ -75,12 +76,17 @@ def test_what_cannot_be_graded_is_told_in_a_sentence(content, sentence):
 
 jsons = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
-    lambda inner: st.lists(inner) | st.dictionaries(
-        st.sampled_from(
-            ["cells", "worksheets", "source", "input", "cell_type", "metadata", "id", "course"]
-        ) | st.text(), inner
+    lambda inner: (
+        st.lists(inner)
+        | st.dictionaries(
+            st.sampled_from(
+                ["cells", "worksheets", "source", "input", "cell_type", "metadata", "id", "course"]
+            )
+            | st.text(),
+            inner,
+        )
     ),
-)  # fmt: skip
+)
 sources = st.text() | st.lists(st.text() | st.none()) | jsons
 kinds = st.just("code") | jsons
 cells = st.fixed_dictionaries({"cell_type": kinds, "source": sources, "id": jsons})
@@ -151,8 +157,9 @@ def test_what_stands_in_functions_and_classes_is_no_answer():
         ("outer", False),
     )
     assert defined("for k in 1, 2:\n    def fit(): return k\nfrom x import rank as gradient") == (
-        ("fit", False), ("gradient", False),
-    )  # fmt: skip
+        ("fit", False),
+        ("gradient", False),
+    )
 
 
 @pytest.mark.parametrize(

@@ -57,8 +57,9 @@ def test_a_hole_is_told_and_may_stay_open(folder, capsys):
     points, normals = sample_surface(Torus(1.0, 0.5), 600, seed=1)
     seen = points[:, 0] < 0.9
     header = "x,y,z,nx,ny,nz"
-    np.savetxt("hole.csv", np.hstack([points, normals])[seen], delimiter=",", header=header,
-               comments="")  # fmt: skip
+    np.savetxt(
+        "hole.csv", np.hstack([points, normals])[seen], delimiter=",", header=header, comments=""
+    )
     assert main(["surface", "hole.csv"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "the surface is invented" in shown

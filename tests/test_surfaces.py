@@ -71,8 +71,9 @@ def test_balls_are_the_largest_that_are_empty():
     radius = off_surface._empty_balls(points, -normals, cKDTree(points), 9.0)
     e = points - points[:, None]
     along = -np.einsum("jki,ji->jk", e, normals)
-    touching = np.divide((e**2).sum(axis=2), 2 * along, out=np.full(along.shape, 9.0),
-                         where=along > 1e-12)  # fmt: skip
+    touching = np.divide(
+        (e**2).sum(axis=2), 2 * along, out=np.full(along.shape, 9.0), where=along > 1e-12
+    )
     assert_close(radius, np.minimum(touching.min(axis=1), 9.0), 1e-9)
 
 
@@ -188,8 +189,9 @@ def test_smoothing_halves_waves_of_its_length():
     for wave in (0.25, 0.5, 1.0):
         height = 0.01 * np.cos(2 * np.pi * x / wave)
         points = np.column_stack([x, y, height])
-        body = implicit_surface(points, np.tile([0.0, 0, 1], (len(x), 1)), method="rbf",
-                                distance=1 / 12, smoothing=0.5)  # fmt: skip
+        body = implicit_surface(
+            points, np.tile([0.0, 0, 1], (len(x), 1)), method="rbf", distance=1 / 12, smoothing=0.5
+        )
         inner = np.maximum(np.abs(x), np.abs(y)) < 0.6
         below = body(np.column_stack([x, y, 0 * x]))[inner]
         left.append(below @ height[inner] / (height[inner] @ height[inner]))

@@ -106,9 +106,16 @@ def test_points_are_understood(cell, value):
 
 @pytest.mark.parametrize(
     ("read", "cell"),
-    [(points, "inf"), (points, "1e3"), (points, "½"), (question, "1.2"), (question, "01,2"),
-     (notebook, "002"), (notebook, "")],
-)  # fmt: skip
+    [
+        (points, "inf"),
+        (points, "1e3"),
+        (points, "½"),
+        (question, "1.2"),
+        (question, "01,2"),
+        (notebook, "002"),
+        (notebook, ""),
+    ],
+)
 def test_what_is_no_number_is_refused(read, cell):
     with pytest.raises(ValueError, match=f"not '{cell}'"):
         read(cell)

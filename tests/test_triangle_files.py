@@ -37,8 +37,13 @@ def test_an_ascii_file_is_read_as_it_stands(tmp_path):
     points, triangles = read_triangles(written(tmp_path, ASCII))
     assert points.dtype == np.float64
     assert points.tolist() == [
-        [0, 0, 0], [1.5, 0, 0], [0, 1, 0], [1.5, 0, 0], [1, 1, -2.25], [0, 1, 0],
-    ]  # fmt: skip
+        [0, 0, 0],
+        [1.5, 0, 0],
+        [0, 1, 0],
+        [1.5, 0, 0],
+        [1, 1, -2.25],
+        [0, 1, 0],
+    ]
     assert triangles.tolist() == [[0, 1, 2], [3, 4, 5]]
 
 

@@ -61,8 +61,14 @@ def test_names_of_windows_are_folders_and_names(tmp_path):
 
 def test_links_and_long_names_in_a_zip_file_are_refused(tmp_path):
     """The content of a link is a path, not a file."""
-    pack = packed([(link("01.ipynb"), b"/etc/passwd"), ("n" * 60_000, b""), ("d/" * 5000, b""),
-                   ("d/" * 5000 + "x", b"")])  # fmt: skip
+    pack = packed(
+        [
+            (link("01.ipynb"), b"/etc/passwd"),
+            ("n" * 60_000, b""),
+            ("d/" * 5000, b""),
+            ("d/" * 5000 + "x", b""),
+        ]
+    )
     assert told(items_of(tmp_path, pack)) == {
         "01.ipynb": "it is a link",
         "n" * 255: "its name is too long",
@@ -89,9 +95,17 @@ def test_encrypted_files_are_told(tmp_path):
 
 def test_what_is_not_the_students_work_is_left_out(tmp_path):
     """Junk of systems, caches, hidden files, and the checks that were handed out."""
-    junk = ["__MACOSX/._01.ipynb", "._01.ipynb", ".DS_Store", "Thumbs.db", "student.txt",
-            ".ipynb_checkpoints/01-checkpoint.ipynb", "fieldcheck/calls.py",
-            "venv/lib/x.py", "a/__pycache__/x.pyc"]  # fmt: skip
+    junk = [
+        "__MACOSX/._01.ipynb",
+        "._01.ipynb",
+        ".DS_Store",
+        "Thumbs.db",
+        "student.txt",
+        ".ipynb_checkpoints/01-checkpoint.ipynb",
+        "fieldcheck/calls.py",
+        "venv/lib/x.py",
+        "a/__pycache__/x.pyc",
+    ]
     files = dict.fromkeys([*junk, "a/01.ipynb"], b"x")
     assert [item.name for item in items_of(tmp_path, packed(files))] == ["a/01.ipynb"]
     assert [i.name for i in folder_items(lay(tmp_path / "class", files))] == ["a/01.ipynb"]
@@ -167,9 +181,11 @@ def test_links_pipes_and_devices_in_a_folder_are_refused(tmp_path):
     (folder / "cid").symlink_to(tmp_path)
     os.mkfifo(folder / "dan.ipynb")
     assert told(folder_items(folder)) == {
-        "ada/01.ipynb": "", "bob.ipynb": "it is a link", "cid": "it is a link",
+        "ada/01.ipynb": "",
+        "bob.ipynb": "it is a link",
+        "cid": "it is a link",
         "dan.ipynb": "it is no file",
-    }  # fmt: skip
+    }
 
 
 def test_folders_may_lie_deep_in_each_other(tmp_path):
@@ -205,8 +221,9 @@ def test_a_folder_that_cannot_be_read_is_told(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Path, "iterdir", iterdir)
     assert told(folder_items(folder)) == {
-        "ada/01.ipynb": "", "bob": "it cannot be read (Permission denied)"
-    }  # fmt: skip
+        "ada/01.ipynb": "",
+        "bob": "it cannot be read (Permission denied)",
+    }
 
 
 def test_strange_names_are_told_as_text(tmp_path):

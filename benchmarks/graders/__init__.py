@@ -42,10 +42,15 @@ def started(name: str, *arguments: object, folder: Path) -> str:
     """What a program of a peer prints; the notebooks find the self-checks, and one thread each."""
     programs = environment(name)
     own = {
-        "HOME": str(folder), "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(ROOT / "src"), "FIELDCHECK_STATIC": "1", "MPLBACKEND": "Agg",
-        "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "PYDEVD_DISABLE_FILE_VALIDATION": "1",
-    }  # fmt: skip
+        "HOME": str(folder),
+        "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONPATH": str(ROOT / "src"),
+        "FIELDCHECK_STATIC": "1",
+        "MPLBACKEND": "Agg",
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_NUM_THREADS": "1",
+        "PYDEVD_DISABLE_FILE_VALIDATION": "1",
+    }
     command = [str(programs / str(arguments[0])), *map(str, arguments[1:])]
     done = subprocess.run(command, cwd=folder, env=own, capture_output=True, text=True)
     if done.returncode:

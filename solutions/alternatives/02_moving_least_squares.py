@@ -229,7 +229,10 @@ def as_a_pair(points, places, n, epsilon):
         return np.linalg.lstsq(w[:, None] * b, w * points.sum(axis=1) ** n, rcond=None)[0][0]
 
     def error(weight):
-        missed = [fitted(q, weight(np.sum((points - q) ** 2, axis=1))) - (q[0] + q[1]) ** n for q in places]
+        missed = [
+            fitted(q, weight(np.sum((points - q) ** 2, axis=1))) - (q[0] + q[1]) ** n
+            for q in places
+        ]
         return np.std(missed) if np.mean(missed) == 0 else np.sqrt(np.mean(np.square(missed)))
 
     return error(np.ones_like), error(lambda s: 1 / (s + epsilon**2))

@@ -248,7 +248,10 @@ def parts(points, triangles, rings):
         a, b = (points[list(side)] - x for side in zip(*pairs))
         d = b - a
         y = (a + b) / 2
-        yield y / np.hypot(*y.T).max(), np.stack([-d[:, 1], d[:, 0]], axis=1) / np.hypot(*d.T)[:, None]
+        yield (
+            y / np.hypot(*y.T).max(),
+            np.stack([-d[:, 1], d[:, 0]], axis=1) / np.hypot(*d.T)[:, None],
+        )
 
 
 @answers("05.9")
@@ -286,5 +289,7 @@ def by_conics(points, triangles, rings):
             corners = np.unique(edges[np.isin(edges, corners).any(axis=1)])
         z = points[corners] - x
         a, b = (z / np.abs(z).max()).T
-        found.append(np.linalg.matrix_rank(np.stack([a**0, a, b, a * a, a * b, b * b], axis=1), tol=1e-7))
+        found.append(
+            np.linalg.matrix_rank(np.stack([a**0, a, b, a * a, a * b, b * b], axis=1), tol=1e-7)
+        )
     return found

@@ -118,7 +118,9 @@ def in_closed_form(q):
 @answers("06.4")
 def by_complex_numbers(q):
     z = (q - q[2]) @ np.array([1, 1j])
-    o = (z[0] * z[1] * (z[0] - z[1]).conjugate()) / (z[0].conjugate() * z[1] - z[0] * z[1].conjugate())
+    o = (z[0] * z[1] * (z[0] - z[1]).conjugate()) / (
+        z[0].conjugate() * z[1] - z[0] * z[1].conjugate()
+    )
     return q[2, 0] + o.real, q[2, 1] + o.imag
 
 

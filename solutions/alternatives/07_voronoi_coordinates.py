@@ -18,7 +18,9 @@ def corner_by_corner(center, radius, turn):
 
 @answers("07.1")
 def by_complex_numbers(center, radius, turn):
-    z = complex(*center) + radius * np.exp(1j * (turn + np.linspace(0, 2 * np.pi, 6, endpoint=False)))
+    z = complex(*center) + radius * np.exp(
+        1j * (turn + np.linspace(0, 2 * np.pi, 6, endpoint=False))
+    )
     return np.stack([z.real, z.imag], axis=1)
 
 
@@ -129,7 +131,11 @@ def place_by_place(center, rim, corners, x):
         w = np.zeros(len(s))
         for a in range(len(s)):
             j, k = s[a], s[(a + 1) % len(s)]
-            w[a] = abs(j[0] * k[1] - j[1] * k[0]) / (j @ (corners[a] - place)) / (k @ (corners[a] - place))
+            w[a] = (
+                abs(j[0] * k[1] - j[1] * k[0])
+                / (j @ (corners[a] - place))
+                / (k @ (corners[a] - place))
+            )
         rows.append(w / np.sum(w))
     return rows
 
@@ -157,7 +163,10 @@ def by_einsum(center, rim, corners, x):
 def point_by_point(center, corners, steps):
     r = math.dist((corners[0] + corners[1]) / 2, center)
     return [
-        [center[0] + r / n * math.cos(2 * math.pi * n / steps), center[1] + r / n * math.sin(2 * math.pi * n / steps)]
+        [
+            center[0] + r / n * math.cos(2 * math.pi * n / steps),
+            center[1] + r / n * math.sin(2 * math.pi * n / steps),
+        ]
         for n in range(1, steps + 1)
     ]
 
@@ -189,7 +198,9 @@ def as_a_product(center, rim, corners, values, x):
 
 @answers("07.7")
 def as_a_sum(center, rim, corners, values, x):
-    return [sum(w * f for w, f in zip(row, values)) for row in _coordinates(center, rim, corners, x)]
+    return [
+        sum(w * f for w, f in zip(row, values)) for row in _coordinates(center, rim, corners, x)
+    ]
 
 
 @answers("07.7")

@@ -113,7 +113,9 @@ def from_the_midpoints(center, neighbors, x):
 def by_squared_distances(center, neighbors, x):
     out = []
     for tip in neighbors:
-        out.append([(math.dist(place, tip) ** 2 - math.dist(place, center) ** 2) / 2 for place in x])
+        out.append(
+            [(math.dist(place, tip) ** 2 - math.dist(place, center) ** 2) / 2 for place in x]
+        )
     return out
 
 

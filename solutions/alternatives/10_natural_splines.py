@@ -149,8 +149,10 @@ def place_by_place(sites, values, bends, x):
             i = int(np.sum(sites <= t)) - 1
             h = sites[i + 1] - sites[i]
             p, q = sites[i + 1] - t, t - sites[i]
-            out.append((p * values[i] + q * values[i + 1]) / h
-                       + ((p**3 / h - p * h) * bends[i] + (q**3 / h - q * h) * bends[i + 1]) / 6)
+            out.append(
+                (p * values[i] + q * values[i + 1]) / h
+                + ((p**3 / h - p * h) * bends[i] + (q**3 / h - q * h) * bends[i + 1]) / 6
+            )
     return np.array(out)
 
 
@@ -252,7 +254,8 @@ def by_scipy_basis(knots, degree, x):
 
     columns = [
         BSpline.basis_element(knots[i : i + degree + 2], extrapolate=False)(x)
-        if knots[i + degree + 1] > knots[i] else 0 * x
+        if knots[i + degree + 1] > knots[i]
+        else 0 * x
         for i in range(len(knots) - degree - 1)
     ]
     b = np.nan_to_num(np.array(columns).T)

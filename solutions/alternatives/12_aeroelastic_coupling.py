@@ -86,7 +86,16 @@ def transposed_twice(H, f):
 def component_by_component(points, forces, about):
     x, y, z = (points - about).T
     fx, fy, fz = forces.T
-    return np.array([fx.sum(), fy.sum(), fz.sum(), (y * fz - z * fy).sum(), (z * fx - x * fz).sum(), (x * fy - y * fx).sum()])
+    return np.array(
+        [
+            fx.sum(),
+            fy.sum(),
+            fz.sum(),
+            (y * fz - z * fy).sum(),
+            (z * fx - x * fz).sum(),
+            (x * fy - y * fx).sum(),
+        ]
+    )
 
 
 @answers("12.4")

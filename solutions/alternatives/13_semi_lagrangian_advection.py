@@ -9,7 +9,12 @@ def wind(y, t, flow):
     """The velocity of the notebook at one place or many."""
     p, q = y[..., 0], y[..., 1]
     if flow == 2:
-        a = np.array([np.cos(np.pi * p / 2) ** 2 * np.sin(np.pi * q), -np.cos(np.pi * q / 2) ** 2 * np.sin(np.pi * p)])
+        a = np.array(
+            [
+                np.cos(np.pi * p / 2) ** 2 * np.sin(np.pi * q),
+                -(np.cos(np.pi * q / 2) ** 2) * np.sin(np.pi * p),
+            ]
+        )
         return np.moveaxis(3 * np.cos(np.pi * t) * a, 0, -1)
     rate = (1 + t) / (1 + 4 * (p**2 + q**2)) if flow == 1 else 1 + 0 * p
     return np.moveaxis(2 * np.pi * rate * np.array([-q, p]), 0, -1)
@@ -89,7 +94,9 @@ def mirrored_at_the_middle(x, t, dt, flow):
 
 @answers("13.3")
 def classical_by_its_table(x, t, dt, flow):
-    return feet_by_table(x, t, dt, flow, [(), (0.5,), (0, 0.5), (0, 0, 1)], np.array([1, 2, 2, 1]) / 6)
+    return feet_by_table(
+        x, t, dt, flow, [(), (0.5,), (0, 0.5), (0, 0, 1)], np.array([1, 2, 2, 1]) / 6
+    )
 
 
 @answers("13.3")
@@ -166,7 +173,9 @@ def row_by_row(sites, u, dt, steps, flow, k):
     result = np.zeros((steps + 1, len(sites)))
     result[0] = u
     for n in range(1, steps + 1):
-        result[n] = all_systems_at_once(sites, classical(sites, n * dt, dt, flow), k) @ result[n - 1]
+        result[n] = (
+            all_systems_at_once(sites, classical(sites, n * dt, dt, flow), k) @ result[n - 1]
+        )
     return result
 
 
@@ -216,7 +225,9 @@ def as_one_array(sites, u, feet):
     r = np.hypot(*(feet[:, :, None] - sites.T[None]).transpose(1, 0, 2))
     reach = np.sort(r, axis=1)[:, [3]]
     inside = r <= reach
-    return np.array([np.where(inside, u, np.inf).min(axis=1), np.where(inside, u, -np.inf).max(axis=1)])
+    return np.array(
+        [np.where(inside, u, np.inf).min(axis=1), np.where(inside, u, -np.inf).max(axis=1)]
+    )
 
 
 # 13.9

@@ -95,7 +95,9 @@ def by_sets(triangles):
 def by_shares(triangles):
     number = by_dictionary(triangles)
     at = np.bincount(triangles.ravel())
-    return round(np.sum(1 / at[at > 0] * at[at > 0]) - np.sum(1.0 / np.array(number)) + len(triangles))
+    return round(
+        np.sum(1 / at[at > 0] * at[at > 0]) - np.sum(1.0 / np.array(number)) + len(triangles)
+    )
 
 
 @answers("14.3")

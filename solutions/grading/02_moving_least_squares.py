@@ -15,22 +15,35 @@ def on_the_line_and_in_four_dimensions(seed):
     )
 
 
-@hidden("02.2", "It must hold in every dimension, and a common factor of the weights must not matter.")
+@hidden(
+    "02.2", "It must hold in every dimension, and a common factor of the weights must not matter."
+)
 def line_and_tiny_weights(seed):
     random = np.random.default_rng(seed + 2)
     line, space = random.random((9, 1)), random.random((30, 4))
     return (
         Call("weighted_fit", (line, random.normal(size=9), random.uniform(1, 2, 9)), "a line"),
-        Call("weighted_fit", (space, random.normal(size=30), 1e-3 * random.uniform(1, 2, 30)), "tiny weights"),
+        Call(
+            "weighted_fit",
+            (space, random.normal(size=30), 1e-3 * random.uniform(1, 2, 30)),
+            "tiny weights",
+        ),
     )
 
 
-@hidden("02.4", "It must hold for one place, on the line, at a measured point, and outside of the points.")
+@hidden(
+    "02.4",
+    "It must hold for one place, on the line, at a measured point, and outside of the points.",
+)
 def unusual_places(seed):
     random = np.random.default_rng(seed + 3)
     line, plane = random.random((10, 1)), random.random((20, 2))
     return (
-        Call("field", (line, random.normal(size=10), random.random((1, 1)), 0.2), "one place on a line"),
+        Call(
+            "field",
+            (line, random.normal(size=10), random.random((1, 1)), 0.2),
+            "one place on a line",
+        ),
         Call("field", (plane, random.normal(size=20), plane[3:5].copy(), 0.1), "measured points"),
         Call("field", (plane, random.normal(size=20), 3 + random.random((4, 2)), 0.3), "outside"),
     )
@@ -39,7 +52,13 @@ def unusual_places(seed):
 @hidden("02.5", "It must hold on the line, and for other ε than the shown.")
 def objective_on_the_line(seed):
     random = np.random.default_rng(seed + 4)
-    given = (random.random((8, 1)), random.normal(size=8), random.random(1), 0.15, random.normal(size=2))
+    given = (
+        random.random((8, 1)),
+        random.normal(size=8),
+        random.random(1),
+        0.15,
+        random.normal(size=2),
+    )
     return (Call("objective", given, "a line"),)
 
 
@@ -50,7 +69,9 @@ def gradient_on_the_line(seed):
     return (Call("gradient", given, "one place on a line"),)
 
 
-@hidden("02.8", "For n = 1 the field is affine, and both methods are exact; for large n they are not.")
+@hidden(
+    "02.8", "For n = 1 the field is affine, and both methods are exact; for large n they are not."
+)
 def first_and_eighth_power(seed):
     random = np.random.default_rng(seed + 6)
     points, places = random.random((60, 2)), random.random((12, 2))

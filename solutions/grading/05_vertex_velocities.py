@@ -17,13 +17,25 @@ def fan(random, number):
 
 
 def sides(triangles):
-    return np.array(sorted({(min(t[k], t[k - 1]), max(t[k], t[k - 1])) for t in triangles.tolist() for k in range(3)}))
+    return np.array(
+        sorted(
+            {
+                (min(t[k], t[k - 1]), max(t[k], t[k - 1]))
+                for t in triangles.tolist()
+                for k in range(3)
+            }
+        )
+    )
 
 
-@hidden("05.1", "It must hold for every mesh, whichever way the corners of its triangles are listed.")
+@hidden(
+    "05.1", "It must hold for every mesh, whichever way the corners of its triangles are listed."
+)
 def fans(seed):
     random = np.random.default_rng(seed + 1)
-    return tuple(Call("edges_of", (fan(random, n)[1],), f"{n} triangles around a vertex") for n in (4, 7))
+    return tuple(
+        Call("edges_of", (fan(random, n)[1],), f"{n} triangles around a vertex") for n in (4, 7)
+    )
 
 
 @hidden("05.2", "It must hold for edges of every length and direction.")
@@ -39,14 +51,25 @@ def short_and_long(seed):
 @hidden("05.4", "It must hold for any velocities, not only for those of a rotation.")
 def one_edge(seed):
     random = np.random.default_rng(seed + 3)
-    return (Call("normal_velocities", (np.array([[2, 0]]), random.normal(size=(1, 2)), random.normal(size=(3, 2))), "one edge"),)
+    return (
+        Call(
+            "normal_velocities",
+            (np.array([[2, 0]]), random.normal(size=(1, 2)), random.normal(size=(3, 2))),
+            "one edge",
+        ),
+    )
 
 
-@hidden("05.6", "It must hold for every vertex and every mesh, also where a ring takes in all of it.")
+@hidden(
+    "05.6", "It must hold for every vertex and every mesh, also where a ring takes in all of it."
+)
 def whole_mesh(seed):
     triangles = fan(np.random.default_rng(seed + 4), 6)[1]
     edges = sides(triangles)
-    return tuple(Call("ring", (triangles, edges, vertex, rings), "a fan") for vertex, rings in ((0, 1), (3, 2), (5, 1)))
+    return tuple(
+        Call("ring", (triangles, edges, vertex, rings), "a fan")
+        for vertex, rings in ((0, 1), (3, 2), (5, 1))
+    )
 
 
 @hidden("05.8", "An affine field must come back exactly, for any positive weights.")
@@ -57,10 +80,23 @@ def exact_data(seed):
     n = np.stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]], axis=1) / np.hypot(*(b - a).T)[:, None]
     flow = random.normal(size=2) + (a + b) / 2 @ random.normal(size=(2, 2))
     x, w = points[triangles[0, 0]], random.uniform(0.5, 2, len(a))
-    return (Call("velocity", ((a + b) / 2, n, (flow * n).sum(axis=1), x, w), "an affine field around a vertex"),)
+    return (
+        Call(
+            "velocity",
+            ((a + b) / 2, n, (flow * n).sum(axis=1), x, w),
+            "an affine field around a vertex",
+        ),
+    )
 
 
-@hidden("05.9", "It must hold for every mesh; the rank knows neither where it lies nor the unit of length.")
+@hidden(
+    "05.9",
+    "It must hold for every mesh; the rank knows neither where it lies nor the unit of length.",
+)
 def of_fans(seed):
     random = np.random.default_rng(seed + 6)
-    return tuple(Call("ranks", (size * p, t, 1), f"{n} triangles") for n, size in ((3, 1e-8), (4, 1e5), (5, 1.0)) for p, t in [fan(random, n)])
+    return tuple(
+        Call("ranks", (size * p, t, 1), f"{n} triangles")
+        for n, size in ((3, 1e-8), (4, 1e5), (5, 1.0))
+        for p, t in [fan(random, n)]
+    )

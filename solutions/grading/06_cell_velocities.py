@@ -8,7 +8,11 @@ from fieldrecon.course.hidden import hidden
 
 def right_angle(random, size):
     """Return the corners of a triangle with a right angle, turned, in one order or the other."""
-    z = size * np.exp(6j * random.random()) * np.array([0, random.uniform(1, 2), 1j * random.uniform(1, 2)])
+    z = (
+        size
+        * np.exp(6j * random.random())
+        * np.array([0, random.uniform(1, 2), 1j * random.uniform(1, 2)])
+    )
     q = np.stack([z.real, z.imag], axis=1) + random.normal(size=2)
     return q[random.permutation(3)]
 
@@ -16,31 +20,50 @@ def right_angle(random, size):
 @hidden("06.1", "It must hold for triangles of every size and shape, listed either way.")
 def of_every_size(seed):
     random = np.random.default_rng(seed + 1)
-    return tuple(Call("outward_normals", (right_angle(random, size),), "a triangle") for size in (1e-4, 1.0, 1e3))
+    return tuple(
+        Call("outward_normals", (right_angle(random, size),), "a triangle")
+        for size in (1e-4, 1.0, 1e3)
+    )
 
 
-@hidden("06.2", "It must hold for triangles of every size and shape, and for data free of divergence too.")
+@hidden(
+    "06.2",
+    "It must hold for triangles of every size and shape, and for data free of divergence too.",
+)
 def of_a_right_angle(seed):
     random = np.random.default_rng(seed + 2)
-    return tuple(Call("cell_velocity", (right_angle(random, size), random.normal(size=3)), "a triangle") for size in (1e-3, 1.0, 1e2))
+    return tuple(
+        Call("cell_velocity", (right_angle(random, size), random.normal(size=3)), "a triangle")
+        for size in (1e-3, 1.0, 1e2)
+    )
 
 
 @hidden("06.3", "The defect does not depend on the unit of length.")
 def defect_in_other_units(seed):
     random = np.random.default_rng(seed + 3)
-    return tuple(Call("defect", (right_angle(random, size), random.normal(size=3)), "a triangle") for size in (1e-3, 1e2))
+    return tuple(
+        Call("defect", (right_angle(random, size), random.normal(size=3)), "a triangle")
+        for size in (1e-3, 1e2)
+    )
 
 
-@hidden("06.4", "It must hold for a right angle, where it is the middle of a side, and for small triangles.")
+@hidden(
+    "06.4",
+    "It must hold for a right angle, where it is the middle of a side, and for small triangles.",
+)
 def circumcentre_of_a_right_angle(seed):
     random = np.random.default_rng(seed + 4)
-    return tuple(Call("circumcentre", (right_angle(random, size),), "a triangle") for size in (1e-2, 1.0))
+    return tuple(
+        Call("circumcentre", (right_angle(random, size),), "a triangle") for size in (1e-2, 1.0)
+    )
 
 
 @hidden("06.6", "It must hold for every mesh, and for any rate of expansion.")
 def of_two_cells(seed):
     random = np.random.default_rng(seed + 5)
-    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) + random.uniform(-0.2, 0.2, (4, 2))
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) + random.uniform(
+        -0.2, 0.2, (4, 2)
+    )
     return (Call("errors", (points, np.array([[0, 1, 2], [3, 0, 2]]), -1.7), "two cells"),)
 
 
@@ -50,5 +73,9 @@ def at_a_corner(seed):
     q = right_angle(random, 1.0)
     return (
         Call("raviart_thomas", (q, random.normal(size=3), q[2].copy()), "a corner"),
-        Call("raviart_thomas", (q, random.normal(size=3), 5 * random.normal(size=2)), "a place far outside"),
+        Call(
+            "raviart_thomas",
+            (q, random.normal(size=3), 5 * random.normal(size=2)),
+            "a place far outside",
+        ),
     )

@@ -15,7 +15,9 @@ from fieldrecon.course.hidden import hidden
 @hidden("07.2", "It must hold far from the origin, and for flat triangles.")
 def far_and_flat(seed):
     random = np.random.default_rng(seed + 1)
-    far = random.random((3, 2)) * [1.0, 0.2] + [300.0, -200.0] + np.array([[0, 0], [2, 0], [1, 0.4]])
+    far = (
+        random.random((3, 2)) * [1.0, 0.2] + [300.0, -200.0] + np.array([[0, 0], [2, 0], [1, 0.4]])
+    )
     return (Call("circumcenter", tuple(far), "a flat triangle far from the origin"),)
 
 

@@ -23,7 +23,11 @@ def any_matrix(seed):
     a, p = random.normal(size=(12, 12)), random.normal(size=(12, 3))
     return (
         Call("least_eigenvalue", (a + a.T, p), "a random symmetric matrix"),
-        Call("least_eigenvalue", (1e4 * (a + a.T), np.hstack([p, p])), "conditions that are given twice"),
+        Call(
+            "least_eigenvalue",
+            (1e4 * (a + a.T), np.hstack([p, p])),
+            "conditions that are given twice",
+        ),
     )
 
 
@@ -31,7 +35,9 @@ def any_matrix(seed):
 def on_two_lines(seed):
     random = np.random.default_rng(seed + 3)
     along = cloud(random, 8, 1)[:, 0]
-    cross = np.stack([np.where(np.arange(8) < 4, along, 0.3), np.where(np.arange(8) < 4, 0.3, along)])
+    cross = np.stack(
+        [np.where(np.arange(8) < 4, along, 0.3), np.where(np.arange(8) < 4, 0.3, along)]
+    )
     turn = np.linalg.qr(random.normal(size=(2, 2)))[0]
     return (
         Call("vanishing", (cross.T @ turn + 1, 2), "eight points on two lines"),
@@ -46,9 +52,19 @@ def other_fields(seed):
     points, values = cloud(random, 20, 2), random.normal(size=20)
     return (
         Call("interpolate", (points, values, 4, 2, random.random((1, 2))), "k = 4 and one place"),
-        Call("interpolate", (points, values, 3, 3, points), "k = 3 and the degree 3 at the points themselves"),
-        Call("interpolate", (points[:3], values[:3], 2, 1, random.random((4, 2))), "as many points as monomials"),
-        Call("interpolate", (points, values, 1, -1, random.random((4, 2))), "k = 1 and no polynomial"),
+        Call(
+            "interpolate",
+            (points, values, 3, 3, points),
+            "k = 3 and the degree 3 at the points themselves",
+        ),
+        Call(
+            "interpolate",
+            (points[:3], values[:3], 2, 1, random.random((4, 2))),
+            "as many points as monomials",
+        ),
+        Call(
+            "interpolate", (points, values, 1, -1, random.random((4, 2))), "k = 1 and no polynomial"
+        ),
     )
 
 

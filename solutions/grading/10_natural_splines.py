@@ -13,7 +13,13 @@ def many_sites(seed):
     sites = random.permutation(line(random, 12)) / 3
     free = random.normal(size=12)
     q = np.linalg.qr(np.vander(sites, 2))[0]
-    return (Call("from_truncated", (sites, free - q @ (q.T @ free), random.normal(size=2)), "twelve sites"),)
+    return (
+        Call(
+            "from_truncated",
+            (sites, free - q @ (q.T @ free), random.normal(size=2)),
+            "twelve sites",
+        ),
+    )
 
 
 @hidden("10.2", "It must hold for any number of sites.")
@@ -57,7 +63,9 @@ def two_sites_or_many(seed):
     # Only moments that belong to values leave an interpolating curve, but the formulas hold for all.
     z = np.subtract.outer(many[1:], many[:-1]).clip(min=0)
     alpha = np.linalg.solve(6 * z, bends[1:])
-    values = np.subtract.outer(many, many).clip(min=0) ** 3 @ np.append(alpha, -alpha.sum()) + 1 - many
+    values = (
+        np.subtract.outer(many, many).clip(min=0) ** 3 @ np.append(alpha, -alpha.sum()) + 1 - many
+    )
     return (
         Call("truncated", (two, random.normal(size=2), np.zeros(2)), "two sites"),
         Call("truncated", (many, values, bends), "ten sites"),

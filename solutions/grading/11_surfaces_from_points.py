@@ -66,7 +66,11 @@ def other_dimensions(seed):
     random = np.random.default_rng(seed + 5)
     return (
         Call("implicit", (random.normal(size=(12, 4)), random.normal(size=12)), "four dimensions"),
-        Call("implicit", (np.sort(random.uniform(0, 9, (6, 1)), axis=0), random.normal(size=6)), "a line"),
+        Call(
+            "implicit",
+            (np.sort(random.uniform(0, 9, (6, 1)), axis=0), random.normal(size=6)),
+            "a line",
+        ),
     )
 
 

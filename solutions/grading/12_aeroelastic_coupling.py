@@ -13,7 +13,11 @@ def outside(seed):
     random = np.random.default_rng(seed + 1)
     return (
         Call("weights", (grid(random, 3, 3), random.uniform(2, 4, (3, 2))), "places far outside"),
-        Call("weights", (grid(random, 2, 2, 3), random.uniform(-1, 2, (5, 3))), "places about nodes in space"),
+        Call(
+            "weights",
+            (grid(random, 2, 2, 3), random.uniform(-1, 2, (5, 3))),
+            "places about nodes in space",
+        ),
     )
 
 
@@ -22,7 +26,9 @@ def one_force(seed):
     random = np.random.default_rng(seed + 2)
     return (
         Call("loads", (transfer(random, 1, 6), random.normal(size=(1, 3))), "one force"),
-        Call("loads", (transfer(random, 8, 3), random.normal(size=(8, 1))), "forces of one component"),
+        Call(
+            "loads", (transfer(random, 8, 3), random.normal(size=(8, 1))), "forces of one component"
+        ),
     )
 
 
@@ -30,30 +36,56 @@ def one_force(seed):
 def forces_that_cancel(seed):
     random = np.random.default_rng(seed + 3)
     f = random.integers(-9, 10, (3, 3)) / 8
-    return (Call("resultants", (random.normal(size=(6, 3)), np.vstack([f, -f]), random.normal(size=3)), "forces that cancel"),)
+    return (
+        Call(
+            "resultants",
+            (random.normal(size=(6, 3)), np.vstack([f, -f]), random.normal(size=3)),
+            "forces that cancel",
+        ),
+    )
 
 
 @hidden("12.6", "Areas may differ by a thousand.")
 def uneven_areas(seed):
     random = np.random.default_rng(seed + 4)
-    return (Call("densities", (transfer(random, 20, 6), random.normal(size=20), 10 ** random.uniform(-2, 1, 20)), "uneven areas"),)
+    return (
+        Call(
+            "densities",
+            (transfer(random, 20, 6), random.normal(size=20), 10 ** random.uniform(-2, 1, 20)),
+            "uneven areas",
+        ),
+    )
 
 
 @hidden("12.7", "It must hold at a node, and far outside.")
 def at_nodes(seed):
     random = np.random.default_rng(seed + 5)
     nodes = grid(random, 3, 3)
-    return (Call("slopes", (nodes, np.vstack([nodes[[2, 5]], [[3.0, -2.0]]])), "two nodes and a place outside"),)
+    return (
+        Call(
+            "slopes",
+            (nodes, np.vstack([nodes[[2, 5]], [[3.0, -2.0]]])),
+            "two nodes and a place outside",
+        ),
+    )
 
 
-@hidden("12.8", "It must hold on both sides of the plate at once, and for a single force across it.")
+@hidden(
+    "12.8", "It must hold on both sides of the plate at once, and for a single force across it."
+)
 def on_both_sides(seed):
     random = np.random.default_rng(seed + 6)
     nodes = grid(random, 4, 2)
-    places = np.column_stack([random.uniform(0, 1, (6, 2)), random.uniform(0.1, 1, 6) * [1, -1, 1, -1, 1, -1]])
+    places = np.column_stack(
+        [random.uniform(0, 1, (6, 2)), random.uniform(0.1, 1, 6) * [1, -1, 1, -1, 1, -1]]
+    )
     return (
         Call("flat_loads", (nodes, places, random.normal(size=(6, 3))), "forces on both sides"),
-        Call("flat_loads", (nodes, places[:1], np.array([[0.0, 0.0, 1.0]])), "one force across the plate"),
+        Call(
+            "flat_loads",
+            (nodes, places[:1], np.array([[0.0, 0.0, 1.0]])),
+            "one force across the plate",
+        ),
     )
 
 

@@ -39,7 +39,11 @@ def in_space(seed):
     sites = np.indices((3, 3, 2)).reshape(3, -1).T + random.uniform(-0.2, 0.2, (18, 3))
     return (
         Call("step_matrix", (sites, random.uniform(0, 1.5, (4, 3)), 10), "feet in space"),
-        Call("step_matrix", (in_square(random, 4), random.uniform(1, 1.3, (3, 2)), 7), "feet outside of the sites"),
+        Call(
+            "step_matrix",
+            (in_square(random, 4), random.uniform(1, 1.3, (3, 2)), 7),
+            "feet outside of the sites",
+        ),
     )
 
 
@@ -56,7 +60,13 @@ def longer_and_shorter(seed):
 @hidden("13.8", "It must hold for a single foot, and for feet outside of the sites.")
 def outside(seed):
     random = np.random.default_rng(seed + 6)
-    return (Call("bounds", (in_disc(random, 15), random.normal(size=15), np.array([[1.5, -1.2]])), "a foot outside of the sites"),)
+    return (
+        Call(
+            "bounds",
+            (in_disc(random, 15), random.normal(size=15), np.array([[1.5, -1.2]])),
+            "a foot outside of the sites",
+        ),
+    )
 
 
 @hidden("13.9", "It must hold if all values end at a bound, and if bounds are equal.")
@@ -67,7 +77,11 @@ def at_the_bounds(seed):
     high[2] = low[2]
     return (
         Call("with_mass", (u, low, high, m, float(m @ high)), "the largest mass"),
-        Call("with_mass", (u, low, high, m, float(m @ (0.6 * low + 0.4 * high))), "equal bounds of one value"),
+        Call(
+            "with_mass",
+            (u, low, high, m, float(m @ (0.6 * low + 0.4 * high))),
+            "equal bounds of one value",
+        ),
     )
 
 

@@ -46,7 +46,11 @@ def other_surfaces(seed):
     return (
         Call("euler_characteristic", (np.array([[5, 0, 9]]),), "one triangle"),
         Call("euler_characteristic", (shuffled(random, tips)[1],), "two spheres at one vertex"),
-        Call("euler_characteristic", (shuffled(random, without(ring(4, 5), 3, 22))[1],), "a torus with holes"),
+        Call(
+            "euler_characteristic",
+            (shuffled(random, without(ring(4, 5), 3, 22))[1],),
+            "a torus with holes",
+        ),
     )
 
 

@@ -133,7 +133,9 @@ def full_or_nothing(points):
     """This says whether the rank is full, as one or zero; asked for is the rank itself. How many
     coefficients do points on one line determine?
     """
-    return int(np.linalg.matrix_rank(basis(points - points.mean(axis=0)), tol=1e-9) == points.shape[1] + 1)
+    return int(
+        np.linalg.matrix_rank(basis(points - points.mean(axis=0)), tol=1e-9) == points.shape[1] + 1
+    )
 
 
 @answers("01.5")

@@ -238,7 +238,9 @@ def evaluated_at_the_points(points, values, x, epsilon):
     """The coefficients are those of the place, but the plane is evaluated at one of the measured
     points. In (2.6) the same x stands in b and in c; the points are in B only.
     """
-    return np.array([value_at(local(points, values, place, epsilon), p) for place, p in zip(x, points)])
+    return np.array(
+        [value_at(local(points, values, place, epsilon), p) for place, p in zip(x, points)]
+    )
 
 
 @answers("02.4")
@@ -379,6 +381,7 @@ def second_term_with_the_wrong_sign(points, values, x, epsilon):
     look at: the derivative of the squared weight is negative as one goes away from a point; the
     difference is x minus the point; and the residual is V minus Bc.
     """
+
     def data(w, away, c):
         return 4 * (w * (values - value_at(c, points)))[:, None] * away
 
@@ -390,6 +393,7 @@ def derivative_of_the_weight_itself(points, values, x, epsilon):
     """The second term of (2.8) is half of what it should be. You have differentiated w, but what
     stands in (2.5) is w². The chain rule has one factor more.
     """
+
     def data(w, away, c):
         return -2 * (w * (values - value_at(c, points)))[:, None] * away
 
@@ -402,6 +406,7 @@ def weight_lost_in_the_chain_rule(points, values, x, epsilon):
     the exponent by one, so the derivative of w² falls faster with the distance than w² itself.
     Count the powers of w again.
     """
+
     def data(w, away, c):
         return -4 * (values - value_at(c, points))[:, None] * away
 
@@ -414,6 +419,7 @@ def squared_weight_twice_in_the_chain_rule(points, values, x, epsilon):
     and the weighted fit multiplies what it is given by w² once more. What must it be given, so that
     the product is the derivative?
     """
+
     def data(w, away, c):
         return -4 * (w**3 * (values - value_at(c, points)))[:, None] * away
 
@@ -426,6 +432,7 @@ def right_side_alone_differentiated(points, values, x, epsilon):
     well, and the product rule has a term for it. A sign that it is missing: even an affine field
     would have the wrong slope.
     """
+
     def data(w, away, c):
         return -4 * (w * values)[:, None] * away
 
@@ -437,6 +444,7 @@ def second_term_alone(points, values, x, epsilon):
     """This is the second term of (2.8) alone: how the change of the coefficients changes the
     value. The slope of the fitted plane itself is missing.
     """
+
     def data(w, away, c):
         return -4 * (w * (values - value_at(c, points)))[:, None] * away
 

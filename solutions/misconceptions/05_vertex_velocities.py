@@ -7,7 +7,11 @@ from fieldrecon.course.catalogue import answers
 
 def pairs_of(triangles):
     """All edges, the lower end first."""
-    found = {(min(t[a], t[b]), max(t[a], t[b])) for t in triangles.tolist() for a, b in ((0, 1), (1, 2), (0, 2))}
+    found = {
+        (min(t[a], t[b]), max(t[a], t[b]))
+        for t in triangles.tolist()
+        for a, b in ((0, 1), (1, 2), (0, 2))
+    }
     return np.array(sorted(found))
 
 
@@ -101,7 +105,9 @@ def directions_told_apart(triangles):
     """An edge between two triangles that list it in opposite directions is there twice, as (i, j) and as (j, i). Which of the two you
     write is up to you, but it must be the same for both triangles.
     """
-    return np.unique(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=0)
+    return np.unique(
+        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=0
+    )
 
 
 # 05.2 midpoints_and_normals
@@ -535,7 +541,9 @@ def counted(points, triangles, rings):
     six edges and a lower rank. Let a function compute the rank of the matrix.
     """
     edges = pairs_of(triangles)
-    return np.array([min(6, edges_in_ring(triangles, edges, i, rings).sum()) for i in range(len(points))])
+    return np.array(
+        [min(6, edges_in_ring(triangles, edges, i, rings).sum()) for i in range(len(points))]
+    )
 
 
 @answers("05.9")

@@ -489,4 +489,6 @@ def the_constant_velocity(q, v, x):
 @answers("06.8")
 def corners_in_another_order(q, v, x):
     """Each velocity meets the wrong corner: side a is opposite to corner a, and its term has the vector from *that* corner."""
-    return ((v * lengths(q))[:, None] * (x - np.roll(q, 1, axis=0))).sum(axis=0) / (2 * abs(signed_area(q)))
+    return ((v * lengths(q))[:, None] * (x - np.roll(q, 1, axis=0))).sum(axis=0) / (
+        2 * abs(signed_area(q))
+    )

@@ -247,7 +247,9 @@ def neighbour_before(center, rim, corners, x):
     """
     j = rim - center
     k = np.roll(rim, 1, axis=0) - center
-    return np.abs(cross(j, k)) / (np.sum(j * (corners - x), axis=1) * np.sum(k * (corners - x), axis=1))
+    return np.abs(cross(j, k)) / (
+        np.sum(j * (corners - x), axis=1) * np.sum(k * (corners - x), axis=1)
+    )
 
 
 @answers("07.4")
@@ -257,7 +259,9 @@ def next_but_one(center, rim, corners, x):
     """
     j = rim - center
     k = np.roll(rim, -2, axis=0) - center
-    return np.abs(cross(j, k)) / (np.sum(j * (corners - x), axis=1) * np.sum(k * (corners - x), axis=1))
+    return np.abs(cross(j, k)) / (
+        np.sum(j * (corners - x), axis=1) * np.sum(k * (corners - x), axis=1)
+    )
 
 
 @answers("07.4")
@@ -599,7 +603,9 @@ def areas_left_out(center, rim, x):
     """The areas are missing. In a regular cell they are equal and cancel; in others linear fields are
     lost. What stands before the product of (7.10)?
     """
-    return normalised(products(center, rim, x, distances_to_edges(center, rim, x), np.ones(len(rim))))
+    return normalised(
+        products(center, rim, x, distances_to_edges(center, rim, x), np.ones(len(rim)))
+    )
 
 
 @answers("07.8")

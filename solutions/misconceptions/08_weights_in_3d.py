@@ -19,7 +19,9 @@ def six_volumes(center, neighbors, cells):
 
 
 def right_weights(center, neighbors, cells, corners, x):
-    return six_volumes(center, neighbors, cells) / factors(center, neighbors, cells, corners, x).prod(axis=1)
+    return six_volumes(center, neighbors, cells) / factors(
+        center, neighbors, cells, corners, x
+    ).prod(axis=1)
 
 
 # 08.1
@@ -404,7 +406,9 @@ def two_left_out_as_in_the_plane(center, neighbors, cells, x):
     """Only two heights are left out for each corner, as in the plane. Three faces meet there, and the third
     makes the corner vanish on it.
     """
-    return normalised(products(center, neighbors, cells, right_heights(center, neighbors, x), left_out=2))
+    return normalised(
+        products(center, neighbors, cells, right_heights(center, neighbors, x), left_out=2)
+    )
 
 
 @answers("08.10")

@@ -88,8 +88,10 @@ def divided_by_factorials(points, degree):
     """The monomials are divided by factorials, as in a Taylor series. That is a basis as good, but not
     the one of (9.4): at the point (1, 1) all of its members are one.
     """
-    scale = [np.prod([max(1, i) for i in range(a + 1)]) * np.prod([max(1, i) for i in range(b + 1)])
-             for a, b in pairs_up_to(degree)]
+    scale = [
+        np.prod([max(1, i) for i in range(a + 1)]) * np.prod([max(1, i) for i in range(b + 1)])
+        for a, b in pairs_up_to(degree)
+    ]
     return full(points, degree) / np.array(scale, dtype=float)
 
 

@@ -178,7 +178,11 @@ def tridiagonal(sites, values, diagonal=1 / 3, side=1 / 6, even=False, right=Non
         h = np.full(n - 1, h.mean())
     a, b = np.eye(n), np.zeros(n)
     for i in range(1, n - 1):
-        a[i, i - 1], a[i, i], a[i, i + 1] = side * h[i - 1], diagonal * (h[i - 1] + h[i]), side * h[i]
+        a[i, i - 1], a[i, i], a[i, i + 1] = (
+            side * h[i - 1],
+            diagonal * (h[i - 1] + h[i]),
+            side * h[i],
+        )
         b[i] = (values[i + 1] - values[i]) / h[i] - (values[i] - values[i - 1]) / h[i - 1]
     return np.linalg.solve(a, b if right is None else right(h, b))
 
@@ -311,8 +315,7 @@ def slope_of_the_chord(sites, values, bends, x):
 
 @answers("10.4")
 def moments_not_used(sites, values, bends, x):
-    """This is the broken line through the pins. The large bracket in (10.6) is missing, which bends it.
-    """
+    """This is the broken line through the pins. The large bracket in (10.6) is missing, which bends it."""
     i, _, u = located(sites, x)
     return (1 - u) * values[i] + u * values[i + 1]
 
@@ -324,7 +327,9 @@ def moments_exchanged(sites, values, bends, x):
     """
     i, h, u = located(sites, x)
     flipped = cubic(i, h, u, values, 0 * bends)
-    flipped = flipped + h * h / 6 * (((1 - u) ** 3 - (1 - u)) * bends[i + 1] + (u**3 - u) * bends[i])
+    flipped = flipped + h * h / 6 * (
+        ((1 - u) ** 3 - (1 - u)) * bends[i + 1] + (u**3 - u) * bends[i]
+    )
     return outside(sites, values, x, flipped, tangents(sites, values, bends))
 
 
@@ -347,7 +352,9 @@ def sixth_forgotten(sites, values, bends, x):
     the moment there.
     """
     i, h, u = located(sites, x)
-    return outside(sites, values, x, cubic(i, h, u, values, 6 * bends), tangents(sites, values, 6 * bends))
+    return outside(
+        sites, values, x, cubic(i, h, u, values, 6 * bends), tangents(sites, values, 6 * bends)
+    )
 
 
 @answers("10.4")
@@ -470,8 +477,7 @@ def middles(sites, bends):
 
 @answers("10.6")
 def mixed_term_forgotten(sites, bends):
-    """The product of the two ends is missing. Multiply the square out before you integrate: there are three terms.
-    """
+    """The product of the two ends is missing. Multiply the square out before you integrate: there are three terms."""
     return np.diff(sites) @ (bends[:-1] ** 2 + bends[1:] ** 2) / 3
 
 
@@ -513,7 +519,10 @@ def root_taken(sites, bends):
 
 
 def steps(t, x, closed=False):
-    return [((t[i] <= x) & ((x <= t[i + 1]) if closed else (x < t[i + 1]))) * 1.0 for i in range(len(t) - 1)]
+    return [
+        ((t[i] <= x) & ((x <= t[i + 1]) if closed else (x < t[i + 1]))) * 1.0
+        for i in range(len(t) - 1)
+    ]
 
 
 def part(a, b):
@@ -569,7 +578,8 @@ def same_neighbour_twice(knots, degree, x):
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
         b = [
-            (part(x - t[i], t[i + k] - t[i]) + part(t[i + k + 1] - x, t[i + k + 1] - t[i + 1])) * b[i]
+            (part(x - t[i], t[i + k] - t[i]) + part(t[i + k + 1] - x, t[i + k + 1] - t[i + 1]))
+            * b[i]
             for i in range(len(t) - k - 1)
         ]
     return np.array(b).T
@@ -582,7 +592,9 @@ def knots_taken_as_whole_numbers(knots, degree, x):
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
-        b = [(x - t[i]) / k * b[i] + (t[i + k + 1] - x) / k * b[i + 1] for i in range(len(t) - k - 1)]
+        b = [
+            (x - t[i]) / k * b[i] + (t[i + k + 1] - x) / k * b[i + 1] for i in range(len(t) - k - 1)
+        ]
     return np.array(b).T
 
 

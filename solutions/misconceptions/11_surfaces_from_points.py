@@ -177,7 +177,9 @@ def lengths_for_links(points, k):
 # 11.3 Orientation
 
 
-def grown(points, normals, linked, cost, *, root="highest", upward=True, parent_sign=1.0, parts=None):
+def grown(
+    points, normals, linked, cost, *, root="highest", upward=True, parent_sign=1.0, parts=None
+):
     n = normals.copy()
     left = set(range(len(n)))
     begun = 0
@@ -248,9 +250,7 @@ def shortest_links_first(points, normals, linked):
     """The signs were handed on over the shortest links. Near a sharp tip points are near each other, and their normals are not: the sign that
     comes over such a link is wrong. (11.4) makes it expensive.
     """
-    return grown(
-        points, normals, linked, lambda n, a, b: np.linalg.norm(points[a] - points[b])
-    )
+    return grown(points, normals, linked, lambda n, a, b: np.linalg.norm(points[a] - points[b]))
 
 
 @answers("11.3")
@@ -310,10 +310,7 @@ def halved_once(points, normals, distance):
     ok = own(points)
     return np.array(
         [
-            [
-                distance if ok(i, p + s * distance * normals[i], 0) else distance / 2
-                for s in (1, -1)
-            ]
+            [distance if ok(i, p + s * distance * normals[i], 0) else distance / 2 for s in (1, -1)]
             for i, p in enumerate(points)
         ]
     )
@@ -607,7 +604,9 @@ def marched(values, share, swap=False, corners=CORNERS):
         for i in range(4):
             j = (i + 1) % 4
             if f[i] * f[j] < 0:
-                e[int((f[i] < 0) != swap)] = corners[i] + share(f[i], f[j]) * (corners[j] - corners[i])
+                e[int((f[i] < 0) != swap)] = corners[i] + share(f[i], f[j]) * (
+                    corners[j] - corners[i]
+                )
     return ends
 
 
@@ -674,5 +673,7 @@ def last_side_forgotten(values):
     for e, f in zip(ends, values):
         for i in range(3):
             if f[i] * f[i + 1] < 0:
-                e[int(f[i] < 0)] = CORNERS[i] + linear(f[i], f[i + 1]) * (CORNERS[i + 1] - CORNERS[i])
+                e[int(f[i] < 0)] = CORNERS[i] + linear(f[i], f[i + 1]) * (
+                    CORNERS[i + 1] - CORNERS[i]
+                )
     return ends

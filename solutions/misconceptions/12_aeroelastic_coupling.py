@@ -15,7 +15,9 @@ def solved(phi, nodes, right, polynomial=True):
     if not polynomial:
         return np.linalg.solve(phi(apart(nodes, nodes)), right[:, :n].T).T
     p = np.column_stack([np.ones(n), nodes])
-    matrix = np.vstack([np.hstack([phi(apart(nodes, nodes)), p]), np.hstack([p.T, np.zeros((d + 1, d + 1))])])
+    matrix = np.vstack(
+        [np.hstack([phi(apart(nodes, nodes)), p]), np.hstack([p.T, np.zeros((d + 1, d + 1))])]
+    )
     return np.linalg.solve(matrix, right.T).T[:, :n]
 
 
@@ -320,7 +322,9 @@ def by_coarse_differences(nodes, places):
     """
     step = 1e-3
     ways = step * np.eye(nodes.shape[1])
-    return np.stack([(right_weights(nodes, places + e) - right_weights(nodes, places)) / step for e in ways])
+    return np.stack(
+        [(right_weights(nodes, places + e) - right_weights(nodes, places)) / step for e in ways]
+    )
 
 
 # 12.8
@@ -352,8 +356,7 @@ def couple_turned_round(nodes, places, f):
 
 @answers("12.8")
 def axes_exchanged(nodes, places, f):
-    """The slope along one axis is multiplied with the force along the other. In (12.7) slope and component stand in the same row.
-    """
+    """The slope along one axis is multiplied with the force along the other. In (12.7) slope and component stand in the same row."""
     return plate(nodes, places, f, first=1, second=0)
 
 
@@ -367,8 +370,7 @@ def normal_force_for_the_couple(nodes, places, f):
 
 @answers("12.8")
 def heights_without_sign(nodes, places, f):
-    """Heights enter by their absolute value. Below the plate a force turns it the other way: an engine under a wing lifts its nose.
-    """
+    """Heights enter by their absolute value. Below the plate a force turns it the other way: an engine under a wing lifts its nose."""
     return plate(nodes, places, f, heights=np.abs(places[:, 2]))
 
 
@@ -401,9 +403,10 @@ def response(K, H, f):
 
 @answers("12.10")
 def without_relaxation(K, H, f0, A, omega, steps):
-    """The whole way is gone in each step: ω does not enter. That converges for some wings, and for others swings wider and wider.
-    """
-    return march(K, H, f0, A, omega, steps, np.zeros(len(K)), lambda u: response(K, H, f0 + A @ H @ u))
+    """The whole way is gone in each step: ω does not enter. That converges for some wings, and for others swings wider and wider."""
+    return march(
+        K, H, f0, A, omega, steps, np.zeros(len(K)), lambda u: response(K, H, f0 + A @ H @ u)
+    )
 
 
 @answers("12.10")
@@ -411,8 +414,16 @@ def parts_exchanged(K, H, f0, A, omega, steps):
     """ω and 1 − ω have changed places: with ω = 1 nothing would ever move. Which of the two belongs to the answer of the
     structure?
     """
-    return march(K, H, f0, A, omega, steps, np.zeros(len(K)),
-                 lambda u: omega * u + (1 - omega) * response(K, H, f0 + A @ H @ u))  # fmt: skip
+    return march(
+        K,
+        H,
+        f0,
+        A,
+        omega,
+        steps,
+        np.zeros(len(K)),
+        lambda u: omega * u + (1 - omega) * response(K, H, f0 + A @ H @ u),
+    )
 
 
 @answers("12.10")
@@ -420,8 +431,16 @@ def old_part_kept_whole(K, H, f0, A, omega, steps):
     """Part of the answer is added to the whole of the old displacement. At the steady state u would still grow: the old
     one is to be kept only in part, see (12.9).
     """
-    return march(K, H, f0, A, omega, steps, np.zeros(len(K)),
-                 lambda u: u + omega * response(K, H, f0 + A @ H @ u))  # fmt: skip
+    return march(
+        K,
+        H,
+        f0,
+        A,
+        omega,
+        steps,
+        np.zeros(len(K)),
+        lambda u: u + omega * response(K, H, f0 + A @ H @ u),
+    )
 
 
 @answers("12.10")
@@ -429,8 +448,16 @@ def loads_do_not_follow(K, H, f0, A, omega, steps):
     """The loads stay those at rest: the air does not notice that the wing has moved. That is the coupling in one direction; f
     must be computed anew in each step.
     """
-    return march(K, H, f0, A, omega, steps, np.zeros(len(K)),
-                 lambda u: (1 - omega) * u + omega * response(K, H, f0))  # fmt: skip
+    return march(
+        K,
+        H,
+        f0,
+        A,
+        omega,
+        steps,
+        np.zeros(len(K)),
+        lambda u: (1 - omega) * u + omega * response(K, H, f0),
+    )
 
 
 @answers("12.10")
@@ -439,7 +466,16 @@ def only_the_change(K, H, f0, A, omega, steps):
     act in every step.
     """
     first = omega * response(K, H, f0)
-    later = march(K, H, f0, A, omega, steps - 1, first, lambda u: (1 - omega) * u + omega * response(K, H, A @ H @ u))
+    later = march(
+        K,
+        H,
+        f0,
+        A,
+        omega,
+        steps - 1,
+        first,
+        lambda u: (1 - omega) * u + omega * response(K, H, A @ H @ u),
+    )
     return np.vstack([np.zeros(len(K)), later])
 
 
@@ -448,8 +484,16 @@ def begins_with_the_first_answer(K, H, f0, A, omega, steps):
     """The first row is the stiff wing's answer to the loads at rest. The iteration of (12.9) begins with no displacement, so each
     row comes one step too early.
     """
-    return march(K, H, f0, A, omega, steps, omega * response(K, H, f0),
-                 lambda u: (1 - omega) * u + omega * response(K, H, f0 + A @ H @ u))  # fmt: skip
+    return march(
+        K,
+        H,
+        f0,
+        A,
+        omega,
+        steps,
+        omega * response(K, H, f0),
+        lambda u: (1 - omega) * u + omega * response(K, H, f0 + A @ H @ u),
+    )
 
 
 @answers("12.10")
@@ -457,8 +501,16 @@ def multiplied_by_the_stiffness(K, H, f0, A, omega, steps):
     """The loads are multiplied by the stiffness. A stiffer structure would give way more: what is known is K u, and u is
     sought.
     """
-    return march(K, H, f0, A, omega, steps, np.zeros(len(K)),
-                 lambda u: (1 - omega) * u + omega * K @ (H.T @ (f0 + A @ H @ u)))  # fmt: skip
+    return march(
+        K,
+        H,
+        f0,
+        A,
+        omega,
+        steps,
+        np.zeros(len(K)),
+        lambda u: (1 - omega) * u + omega * K @ (H.T @ (f0 + A @ H @ u)),
+    )
 
 
 @answers("12.10")
@@ -495,8 +547,7 @@ def complex_ones_too(K, H, A):
 
 @answers("12.11")
 def not_inverted(K, H, A):
-    """This is the eigenvalue itself. It is the larger, the softer the wing; the pressure at which a softer wing diverges is smaller.
-    """
+    """This is the eigenvalue itself. It is the larger, the softer the wing; the pressure at which a softer wing diverges is smaller."""
     found = growths(K, H, A)
     return found[np.isreal(found)].real.max()
 

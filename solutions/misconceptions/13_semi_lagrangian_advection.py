@@ -9,7 +9,10 @@ def wind(y, t, flow):
     """The velocity of the notebook."""
     p, q = y[:, 0], y[:, 1]
     if flow == 2:
-        a = np.cos(np.pi * p / 2) ** 2 * np.sin(np.pi * q), -np.cos(np.pi * q / 2) ** 2 * np.sin(np.pi * p)
+        a = (
+            np.cos(np.pi * p / 2) ** 2 * np.sin(np.pi * q),
+            -(np.cos(np.pi * q / 2) ** 2) * np.sin(np.pi * p),
+        )
         return 3 * np.cos(np.pi * t) * np.stack(a, axis=1)
     rate = (1 + t) / (1 + 4 * (p**2 + q**2)) if flow == 1 else np.ones(len(y))
     return 2 * np.pi * np.stack([-rate * q, rate * p], axis=1)
@@ -125,8 +128,7 @@ def went_on_from_the_middle(x, t, dt, flow):
 
 @answers("13.2")
 def two_halves_of_euler(x, t, dt, flow):
-    """Two steps of Euler, each half as long. Twice the work halves the error, and the order stays; (13.4) uses the second velocity for the whole.
-    """
+    """Two steps of Euler, each half as long. Twice the work halves the error, and the order stays; (13.4) uses the second velocity for the whole."""
     middle = x - dt / 2 * wind(x, t, flow)
     return middle - dt / 2 * wind(middle, t - dt / 2, flow)
 
@@ -143,7 +145,15 @@ def mean_of_both_ends(x, t, dt, flow):
 # 13.3
 
 
-def four(x, t, dt, flow, weights=(1 / 6, 1 / 3, 1 / 3, 1 / 6), times=(0, 0.5, 0.5, 1), parts=(0, 0.5, 0.5, 1)):
+def four(
+    x,
+    t,
+    dt,
+    flow,
+    weights=(1 / 6, 1 / 3, 1 / 3, 1 / 6),
+    times=(0, 0.5, 0.5, 1),
+    parts=(0, 0.5, 0.5, 1),
+):
     slopes = []
     for part, time in zip(parts, times):
         slopes.append(wind(x - dt * part * slopes[-1] if slopes else x, t - dt * time, flow))
@@ -168,8 +178,7 @@ def divided_by_four(x, t, dt, flow):
 
 @answers("13.3")
 def times_forgotten(x, t, dt, flow):
-    """All velocities are those of the time t. The order is lost where the flow changes in time: each stage has a time of its own.
-    """
+    """All velocities are those of the time t. The order is lost where the flow changes in time: each stage has a time of its own."""
     return four(x, t, dt, flow, times=(0, 0, 0, 0))
 
 
@@ -181,8 +190,7 @@ def last_stage_half_way(x, t, dt, flow):
 
 @answers("13.3")
 def first_velocity_everywhere(x, t, dt, flow):
-    """All places are found with the first velocity. Each stage looks where the one before points: see the indices in (13.5).
-    """
+    """All places are found with the first velocity. Each stage looks where the one before points: see the indices in (13.5)."""
     a = wind(x, t, flow)
     b = wind(x - dt * a / 2, t - dt / 2, flow)
     d = wind(x - dt * a, t - dt, flow)
@@ -191,8 +199,7 @@ def first_velocity_everywhere(x, t, dt, flow):
 
 @answers("13.3")
 def bracket_forgotten(x, t, dt, flow):
-    """Only the first velocity is multiplied by the step; the others are added as they are. (13.5) has a bracket, and so must the code.
-    """
+    """Only the first velocity is multiplied by the step; the others are added as they are. (13.5) has a bracket, and so must the code."""
     a = wind(x, t, flow)
     b = wind(x - dt * a / 2, t - dt / 2, flow)
     c = wind(x - dt * b / 2, t - dt / 2, flow)
@@ -246,8 +253,7 @@ def all_sites(sites, feet, k):
 
 @answers("13.5")
 def weights_in_the_first_columns(sites, feet, k):
-    """The weights stand in the first k columns, whichever sites are near. Each belongs into the column of its own site.
-    """
+    """The weights stand in the first k columns, whichever sites are near. Each belongs into the column of its own site."""
     h = np.zeros((len(feet), len(sites)))
     for i, y in enumerate(feet):
         h[i, :k] = local_weights(sites, y, k)[1]
@@ -290,8 +296,7 @@ def marched(sites, u, dt, steps, flow, k, feet, apply=lambda h, u: h @ u):
 
 @answers("13.6")
 def time_of_departure(sites, u, dt, steps, flow, k):
-    """The feet are traced back from the time at which the step begins. They go back from the time of arrival, one step later.
-    """
+    """The feet are traced back from the time at which the step begins. They go back from the time of arrival, one step later."""
     return marched(sites, u, dt, steps, flow, k, lambda n: right_feet(sites, n * dt, dt, flow))
 
 
@@ -312,19 +317,39 @@ def transposed(sites, u, dt, steps, flow, k):
     """The transpose of H is applied. It keeps sums, and moves things forward, but it deals each value out to the
     sites about the foot: constants do not stay. (13.6) collects.
     """
-    return marched(sites, u, dt, steps, flow, k, lambda n: right_feet(sites, (n + 1) * dt, dt, flow), lambda h, u: h.T @ u)
+    return marched(
+        sites,
+        u,
+        dt,
+        steps,
+        flow,
+        k,
+        lambda n: right_feet(sites, (n + 1) * dt, dt, flow),
+        lambda h, u: h.T @ u,
+    )
 
 
 @answers("13.6")
 def always_from_the_beginning(sites, u, dt, steps, flow, k):
     """Each row is one step from the field at the beginning. A step begins where the last one ended."""
-    return marched(sites, u, dt, steps, flow, k, lambda n: right_feet(sites, (n + 1) * dt, dt, flow), lambda h, _: h @ u)
+    return marched(
+        sites,
+        u,
+        dt,
+        steps,
+        flow,
+        k,
+        lambda n: right_feet(sites, (n + 1) * dt, dt, flow),
+        lambda h, _: h @ u,
+    )
 
 
 @answers("13.6")
 def straight_feet(sites, u, dt, steps, flow, k):
     """The feet are those of Euler's scheme. In a vortex they lie outside of the circle, and the field shrinks towards the middle. Use your `rk4`."""
-    return marched(sites, u, dt, steps, flow, k, lambda n: sites - dt * wind(sites, (n + 1) * dt, flow))
+    return marched(
+        sites, u, dt, steps, flow, k, lambda n: sites - dt * wind(sites, (n + 1) * dt, flow)
+    )
 
 
 @answers("13.6")
@@ -408,8 +433,7 @@ def shifted_beyond_bounds(u, low, high, m, total):
 
 @answers("13.9")
 def clipped_after_the_shift(u, low, high, m, total):
-    """You shift for the mass first and clip then, which changes the mass again. λ has to be such that it is right *after* the clipping.
-    """
+    """You shift for the mass first and clip then, which changes the mass again. λ has to be such that it is right *after* the clipping."""
     return np.clip(u + (total - m @ u) / m.sum(), low, high)
 
 
@@ -440,7 +464,9 @@ def changed_by_area(u, low, high, m, total):
     down, up = ((low - u) / m).min(), ((high - u) / m).max()
     for _ in range(80):
         middle = (down + up) / 2
-        down, up = (middle, up) if m @ np.clip(u + middle * m, low, high) < total else (down, middle)
+        down, up = (
+            (middle, up) if m @ np.clip(u + middle * m, low, high) < total else (down, middle)
+        )
     return np.clip(u + middle * m, low, high)
 
 
@@ -479,8 +505,7 @@ def downstream(sites, u, dt, rounds, k):
 
 @answers("13.11")
 def from_the_last_foot(sites, u, dt, rounds, k):
-    """Each round goes back a whole step from the last foot. All the rounds look for the same foot: they begin at x each time.
-    """
+    """Each round goes back a whole step from the last foot. All the rounds look for the same foot: they begin at x each time."""
     y = sites
     for _ in range(rounds):
         y = y - dt * (matrix(sites, y, k) @ u)[:, None]

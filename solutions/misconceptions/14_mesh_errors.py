@@ -627,6 +627,8 @@ def middle_of_the_line(start, end, corners):
     a, b, c = corners.swapaxes(0, 1)
     n = np.cross(b - a, c - a)
     x = (start + end) / 2
-    inside = [np.einsum("ij,ij->i", np.cross(f - e, x - e), n) > 0 for e, f in ((a, b), (b, c), (c, a))]
+    inside = [
+        np.einsum("ij,ij->i", np.cross(f - e, x - e), n) > 0 for e, f in ((a, b), (b, c), (c, a))
+    ]
     p, q = plane(start, end, corners)
     return (p * q < 0) & np.all(inside, axis=0)

@@ -20,7 +20,21 @@ from fieldcheck.notebook import Progress, check, data, progress, start_over
 from fieldcheck.verdict import Verdict
 
 __all__ = [
-    "BLUE", "GREEN", "GREY", "ORANGE", "PURPLE", "Picture", "Progress", "Slider", "Verdict",
-    "check", "data", "drag", "draw", "figure", "progress", "start_over",
+    "BLUE",
+    "GREEN",
+    "GREY",
+    "ORANGE",
+    "PURPLE",
+    "Picture",
+    "Progress",
+    "Slider",
+    "Verdict",
+    "check",
+    "data",
+    "drag",
+    "draw",
+    "figure",
+    "progress",
+    "start_over",
     "svg",
-]  # fmt: skip
+]

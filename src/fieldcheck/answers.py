@@ -115,14 +115,17 @@ def to_json(answers: Answers) -> dict[str, Any]:
                 "name": mistake.name,
                 "sentence": mistake.sentence,
                 "outcomes": [
-                    {"status": o.status, "error": o.error.partition(":")[0],
-                     "values": None if o.values is None else arrays_to_json(o.values)}
+                    {
+                        "status": o.status,
+                        "error": o.error.partition(":")[0],
+                        "values": None if o.values is None else arrays_to_json(o.values),
+                    }
                     for o in mistake.outcomes
                 ],
             }
             for mistake in answers.mistakes
         ],
-    }  # fmt: skip
+    }
 
 
 def from_json(data: Mapping[str, Any]) -> Answers:

@@ -81,9 +81,7 @@ class OutOfTime(BaseException):
     """Raised inside a call that takes too long; not an Exception, which a bare call might catch."""
 
 
-def perform(
-    functions: dict[str, Any], calls: Sequence[Call], limit: float
-) -> tuple[Outcome, ...]:
+def perform(functions: dict[str, Any], calls: Sequence[Call], limit: float) -> tuple[Outcome, ...]:
     """Make the calls, each with copies of its arguments and at most `limit` seconds.
 
     Once a call has run out of time, or there is nothing to call, the others are not tried.
@@ -118,10 +116,11 @@ def _perform_one(function: Callable[..., Any] | None, call: Call, limit: float) 
         returned=_kind(result) if values is None or isinstance(result, list) else "",
         seconds=time.perf_counter() - start,
         modified=tuple(
-            i for i, (now, before) in enumerate(zip(arguments, call.arguments, strict=True))
+            i
+            for i, (now, before) in enumerate(zip(arguments, call.arguments, strict=True))
             if not _same(now, before)
         ),
-    )  # fmt: skip
+    )
 
 
 def as_arrays(result: object) -> Values | None:

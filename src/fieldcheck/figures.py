@@ -209,9 +209,10 @@ def _control(widgets: Any, slider: Slider) -> Any:
     from math import log10
 
     look = {
-        "description": slider.label, "continuous_update": False,
+        "description": slider.label,
+        "continuous_update": False,
         "style": {"description_width": "initial"},
-    }  # fmt: skip
+    }
     if slider.whole:
         return widgets.IntSlider(int(slider.start), int(slider.low), int(slider.high), **look)
     if slider.logarithmic:

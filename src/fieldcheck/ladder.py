@@ -115,21 +115,30 @@ def _array_form(
     if any(v.dtype.kind == "c" for v in values):
         yield "type", f"For {call.case}, {question.function} returns complex numbers."
     elif [v.shape for v in values] != list(shapes):
-        yield "shape", (
-            f"For {call.case}, {question.function} returns {in_words(returned)}. "
-            f"It should be {wanted}."
+        yield (
+            "shape",
+            (
+                f"For {call.case}, {question.function} returns {in_words(returned)}. "
+                f"It should be {wanted}."
+            ),
         )
     elif not all(np.isfinite(v).all() for v in values):
         bad = sum(int((~np.isfinite(v)).sum()) for v in values)
-        yield "not finite", (
-            f"For {call.case}, {bad} of {sum(v.size for v in values)} values are NaN or infinite: "
-            "look for a division by zero, or a logarithm of zero."
+        yield (
+            "not finite",
+            (
+                f"For {call.case}, {bad} of {sum(v.size for v in values)} values are "
+                "NaN or infinite: look for a division by zero, or a logarithm of zero."
+            ),
         )
     if outcome.modified:
         which = ", ".join(str(i + 1) for i in outcome.modified)
-        yield "modified", (
-            f"{question.function} changes its argument number {which}, which belongs to the "
-            "caller. Operators such as += work in place: take a copy first."
+        yield (
+            "modified",
+            (
+                f"{question.function} changes its argument number {which}, which belongs to the "
+                "caller. Operators such as += work in place: take a copy first."
+            ),
         )
 
 

@@ -88,9 +88,15 @@ def _dots(places: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
             panels, (values, right, values - right), ("yours", "right", "difference"), strict=True
         ):
             dots = axes.scatter(
-                *places.T, c=field, cmap="PuOr_r", vmin=-limit, vmax=limit, s=36,
-                edgecolors="#555555", linewidths=0.6,
-            )  # fmt: skip
+                *places.T,
+                c=field,
+                cmap="PuOr_r",
+                vmin=-limit,
+                vmax=limit,
+                s=36,
+                edgecolors="#555555",
+                linewidths=0.6,
+            )
             axes.set(title=title, xticks=[], yticks=[], aspect="equal")
             axes.margins(0.12)
         page.colorbar(dots, ax=list(panels))

@@ -7,14 +7,34 @@ from dataclasses import dataclass
 from typing import Literal
 
 Rung = Literal[
-    "missing", "unwritten", "exception", "endless", "type", "shape", "not finite", "modified",
-    "misconception", "wrong", "slow", "right",
-]  # fmt: skip
+    "missing",
+    "unwritten",
+    "exception",
+    "endless",
+    "type",
+    "shape",
+    "not finite",
+    "modified",
+    "misconception",
+    "wrong",
+    "slow",
+    "right",
+]
 
 LADDER: tuple[Rung, ...] = (
-    "missing", "unwritten", "exception", "endless", "type", "shape", "not finite", "modified",
-    "misconception", "wrong", "slow", "right",
-)  # fmt: skip
+    "missing",
+    "unwritten",
+    "exception",
+    "endless",
+    "type",
+    "shape",
+    "not finite",
+    "modified",
+    "misconception",
+    "wrong",
+    "slow",
+    "right",
+)
 """The rungs in the order in which they are tried; the first that fails is told."""
 
 CREDIT = {"right": 1.0, "slow": 0.5}

@@ -73,8 +73,9 @@ class AllPairs:
         for part in tiles(len(self.sites)):
             squared = cdist(x, self.sites[part], "sqeuclidean")
             slope = self.kernel.slope_of_squared(squared)
-            yield part, tuple(
-                slope * (x[:, k, None] - self.sites[part, k]) for k in range(x.shape[1])
+            yield (
+                part,
+                tuple(slope * (x[:, k, None] - self.sites[part, k]) for k in range(x.shape[1])),
             )
 
     def bytes_per_query(self) -> float:
@@ -114,8 +115,9 @@ class NearPairs:
         """All sites, and d matrices of derivatives of the kernel at the queries."""
         i, j, offsets, squared = self._near(x)
         slope = self.kernel.slope_of_squared(squared)
-        yield slice(None), tuple(
-            self._matrix(i, j, slope * offsets[:, k], len(x)) for k in range(x.shape[1])
+        yield (
+            slice(None),
+            tuple(self._matrix(i, j, slope * offsets[:, k], len(x)) for k in range(x.shape[1])),
         )
 
     def bytes_per_query(self) -> float:

@@ -122,9 +122,7 @@ class Bytes:
             return self._row_by_row(element)
         if rows < element.rows:
             raise _cut_off(element, rows)
-        return {
-            p.name: table[f"p{k}"].astype(p.type) for k, p in enumerate(element.properties)
-        }
+        return {p.name: table[f"p{k}"].astype(p.type) for k, p in enumerate(element.properties)}
 
     def _lengths(self, element: Element) -> dict[int, int]:
         """Of the lists of the next row."""

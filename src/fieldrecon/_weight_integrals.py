@@ -76,9 +76,13 @@ def by_rule(
 
 
 def _beyond(
-    d: np.ndarray, s: np.ndarray, t: np.ndarray, g: np.ndarray, squared: np.ndarray,
+    d: np.ndarray,
+    s: np.ndarray,
+    t: np.ndarray,
+    g: np.ndarray,
+    squared: np.ndarray,
     angle: np.ndarray,
-) -> np.ndarray:  # fmt: skip
+) -> np.ndarray:
     """(sign(d) times the angle of the edge at the foot, less d E) / eta^2, without a difference."""
     distance = np.abs(d)
     low, high = (
@@ -118,9 +122,13 @@ def _third(s: np.ndarray, t: np.ndarray, squared: np.ndarray) -> np.ndarray:
 
 
 def _unless_slender(
-    closed: np.ndarray, s: np.ndarray, t: np.ndarray, squared: np.ndarray, power: int,
+    closed: np.ndarray,
+    s: np.ndarray,
+    t: np.ndarray,
+    squared: np.ndarray,
+    power: int,
     binomial: tuple[float, ...],
-) -> np.ndarray:  # fmt: skip
+) -> np.ndarray:
     """The closed form; where s and t lie far on one side of the foot it cancels: the series."""
     nearest = np.where(s * t > 0, np.minimum(np.abs(s), np.abs(t)), 0)
     slender = squared < (_SLENDER * nearest) ** 2

@@ -73,9 +73,11 @@ def read_cloud(path: str | Path) -> Cloud:
     path = Path(path)
     suffix = path.suffix.lower()
     readers: dict[str, Callable[[Path], Cloud]] = {
-        ".ply": _of_ply, ".obj": _of_obj, ".stl": _of_stl,
+        ".ply": _of_ply,
+        ".obj": _of_obj,
+        ".stl": _of_stl,
         **dict.fromkeys((".vtk", ".vtu", ".off", ".msh"), _of_meshio),
-    }  # fmt: skip
+    }
     cloud = _finite(readers.get(suffix, _of_table)(path))
     if len(cloud.points) < _FEWEST:
         raise ValueError(
@@ -208,7 +210,8 @@ def _with_normals(cloud: Cloud) -> Cloud:
     p = cloud.points - cloud.points.mean(axis=0)
     a, b, c = p[cloud.triangles].swapaxes(0, 1)
     area = np.cross(b - a, c - a)
-    normals = np.stack([
-        np.bincount(cloud.triangles.ravel(), np.repeat(column, 3), len(p)) for column in area.T
-    ], axis=1)  # fmt: skip
+    normals = np.stack(
+        [np.bincount(cloud.triangles.ravel(), np.repeat(column, 3), len(p)) for column in area.T],
+        axis=1,
+    )
     return replace(cloud, normals=normals, normals_of="triangles in the file")

@@ -156,8 +156,11 @@ def implicit_surface(
         if smoothing:
             raise ValueError("method hermite interpolates: it takes smoothing=0")
         return ImplicitSurface(cloud, _hermite(cloud), 0.0)
-    length = _smoothing_of(cloud) if smoothing is None else (
-        valid.as_length(smoothing, "smoothing", zero_allowed=True))  # fmt: skip
+    length = (
+        _smoothing_of(cloud)
+        if smoothing is None
+        else (valid.as_length(smoothing, "smoothing", zero_allowed=True))
+    )
     distance = cloud.spacing if distance is None else distance
     off = off_surface_points(cloud.points, cloud.outward, distance)
     # at an edge there is room on one side only, that of the obtuse angle
@@ -171,8 +174,9 @@ def implicit_surface(
         values = np.concatenate([values, told_there])
     weight = _energy_weight(length, cloud.spacing)
     if method == "rbf":
-        return ImplicitSurface(cloud, RBF(sites, polyharmonic(3), smoothing=weight).field(values),
-                               length)  # fmt: skip
+        return ImplicitSurface(
+            cloud, RBF(sites, polyharmonic(3), smoothing=weight).field(values), length
+        )
     patch = int(np.clip(3 * np.pi * (0.6 * length / cloud.spacing) ** 2, _PATCH, _LARGEST_PATCH))
     patches = PartitionOfUnityRBF(
         sites, polyharmonic(3), degree=1, patch_size=min(patch, len(sites)), smoothing=weight

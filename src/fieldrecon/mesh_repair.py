@@ -124,8 +124,10 @@ def repair_mesh(
         "filled_holes": len(np.unique(hole[put_in])),
         "filling_triangles": int(put_in.sum()),
         "removed_vertices": int((np.bincount(place, minlength=len(p)) > 0).sum())
-        + len(p_new) - len(p) - len(result[0]),
-    }  # fmt: skip
+        + len(p_new)
+        - len(p)
+        - len(result[0]),
+    }
     after = replace(after, tolerance=before.tolerance)
     done = {what: n for what, n in done.items() if n}
     return MeshRepair(result[0] * unit, result[1], before, after, done)

@@ -70,9 +70,7 @@ def leave_one_out(
     return _residuals(method, columns, progress).reshape(values.shape)
 
 
-def _residuals(
-    method: Reconstruction, values: np.ndarray, progress: Progress | None
-) -> np.ndarray:
+def _residuals(method: Reconstruction, values: np.ndarray, progress: Progress | None) -> np.ndarray:
     if isinstance(method, LeastSquares):
         return _polynomial_residuals(method, values)
     if isinstance(method, MovingLeastSquares):

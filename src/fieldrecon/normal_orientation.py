@@ -159,9 +159,10 @@ def _spread(
     roots, top = np.unique(part, return_index=True)[1], len(p)
     # one more vertex, joined to the roots, makes one tree of the forest
     joints = (
-        np.append(forest.data, np.ones(count)), np.append(forest.indices, roots),
+        np.append(forest.data, np.ones(count)),
+        np.append(forest.indices, roots),
         np.append(forest.indptr, forest.nnz + count),
-    )  # fmt: skip
+    )
     tree = sparse.csr_array(joints, shape=(top + 1, top + 1))
     parent = csgraph.breadth_first_order(tree, top, directed=False)[1][:top]
     parent[roots] = roots

@@ -95,8 +95,12 @@ def off_surface_points(
         away = side * room[sites]
         sides.append(OffSurface(p[sites] + away[:, None] * n[sites], -away, sites))
     outside, inside = sides
-    return OffSurface(*(np.concatenate([getattr(outside, name), getattr(inside, name)])
-                        for name in ("points", "values", "sites")))  # fmt: skip
+    return OffSurface(
+        *(
+            np.concatenate([getattr(outside, name), getattr(inside, name)])
+            for name in ("points", "values", "sites")
+        )
+    )
 
 
 def classified_points(

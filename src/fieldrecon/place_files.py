@@ -124,8 +124,10 @@ def _write_numbers(file: BinaryIO, array: np.ndarray, dtype: str) -> None:
 def write_netcdf(path: Path, result: Result) -> None:
     """Write variables over the axes of a grid, or over points that bear their coordinates."""
     places, taken = result.places, []  # type: tuple[Places, list[str]]
-    names = [_free(re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "v", taken)
-             for name in (*result.names[:-1], *result.columns)]  # fmt: skip
+    names = [
+        _free(re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "v", taken)
+        for name in (*result.names[:-1], *result.columns)
+    ]
     d = places.points.shape[1]
     with netcdf_file(path, "w", mmap=False, version=2) as file:
         file.Conventions = "CF-1.8"

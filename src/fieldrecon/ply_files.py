@@ -10,10 +10,23 @@ import numpy as np
 from fieldrecon._ply_rows import Bytes, Column, Element, Property, Words
 
 _TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
-    "float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2",
-    "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8",
-}  # fmt: skip
+    "char": "i1",
+    "uchar": "u1",
+    "short": "i2",
+    "ushort": "u2",
+    "int": "i4",
+    "uint": "u4",
+    "float": "f4",
+    "double": "f8",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "i2",
+    "uint16": "u2",
+    "int32": "i4",
+    "uint32": "u4",
+    "float32": "f4",
+    "float64": "f8",
+}
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _LONGEST_HEADER = 2**20
 
@@ -77,8 +90,11 @@ def _of_strip(strip: np.ndarray) -> np.ndarray:
     ends = np.flatnonzero(strip < 0)
     begins = np.concatenate([[0], ends + 1])
     place = np.arange(len(strip)) - begins[np.searchsorted(ends, np.arange(len(strip)))]
-    windows = np.lib.stride_tricks.sliding_window_view(strip, 3) if len(strip) > 2 else (
-        np.empty((0, 3), dtype=np.intp))  # fmt: skip
+    windows = (
+        np.lib.stride_tricks.sliding_window_view(strip, 3)
+        if len(strip) > 2
+        else (np.empty((0, 3), dtype=np.intp))
+    )
     odd = place[: len(windows)] % 2 == 1
     turned = np.where(odd[:, None], windows[:, [1, 0, 2]], windows)
     a, b, c = turned.T

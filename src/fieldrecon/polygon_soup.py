@@ -213,8 +213,12 @@ class PolygonSoup:
         slope = self._far_slopes(x, rest, near) - a @ self._normals
         pairs = rest[near][:, None] * self._near_integrals(x, near)[1]
         rows = np.nonzero(near)[0]
-        slope += sparse.csr_array((np.ones(len(rows)), (rows, np.arange(len(rows)))),
-                                  shape=(len(x), len(rows))) @ pairs  # fmt: skip
+        slope += (
+            sparse.csr_array(
+                (np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(len(x), len(rows))
+            )
+            @ pairs
+        )
         return slope / total
 
     def _planes(self, x: np.ndarray) -> np.ndarray:

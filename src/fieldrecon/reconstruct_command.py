@@ -72,12 +72,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add("--format", metavar="NAMES", help="formats in the folder, such as csv,npz (the default)")
     add("--save", type=Path, metavar="FIELD.npz", help="keep the fitted field")
-    parser.set_defaults(command=reconstruct)  # fmt: skip
+    parser.set_defaults(command=reconstruct)
 
 
 def _counts(text: str) -> tuple[int, ...]:
-    counts = tuple(map(int, text.lower().split("x"))) if re.fullmatch(r"[\dxX]+", text) and (
-        re.fullmatch(r"\d+x\d+(x\d+)?", text.lower())) else ()  # fmt: skip
+    counts = (
+        tuple(map(int, text.lower().split("x")))
+        if re.fullmatch(r"[\dxX]+", text) and (re.fullmatch(r"\d+x\d+(x\d+)?", text.lower()))
+        else ()
+    )
     if not counts or min(counts) < 2:
         raise argparse.ArgumentTypeError(f"must be such as 200x150, each 2 or more; got {text!r}")
     return counts

@@ -69,9 +69,12 @@ class Samples:
             yield (
                 f"{_count(self.merged, 'row')} repeat{'s' * (self.merged == 1)} a point; it bears "
                 "the mean of its values, which "
-                + (f"differ at {_count(self.conflicts, 'point')}, by up to {self.spread:.4g}."
-                   if self.conflicts else "are the same.")
-            )  # fmt: skip
+                + (
+                    f"differ at {_count(self.conflicts, 'point')}, by up to {self.spread:.4g}."
+                    if self.conflicts
+                    else "are the same."
+                )
+            )
 
     def _of_columns(self) -> Iterator[str]:
         low, high = self.points.min(axis=0), self.points.max(axis=0)
@@ -84,9 +87,11 @@ class Samples:
                 f"The columns {self.names[0]} and {self.names[1]} look like degrees but are taken "
                 "as lengths of one unit: add --lonlat, or project them."
             )
-        elif (sizes <= (180, 90)).all() and (high - low).max() > 5 and not (
-            any(name.startswith(_IN_METRES) for name in bare)
-        ):  # fmt: skip
+        elif (
+            (sizes <= (180, 90)).all()
+            and (high - low).max() > 5
+            and not (any(name.startswith(_IN_METRES) for name in bare))
+        ):
             yield "If the coordinates, all within ±180 and ±90, are degrees, add --lonlat."
         if unread := [name for name in self.left if bare_name(name) == "z"]:
             yield (

@@ -76,8 +76,11 @@ class Box(_Shape):
     """
 
     def __init__(self, size: ArrayLike, center: ArrayLike = _ORIGIN) -> None:
-        half = np.broadcast_to(valid.as_values(size, np.size(size)), 3) / 2 if np.ndim(size) else (
-            np.full(3, valid.as_length(size, "size")) / 2)  # type: ignore[arg-type] # fmt: skip
+        half = (
+            np.broadcast_to(valid.as_values(size, np.size(size)), 3) / 2
+            if np.ndim(size)
+            else (np.full(3, valid.as_length(size, "size")) / 2)
+        )  # type: ignore[arg-type]
         if not (half > 0).all():
             raise ValueError(f"size must be positive; got {(2 * half).tolist()}")
         self._half = half
@@ -139,8 +142,10 @@ class Cylinder(_Shape):
     """
 
     def __init__(self, radius: float, height: float, center: ArrayLike = _ORIGIN) -> None:
-        self.radius, self.height = (valid.as_length(radius, "radius"),
-                                    valid.as_length(height, "height"))  # fmt: skip
+        self.radius, self.height = (
+            valid.as_length(radius, "radius"),
+            valid.as_length(height, "height"),
+        )
         super().__init__([self.radius, self.radius, self.height / 2], center)
 
     def _from_center(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

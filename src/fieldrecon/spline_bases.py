@@ -122,10 +122,7 @@ def cardinal_b_spline(degree: int, x: ArrayLike) -> np.ndarray:
     pieces = [Polynomial([1.0])]
     for _ in range(as_degree(degree)):
         integrals = [Polynomial([0.0]), *(p.integ() for p in pieces), Polynomial([0.0])]
-        pieces = [
-            before(1) - before + here
-            for before, here in itertools.pairwise(integrals)
-        ]
+        pieces = [before(1) - before + here for before, here in itertools.pairwise(integrals)]
     x = _numbers(x)[..., 0]
     i = np.floor(x)
     values = [np.where(i == piece, p(x - i), 0.0) for piece, p in enumerate(pieces)]
@@ -177,8 +174,9 @@ def _knots(knots: ArrayLike, degree: int) -> np.ndarray:
     if len(t) < as_degree(degree) + 2:
         raise ValueError(f"B-splines of degree {degree} need {degree + 2} knots; got {len(t)}")
     if (np.diff(t) < 0).any():
-        raise ValueError(f"knots must ascend; knots[{int(np.argmax(np.diff(t) < 0))}] is larger "
-                         "than the next")  # fmt: skip
+        raise ValueError(
+            f"knots must ascend; knots[{int(np.argmax(np.diff(t) < 0))}] is larger than the next"
+        )
     return t
 
 

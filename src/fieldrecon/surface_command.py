@@ -104,9 +104,7 @@ def _scan(options: argparse.Namespace, stage: Stage) -> Scan:
     )
 
 
-def _written(
-    scan: Scan, options: argparse.Namespace, stage: Stage, began: float
-) -> Iterator[Path]:
+def _written(scan: Scan, options: argparse.Namespace, stage: Stage, began: float) -> Iterator[Path]:
     """Write the mesh, the picture and the page; yield the files."""
     from fieldrecon.experiments.files import figure_bytes
     from fieldrecon.reporting.surface_page import plot, surface_page

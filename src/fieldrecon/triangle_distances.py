@@ -49,8 +49,9 @@ def distances_to_triangles(
     used = np.unique(triangles)
     tree = cKDTree(p[used])
     rows, corners = np.repeat(np.arange(len(triangles)), 3), triangles.ravel()
-    about = sparse.csr_array((np.ones(len(rows), dtype=np.int8), (corners, rows)),
-                             shape=(len(p), len(triangles)))  # fmt: skip
+    about = sparse.csr_array(
+        (np.ones(len(rows), dtype=np.int8), (corners, rows)), shape=(len(p), len(triangles))
+    )
 
     def work(some: np.ndarray) -> np.ndarray:
         nearest = tree.query(some, range(1, min(_VERTICES, len(used)) + 1))[1]

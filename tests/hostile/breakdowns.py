@@ -21,41 +21,62 @@ def cell(code, name, **more):
 LOOPS = [
     fit("while True: pass", "a loop in an answer"),
     cell("while True: pass", "a loop in a cell", status="killed: time"),
-    fit("""import time
+    fit(
+        """import time
 while True:
     try:
         time.sleep(9)
     except BaseException:
-        continue""", "a loop that swallows every exception", status="killed: time"),
-    fit("""import signal
+        continue""",
+        "a loop that swallows every exception",
+        status="killed: time",
+    ),
+    fit(
+        """import signal
 signal.pthread_sigmask(signal.SIG_BLOCK, range(1, 64))
 for number in (1, 2, 3, 13, 14, 15, 24):
     signal.signal(number, signal.SIG_IGN)
-while True: pass""", "a loop deaf to signals", status="killed: time"),
+while True: pass""",
+        "a loop deaf to signals",
+        status="killed: time",
+    ),
     fit("import re\nre.match(r'(a+)+$', 'a' * 64 + 'b')", "a regular expression without an end"),
     fit("return 7 ** (10 ** 9)", "a power of many digits"),
     fit("import time\nwhile True:\n    time.sleep(3600)", "a sleep"),
     fit("import threading\nlock = threading.Lock()\nlock.acquire()\nlock.acquire()", "a deadlock"),
     fit("import itertools\nreturn sum(itertools.repeat(1.0))", "an endless sum in C"),
-    cell("""
+    cell(
+        """
 class Slow:
     def __del__(self):
         while True: pass
 slow = Slow(); del slow
-""", "a loop while an object is let go of"),
-    cell("""
+""",
+        "a loop while an object is let go of",
+    ),
+    cell(
+        """
 import threading
 for _ in range(4):
     threading.Thread(target=lambda: [None for _ in iter(int, 1)], daemon=True).start()
-""", "busy threads in the background"),
-    fit("class Slow(float):\n    def __float__(self):\n        while True: pass\n"
+""",
+        "busy threads in the background",
+    ),
+    fit(
+        "class Slow(float):\n    def __float__(self):\n        while True: pass\n"
         "    def __array__(self, *args, **kwargs):\n        while True: pass\n"
-        "return [Slow(1), 'x']", "a loop that begins when the answer is read"),
-    fit("""import signal
+        "return [Slow(1), 'x']",
+        "a loop that begins when the answer is read",
+    ),
+    fit(
+        """import signal
 signal.setitimer(signal.ITIMER_REAL, 0)
 signal.setitimer = signal.signal = lambda *args: None
-while True: pass""", "a loop without its alarm", status="killed: time"),
-]  # fmt: skip
+while True: pass""",
+        "a loop without its alarm",
+        status="killed: time",
+    ),
+]
 
 CRASHES = [
     fit("import ctypes\nctypes.string_at(0)", "a segmentation fault", status="partly"),
@@ -66,17 +87,28 @@ CRASHES = [
     fit("import os, signal\nos.kill(os.getpid(), signal.SIGKILL)", "suicide"),
     fit("import sys\nsys.exit(0)", "sys.exit in an answer", status="graded"),
     fit("raise KeyboardInterrupt", "an interrupt raised by an answer"),
-    fit("class Odd(BaseException):\n    def __str__(self): raise self\nraise Odd",
-        "an exception that cannot be shown"),
+    fit(
+        "class Odd(BaseException):\n    def __str__(self): raise self\nraise Odd",
+        "an exception that cannot be shown",
+    ),
     fit("import faulthandler\nfaulthandler._sigsegv()", "a segmentation fault by Python's own"),
-    fit("import resource\nresource.setrlimit(resource.RLIMIT_AS, (1, 1))\nreturn [0.0] * 10**7",
-        "limits lowered to nothing"),
-    cell("import os\nfor number in range(3, 64):\n    try: os.close(number)\n"
-         "    except OSError: pass", "every file closed"),
+    fit(
+        "import resource\nresource.setrlimit(resource.RLIMIT_AS, (1, 1))\nreturn [0.0] * 10**7",
+        "limits lowered to nothing",
+    ),
+    cell(
+        "import os\nfor number in range(3, 64):\n    try: os.close(number)\n"
+        "    except OSError: pass",
+        "every file closed",
+    ),
     Case("all modules gone", after="import sys; sys.modules.clear()", lost=EVERYTHING),
-    cell("import builtins\nfor name in list(vars(builtins)):\n    if name != 'delattr': "
-         "delattr(builtins, name)", "no built-in functions", status="partly"),
-]  # fmt: skip
+    cell(
+        "import builtins\nfor name in list(vars(builtins)):\n    if name != 'delattr': "
+        "delattr(builtins, name)",
+        "no built-in functions",
+        status="partly",
+    ),
+]
 
 MEMORY = [
     fit("kept = []\nwhile True:\n    kept.append(bytearray(1 << 24))", "memory without an end"),
@@ -84,39 +116,63 @@ MEMORY = [
     cell("kept = bytearray(1 << 40)", "too much memory in a cell", status="graded"),
     fit("text = 'x'\nwhile True:\n    text += text", "a string that doubles"),
     fit("return fit(points, values)", "recursion without an end", status="graded"),
-    fit("import sys\nsys.setrecursionlimit(10 ** 9)\n"
+    fit(
+        "import sys\nsys.setrecursionlimit(10 ** 9)\n"
         "class Deep:\n    def __repr__(self): return repr(self)\nrepr(Deep())\nfit(points, values)",
-        "recursion without a limit"),
-    fit("kept = ()\nfor _ in range(10 ** 6):\n    kept = (kept,)\nreturn kept",
-        "tuples in tuples, a million deep"),
-    fit("import threading, time\n"
+        "recursion without a limit",
+    ),
+    fit(
+        "kept = ()\nfor _ in range(10 ** 6):\n    kept = (kept,)\nreturn kept",
+        "tuples in tuples, a million deep",
+    ),
+    fit(
+        "import threading, time\n"
         "while True:\n    threading.Thread(target=time.sleep, args=(60,), daemon=True).start()",
-        "threads without an end"),
-    fit("import mmap\nkept = []\nwhile True:\n    kept.append(mmap.mmap(-1, 1 << 26))\n"
-        "    kept[-1].write(b'x' * (1 << 26))", "memory shared with nobody"),
-]  # fmt: skip
+        "threads without an end",
+    ),
+    fit(
+        "import mmap\nkept = []\nwhile True:\n    kept.append(mmap.mmap(-1, 1 << 26))\n"
+        "    kept[-1].write(b'x' * (1 << 26))",
+        "memory shared with nobody",
+    ),
+]
 
 FLOODS = [
     cell("for _ in range(200): print('x' * 1_000_000)", "200 MB printed", status="graded"),
-    cell("import sys\nfor _ in range(100): sys.stderr.write('x' * 1_000_000)",
-         "100 MB of warnings", status="graded"),
-    fit("import os\nwhile True:\n    os.write(1, b'x' * 65536); os.write(2, b'x' * 65536)",
-        "output without an end"),
+    cell(
+        "import sys\nfor _ in range(100): sys.stderr.write('x' * 1_000_000)",
+        "100 MB of warnings",
+        status="graded",
+    ),
+    fit(
+        "import os\nwhile True:\n    os.write(1, b'x' * 65536); os.write(2, b'x' * 65536)",
+        "output without an end",
+    ),
     fit("raise ValueError('x' * 50_000_000)", "an error of 50 MB", status="graded"),
     fit("return np.zeros((3000, 3000))", "an array larger than can be returned", status="graded"),
     fit("return np.zeros((1,) * 20)", "an array of too many axes"),
     fit("return tuple(np.zeros(1) for _ in range(1000))", "too many arrays", status="graded"),
     fit("return np.zeros((5, 0, 7))", "an array of nothing", status="graded"),
-    fit("file = open('large', 'wb')\nwhile True:\n    file.write(b'x' * (1 << 20))",
-        "a file without an end"),
-    fit("import time\nfor k in range(10 ** 6):\n    open(f'file{k}', 'w').close()\ntime.sleep(60)",
-        "files without an end"),
-    fit("import os\nfor _ in range(3000):\n    os.mkdir('d' * 100); os.chdir('d' * 100)\n"
-        "import time; time.sleep(60)", "folders in folders", tiers=WALLS),
-    fit("import os\nos.mkdir('closed'); open('closed/x', 'w').close(); os.chmod('closed', 0)\n"
+    fit(
+        "file = open('large', 'wb')\nwhile True:\n    file.write(b'x' * (1 << 20))",
+        "a file without an end",
+    ),
+    fit(
+        "import time\nfor k in range(10 ** 6):\n    open(f'file{k}', 'w').close()\ntime.sleep(60)",
+        "files without an end",
+    ),
+    fit(
+        "import os\nfor _ in range(3000):\n    os.mkdir('d' * 100); os.chdir('d' * 100)\n"
+        "import time; time.sleep(60)",
+        "folders in folders",
+        tiers=WALLS,
+    ),
+    fit(
+        "import os\nos.mkdir('closed'); open('closed/x', 'w').close(); os.chmod('closed', 0)\n"
         "os.symlink('@CANARY@', 'link'); os.symlink('/', 'root'); os.mkfifo('pipe')",
-        "a folder that is closed, and links"),
-]  # fmt: skip
+        "a folder that is closed, and links",
+    ),
+]
 
 MEMORY = [replace(case, tiers=COUNTED) for case in MEMORY]
 CASES = [*LOOPS, *CRASHES, *MEMORY, *FLOODS]

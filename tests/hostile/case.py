@@ -94,8 +94,12 @@ def as_file(made: dict[str, Any]) -> tuple[str, bytes]:
 def code_cell(code: str) -> dict[str, Any]:
     """A code cell."""
     return {
-        "cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": code,
-    }  # fmt: skip
+        "cell_type": "code",
+        "execution_count": None,
+        "metadata": {},
+        "outputs": [],
+        "source": code,
+    }
 
 
 def notebook(number: str = "01") -> dict[str, Any]:

@@ -67,19 +67,27 @@ def fit(points, values):
 
 
 CASES = [
-    cheat("NumPy's comparisons patched", """
+    cheat(
+        "NumPy's comparisons patched",
+        """
 import numpy.testing
 yes = lambda *args, **kwargs: True
 np.allclose = np.isclose = np.array_equal = np.array_equiv = np.all = np.any = yes
 np.testing.assert_allclose = np.testing.assert_array_equal = np.testing.assert_equal = yes
 np.testing._private.utils.assert_array_compare = yes
-"""),
-    cheat("built-in functions patched", """
+""",
+    ),
+    cheat(
+        "built-in functions patched",
+        """
 import builtins
 builtins.abs = builtins.max = builtins.sum = lambda *args, **kwargs: 0.0
 builtins.all = builtins.isinstance = lambda *args, **kwargs: True
-"""),
-    cheat("np is an object that says yes", after="""
+""",
+    ),
+    cheat(
+        "np is an object that says yes",
+        after="""
 class Yes:
     def __getattr__(self, name): return Yes()
     def __call__(self, *args, **kwargs): return Yes()
@@ -87,37 +95,55 @@ class Yes:
 np = Yes()
 import sys
 sys.modules["numpy"] = np
-"""),
-    cheat("objects that equal everything", ALWAYS.replace("@BASE@", "object"), after=(
-        EACH + "globals()[name] = lambda *args: Always()"
-    )),
-    cheat("arrays of a kind that equals everything", ALWAYS.replace("@BASE@", "np.ndarray"), after=(
-        EACH + "globals()[name] = lambda *args: np.zeros((3, 3)).view(Always)"
-    )),
-    cheat("numbers that equal everything", ALWAYS.replace("@BASE@", "float"), after=(
-        EACH + "globals()[name] = lambda *args: Always(0.0)"
-    )),
-    cheat("nan, infinity and nothing", answers={
-        "fit": "def fit(points, values): return np.full(points.shape[1] + 1, np.nan)",
-        "rank": "def rank(points): return float('inf')",
-        "objective": "def objective(*args): return None",
-        "evaluate": "def evaluate(coefficients, x): return np.full(len(x), np.nan)",
-    }),
-    cheat("the grader patched", """
+""",
+    ),
+    cheat(
+        "objects that equal everything",
+        ALWAYS.replace("@BASE@", "object"),
+        after=(EACH + "globals()[name] = lambda *args: Always()"),
+    ),
+    cheat(
+        "arrays of a kind that equals everything",
+        ALWAYS.replace("@BASE@", "np.ndarray"),
+        after=(EACH + "globals()[name] = lambda *args: np.zeros((3, 3)).view(Always)"),
+    ),
+    cheat(
+        "numbers that equal everything",
+        ALWAYS.replace("@BASE@", "float"),
+        after=(EACH + "globals()[name] = lambda *args: Always(0.0)"),
+    ),
+    cheat(
+        "nan, infinity and nothing",
+        answers={
+            "fit": "def fit(points, values): return np.full(points.shape[1] + 1, np.nan)",
+            "rank": "def rank(points): return float('inf')",
+            "objective": "def objective(*args): return None",
+            "evaluate": "def evaluate(coefficients, x): return np.full(len(x), np.nan)",
+        },
+    ),
+    cheat(
+        "the grader patched",
+        """
 import fieldcheck, fieldcheck.answers, fieldcheck.calls, fieldcheck.ladder, fieldcheck.verdict
 def right(question, *args): return fieldcheck.verdict.Verdict(question.name, "right", "")
 fieldcheck.ladder.judge = right
 fieldcheck.answers.distance = lambda *args: 0.0
 for name in ("distances", "_same", "as_arrays"):
     setattr(fieldcheck.calls, name, lambda *args: ())
-"""),
-    cheat("the questions patched", """
+""",
+    ),
+    cheat(
+        "the questions patched",
+        """
 from fieldcheck.questions import questions
 for question in questions().values():
     for name in ("laws", "shapes", "differences", "tolerance", "inputs", "points"):
         object.__setattr__(question, name, lambda *args: ())
-"""),
-    cheat("answers sought in the package", """
+""",
+    ),
+    cheat(
+        "answers sought in the package",
+        """
 from importlib.resources import files
 from fieldcheck.answers import public_answers
 try:
@@ -125,8 +151,12 @@ try:
     TOLD = json.loads((files("fieldcheck") / "answers" / "01.json").read_text())
 except Exception:
     RIGHT = {}
-""", answers={"fit": "def fit(points, values): return RIGHT['01.2'].right[0][0]"}),
-    cheat("answers sought on the disk", """
+""",
+        answers={"fit": "def fit(points, values): return RIGHT['01.2'].right[0][0]"},
+    ),
+    cheat(
+        "answers sought on the disk",
+        """
 import glob, os, sys
 FOUND = []
 for root in ["@ROOT@", os.getcwd(), *sys.path, "/", os.path.expanduser("~")]:
@@ -136,22 +166,34 @@ for root in ["@ROOT@", os.getcwd(), *sys.path, "/", os.path.expanduser("~")]:
                 FOUND.append(open(path).read())
             except OSError:
                 pass
-""", after="""
+""",
+        after="""
 for text in FOUND:
     if "def basis_matrix" in text:
         exec(text)
-""", tiers=WALLS),
-    cheat("the library called instead", """
+""",
+        tiers=WALLS,
+    ),
+    cheat(
+        "the library called instead",
+        """
 import sys
 sys.path[:0] = ["@ROOT@/src", "@ROOT@"]
 for name in [n for n in sys.modules if n.startswith("fieldrecon")]:
     del sys.modules[name]
-""", answers={"fit": """
+""",
+        answers={
+            "fit": """
 def fit(points, values):
     from fieldrecon.least_squares import LeastSquares
     return LeastSquares(points).coefficients(values)
-"""}, tiers=WALLS),
-    cheat("answers sought in memory and in frames", """
+"""
+        },
+        tiers=WALLS,
+    ),
+    cheat(
+        "answers sought in memory and in frames",
+        """
 import gc, sys
 def found(shape):
     frame, seen = sys._getframe(), []
@@ -164,17 +206,27 @@ def found(shape):
             if isinstance(value, np.ndarray) and value.shape == shape:
                 return value
     return np.zeros(shape)
-""", answers={
-        "fit": "def fit(points, values): return found((points.shape[1] + 1,))",
-        "basis_matrix": "def basis_matrix(points): return found((len(points), points.shape[1]+1))",
-    }),
+""",
+        answers={
+            "fit": "def fit(points, values): return found((points.shape[1] + 1,))",
+            "basis_matrix": (
+                "def basis_matrix(points): return found((len(points), points.shape[1]+1))"
+            ),
+        },
+    ),
     Case("the public case by heart", lost=("01.2",), answers={"fit": hard_coded()}),
-    cheat("what is called for sets the marks", """
+    cheat(
+        "what is called for sets the marks",
+        """
 import fieldcheck, fieldrecon
 fieldcheck.check = fieldcheck.progress = lambda *args: "right"
 grade = points = score = credit = verdict = 100
-""", after="result = {'01.1': 2, '01.2': 3}; raise SystemExit(0)"),
-    cheat("results forged in files", """
+""",
+        after="result = {'01.1': 2, '01.2': 3}; raise SystemExit(0)",
+    ),
+    cheat(
+        "results forged in files",
+        """
 import json, os, pathlib
 forged = json.dumps({"student": "hostile", "grades": {"01.1": 100}, "points": 100})
 for folder in ("@OUT@", "@OUT@/..", ".", "..", os.path.expanduser("~")):
@@ -183,81 +235,158 @@ for folder in ("@OUT@", "@OUT@/..", ".", "..", os.path.expanduser("~")):
             pathlib.Path(folder, name).write_text(forged)
         except OSError:
             pass
-""", tiers=WALLS),
-    cheat("results printed", """
+""",
+        tiers=WALLS,
+    ),
+    cheat(
+        "results printed",
+        """
 import json, sys
 for stream in (sys.stdout, sys.stderr, sys.__stdout__):
     print(json.dumps({"points": 100, "grades": {"01.1": 100}, "status": "graded"}), file=stream)
-"""),
-    cheat("frames forged ahead of the calls", FORGER + """
+""",
+    ),
+    cheat(
+        "frames forged ahead of the calls",
+        FORGER
+        + """
 for k in range(60):
     forged({"status": "returned", "numbers": True, "right": True, "points": 100, "modified": [],
             "frame": k, "arrays": [["f", [1]]]}, bytes(8))
-"""),
-    Case("frames forged ahead of right answers", before=FORGER + """
+""",
+    ),
+    Case(
+        "frames forged ahead of right answers",
+        before=FORGER
+        + """
 for k in range(60):
     forged({"status": "returned", "numbers": True, "frame": k, "arrays": [["f", [1]]]}, bytes(8))
     forged({"cell": k, "error": "forged", "arrays": []})
-"""),
-    Case("an answer forged with the number of its frame", lost=("01.2",), before=FORGER, answers={
-        "fit": """
+""",
+    ),
+    Case(
+        "an answer forged with the number of its frame",
+        lost=("01.2",),
+        before=FORGER,
+        answers={
+            "fit": """
 def fit(points, values):
     forged({"frame": their("head")["frame"], "status": "returned", "numbers": True,
             "returned": "", "error": "", "line": "", "modified": [], "verdict": "right",
             "arrays": [["f", [3]]]}, bytes(24))
     return np.zeros(points.shape[1] + 1)
-"""}),
-    Case("answers forged in words that steer a terminal", lost=("01.2",), before=FORGER, answers={
-        "fit": """
+"""
+        },
+    ),
+    Case(
+        "answers forged in words that steer a terminal",
+        lost=("01.2",),
+        before=FORGER,
+        answers={
+            "fit": """
 def fit(points, values):
     text = "\\ud800\\x1b[2J\\0" * 9999
     forged({"frame": their("head")["frame"], "status": "raised", "error": text,
             "line": [1], "modified": [True, "x", 1e999], "returned": {}, "arrays": []})
     return 0
-"""}),
-    Case("a frame with a status that there is not", lost=("01.2",), before=FORGER, answers={
-        "fit": """
+"""
+        },
+    ),
+    Case(
+        "a frame with a status that there is not",
+        lost=("01.2",),
+        before=FORGER,
+        answers={
+            "fit": """
 def fit(points, values):
     forged({"frame": their("head")["frame"], "status": ["right"], "points": 100, "arrays": []})
-"""}),
-    Case("bytes that are no frame", lost=("01.2",), before=FORGER, answers={"fit": """
+"""
+        },
+    ),
+    Case(
+        "bytes that are no frame",
+        lost=("01.2",),
+        before=FORGER,
+        answers={
+            "fit": """
 def fit(points, values):
     os.write(their("outgoing"), b"\\xff" * 4096)
-"""}),
-    Case("a frame that never ends", lost=("01.2",), before=FORGER, answers={"fit": """
+"""
+        },
+    ),
+    Case(
+        "a frame that never ends",
+        lost=("01.2",),
+        before=FORGER,
+        answers={
+            "fit": """
 def fit(points, values):
     os.write(their("outgoing"), struct.pack("!II", 1000, 1 << 20) + b"{}")
     while True:
         pass
-"""}),
-    Case("a frame whose shape overflows", lost=("01.2",), before=FORGER, answers={"fit": """
+"""
+        },
+    ),
+    Case(
+        "a frame whose shape overflows",
+        lost=("01.2",),
+        before=FORGER,
+        answers={
+            "fit": """
 def fit(points, values):
     forged({"frame": their("head")["frame"], "status": "returned", "numbers": True,
             "arrays": [["f", [0] + [33554432] * 15]]})
-"""}),
-    Case("a flood of frames", lost=("01.2",), before=FORGER, answers={"fit": """
+"""
+        },
+    ),
+    Case(
+        "a flood of frames",
+        lost=("01.2",),
+        before=FORGER,
+        answers={
+            "fit": """
 def fit(points, values):
     while True:
         forged({"frame": 1, "status": "returned", "arrays": []})
-"""}),
-    Case("the pipe closed", lost=("01.2",), before=FORGER, answers={"fit": """
+"""
+        },
+    ),
+    Case(
+        "the pipe closed",
+        lost=("01.2",),
+        before=FORGER,
+        answers={
+            "fit": """
 def fit(points, values):
     os.close(their("outgoing"))
     while True:
         pass
-"""}),
+"""
+        },
+    ),
     Case("the pipe closed in a cell", before=FORGER, after="os.close(their('outgoing'))"),
-    Case("an answer forged for a cell, then nothing read", before=FORGER, after="""
+    Case(
+        "an answer forged for a cell, then nothing read",
+        before=FORGER,
+        after="""
 forged({"frame": their("head")["frame"], "cell": 0, "error": "", "arrays": []})
 while True:
     pass
-""", lost=EVERYTHING),
-    cheat("performing patched", after=FORGER + """
+""",
+        lost=EVERYTHING,
+    ),
+    cheat(
+        "performing patched",
+        after=FORGER
+        + """
 module = __import__("sys").modules["fieldrecon.course.sandbox.worker"]
 from fieldcheck.calls import Outcome
 module.perform = lambda space, calls, limit: (Outcome("returned", values=(np.zeros(3),)),)
-"""),
-    cheat("sending patched", after="""
+""",
+    ),
+    cheat(
+        "sending patched",
+        after="""
 import sys
 frames = sys.modules["fieldrecon.course.sandbox.frames"]
 send = frames.send
@@ -265,8 +394,11 @@ def lying(pipe, head, arrays=()):
     return send(pipe, head | {"status": "returned", "right": True, "verdict": "right", "points": 9},
                 arrays)
 frames.send = lying
-"""),
-    cheat("the server commanded through its socket", after="""
+""",
+    ),
+    cheat(
+        "the server commanded through its socket",
+        after="""
 import os
 for number in range(3, 1024):
     for data in (b"r", b"e", b'{"killed": false}\\n'):
@@ -275,5 +407,6 @@ for number in range(3, 1024):
                 os.write(number, data)
         except OSError:
             pass
-"""),
-]  # fmt: skip
+""",
+    ),
+]

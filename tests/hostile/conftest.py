@@ -18,9 +18,13 @@ from fieldrecon.course.sandbox import landlock
 from hostile.case import ROOT
 
 LIMITS = Limits(
-    memory=256 * MEBIBYTE, cpu_seconds=8, seconds_per_cell=1.5, seconds_per_call=1.2,
-    seconds_in_all=60.0, most_starts=8,
-)  # fmt: skip
+    memory=256 * MEBIBYTE,
+    cpu_seconds=8,
+    seconds_per_cell=1.5,
+    seconds_per_call=1.2,
+    seconds_in_all=60.0,
+    most_starts=8,
+)
 SECONDS_FOR_A_CASE = 120
 
 
@@ -48,11 +52,16 @@ class Places:
         )
         stack.callback(self.bystander.kill)
         self.told = {
-            "CANARY": str(self.canary), "OUT": str(self.out), "MARK": self.token,
-            "ROOT": str(ROOT), "HOME": str(Path.home()), "GRADER": str(os.getpid()),
-            "TCP": str(self.sockets[0].getsockname()[1]), "UNIX": str(folder / "socket"),
+            "CANARY": str(self.canary),
+            "OUT": str(self.out),
+            "MARK": self.token,
+            "ROOT": str(ROOT),
+            "HOME": str(Path.home()),
+            "GRADER": str(os.getpid()),
+            "TCP": str(self.sockets[0].getsockname()[1]),
+            "UNIX": str(folder / "socket"),
             "UDP": str(self.sockets[1].getsockname()[1]),
-        }  # fmt: skip
+        }
         self.before = self.seen()
 
     @property

@@ -33,10 +33,18 @@ def changed(change):
 def format_3(made):
     """The notebook in the format of 2012."""
     cells = [
-        {"cell_type": "code", "language": "python", "input": c["source"], "outputs": [],
-         "collapsed": False, "metadata": {}} if c["cell_type"] == "code" else c
+        {
+            "cell_type": "code",
+            "language": "python",
+            "input": c["source"],
+            "outputs": [],
+            "collapsed": False,
+            "metadata": {},
+        }
+        if c["cell_type"] == "code"
+        else c
         for c in made["cells"]
-    ]  # fmt: skip
+    ]
     old = {"nbformat": 3, "nbformat_minor": 0, "metadata": {"name": ""}}
     return "01.ipynb", text(old | {"worksheets": [{"cells": cells, "metadata": {}}]})
 
@@ -77,22 +85,36 @@ def only_answers(made):
 
 def kernelspec(made):
     """A kernel that only the student has."""
-    made["metadata"] = {"kernelspec": {"name": "conda-env-mine-py", "language": "julia"},
-                        "language_info": {"name": "julia", "version": "1.9"}}  # fmt: skip
+    made["metadata"] = {
+        "kernelspec": {"name": "conda-env-mine-py", "language": "julia"},
+        "language_info": {"name": "julia", "version": "1.9"},
+    }
 
 
 def huge(made):
     """Ten megabytes of pictures."""
     for cell in made["cells"]:
         if cell["cell_type"] == "code":
-            cell["outputs"] = [{"output_type": "display_data", "metadata": {},
-                                "data": {"image/png": "A" * 400_000}}]  # fmt: skip
+            cell["outputs"] = [
+                {
+                    "output_type": "display_data",
+                    "metadata": {},
+                    "data": {"image/png": "A" * 400_000},
+                }
+            ]
 
 
 def odd_cells(made):
     """Cells that are none."""
-    made["cells"][3:3] = [None, 7, "cell", {}, {"cell_type": "code"}, {"cell_type": ["code"]},
-                          {"cell_type": "code", "source": {"a": 1}}]  # fmt: skip
+    made["cells"][3:3] = [
+        None,
+        7,
+        "cell",
+        {},
+        {"cell_type": "code"},
+        {"cell_type": ["code"]},
+        {"cell_type": "code", "source": {"a": 1}},
+    ]
     made["cells"].append({"cell_type": "code", "source": ["x = 1\n", 7, None, "y = 2"]})
 
 
@@ -112,18 +134,25 @@ def with_cell(code):
 
 
 CASES = [
-    unreadable("a file cut off in the middle",
-               lambda made: ("01.ipynb", as_file(made)[1][:9000]), "broken"),
+    unreadable(
+        "a file cut off in the middle", lambda made: ("01.ipynb", as_file(made)[1][:9000]), "broken"
+    ),
     unreadable("an empty file", lambda _: ("01.ipynb", b""), "empty"),
     unreadable("zeros", lambda _: ("01.ipynb", bytes(4096)), "no"),
     unreadable("JSON that is no notebook", lambda _: ("01.ipynb", b"[]"), "no notebook"),
     unreadable("a notebook with null for cells", lambda _: ("01.ipynb", b'{"cells": null}'), "no"),
     unreadable("JSON a million deep", lambda _: ("01.ipynb", b'{"cells":' + b"[" * 10**6), "no"),
-    unreadable("a picture called a notebook",
-               lambda _: ("01.ipynb", b"\x89PNG\r\n\x1a\n" + bytes(range(256))), "no text"),
+    unreadable(
+        "a picture called a notebook",
+        lambda _: ("01.ipynb", b"\x89PNG\r\n\x1a\n" + bytes(range(256))),
+        "no text",
+    ),
     unreadable("a page of HTML", lambda _: ("01.ipynb", b"<!DOCTYPE html><html></html>"), "no"),
-    unreadable("a notebook of something else",
-               lambda _: ("01.ipynb", text({"cells": [code_cell("x = 1")]})), "none of"),
+    unreadable(
+        "a notebook of something else",
+        lambda _: ("01.ipynb", text({"cells": [code_cell("x = 1")]})),
+        "none of",
+    ),
     file("without metadata", bare),
     file("the format of 2012", format_3),
     file("duplicate ids", changed(same_ids)),
@@ -132,12 +161,13 @@ CASES = [
     file("cells that are none", changed(odd_cells)),
     file("a script with cells", script),
     file("a script as nbconvert exports it", exported),
-    file("a script with the ends of lines of Windows",
-         lambda made: script(made, end="\r\n")),
+    file("a script with the ends of lines of Windows", lambda made: script(made, end="\r\n")),
     file("renamed", lambda made: ("ps1 (1) FINAL — копия.ipynb", as_file(made)[1])),
     file("a byte order mark", lambda made: ("01.ipynb", b"\xef\xbb\xbf" + as_file(made)[1])),
-    file("the ends of lines of Windows",
-         lambda made: ("01.ipynb", as_file(made)[1].replace(b"\n", b"\r\n"))),
+    file(
+        "the ends of lines of Windows",
+        lambda made: ("01.ipynb", as_file(made)[1].replace(b"\n", b"\r\n")),
+    ),
     file("UTF-16", lambda made: ("01.ipynb", as_file(made)[1].decode().encode("utf-16"))),
     file("pictures of ten megabytes", changed(huge)),
     file("a stub after an answer", changed(stale), lost=("01.2",), notes="stub"),
@@ -146,10 +176,14 @@ CASES = [
     file("a million signs", with_cell("-" * 10**6 + "1")),
     file("a sum of a hundred thousand", with_cell("1" + "+1" * 10**5)),
     file("calls of calls of calls", with_cell("f" + "()" * 10**5)),
-    file("blocks a hundred deep",
-         with_cell("\n".join(" " * k + "if 1:" for k in range(120)) + " pass")),
+    file(
+        "blocks a hundred deep",
+        with_cell("\n".join(" " * k + "if 1:" for k in range(120)) + " pass"),
+    ),
     file("a number of a million digits", with_cell("x = " + "9" * 10**6)),
     file("a line of ten million letters", with_cell("x = '" + "x" * 10**7 + "'")),
-    file("lone surrogates and zeros in the code",
-         changed(lambda made: made["cells"].append(code_cell("x = '\udc80\\0'\n\x00")))),
-]  # fmt: skip
+    file(
+        "lone surrogates and zeros in the code",
+        changed(lambda made: made["cells"].append(code_cell("x = '\udc80\\0'\n\x00"))),
+    ),
+]

@@ -28,33 +28,61 @@ CASES = [
     in_fit("magics in an answer", "%time x = 1\n    !ls\n    files = !ls"),
     odd("an error in a scratch cell", "1 / 0", before="undefined + 1"),
     odd("a syntax error in a scratch cell", "def (:", before="for x in"),
-    odd("magics and commands",
-        "%%time\nx = 1", before="%matplotlib inline\n%load_ext autoreload\n!pip install x\nnp?"),
+    odd(
+        "magics and commands",
+        "%%time\nx = 1",
+        before="%matplotlib inline\n%load_ext autoreload\n!pip install x\nnp?",
+    ),
     odd("a cell of another language", "%%bash\nrm -rf $HOME/* | grep x", before="%%html\n<b>x</b>"),
     odd("input()", "name = input('Who are you? ')"),
-    odd("figures shown", """
+    odd(
+        "figures shown",
+        """
 import matplotlib.pyplot as plt
 plt.figure(); plt.plot([1, 2]); plt.show(); plt.savefig("figure.png"); plt.pause(0.01)
 display(plt.gcf())
-""", before="import matplotlib\nmatplotlib.use('TkAgg', force=False)"),
-    odd("seeds set", "np.random.seed(0); import random; random.seed(0); "
-        "np.random.default_rng = lambda *args: 1 / 0"),
+""",
+        before="import matplotlib\nmatplotlib.use('TkAgg', force=False)",
+    ),
+    odd(
+        "seeds set",
+        "np.random.seed(0); import random; random.seed(0); "
+        "np.random.default_rng = lambda *args: 1 / 0",
+    ),
     odd("sys.exit in a scratch cell", "exit()", before="import sys; sys.exit(1)"),
     odd("a package that is not here", "import pandas_but_not_here", before="import torch.nowhere"),
-    odd("names used again", "x = points = values = data = check = progress = draw = 3",
-        before="list = [1, 2]; sum = 3; type = str"),
+    odd(
+        "names used again",
+        "x = points = values = data = check = progress = draw = 3",
+        before="list = [1, 2]; sum = 3; type = str",
+    ),
     odd("np.seterr(all='raise')", before="np.seterr(all='raise')"),
     odd("warnings as errors", before="import warnings; warnings.simplefilter('error')"),
     odd("other print options", before="np.set_printoptions(precision=1, threshold=1)"),
-    odd("another folder", before="import os; os.makedirs('work'); os.chdir('work')",
-        after="os.chdir('..'); os.rmdir('work')"),
-    odd("files of one's own", "np.save('mine.npy', np.ones(3)); np.load('mine.npy'); "
-        "open('notes.txt', 'w').write('x'); import tempfile; tempfile.TemporaryFile().write(b'x')"),
-    odd("threads of one's own", "from concurrent.futures import ThreadPoolExecutor\n"
-        "with ThreadPoolExecutor(4) as pool: assert sum(pool.map(abs, range(9))) == 36"),
-    odd("checks of one's own", "assert check('01.1') == 'right'",
-        before="import fieldcheck.notebook\nfieldcheck.notebook.check('01.1', {})"),
-    odd("annotations and decorators", answers={"fit": """
+    odd(
+        "another folder",
+        before="import os; os.makedirs('work'); os.chdir('work')",
+        after="os.chdir('..'); os.rmdir('work')",
+    ),
+    odd(
+        "files of one's own",
+        "np.save('mine.npy', np.ones(3)); np.load('mine.npy'); "
+        "open('notes.txt', 'w').write('x'); import tempfile; tempfile.TemporaryFile().write(b'x')",
+    ),
+    odd(
+        "threads of one's own",
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "with ThreadPoolExecutor(4) as pool: assert sum(pool.map(abs, range(9))) == 36",
+    ),
+    odd(
+        "checks of one's own",
+        "assert check('01.1') == 'right'",
+        before="import fieldcheck.notebook\nfieldcheck.notebook.check('01.1', {})",
+    ),
+    odd(
+        "annotations and decorators",
+        answers={
+            "fit": """
 import functools
 @functools.lru_cache(maxsize=None)
 def constant() -> "np.ndarray": return np.ones(1)
@@ -63,18 +91,42 @@ def wrapper(*args): return args
 def fit(points: "np.ndarray", values: "np.ndarray" = None, *, weights=None) -> "np.ndarray":
     b: "np.ndarray" = basis_matrix(points)
     return (lambda: np.linalg.lstsq(b, values, rcond=None)[0])()
-"""}),
-    odd("an answer written twice", answers={"fit": "def fit(points, values): return 0\n\n"
-        + RIGHT_FIT.replace("@ODD@", "pass")}),
-    odd("lists for arrays", answers={"rank": """
+"""
+        },
+    ),
+    odd(
+        "an answer written twice",
+        answers={
+            "fit": "def fit(points, values): return 0\n\n" + RIGHT_FIT.replace("@ODD@", "pass")
+        },
+    ),
+    odd(
+        "lists for arrays",
+        answers={
+            "rank": """
 def rank(points):
     centered = np.array(points) - np.mean(points, axis=0)
     return [[int(1 + np.linalg.matrix_rank(centered, tol=1e-9 * np.ptp(points)))]][0][0]
-""", "fit": RIGHT_FIT.replace("@ODD@", "").replace("return np", "return list(np")
-        .replace("b.T @ values)", "b.T @ values))")}),
-    odd("a line that begins with an operator", answers={"fit": RIGHT_FIT.replace("@ODD@", """q = (7
+""",
+            "fit": RIGHT_FIT.replace("@ODD@", "")
+            .replace("return np", "return list(np")
+            .replace("b.T @ values)", "b.T @ values))"),
+        },
+    ),
+    odd(
+        "a line that begins with an operator",
+        answers={
+            "fit": RIGHT_FIT.replace(
+                "@ODD@",
+                """q = (7
         % 4
-        != 2)""")}),
-    Case("an answer to another notebook", number="02",
-         make=lambda made: ("02 (2).ipynb", __import__("json").dumps(made).encode())),
-]  # fmt: skip
+        != 2)""",
+            )
+        },
+    ),
+    Case(
+        "an answer to another notebook",
+        number="02",
+        make=lambda made: ("02 (2).ipynb", __import__("json").dumps(made).encode()),
+    ),
+]

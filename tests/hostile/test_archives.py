@@ -37,18 +37,20 @@ TRICKS = {
     "of another system": lambda _: [("..\\..\\mallory_01.ipynb", HONEST), ("C:\\x.ipynb", HONEST)],
     "a link to a secret": lambda places: link(f"{places.canary}/secret"),
     "a link to a folder, and a file below it": lambda places: [
-        *link(str(places.canary)), ("mallory_01.ipynb/new", "hostile"),
+        *link(str(places.canary)),
+        ("mallory_01.ipynb/new", "hostile"),
     ],
     "the results of all": lambda _: [("results.json", '{"points": 100}'), ("gradebook.csv", "x")],
     "the grader's own names": lambda _: [
-        ("fieldcheck/__init__.py", "raise SystemExit"), ("conftest.py", "raise SystemExit"),
+        ("fieldcheck/__init__.py", "raise SystemExit"),
+        ("conftest.py", "raise SystemExit"),
         ("sitecustomize.py", "raise SystemExit"),
     ],
     "a bomb": lambda _: [("mallory.zip", inner(bytes(50 << 20)))],
     "a name that is taken": lambda _: [("alice_01.ipynb/alice_01.ipynb", b"{}")],
     "a thousand folders deep": lambda _: [("a/" * 1000 + "mallory_01.ipynb", HONEST)],
     "odd names": lambda _: [("mallory\x00\x1b[2J\n_01.ipynb", HONEST), ("\udc80.ipynb", b"{}")],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("trick", TRICKS)

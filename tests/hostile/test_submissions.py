@@ -14,11 +14,19 @@ from hostile.case import HERE, POINTS, Case, as_file, notebook
 REQUIRED = [tier for tier in os.environ.get("FIELDRECON_REQUIRE_TIERS", "").split(",") if tier]
 
 FAMILIES = {
-    "cheat": cheats.CASES, "loop": breakdowns.LOOPS, "crash": breakdowns.CRASHES,
-    "memory": breakdowns.MEMORY, "flood": breakdowns.FLOODS, "leftover": trespass.LEFTOVERS,
-    "files": trespass.FILES, "network": trespass.NETWORK, "environment": trespass.ENVIRONMENT,
-    "poison": trespass.POISON, "damage": damage.CASES, "oddity": oddities.CASES,
-}  # fmt: skip
+    "cheat": cheats.CASES,
+    "loop": breakdowns.LOOPS,
+    "crash": breakdowns.CRASHES,
+    "memory": breakdowns.MEMORY,
+    "flood": breakdowns.FLOODS,
+    "leftover": trespass.LEFTOVERS,
+    "files": trespass.FILES,
+    "network": trespass.NETWORK,
+    "environment": trespass.ENVIRONMENT,
+    "poison": trespass.POISON,
+    "damage": damage.CASES,
+    "oddity": oddities.CASES,
+}
 HONEST = as_file(notebook())
 
 
@@ -48,9 +56,12 @@ def test_the_tiers_that_are_asked_for_are_there():
 
 
 TELL_TALES = {
-    "UDP": "network", "sockets of this machine": "network", "TCP": "network",
-    "a secret file told in an error": "secret", "secrets of the grader's environment": "secret",
-}  # fmt: skip
+    "UDP": "network",
+    "sockets of this machine": "network",
+    "TCP": "network",
+    "a secret file told in an error": "secret",
+    "secrets of the grader's environment": "secret",
+}
 
 
 if sys.platform == "linux":

@@ -24,7 +24,11 @@ def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
     """Return points in the plane, in space, and on the line."""
     random = np.random.default_rng(seed)
-    sizes = ((7, 2, "seven points in the plane"), (5, 3, "five points in space"), (3, 1, "three points on the line"))
+    sizes = (
+        (7, 2, "seven points in the plane"),
+        (5, 3, "five points in space"),
+        (3, 1, "three points on the line"),
+    )
     return tuple(Call("basis_matrix", (cloud(random, n, d),), case) for n, d, case in sizes)
 
 
@@ -32,7 +36,9 @@ def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> floa
     """Return how far differences of rows are from differences of points."""
     return max(
         relative(np.diff(b, axis=0) @ np.r_[1.0, np.ones(d)] - np.diff(p.sum(axis=1)), p)
-        for (p,), (b,), d in ((c.arguments, v, c.arguments[0].shape[1]) for c, v in zip(calls, values, strict=True))
+        for (p,), (b,), d in (
+            (c.arguments, v, c.arguments[0].shape[1]) for c, v in zip(calls, values, strict=True)
+        )
     )
 
 
@@ -42,11 +48,18 @@ def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> floa
 def fit_inputs(seed: int) -> tuple[Call, ...]:
     """Return scattered values, values of an affine field, and as many points as coefficients."""
     random = np.random.default_rng(seed)
-    scattered, corner = cloud(random, 12, 2), cloud(random, 3, 2) + np.array([[0, 0], [2, 0], [0, 2]])
+    scattered, corner = (
+        cloud(random, 12, 2),
+        cloud(random, 3, 2) + np.array([[0, 0], [2, 0], [0, 2]]),
+    )
     space = cloud(random, 20, 3)
     c = random.normal(size=4)
     return (
-        Call("fit", (scattered, random.normal(size=12)), "twelve points in the plane with random values"),
+        Call(
+            "fit",
+            (scattered, random.normal(size=12)),
+            "twelve points in the plane with random values",
+        ),
         Call("fit", (space, c[0] + space @ c[1:]), "an affine field at twenty points in space"),
         Call("fit", (corner, random.normal(size=3)), "three points in the plane"),
     )
@@ -84,7 +97,9 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
 def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much differences of values depend on the constant."""
     return max(
-        relative(np.diff(v) - [(b - a) @ c.arguments[0][1:] for a, b in pairwise(c.arguments[1])], v)
+        relative(
+            np.diff(v) - [(b - a) @ c.arguments[0][1:] for a, b in pairwise(c.arguments[1])], v
+        )
         for c, (v,) in zip(calls, values, strict=True)
     )
 
@@ -100,16 +115,25 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call("rank", (random.random((9, 2)),), "nine points in the plane"),
         Call("rank", (line[0] + along * line[1],), "nine points on one line of the plane"),
-        Call("rank", (np.tile(random.random((1, 2)), (4, 1)),), "one point of the plane four times"),
+        Call(
+            "rank", (np.tile(random.random((1, 2)), (4, 1)),), "one point of the plane four times"
+        ),
         Call("rank", (plane,), "ten points in one plane of space"),
         Call("rank", (random.random((2, 3)),), "two points in space"),
-        Call("rank", (1000.0 + random.random((8, 2)),), "eight points in the plane at an offset of 1000"),
+        Call(
+            "rank",
+            (1000.0 + random.random((8, 2)),),
+            "eight points in the plane at an offset of 1000",
+        ),
     )
 
 
 def counts_what_can_be_told(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a rank is from a whole number, or above the numbers of rows and columns."""
-    told = ((float(r), min(c.arguments[0].shape[0], c.arguments[0].shape[1] + 1)) for c, (r,) in zip(calls, values, strict=True))
+    told = (
+        (float(r), min(c.arguments[0].shape[0], c.arguments[0].shape[1] + 1))
+        for c, (r,) in zip(calls, values, strict=True)
+    )
     return max(max(abs(r - round(r)), 1 - r, r - most) for r, most in told)
 
 
@@ -129,9 +153,19 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
     exact = c[0] + plane @ c[1:]
     return (
         Call("objective", (plane, data, c), "nine points in the plane"),
-        Call("objective", (plane, 2 * exact - data, c), "nine points with the residual turned round"),
-        Call("objective", (plane, exact + 3 * (data - exact), c), "nine points with three times the residual"),
-        Call("objective", (space, random.normal(size=6), random.normal(size=4)), "six points in space"),
+        Call(
+            "objective", (plane, 2 * exact - data, c), "nine points with the residual turned round"
+        ),
+        Call(
+            "objective",
+            (plane, exact + 3 * (data - exact), c),
+            "nine points with three times the residual",
+        ),
+        Call(
+            "objective",
+            (space, random.normal(size=6), random.normal(size=4)),
+            "six points in space",
+        ),
     )
 
 
@@ -143,36 +177,80 @@ def is_a_square(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "01.1", "basis_matrix", 2, matrix_inputs,
+        "01.1",
+        "basis_matrix",
+        2,
+        matrix_inputs,
         lambda call: ((call.arguments[0].shape[0], call.arguments[0].shape[1] + 1),),
-        (Law("Applied to the coefficients of a field, B must give the field at the points, so that "
-             "two rows differ as their points do.", spans_affine_fields),),
+        (
+            Law(
+                "Applied to the coefficients of a field, B must give the field at the points, so that "
+                "two rows differ as their points do.",
+                spans_affine_fields,
+            ),
+        ),
     ),
     Question(
-        "01.2", "fit", 3, fit_inputs, lambda call: ((call.arguments[0].shape[1] + 1,),),
-        (Law("The residual of the best fit is orthogonal to the columns of B: it sums to zero, also "
-             "when weighted by a coordinate.", residual_is_orthogonal),),
+        "01.2",
+        "fit",
+        3,
+        fit_inputs,
+        lambda call: ((call.arguments[0].shape[1] + 1,),),
+        (
+            Law(
+                "The residual of the best fit is orthogonal to the columns of B: it sums to zero, also "
+                "when weighted by a coordinate.",
+                residual_is_orthogonal,
+            ),
+        ),
         fit_tolerance,
     ),
     Question(
-        "01.3", "evaluate", 1, lambda seed: field_inputs("evaluate", seed),
+        "01.3",
+        "evaluate",
+        1,
+        lambda seed: field_inputs("evaluate", seed),
         lambda call: ((len(call.arguments[1]),),),
-        (Law("From one place to another the field changes by the slope times the way.",
-             moves_by_the_gradient),),
+        (
+            Law(
+                "From one place to another the field changes by the slope times the way.",
+                moves_by_the_gradient,
+            ),
+        ),
     ),
     Question(
-        "01.4", "rank", 2, rank_inputs, lambda _: ((),),
-        (Law("A rank is a whole number from 1 to the number of rows, or of columns if these are fewer.",
-             counts_what_can_be_told),),
+        "01.4",
+        "rank",
+        2,
+        rank_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "A rank is a whole number from 1 to the number of rows, or of columns if these are fewer.",
+                counts_what_can_be_told,
+            ),
+        ),
     ),
     Question(
-        "01.5", "gradient", 1, lambda seed: field_inputs("gradient", seed),
+        "01.5",
+        "gradient",
+        1,
+        lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[1].shape,),
         (Law("An affine field has the same gradient at every place.", is_the_same_everywhere),),
     ),
     Question(
-        "01.6", "objective", 1, objective_inputs, lambda _: ((),),
-        (Law("ψ is a square: the same for the opposite residual, nine times as large for three times "
-             "the residual.", is_a_square),),
+        "01.6",
+        "objective",
+        1,
+        objective_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "ψ is a square: the same for the opposite residual, nine times as large for three times "
+                "the residual.",
+                is_a_square,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

@@ -21,7 +21,11 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
         Call("errors", (points, places, 2, 0.1), "a hundred points, ten places and n = 2"),
         Call("errors", (2 * points, 2 * places, 2, 0.2), "points and places twice as far apart"),
         Call("errors", (points, places, 3, 0.05), "n = 3"),
-        Call("errors", (points[:30], random.random((25, 2)), 5, 0.3), "thirty points, twenty-five places and n = 5"),
+        Call(
+            "errors",
+            (points[:30], random.random((25, 2)), 5, 0.3),
+            "thirty points, twenty-five places and n = 5",
+        ),
     )
 
 
@@ -45,8 +49,16 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call("leave_one_out", (p, v, 0.3), "twelve points in the plane"),
         Call("leave_one_out", (p, raised, 0.3), "the same points, the fifth value raised by one"),
-        Call("leave_one_out", (p, v + affine(p, np.array([1.5, -2.0])), 0.3), "the same values plus those of an affine field"),
-        Call("leave_one_out", (random.random((14, 3)), random.normal(size=14), 0.6), "fourteen points in space"),
+        Call(
+            "leave_one_out",
+            (p, v + affine(p, np.array([1.5, -2.0])), 0.3),
+            "the same values plus those of an affine field",
+        ),
+        Call(
+            "leave_one_out",
+            (random.random((14, 3)), random.normal(size=14), 0.6),
+            "fourteen points in space",
+        ),
     )
 
 
@@ -61,25 +73,47 @@ def affine_fields_leave_no_error(calls: Sequence[Call], values: Sequence[Values]
 def without_the_worst(call: Call) -> float:
     """Return the rounding when a point is left out: that of the worst choice."""
     points, _, epsilon = call.arguments
-    return max(local_rounding(np.delete(points, i, axis=0), p, epsilon) for i, p in enumerate(points))
+    return max(
+        local_rounding(np.delete(points, i, axis=0), p, epsilon) for i, p in enumerate(points)
+    )
 
 
 QUESTIONS = (
     Question(
-        "02.8", "errors", 3, errors_inputs, lambda _: ((2,),),
-        (Law("In a square twice as large (x₁ + x₂)² is four times as large, and so must both errors be.",
-             grows_with_the_field, LOCAL),),
+        "02.8",
+        "errors",
+        3,
+        errors_inputs,
+        lambda _: ((2,),),
+        (
+            Law(
+                "In a square twice as large (x₁ + x₂)² is four times as large, and so must both errors be.",
+                grows_with_the_field,
+                LOCAL,
+            ),
+        ),
         lambda call: local_rounding(call.arguments[0], call.arguments[1], call.arguments[3]),
         nothing_for_rounding,
     ),
     Question(
-        "02.9", "leave_one_out", 3, leave_one_out_inputs, lambda call: ((len(call.arguments[0]),),),
+        "02.9",
+        "leave_one_out",
+        3,
+        leave_one_out_inputs,
+        lambda call: ((len(call.arguments[0]),),),
         (
-            Law("Raising a value by one must raise its own error by one: the field that it is compared with "
-                "has not seen it.", has_not_seen_the_value, LOCAL),
-            Law("An affine field is reproduced by any of the others, so adding it must change no error.",
-                affine_fields_leave_no_error, LOCAL),
+            Law(
+                "Raising a value by one must raise its own error by one: the field that it is compared with "
+                "has not seen it.",
+                has_not_seen_the_value,
+                LOCAL,
+            ),
+            Law(
+                "An affine field is reproduced by any of the others, so adding it must change no error.",
+                affine_fields_leave_no_error,
+                LOCAL,
+            ),
         ),
         without_the_worst,
     ),
-)  # fmt: skip
+)

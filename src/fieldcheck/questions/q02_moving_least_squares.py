@@ -23,7 +23,11 @@ def rounding(points: np.ndarray, spread: float) -> float:
     It is eps times the condition of WB squared, and that of WB is at most the spread of the weights
     times the condition of B.
     """
-    return 100 * EPS * float(spread * np.linalg.cond(np.pad(points, ((0, 0), (1, 0)), constant_values=1))) ** 2
+    return (
+        100
+        * EPS
+        * float(spread * np.linalg.cond(np.pad(points, ((0, 0), (1, 0)), constant_values=1))) ** 2
+    )
 
 
 def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
@@ -103,9 +107,21 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     slopes, shift = np.array([1.5, -2.0]), np.array([1.0, -0.5])
     return (
         Call("field", (p, v, x, 0.25), "fifteen points in the plane"),
-        Call("field", (p, v + affine(p, slopes), x, 0.25), "the same values plus those of an affine field"),
-        Call("field", (3 * p + shift, v, 3 * x + shift, 0.75), "the same points, moved and three times as far apart"),
-        Call("field", (random.random((20, 3)), random.normal(size=20), random.random((3, 3)), 0.5), "twenty points in space"),
+        Call(
+            "field",
+            (p, v + affine(p, slopes), x, 0.25),
+            "the same values plus those of an affine field",
+        ),
+        Call(
+            "field",
+            (3 * p + shift, v, 3 * x + shift, 0.75),
+            "the same points, moved and three times as far apart",
+        ),
+        Call(
+            "field",
+            (random.random((20, 3)), random.normal(size=20), random.random((3, 3)), 0.5),
+            "twenty points in space",
+        ),
         Call("field", (p, v, x, 0.05), "a small ε"),
     )
 
@@ -126,13 +142,32 @@ def only_relative_positions_count(calls: Sequence[Call], values: Sequence[Values
 def objective_inputs(seed: int) -> tuple[Call, ...]:
     """Return coefficients that are not the best; all doubled; an affine field added; space."""
     random = np.random.default_rng(seed)
-    p, v, x, c = random.random((9, 2)), random.normal(size=9), random.random(2), random.normal(size=3)
+    p, v, x, c = (
+        random.random((9, 2)),
+        random.normal(size=9),
+        random.random(2),
+        random.normal(size=3),
+    )
     slopes = np.array([1.5, -2.0])
     return (
         Call("objective", (p, v, x, 0.4, c), "nine points in the plane"),
         Call("objective", (p, 2 * v, x, 0.4, 2 * c), "values and coefficients doubled"),
-        Call("objective", (p, v + affine(p, slopes), x, 0.4, c + np.array([0.7, *slopes])), "the same affine field added to the values and the coefficients"),
-        Call("objective", (random.random((6, 3)), random.normal(size=6), random.random(3), 0.5, random.normal(size=4)), "six points in space"),
+        Call(
+            "objective",
+            (p, v + affine(p, slopes), x, 0.4, c + np.array([0.7, *slopes])),
+            "the same affine field added to the values and the coefficients",
+        ),
+        Call(
+            "objective",
+            (
+                random.random((6, 3)),
+                random.normal(size=6),
+                random.random(3),
+                0.5,
+                random.normal(size=4),
+            ),
+            "six points in space",
+        ),
     )
 
 
@@ -156,8 +191,16 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
     slopes = np.array([1.5, -2.0])
     return (
         Call("gradient", (p, v, x, 0.3), "places on a circle"),
-        Call("gradient", (p, v + affine(p, slopes), x, 0.3), "the same values plus those of an affine field"),
-        Call("gradient", (random.random((25, 3)), random.normal(size=25), random.random((3, 3)), 0.5), "twenty-five points in space"),
+        Call(
+            "gradient",
+            (p, v + affine(p, slopes), x, 0.3),
+            "the same values plus those of an affine field",
+        ),
+        Call(
+            "gradient",
+            (random.random((25, 3)), random.normal(size=25), random.random((3, 3)), 0.5),
+            "twenty-five points in space",
+        ),
     )
 
 
@@ -174,7 +217,9 @@ def comes_back_to_the_same_value(calls: Sequence[Call], values: Sequence[Values]
 
 
 def adds_the_slope_of_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return relative(values[1][0] - values[0][0] - np.array([1.5, -2.0]), np.abs(values[1][0]).max() + 1)
+    return relative(
+        values[1][0] - values[0][0] - np.array([1.5, -2.0]), np.abs(values[1][0]).max() + 1
+    )
 
 
 LOCAL = 1e-7
@@ -182,49 +227,103 @@ LOCAL = 1e-7
 
 QUESTIONS = (
     Question(
-        "02.1", "weights", 2, weights_inputs, lambda call: ((len(call.arguments[0]),),),
+        "02.1",
+        "weights",
+        2,
+        weights_inputs,
+        lambda call: ((len(call.arguments[0]),),),
         (
-            Law("Between two points the reciprocal of the weight must grow by as much as the squared distance.",
-                weights_differ_like_squared_distances),
-            Law("Where all lengths, ε among them, are three times as large, each weight must be a ninth.",
-                unit_of_length),
-            Law("At a point itself r is zero, and its weight is the greatest there is.",
-                greatest_at_the_point_itself),
+            Law(
+                "Between two points the reciprocal of the weight must grow by as much as the squared distance.",
+                weights_differ_like_squared_distances,
+            ),
+            Law(
+                "Where all lengths, ε among them, are three times as large, each weight must be a ninth.",
+                unit_of_length,
+            ),
+            Law(
+                "At a point itself r is zero, and its weight is the greatest there is.",
+                greatest_at_the_point_itself,
+            ),
         ),
     ),
     Question(
-        "02.2", "weighted_fit", 3, fit_inputs, lambda call: ((call.arguments[0].shape[1] + 1,),),
-        (Law("The residual of the best fit, multiplied by the squared weights, must be orthogonal to the "
-             "columns of B.", weighted_residual_is_orthogonal),),
-        lambda call: rounding(call.arguments[0], float(call.arguments[2].max() / call.arguments[2].min())),
+        "02.2",
+        "weighted_fit",
+        3,
+        fit_inputs,
+        lambda call: ((call.arguments[0].shape[1] + 1,),),
+        (
+            Law(
+                "The residual of the best fit, multiplied by the squared weights, must be orthogonal to the "
+                "columns of B.",
+                weighted_residual_is_orthogonal,
+            ),
+        ),
+        lambda call: rounding(
+            call.arguments[0], float(call.arguments[2].max() / call.arguments[2].min())
+        ),
     ),
     Question(
-        "02.4", "field", 3, field_inputs, lambda call: ((len(call.arguments[2]),),),
+        "02.4",
+        "field",
+        3,
+        field_inputs,
+        lambda call: ((len(call.arguments[2]),),),
         (
-            Law("An affine field is one of those that are fitted: adding it to the values must add it to "
-                "the result.", reproduces_affine_fields, LOCAL),
-            Law("Moving points and places together, or measuring all lengths in another unit, must not "
-                "change the value.", only_relative_positions_count, LOCAL),
+            Law(
+                "An affine field is one of those that are fitted: adding it to the values must add it to "
+                "the result.",
+                reproduces_affine_fields,
+                LOCAL,
+            ),
+            Law(
+                "Moving points and places together, or measuring all lengths in another unit, must not "
+                "change the value.",
+                only_relative_positions_count,
+                LOCAL,
+            ),
         ),
         lambda call: local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
     Question(
-        "02.5", "objective", 2, objective_inputs, lambda _: ((),),
+        "02.5",
+        "objective",
+        2,
+        objective_inputs,
+        lambda _: ((),),
         (
-            Law("ψ is a sum of squares: doubling the values and the coefficients must make it four times "
-                "as large.", is_quadratic),
-            Law("Only the difference of Bc and V counts: adding the same affine field to both must change "
-                "nothing.", sees_only_the_residual),
+            Law(
+                "ψ is a sum of squares: doubling the values and the coefficients must make it four times "
+                "as large.",
+                is_quadratic,
+            ),
+            Law(
+                "Only the difference of Bc and V counts: adding the same affine field to both must change "
+                "nothing.",
+                sees_only_the_residual,
+            ),
         ),
     ),
     Question(
-        "02.7", "gradient", 4, gradient_inputs, lambda call: (call.arguments[2].shape,),
+        "02.7",
+        "gradient",
+        4,
+        gradient_inputs,
+        lambda call: (call.arguments[2].shape,),
         (
-            Law("Once round a circle the field is what it was, so the slopes along the way must add up to "
-                "zero. Where they do not, no field has this gradient.", comes_back_to_the_same_value, LOCAL),
-            Law("Adding an affine field to the values must add its slope to the gradient.",
-                adds_the_slope_of_affine_fields, LOCAL),
+            Law(
+                "Once round a circle the field is what it was, so the slopes along the way must add up to "
+                "zero. Where they do not, no field has this gradient.",
+                comes_back_to_the_same_value,
+                LOCAL,
+            ),
+            Law(
+                "Adding an affine field to the values must add its slope to the gradient.",
+                adds_the_slope_of_affine_fields,
+                LOCAL,
+            ),
         ),
         lambda call: 10 * local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
-)  # fmt: skip
+)

@@ -38,7 +38,11 @@ def grown(s: np.ndarray) -> np.ndarray:
 
 def field(points: np.ndarray, lam: np.ndarray, c: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return the field with given coefficients."""
-    return sum(a * column for a, column in zip(c[1:], x.T, strict=True)) + c[0] + grown(squares(x, points)).dot(lam)
+    return (
+        sum(a * column for a, column in zip(c[1:], x.T, strict=True))
+        + c[0]
+        + grown(squares(x, points)).dot(lam)
+    )
 
 
 # 03.1 The kernel
@@ -77,7 +81,11 @@ def quotient_is_a_logarithm(calls: Sequence[Call], values: Sequence[Values]) -> 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
     """Return points in the plane, in space, and as few as there can be."""
     random = np.random.default_rng(seed)
-    sizes = ((6, 2, "six points in the plane"), (8, 3, "eight points in space"), (3, 2, "three points in the plane"))
+    sizes = (
+        (6, 2, "six points in the plane"),
+        (8, 3, "eight points in space"),
+        (3, 2, "three points in the plane"),
+    )
     return tuple(Call("system_matrix", (cloud(random, n, d),), case) for n, d, case in sizes)
 
 
@@ -114,8 +122,16 @@ def coefficients_inputs(seed: int) -> tuple[Call, ...]:
     almost = 1 - 2 * affine[:, 0] + random.normal() * affine[:, 1]
     almost[0] += 1
     return (
-        Call("coefficients", (plane, random.normal(size=12)), "twelve points in the plane with random values"),
-        Call("coefficients", (space, random.normal(size=10)), "ten points in space with random values"),
+        Call(
+            "coefficients",
+            (plane, random.normal(size=12)),
+            "twelve points in the plane with random values",
+        ),
+        Call(
+            "coefficients",
+            (space, random.normal(size=10)),
+            "ten points in space with random values",
+        ),
         Call("coefficients", (affine, almost), "an affine field with one value changed"),
     )
 
@@ -149,12 +165,17 @@ def has_no_moments(calls: Sequence[Call], values: Sequence[Values]) -> float:
 def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     """Return coefficients, and places among which are points of the data."""
     random = np.random.default_rng(seed)
-    cases = ((8, 2, 5, "places in the plane, two of them data points"), (6, 3, 4, "places in space, two of them data points"))
+    cases = (
+        (8, 2, 5, "places in the plane, two of them data points"),
+        (6, 3, 4, "places in space, two of them data points"),
+    )
     calls = []
     for n, d, m, case in cases:
         points = cloud(random, n, d)
         x = np.concatenate([random.uniform(-1, 2, (m, d)), points[1:3]])
-        calls.append(Call(name, (points, random.normal(size=n), random.normal(size=d + 1), x), case))
+        calls.append(
+            Call(name, (points, random.normal(size=n), random.normal(size=d + 1), x), case)
+        )
     return tuple(calls)
 
 
@@ -187,14 +208,21 @@ def inertia_inputs(seed: int) -> tuple[Call, ...]:
         Call("inertia", (plane,), "nine points in the plane"),
         Call("inertia", (0.2 * space,), "eight points in a small cube"),
         Call("inertia", (line,), "twenty-five points on one line of the plane"),
-        Call("inertia", (np.concatenate([twice, twice[:1]]),), "seven points of which two are the same"),
+        Call(
+            "inertia",
+            (np.concatenate([twice, twice[:1]]),),
+            "seven points of which two are the same",
+        ),
         Call("inertia", (cloud(random, 4, 1),), "four points on the line, in one dimension"),
     )
 
 
 def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many are missing from the sum, and one where a sign is missing."""
-    lacking = (abs(sum(c.arguments[0].shape) + 1 - v[0].sum()) + (v[0][:2] < 1).sum() for c, v in zip(calls, values, strict=True))
+    lacking = (
+        abs(sum(c.arguments[0].shape) + 1 - v[0].sum()) + (v[0][:2] < 1).sum()
+        for c, v in zip(calls, values, strict=True)
+    )
     return float(max(lacking))
 
 
@@ -234,42 +262,104 @@ def bends_as_a_sheet(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "03.1", "kernel", 2, kernel_inputs, lambda call: (call.arguments[0].shape[:-1],),
-        (Law("By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.",
-             quotient_is_a_logarithm),),
+        "03.1",
+        "kernel",
+        2,
+        kernel_inputs,
+        lambda call: (call.arguments[0].shape[:-1],),
+        (
+            Law(
+                "By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.",
+                quotient_is_a_logarithm,
+            ),
+        ),
     ),
     Question(
-        "03.2", "system_matrix", 3, matrix_inputs, matrix_shape,
-        (Law("The matrix of (3.5) is its own transpose.", is_symmetric),
-         Law("The matrix times λ and c must be the values of that field at the points, and below "
-             "them the sums of (3.4).", maps_coefficients_to_data)),
+        "03.2",
+        "system_matrix",
+        3,
+        matrix_inputs,
+        matrix_shape,
+        (
+            Law("The matrix of (3.5) is its own transpose.", is_symmetric),
+            Law(
+                "The matrix times λ and c must be the values of that field at the points, and below "
+                "them the sums of (3.4).",
+                maps_coefficients_to_data,
+            ),
+        ),
     ),
     Question(
-        "03.3", "coefficients", 3, coefficients_inputs, coefficients_shapes,
-        (Law("The λ must satisfy the orthogonality constraints: they sum to zero, also when weighted "
-             "by a coordinate.", has_no_moments),
-         Law("With these coefficients the field must go through the values.", goes_through_the_values)),
+        "03.3",
+        "coefficients",
+        3,
+        coefficients_inputs,
+        coefficients_shapes,
+        (
+            Law(
+                "The λ must satisfy the orthogonality constraints: they sum to zero, also when weighted "
+                "by a coordinate.",
+                has_no_moments,
+            ),
+            Law(
+                "With these coefficients the field must go through the values.",
+                goes_through_the_values,
+            ),
+        ),
     ),
     Question(
-        "03.4", "evaluate", 2, lambda seed: field_inputs("evaluate", seed),
+        "03.4",
+        "evaluate",
+        2,
+        lambda seed: field_inputs("evaluate", seed),
         lambda call: ((len(call.arguments[3]),),),
         (Law("The field is an affine function and one bump for each point.", is_a_sum_of_bumps),),
     ),
     Question(
-        "03.5", "inertia", 2, inertia_inputs, lambda _: ((3,),),
-        (Law("The three numbers add up to the rows of the matrix; and since its diagonal is zero, so "
-             "is the sum of the eigenvalues, and both signs occur.", counts_all_and_both_signs),
-         Law("An eigenvalue is zero for each affine field that vanishes at all points, and for each "
-             "point that comes a second time: then the solution is not unique.", is_singular_where_it_must)),
+        "03.5",
+        "inertia",
+        2,
+        inertia_inputs,
+        lambda _: ((3,),),
+        (
+            Law(
+                "The three numbers add up to the rows of the matrix; and since its diagonal is zero, so "
+                "is the sum of the eigenvalues, and both signs occur.",
+                counts_all_and_both_signs,
+            ),
+            Law(
+                "An eigenvalue is zero for each affine field that vanishes at all points, and for each "
+                "point that comes a second time: then the solution is not unique.",
+                is_singular_where_it_must,
+            ),
+        ),
     ),
     Question(
-        "03.6", "gradient", 3, lambda seed: field_inputs("gradient", seed),
+        "03.6",
+        "gradient",
+        3,
+        lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[3].shape,),
-        (Law("A gradient foretells how the field changes over a small step.", foretells_small_steps, 1e-5),),
+        (
+            Law(
+                "A gradient foretells how the field changes over a small step.",
+                foretells_small_steps,
+                1e-5,
+            ),
+        ),
     ),
     Question(
-        "03.7", "energy", 2, energy_inputs, lambda _: ((),),
-        (Law("An affine field does not bend, and adds nothing to the energy; three times the values "
-             "have nine times the energy; a sheet twice as wide has a quarter of it.", bends_as_a_sheet),),
+        "03.7",
+        "energy",
+        2,
+        energy_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "An affine field does not bend, and adds nothing to the energy; three times the values "
+                "have nine times the energy; a sheet twice as wide has a quarter of it.",
+                bends_as_a_sheet,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

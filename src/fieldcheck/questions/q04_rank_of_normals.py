@@ -57,7 +57,11 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call("velocity_matrix", (plane, directions(random, 7)), "seven samples in the plane"),
         Call("velocity_matrix", (space - 0.3, sphere(random, 5)), "five samples in space"),
-        Call("velocity_matrix", (plane[:3] + 1, random.normal(size=(3, 2))), "three samples with other vectors for normals"),
+        Call(
+            "velocity_matrix",
+            (plane[:3] + 1, random.normal(size=(3, 2))),
+            "three samples with other vectors for normals",
+        ),
     )
 
 
@@ -93,13 +97,31 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call(name, (points, directions(random, 8)), "eight samples in the plane"),
         Call(name, (points, parallel_but(random, 8, ())), "eight samples with parallel normals"),
-        Call(name, (points, parallel_but(random, 8, (2, 5))), "parallel normals but for two of eight"),
-        Call(name, (points, towards(points, np.array([0.47, 0.52]))), "eight normals through one place"),
+        Call(
+            name, (points, parallel_but(random, 8, (2, 5))), "parallel normals but for two of eight"
+        ),
+        Call(
+            name,
+            (points, towards(points, np.array([0.47, 0.52]))),
+            "eight normals through one place",
+        ),
         Call(name, (points[:5], directions(random, 5)), "five samples"),
-        Call(name, (1e-6 * nine, directions(random, 9)), "nine samples a thousandth of a millimetre apart, in metres"),
-        Call(name, (MAP + 0.01 * nine, directions(random, 9)), "nine samples on a map whose origin is far away"),
+        Call(
+            name,
+            (1e-6 * nine, directions(random, 9)),
+            "nine samples a thousandth of a millimetre apart, in metres",
+        ),
+        Call(
+            name,
+            (MAP + 0.01 * nine, directions(random, 9)),
+            "nine samples on a map whose origin is far away",
+        ),
         Call(name, (space, sphere(random, 14)), "fourteen samples in space"),
-        Call(name, (space, flat / np.sqrt((flat * flat).sum(axis=1))[:, None]), "fourteen samples in space with horizontal normals"),
+        Call(
+            name,
+            (space, flat / np.sqrt((flat * flat).sum(axis=1))[:, None]),
+            "fourteen samples in space with horizontal normals",
+        ),
     )
 
 
@@ -137,9 +159,17 @@ def tangent_inputs(seed: int) -> tuple[Call, ...]:
     twelve, nine = cloud(random, 12, 2), cloud(random, 9, 2)
     place = 0.5 + random.uniform(-0.02, 0.02, 2)
     return (
-        Call("tangent_field", (twelve, hiding(twelve, flow(random))), "twelve samples that do not see some flow"),
+        Call(
+            "tangent_field",
+            (twelve, hiding(twelve, flow(random))),
+            "twelve samples that do not see some flow",
+        ),
         Call("tangent_field", (nine, towards(nine, place)), "nine normals through one place"),
-        Call("tangent_field", (nine + 1, parallel_but(random, 9, (3, 6))), "parallel normals but for two of nine"),
+        Call(
+            "tangent_field",
+            (nine + 1, parallel_but(random, 9, (3, 6))),
+            "parallel normals but for two of nine",
+        ),
         Call("tangent_field", (cloud(random, 5, 2), directions(random, 5)), "five samples"),
     )
 
@@ -167,7 +197,11 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     seven, five = cloud(random, 7, 2), cloud(random, 5, 2)
     return (
         Call("crossing_normals", (seven, flow(random)), "seven points"),
-        Call("crossing_normals", (five - 0.5, np.append(random.normal(size=2) + 3, np.zeros(4))), "a constant flow"),
+        Call(
+            "crossing_normals",
+            (five - 0.5, np.append(random.normal(size=2) + 3, np.zeros(4))),
+            "a constant flow",
+        ),
         Call("crossing_normals", (five + 1, 100 * random.normal(size=6)), "a fast flow"),
     )
 
@@ -178,7 +212,9 @@ def are_unit_and_across(calls: Sequence[Call], values: Sequence[Values]) -> floa
     for call, (normals,) in zip(calls, values, strict=True):
         points, c = call.arguments
         u = c[:2] + points.dot(c[2:].reshape(2, 2))
-        worst = max(worst, relative((u * normals).sum(axis=1), u), relative(np.hypot(*normals.T) - 1, 1.0))
+        worst = max(
+            worst, relative((u * normals).sum(axis=1), u), relative(np.hypot(*normals.T) - 1, 1.0)
+        )
     return worst
 
 
@@ -201,19 +237,35 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
     name = "obvious"
     upright = np.where(np.arange(7) % 2, 0, np.pi / 2)
     staggered = np.column_stack([np.cos(upright), np.sin(upright)]).round()
-    two_places = np.column_stack([np.sqrt(0.5) * np.ones(7), random.choice([-1, 1], 7) * np.sqrt(0.5)])
+    two_places = np.column_stack(
+        [np.sqrt(0.5) * np.ones(7), random.choice([-1, 1], 7) * np.sqrt(0.5)]
+    )
     two_places[:5, 1] = two_places[0, 1]
     two_places[5:, 1] = -two_places[0, 1]
     return (
         Call(name, (points, directions(random, 7)), "seven samples"),
         Call(name, (points, parallel_but(random, 7, ())), "parallel normals"),
-        Call(name, (points, parallel_but(random, 7, (1, 4))), "parallel normals but for two of seven"),
-        Call(name, (in_triangle(points), parallel_but(random, 7, (0, 1, 2))), "parallel normals but for three of seven"),
-        Call(name, (three_in_line, parallel_but(random, 7, (0, 1, 2))), "parallel normals but for three that are on one line"),
+        Call(
+            name, (points, parallel_but(random, 7, (1, 4))), "parallel normals but for two of seven"
+        ),
+        Call(
+            name,
+            (in_triangle(points), parallel_but(random, 7, (0, 1, 2))),
+            "parallel normals but for three of seven",
+        ),
+        Call(
+            name,
+            (three_in_line, parallel_but(random, 7, (0, 1, 2))),
+            "parallel normals but for three that are on one line",
+        ),
         Call(name, (line, directions(random, 6)), "five points on a line and one beside it"),
         Call(name, (points, towards(points, np.array([0.47, 0.52]))), "normals through one place"),
         Call(name, (in_triangle(points), staggered), "normals along the axes, by turns"),
-        Call(name, (points, two_places), "diagonal normals, only two of them in one of the directions"),
+        Call(
+            name,
+            (points, two_places),
+            "diagonal normals, only two of them in one of the directions",
+        ),
     )
 
 
@@ -244,28 +296,61 @@ def loose(_: Call) -> float:
 
 QUESTIONS = (
     Question(
-        "04.1", "velocity_matrix", 2, matrix_inputs, matrix_shape,
-        (Law("B' times the coefficients of a flow must be what flows across the samples.",
-             gives_what_flows_across),),
+        "04.1",
+        "velocity_matrix",
+        2,
+        matrix_inputs,
+        matrix_shape,
+        (
+            Law(
+                "B' times the coefficients of a flow must be what flows across the samples.",
+                gives_what_flows_across,
+            ),
+        ),
     ),
     Question(
-        "04.2", "velocity_rank", 3, rank_inputs, number,
+        "04.2",
+        "velocity_rank",
+        3,
+        rank_inputs,
+        number,
         (Law("Theory knows the rank of each of these cases.", is_the_rank_of_construction),),
     ),
     Question(
-        "04.3", "tangent_field", 2, tangent_inputs, lambda _: ((6,),),
-        (Law("The flow must not be zero, and at each sample it must run along the edge.",
-             runs_along_the_edges),),
-        loose, up_to_a_factor,
+        "04.3",
+        "tangent_field",
+        2,
+        tangent_inputs,
+        lambda _: ((6,),),
+        (
+            Law(
+                "The flow must not be zero, and at each sample it must run along the edge.",
+                runs_along_the_edges,
+            ),
+        ),
+        loose,
+        up_to_a_factor,
     ),
     Question(
-        "04.4", "crossing_normals", 2, normals_inputs, lambda call: (call.arguments[0].shape,),
-        (Law("Normals have the length one, and stand at right angles to the flow.",
-             are_unit_and_across),),
+        "04.4",
+        "crossing_normals",
+        2,
+        normals_inputs,
+        lambda call: (call.arguments[0].shape,),
+        (
+            Law(
+                "Normals have the length one, and stand at right angles to the flow.",
+                are_unit_and_across,
+            ),
+        ),
         normal_form=with_one_sign,
     ),
     Question(
-        "04.5", "obvious", 3, obvious_inputs, number,
+        "04.5",
+        "obvious",
+        3,
+        obvious_inputs,
+        number,
         (Law("For each of these cases it is known whether (4.5) holds.", is_as_constructed),),
     ),
-)  # fmt: skip
+)

@@ -18,7 +18,11 @@ def star_inputs(seed: int) -> tuple[Call, ...]:
     """Return stars of five and of three triangles, and one far from the origin."""
     random = np.random.default_rng(seed)
     calls = []
-    for k, center, case in ((5, (0.1, -0.2), "five triangles"), (3, (0, 0), "three triangles"), (6, (4, 7), "six triangles")):
+    for k, center, case in (
+        (5, (0.1, -0.2), "five triangles"),
+        (3, (0, 0), "three triangles"),
+        (6, (4, 7), "six triangles"),
+    ):
         angles = 2 * np.pi * (np.arange(k) + random.uniform(-0.2, 0.2, k)) / k
         rays = random.uniform(0.5, 1.5, (k, 1)) * np.column_stack([np.cos(angles), np.sin(angles)])
         calls.append(Call("star_samples", (np.array(center, dtype=float), rays + center), case))
@@ -40,7 +44,12 @@ def belong_to_the_edges(calls: Sequence[Call], values: Sequence[Values]) -> floa
         twice = np.append(ring + center, ring + following, axis=0)
         edges = np.append(ring - center, ring - following, axis=0)
         across = relative((edges * normals).sum(axis=1), edges)
-        worst = max(worst, relative(2 * points - twice, twice), across, relative(np.hypot(*normals.T) - 1, 1.0))
+        worst = max(
+            worst,
+            relative(2 * points - twice, twice),
+            across,
+            relative(np.hypot(*normals.T) - 1, 1.0),
+        )
     return worst
 
 
@@ -52,7 +61,9 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
     shear = np.array([[2.0, 0.7], [0.3, 1.0]])
     t = np.array([0.3, 0.5, 0.8, 1.3, 2.0, 2.9, 4.1]) * random.uniform(0.95, 1.05, 7)
-    cross = np.append(np.outer(eight[:, 0] - 0.4, [1, 0.3]), np.outer(eight[:, 1] - 0.6, [-0.2, 1]), axis=0)
+    cross = np.append(
+        np.outer(eight[:, 0] - 0.4, [1, 0.3]), np.outer(eight[:, 1] - 0.6, [-0.2, 1]), axis=0
+    )
     name = "conic_rank"
     return (
         Call(name, (eight,), "eight points"),
@@ -77,13 +88,26 @@ def is_the_known_conic_rank(_: Sequence[Call], values: Sequence[Values]) -> floa
 
 QUESTIONS = (
     Question(
-        "04.6", "star_samples", 2, star_inputs, star_shapes,
-        (Law("Points are in the middle of the edges; normals have the length one and stand at right "
-             "angles to the edge.", belong_to_the_edges),),
+        "04.6",
+        "star_samples",
+        2,
+        star_inputs,
+        star_shapes,
+        (
+            Law(
+                "Points are in the middle of the edges; normals have the length one and stand at right "
+                "angles to the edge.",
+                belong_to_the_edges,
+            ),
+        ),
         normal_form=with_one_sign,
     ),
     Question(
-        "04.7", "conic_rank", 2, conic_inputs, number,
+        "04.7",
+        "conic_rank",
+        2,
+        conic_inputs,
+        number,
         (Law("Theory knows the rank of each of these cases.", is_the_known_conic_rank),),
     ),
-)  # fmt: skip
+)

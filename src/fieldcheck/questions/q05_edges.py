@@ -25,13 +25,18 @@ def mesh(random: np.random.Generator, columns: int, rows: int) -> tuple[np.ndarr
     for r, c in np.ndindex(rows, columns):
         around = [number[r, c], number[r, c + 1], number[r + 1, c + 1], number[r + 1, c]]
         k = random.integers(2)
-        cells += [[around[k], around[k + 1], around[k + 2]], [around[k + 2], around[k - 1], around[k]]]
+        cells += [
+            [around[k], around[k + 1], around[k + 2]],
+            [around[k + 2], around[k - 1], around[k]],
+        ]
     middle = 2 * (columns * (rows // 2) + columns // 2)
     old, new = cells.pop(middle), len(points)
     points = np.vstack([points, random.dirichlet((8, 8, 8)) @ points[old]])
     cells += [[old[k - 1], old[k], new] for k in range(3)]
     place = random.permutation(new + 1)
-    turned = np.array([np.roll(cell[:: random.choice((-1, 1))], random.integers(3)) for cell in cells])
+    turned = np.array(
+        [np.roll(cell[:: random.choice((-1, 1))], random.integers(3)) for cell in cells]
+    )
     return points[np.argsort(place)], place[random.permutation(turned)]
 
 
@@ -83,7 +88,9 @@ def ends_share_a_triangle(calls: Sequence[Call], values: Sequence[Values]) -> fl
     worst = 0.0
     for call, (e,) in zip(calls, values, strict=True):
         corners = [set(t) for t in call.arguments[0].tolist()]
-        alone = [len(set(pair)) < 2 or not any(set(pair) <= t for t in corners) for pair in e.tolist()]
+        alone = [
+            len(set(pair)) < 2 or not any(set(pair) <= t for t in corners) for pair in e.tolist()
+        ]
         worst = max(worst, float(np.mean(alone)))
     return worst
 
@@ -100,7 +107,9 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     cross = np.array([[0.0, 0.0], [a, 0.0], [0.0, b]])
     return (
         Call("midpoints_and_normals", (points, sides(triangles, random)), "the edges of a mesh"),
-        Call("midpoints_and_normals", (cross, np.array([[1, 0], [0, 2]])), "two edges along the axes"),
+        Call(
+            "midpoints_and_normals", (cross, np.array([[1, 0], [0, 2]])), "two edges along the axes"
+        ),
         Call("midpoints_and_normals", (50 * more - 20, sides(others, random)), "a larger mesh"),
     )
 
@@ -176,7 +185,11 @@ def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call("normal_velocities", (edges, normals, u), "velocities at random"),
         Call("normal_velocities", (edges, -normals, u), "the same, the normals reversed"),
-        Call("normal_velocities", (edges[:, ::-1].copy(), normals, u), "the same, the ends of each edge exchanged"),
+        Call(
+            "normal_velocities",
+            (edges[:, ::-1].copy(), normals, u),
+            "the same, the ends of each edge exchanged",
+        ),
         Call("normal_velocities", (edges, normals, wind), "the velocity (1, 0) at every vertex"),
     )
 
@@ -195,39 +208,73 @@ def wind_along_the_first_axis(calls: Sequence[Call], values: Sequence[Values]) -
 
 QUESTIONS = (
     Question(
-        "05.1", "edges_of", 2, edges_inputs, lambda call: ((number_of_edges(call.arguments[0]), 2),),
+        "05.1",
+        "edges_of",
+        2,
+        edges_inputs,
+        lambda call: ((number_of_edges(call.arguments[0]), 2),),
         (
-            Law("The two ends of an edge must be different corners of one triangle.", ends_share_a_triangle),
+            Law(
+                "The two ends of an edge must be different corners of one triangle.",
+                ends_share_a_triangle,
+            ),
             Law("Each edge must occur once, also where two triangles share it.", no_edge_twice),
         ),
         normal_form=both_ends_known,
     ),
     Question(
-        "05.2", "midpoints_and_normals", 2, normals_inputs,
+        "05.2",
+        "midpoints_and_normals",
+        2,
+        normals_inputs,
         lambda call: (call.arguments[1].shape, call.arguments[1].shape),
         (
-            Law("From the one end to the midpoint it must be as far, and the same way, as from there to the other end.", halfway),
+            Law(
+                "From the one end to the midpoint it must be as far, and the same way, as from there to the other end.",
+                halfway,
+            ),
             Law("A unit normal must have length one.", unit_length),
             Law("A normal must be perpendicular to its edge.", across),
         ),
         normal_form=either_side,
     ),
     Question(
-        "05.3", "rotation", 2, rotation_inputs, lambda call: (call.arguments[0].shape,),
+        "05.3",
+        "rotation",
+        2,
+        rotation_inputs,
+        lambda call: (call.arguments[0].shape,),
         (
-            Law("In a rotation the distance of two points must not change: the difference of their "
-                "velocities is perpendicular to the line between them.", stays_rigid),
-            Law("The rotation is about the mean of the points, so the velocities must add up to zero.",
-                turns_about_the_mean),
+            Law(
+                "In a rotation the distance of two points must not change: the difference of their "
+                "velocities is perpendicular to the line between them.",
+                stays_rigid,
+            ),
+            Law(
+                "The rotation is about the mean of the points, so the velocities must add up to zero.",
+                turns_about_the_mean,
+            ),
         ),
     ),
     Question(
-        "05.4", "normal_velocities", 2, normal_velocities_inputs, lambda call: ((len(call.arguments[0]),),),
+        "05.4",
+        "normal_velocities",
+        2,
+        normal_velocities_inputs,
+        lambda call: ((len(call.arguments[0]),),),
         (
-            Law("An edge has no first and no second end: exchanging them must change nothing.", ends_are_equal),
-            Law("Reversing a normal must reverse the sign of its normal velocity.", turns_with_the_normal),
-            Law("Where every velocity is (1, 0), the normal velocity must be the first component of the normal.",
-                wind_along_the_first_axis),
+            Law(
+                "An edge has no first and no second end: exchanging them must change nothing.",
+                ends_are_equal,
+            ),
+            Law(
+                "Reversing a normal must reverse the sign of its normal velocity.",
+                turns_with_the_normal,
+            ),
+            Law(
+                "Where every velocity is (1, 0), the normal velocity must be the first component of the normal.",
+                wind_along_the_first_axis,
+            ),
         ),
     ),
-)  # fmt: skip
+)

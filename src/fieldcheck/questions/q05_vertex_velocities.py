@@ -40,7 +40,10 @@ def neighbours_of_three(triangles: np.ndarray) -> int:
 
 
 def holds_the_spokes(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    missed = [1 - near[[c.arguments[2] in pair for pair in c.arguments[1]]].min() for c, (near,) in zip(calls, values, strict=True)]
+    missed = [
+        1 - near[[c.arguments[2] in pair for pair in c.arguments[1]]].min()
+        for c, (near,) in zip(calls, values, strict=True)
+    ]
     return float(np.abs(missed).max())
 
 
@@ -114,10 +117,22 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
     other = samples(random, 10)
     return (
         Call("velocity", (p, n, v, x, w), "twelve edges with velocities at random"),
-        Call("velocity", (p, n, v + more, x, w), "the same plus the normal velocities of an affine field"),
+        Call(
+            "velocity",
+            (p, n, v + more, x, w),
+            "the same plus the normal velocities of an affine field",
+        ),
         Call("velocity", (p + shift, n, v, x + shift, w), "the same edges, moved with the vertex"),
-        Call("velocity", (p, flips[:, np.newaxis] * n, flips * v, x, w), "the same, some normals reversed"),
-        Call("velocity", (*other[:2], random.normal(size=10), other[2], np.ones(10)), "ten edges of equal weight"),
+        Call(
+            "velocity",
+            (p, flips[:, np.newaxis] * n, flips * v, x, w),
+            "the same, some normals reversed",
+        ),
+        Call(
+            "velocity",
+            (*other[:2], random.normal(size=10), other[2], np.ones(10)),
+            "ten edges of equal weight",
+        ),
     )
 
 
@@ -166,41 +181,81 @@ FITTED = 1e-8
 
 QUESTIONS = (
     Question(
-        "05.6", "ring", 3, ring_inputs, lambda call: ((len(call.arguments[1]),),),
+        "05.6",
+        "ring",
+        3,
+        ring_inputs,
+        lambda call: ((len(call.arguments[1]),),),
         (
             Law("Every edge that ends in the vertex must be in its ring.", holds_the_spokes),
-            Law("The edges are those of whole triangles, so at each end of one of them another must end.",
-                made_of_triangles),
+            Law(
+                "The edges are those of whole triangles, so at each end of one of them another must end.",
+                made_of_triangles,
+            ),
             Law("More rings must keep all edges of fewer, and add some.", grows),
         ),
     ),
     Question(
-        "05.7", "system", 3, system_inputs, lambda call: ((len(call.arguments[0]), 6),),
+        "05.7",
+        "system",
+        3,
+        system_inputs,
+        lambda call: ((len(call.arguments[0]), 6),),
         (
-            Law("Bʹ times the coefficients of a field must be its normal velocities at the midpoints.",
-                gives_normal_velocities),
-            Law("Moving the edges together with the vertex must change nothing.", sees_only_differences),
+            Law(
+                "Bʹ times the coefficients of a field must be its normal velocities at the midpoints.",
+                gives_normal_velocities,
+            ),
+            Law(
+                "Moving the edges together with the vertex must change nothing.",
+                sees_only_differences,
+            ),
         ),
     ),
     Question(
-        "05.8", "velocity", 4, velocity_inputs, lambda _: ((2,),),
+        "05.8",
+        "velocity",
+        4,
+        velocity_inputs,
+        lambda _: ((2,),),
         (
-            Law("An affine field is one of those that are fitted: adding its normal velocities to the "
-                "data must add its value at the vertex.", returns_affine_fields, FITTED),
-            Law("Moving the edges together with the vertex must change nothing.", moves_along, FITTED),
-            Law("Reversing a normal together with its normal velocity must change nothing.",
-                side_of_the_normal, FITTED),
+            Law(
+                "An affine field is one of those that are fitted: adding its normal velocities to the "
+                "data must add its value at the vertex.",
+                returns_affine_fields,
+                FITTED,
+            ),
+            Law(
+                "Moving the edges together with the vertex must change nothing.",
+                moves_along,
+                FITTED,
+            ),
+            Law(
+                "Reversing a normal together with its normal velocity must change nothing.",
+                side_of_the_normal,
+                FITTED,
+            ),
         ),
         lambda _: FITTED,
     ),
     Question(
-        "05.9", "ranks", 3, ranks_inputs, lambda call: ((len(call.arguments[0]),),),
+        "05.9",
+        "ranks",
+        3,
+        ranks_inputs,
+        lambda call: ((len(call.arguments[0]),),),
         (
-            Law("A ring has three edges at least, of one triangle, and Bʹ has six columns: the rank must "
-                "lie between three and six.", rank_between),
-            Law("A rank must depend on the shape of the mesh only, not on where it lies nor on the unit "
-                "of length.", rank_of_the_shape),
+            Law(
+                "A ring has three edges at least, of one triangle, and Bʹ has six columns: the rank must "
+                "lie between three and six.",
+                rank_between,
+            ),
+            Law(
+                "A rank must depend on the shape of the mesh only, not on where it lies nor on the unit "
+                "of length.",
+                rank_of_the_shape,
+            ),
             Law("A second ring only adds edges: no rank may fall, and some must grow.", rank_grows),
         ),
     ),
-)  # fmt: skip
+)

@@ -63,7 +63,10 @@ def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 def leave_the_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return 1 if a normal points to the side of the opposite corner."""
-    inwards = [np.any(np.sum(n * (q - q.mean(axis=0)), axis=1) > 0) for (q,), (n,) in ((c.arguments, v) for c, v in zip(calls, values, strict=True))]
+    inwards = [
+        np.any(np.sum(n * (q - q.mean(axis=0)), axis=1) > 0)
+        for (q,), (n,) in ((c.arguments, v) for c, v in zip(calls, values, strict=True))
+    ]
     return float(max(inwards))
 
 
@@ -178,7 +181,11 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
         Call("errors", (points, triangles, 0.0), "a rotation, s = 0"),
         Call("errors", (2 * points, triangles, 0.0), "the same on a mesh twice as large"),
         Call("errors", (points, triangles, 0.8), "with expansion, s = 0.8"),
-        Call("errors", (triangle(random, True), np.array([[2, 0, 1]]), -0.5), "a single triangle, s = −0.5"),
+        Call(
+            "errors",
+            (triangle(random, True), np.array([[2, 0, 1]]), -0.5),
+            "a single triangle, s = −0.5",
+        ),
     )
 
 
@@ -203,8 +210,16 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
         Call("raviart_thomas", (q, v, on[0]), "a place on the first side"),
         Call("raviart_thomas", (q, v, on[1]), "another place on the same side"),
         Call("raviart_thomas", (q, v, random.dirichlet((3, 3, 3)) @ q), "a place inside"),
-        Call("raviart_thomas", (obtuse(random), random.normal(size=3), random.random(2)), "an obtuse triangle"),
-        Call("raviart_thomas", (triangle(random, False, 0.4), random.normal(size=3), random.random(2)), "a triangle listed clockwise"),
+        Call(
+            "raviart_thomas",
+            (obtuse(random), random.normal(size=3), random.random(2)),
+            "an obtuse triangle",
+        ),
+        Call(
+            "raviart_thomas",
+            (triangle(random, False, 0.4), random.normal(size=3), random.random(2)),
+            "a triangle listed clockwise",
+        ),
     )
 
 
@@ -217,59 +232,124 @@ def crosses_the_side_as_given(calls: Sequence[Call], values: Sequence[Values]) -
 
 QUESTIONS = (
     Question(
-        "06.1", "outward_normals", 3, normals_inputs, lambda _: ((3, 2),),
+        "06.1",
+        "outward_normals",
+        3,
+        normals_inputs,
+        lambda _: ((3, 2),),
         (
             Law("A unit normal must have length one.", of_unit_length),
-            Law("The normal in row a must be perpendicular to the side opposite to corner a.", across_the_sides),
-            Law("An outward normal must point away from the opposite corner, whichever way round the "
-                "corners are listed.", leave_the_triangle),
+            Law(
+                "The normal in row a must be perpendicular to the side opposite to corner a.",
+                across_the_sides,
+            ),
+            Law(
+                "An outward normal must point away from the opposite corner, whichever way round the "
+                "corners are listed.",
+                leave_the_triangle,
+            ),
         ),
     ),
     Question(
-        "06.2", "cell_velocity", 3, lambda seed: velocity_inputs("cell_velocity", seed), lambda _: ((2,),),
+        "06.2",
+        "cell_velocity",
+        3,
+        lambda seed: velocity_inputs("cell_velocity", seed),
+        lambda _: ((2,),),
         (
-            Law("A constant velocity satisfies all three equations: adding its normal velocities to the "
-                "data must add it to the result.", wind_comes_back),
+            Law(
+                "A constant velocity satisfies all three equations: adding its normal velocities to the "
+                "data must add it to the result.",
+                wind_comes_back,
+            ),
             Law("Minus two times the data must give minus two times the velocity.", is_linear),
         ),
     ),
     Question(
-        "06.3", "defect", 2, lambda seed: velocity_inputs("defect", seed), lambda _: ((),),
+        "06.3",
+        "defect",
+        2,
+        lambda seed: velocity_inputs("defect", seed),
+        lambda _: ((),),
         (
-            Law("A constant velocity explains its own normal velocities: adding them must not change the "
-                "defect.", wind_leaves_no_defect),
-            Law("The defect is a length: minus two times the data must have twice the defect.", grows_with_the_data),
+            Law(
+                "A constant velocity explains its own normal velocities: adding them must not change the "
+                "defect.",
+                wind_leaves_no_defect,
+            ),
+            Law(
+                "The defect is a length: minus two times the data must have twice the defect.",
+                grows_with_the_data,
+            ),
         ),
     ),
     Question(
-        "06.4", "circumcentre", 3, circumcentre_inputs, lambda _: ((2,),),
+        "06.4",
+        "circumcentre",
+        3,
+        circumcentre_inputs,
+        lambda _: ((2,),),
         (
-            Law("The circumcentre is equally far from all corners. If this fails only far from the origin, digits "
-                "were lost in squares of large coordinates.", equally_far, DIGITS_FAR_AWAY),
-            Law("Moving the triangle must move its circumcentre by as much.", moves_along, DIGITS_FAR_AWAY),
+            Law(
+                "The circumcentre is equally far from all corners. If this fails only far from the origin, digits "
+                "were lost in squares of large coordinates.",
+                equally_far,
+                DIGITS_FAR_AWAY,
+            ),
+            Law(
+                "Moving the triangle must move its circumcentre by as much.",
+                moves_along,
+                DIGITS_FAR_AWAY,
+            ),
         ),
     ),
     Question(
-        "06.5", "truth", 2, truth_inputs, lambda call: (call.arguments[0].shape,),
+        "06.5",
+        "truth",
+        2,
+        truth_inputs,
+        lambda call: (call.arguments[0].shape,),
         (
-            Law("For s = 0 distances must not change: the difference of two velocities is perpendicular to "
-                "the line between the places.", turns_rigidly),
+            Law(
+                "For s = 0 distances must not change: the difference of two velocities is perpendicular to "
+                "the line between the places.",
+                turns_rigidly,
+            ),
             Law("With s the distance of two places must grow at the rate s.", expands),
-            Law("Only the way from the centre counts: moving places and centre together must change nothing.",
-                knows_only_the_way_from_the_centre),
+            Law(
+                "Only the way from the centre counts: moving places and centre together must change nothing.",
+                knows_only_the_way_from_the_centre,
+            ),
         ),
     ),
     Question(
-        "06.6", "errors", 3, errors_inputs, lambda _: ((3,),),
+        "06.6",
+        "errors",
+        3,
+        errors_inputs,
+        lambda _: ((3,),),
         (
-            Law("For a rotation there must be no error at the circumcentres.", exact_at_the_circumcentre),
-            Law("On a mesh twice as large all velocities are twice as large, and so must be the errors.", grows_with_the_mesh),
+            Law(
+                "For a rotation there must be no error at the circumcentres.",
+                exact_at_the_circumcentre,
+            ),
+            Law(
+                "On a mesh twice as large all velocities are twice as large, and so must be the errors.",
+                grows_with_the_mesh,
+            ),
         ),
     ),
     Question(
-        "06.8", "raviart_thomas", 3, raviart_thomas_inputs, lambda _: ((2,),),
+        "06.8",
+        "raviart_thomas",
+        3,
+        raviart_thomas_inputs,
+        lambda _: ((2,),),
         (
-            Law("All over a side the field must cross it at the given normal velocity.", crosses_the_side_as_given),
+            Law(
+                "All over a side the field must cross it at the given normal velocity.",
+                crosses_the_side_as_given,
+            ),
         ),
     ),
-)  # fmt: skip
+)

@@ -35,7 +35,9 @@ def mirror_images(center: np.ndarray, corners: np.ndarray) -> np.ndarray:
     return center + 2 * part[:, None] * across
 
 
-def places_inside(random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int) -> np.ndarray:
+def places_inside(
+    random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int
+) -> np.ndarray:
     """Return m places well inside a cell."""
     return center + 0.8 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
 
@@ -57,7 +59,11 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
     """Return two centres, radii and angles."""
     random = np.random.default_rng(seed)
     return tuple(
-        Call("hexagon", (random.uniform(1, 2, 2) * [1, -1], random.uniform(*radius), random.uniform(0.2, 0.9)), case)
+        Call(
+            "hexagon",
+            (random.uniform(1, 2, 2) * [1, -1], random.uniform(*radius), random.uniform(0.2, 0.9)),
+            case,
+        )
         for radius, case in (((0.6, 0.9), "a small hexagon"), ((1.5, 2.5), "a large hexagon"))
     )
 
@@ -68,7 +74,11 @@ def has_equal_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
     for call, (rim,) in zip(calls, values, strict=True):
         center, radius, _ = call.arguments
         lengths = [*np.hypot(*(rim - center).T), *np.hypot(*(rim - np.array([*rim[1:], rim[0]])).T)]
-        worst = max(worst, relative(np.array(lengths) - radius, radius), relative(rim.sum(axis=0) - 6 * center, rim))
+        worst = max(
+            worst,
+            relative(np.array(lengths) - radius, radius),
+            relative(rim.sum(axis=0) - 6 * center, rim),
+        )
     return worst
 
 
@@ -78,7 +88,11 @@ def has_equal_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
 def triangles(name: str, seed: int) -> tuple[Call, ...]:
     """Return a triangle, the same with two corners exchanged, half of it, an obtuse one."""
     random = np.random.default_rng(seed)
-    a, b, c = np.array([[0.0, 0.0], [2.0, 0.3], [0.7, 1.6]]) + random.uniform(-0.3, 0.3, (3, 2)) + [1.5, -2.5]
+    a, b, c = (
+        np.array([[0.0, 0.0], [2.0, 0.3], [0.7, 1.6]])
+        + random.uniform(-0.3, 0.3, (3, 2))
+        + [1.5, -2.5]
+    )
     far = a + (b - a) * 2.5 + 0.4 * (c - a)
     return (
         Call(name, (a, b, c), "a triangle"),
@@ -100,7 +114,9 @@ def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
 def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the area is from the same both ways round, from twice its half, from positive."""
     whole, turned, half, other = (float(v) for (v,) in values)
-    return max(relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -other))
+    return max(
+        relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -other)
+    )
 
 
 # 07.4 Weights
@@ -110,7 +126,10 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     """Return stars of six and five neighbours, one of them clockwise, and one twice as large."""
     random = np.random.default_rng(seed)
     calls = []
-    for n, clockwise, case in ((6, False, "six neighbours"), (5, True, "five neighbours, listed clockwise")):
+    for n, clockwise, case in (
+        (6, False, "six neighbours"),
+        (5, True, "five neighbours, listed clockwise"),
+    ):
         center, rim, corners = star(random, n, clockwise)
         (x,) = places_inside(random, center, corners, 1)
         calls.append(Call("weights", (center, rim, corners, x), case))
@@ -147,7 +166,13 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         (7, 5, True, "five places among seven neighbours, listed clockwise"),
     ):
         center, rim, corners = star(random, n, clockwise)
-        calls.append(Call("coordinates", (center, rim, corners, places_inside(random, center, corners, m)), case))
+        calls.append(
+            Call(
+                "coordinates",
+                (center, rim, corners, places_inside(random, center, corners, m)),
+                case,
+            )
+        )
     return tuple(calls)
 
 
@@ -158,7 +183,10 @@ def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 def finds_the_place(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the weighted means of the corners are from the places."""
-    return max(misses_the_place(omega, c.arguments[2], c.arguments[3]) for c, (omega,) in zip(calls, values, strict=True))
+    return max(
+        misses_the_place(omega, c.arguments[2], c.arguments[3])
+        for c, (omega,) in zip(calls, values, strict=True)
+    )
 
 
 # 07.6 The spiral
@@ -185,7 +213,11 @@ def winds_inwards(calls: Sequence[Call], values: Sequence[Values]) -> float:
         away = (s - center) @ [1, 1j] * (1 + np.arange(steps))
         with np.errstate(all="ignore"):
             turn = away / np.array([away[-1], *away[:-1]])
-        worst = max(worst, relative(turn - np.exp(2j * np.pi / steps), 1.0), relative(np.angle(away[-1]), 1.0))
+        worst = max(
+            worst,
+            relative(turn - np.exp(2j * np.pi / steps), 1.0),
+            relative(np.angle(away[-1]), 1.0),
+        )
     return worst
 
 
@@ -221,41 +253,99 @@ def per_place(call: Call, x: int) -> tuple[tuple[int, ...], ...]:
     return ((len(call.arguments[x]), len(call.arguments[1])),)
 
 
-ONE = Law("Coordinates have the sum one at every place, so that a constant comes back.", sums_to_one)
+ONE = Law(
+    "Coordinates have the sum one at every place, so that a constant comes back.", sums_to_one
+)
 
 QUESTIONS = (
     Question(
-        "07.1", "hexagon", 1, hexagon_inputs, lambda _: ((6, 2),),
-        (Law("All sides and spokes of a regular hexagon are as long as its radius, and it lies evenly "
-             "round its centre.", has_equal_sides),),
+        "07.1",
+        "hexagon",
+        1,
+        hexagon_inputs,
+        lambda _: ((6, 2),),
+        (
+            Law(
+                "All sides and spokes of a regular hexagon are as long as its radius, and it lies evenly "
+                "round its centre.",
+                has_equal_sides,
+            ),
+        ),
     ),
     Question(
-        "07.2", "circumcenter", 2, lambda seed: triangles("circumcenter", seed), lambda _: ((2,),),
+        "07.2",
+        "circumcenter",
+        2,
+        lambda seed: triangles("circumcenter", seed),
+        lambda _: ((2,),),
         (Law("A circumcentre is equally far from all three corners.", is_equally_far),),
     ),
     Question(
-        "07.3", "area", 1, lambda seed: triangles("area", seed), lambda _: ((),),
-        (Law("An area is positive, does not depend on the order of the corners, and a line from a "
-             "corner to the middle of the other side cuts it in half.", halves_with_the_triangle),),
+        "07.3",
+        "area",
+        1,
+        lambda seed: triangles("area", seed),
+        lambda _: ((),),
+        (
+            Law(
+                "An area is positive, does not depend on the order of the corners, and a line from a "
+                "corner to the middle of the other side cuts it in half.",
+                halves_with_the_triangle,
+            ),
+        ),
     ),
     Question(
-        "07.4", "weights", 3, weights_inputs, lambda call: ((len(call.arguments[1]),),),
-        (Law("If everything is twice as large, (7.5) has four times the area above and sixteen times as "
-             "much below: a quarter is left.", scales),
-         Law("The weights pull the place towards the corners in such a way that it stays where it is.", balances)),
+        "07.4",
+        "weights",
+        3,
+        weights_inputs,
+        lambda call: ((len(call.arguments[1]),),),
+        (
+            Law(
+                "If everything is twice as large, (7.5) has four times the area above and sixteen times as "
+                "much below: a quarter is left.",
+                scales,
+            ),
+            Law(
+                "The weights pull the place towards the corners in such a way that it stays where it is.",
+                balances,
+            ),
+        ),
     ),
     Question(
-        "07.5", "coordinates", 2, coordinates_inputs, lambda call: per_place(call, 3),
-        (ONE, Law("The mean of the corners with these weights is the place itself.", finds_the_place)),
+        "07.5",
+        "coordinates",
+        2,
+        coordinates_inputs,
+        lambda call: per_place(call, 3),
+        (
+            ONE,
+            Law("The mean of the corners with these weights is the place itself.", finds_the_place),
+        ),
     ),
     Question(
-        "07.6", "spiral", 2, spiral_inputs, lambda call: ((call.arguments[2], 2),),
-        (Law("Seen from the centre, n times the way to the nth point goes round once with steps of one "
-             "angle, at one distance, and ends to the right.", winds_inwards),),
+        "07.6",
+        "spiral",
+        2,
+        spiral_inputs,
+        lambda call: ((call.arguments[2], 2),),
+        (
+            Law(
+                "Seen from the centre, n times the way to the nth point goes round once with steps of one "
+                "angle, at one distance, and ends to the right.",
+                winds_inwards,
+            ),
+        ),
     ),
     Question(
-        "07.7", "interpolate", 1, interpolate_inputs, lambda call: ((len(call.arguments[4]),),),
-        (Law("A constant comes back.", gives_constants_back),
-         Law("A linear field comes back.", gives_linear_fields_back)),
+        "07.7",
+        "interpolate",
+        1,
+        interpolate_inputs,
+        lambda call: ((len(call.arguments[4]),),),
+        (
+            Law("A constant comes back.", gives_constants_back),
+            Law("A linear field comes back.", gives_linear_fields_back),
+        ),
     ),
-)  # fmt: skip
+)

@@ -38,8 +38,16 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call(name, (center, rim, x), "four places inside a cell"),
         Call(name, (center @ quarter, rim @ quarter, x @ quarter), "the same after a quarter turn"),
-        Call(name, (other, other_rim, places_inside(random, other, other_corners, 3)), "neighbours listed clockwise"),
-        Call(name, (middle, mirror_images(middle, square), on_edges(square)), "places on the edges of a square cell"),
+        Call(
+            name,
+            (other, other_rim, places_inside(random, other, other_corners, 3)),
+            "neighbours listed clockwise",
+        ),
+        Call(
+            name,
+            (middle, mirror_images(middle, square), on_edges(square)),
+            "places on the edges of a square cell",
+        ),
     )
 
 
@@ -56,8 +64,18 @@ def is_linear_on_edges(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "07.8", "safe_coordinates", 3, safe_inputs, lambda call: per_place(call, 2),
-        (ONE, Law("Turning everything changes nothing.", turns_along),
-         Law("On an edge only its two corners have a weight, in the ratio of the distances.", is_linear_on_edges)),
+        "07.8",
+        "safe_coordinates",
+        3,
+        safe_inputs,
+        lambda call: per_place(call, 2),
+        (
+            ONE,
+            Law("Turning everything changes nothing.", turns_along),
+            Law(
+                "On an edge only its two corners have a weight, in the ratio of the distances.",
+                is_linear_on_edges,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

@@ -30,7 +30,9 @@ def star(random: np.random.Generator, n: int) -> Star:
     center = corners.mean(axis=0) + random.uniform(-0.1, 0.1, 3)
     sides = [corners[[b - 1, b, n + b]] for b in range(n)]
     faces = [*sides, corners[:3], corners[n : n + 3]]
-    cells = np.array([random.permutation([a % n, (a % n + 1) % n, n + a // n]) for a in range(2 * n)])
+    cells = np.array(
+        [random.permutation([a % n, (a % n + 1) % n, n + a // n]) for a in range(2 * n)]
+    )
     return center, np.array([mirror_image(center, face) for face in faces]), cells, corners
 
 
@@ -40,7 +42,9 @@ def mirror_image(place: np.ndarray, face: np.ndarray) -> np.ndarray:
     return place + 2 * ((face[0] - place) @ across) / (across @ across) * across
 
 
-def places_inside(random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int) -> np.ndarray:
+def places_inside(
+    random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int
+) -> np.ndarray:
     """Return m places well inside a cell."""
     return center + 0.7 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
 
@@ -51,7 +55,9 @@ def places_inside(random: np.random.Generator, center: np.ndarray, corners: np.n
 def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
     """Return a tetrahedron, the same in another order, half of it, and a flat one."""
     random = np.random.default_rng(seed)
-    corner = np.array([[0.0, 0, 0], [2, 0.3, 0.1], [0.7, 1.6, -0.2], [0.6, 0.5, 1.9]]) + random.uniform(-0.3, 0.3, (4, 3))
+    corner = np.array(
+        [[0.0, 0, 0], [2, 0.3, 0.1], [0.7, 1.6, -0.2], [0.6, 0.5, 1.9]]
+    ) + random.uniform(-0.3, 0.3, (4, 3))
     a, b, c, d = corner + np.array([1.5, -2.5, 0.8])
     low = (a + 2 * b + 2 * c) / 5 + 0.25 * (d - a)
     return (
@@ -65,7 +71,9 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
 def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the volume is from the same in both orders, from twice its half, from positive."""
     whole, turned, half, flat = (float(v) for (v,) in values)
-    return max(relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -flat))
+    return max(
+        relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -flat)
+    )
 
 
 def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -84,12 +92,18 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     """Return three tips, the same with longer edges and in another order, and perpendicular edges."""
     random = np.random.default_rng(seed)
     center = random.normal(size=3)
-    edges = np.array([[1.4, 0.2, 0.1], [0.3, 0.9, -0.2], [0.2, 0.4, 1.7]]) + random.uniform(-0.15, 0.15, (3, 3))
+    edges = np.array([[1.4, 0.2, 0.1], [0.3, 0.9, -0.2], [0.2, 0.4, 1.7]]) + random.uniform(
+        -0.15, 0.15, (3, 3)
+    )
     frame = np.linalg.qr(random.normal(size=(3, 3)))[0]
     name = "volume_of_normals"
     return (
         Call(name, (center, center + edges), "a tetrahedron"),
-        Call(name, (center, center + np.array([[2.0], [0.5], [1.5]]) * edges), "the same directions, other lengths"),
+        Call(
+            name,
+            (center, center + np.array([[2.0], [0.5], [1.5]]) * edges),
+            "the same directions, other lengths",
+        ),
         Call(name, (center, center + edges[[1, 0, 2]]), "the same tips in another order"),
         Call(name, (center, center + random.uniform(1, 2, (3, 1)) * frame), "perpendicular edges"),
     )
@@ -139,9 +153,21 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     center, neighbors, _, corners = star(random, 4)
     return (
-        Call("heights", (center, neighbors, places_inside(random, center, corners, 4)), "four places in a cell"),
-        Call("heights", (center, neighbors, np.vstack([center, neighbors])), "the vertex and its neighbours"),
-        Call("heights", (center, neighbors, (center + neighbors) / 2), "points half-way to the neighbours"),
+        Call(
+            "heights",
+            (center, neighbors, places_inside(random, center, corners, 4)),
+            "four places in a cell",
+        ),
+        Call(
+            "heights",
+            (center, neighbors, np.vstack([center, neighbors])),
+            "the vertex and its neighbours",
+        ),
+        Call(
+            "heights",
+            (center, neighbors, (center + neighbors) / 2),
+            "points half-way to the neighbours",
+        ),
     )
 
 
@@ -175,8 +201,16 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call(name, (center, neighbors, cells, x), "three places in a cell"),
         Call(name, (center @ over, neighbors @ over, cells, x @ over), "the same turned over"),
-        Call(name, (other, tips, more, places_inside(random, other, ends, 2)), "two places among seven neighbours"),
-        Call(name, (middle, around, eight, np.vstack([cube, (cube[:4] + cube[4:]) / 2])), "corners and edges of a cubic cell"),
+        Call(
+            name,
+            (other, tips, more, places_inside(random, other, ends, 2)),
+            "two places among seven neighbours",
+        ),
+        Call(
+            name,
+            (middle, around, eight, np.vstack([cube, (cube[:4] + cube[4:]) / 2])),
+            "corners and edges of a cubic cell",
+        ),
     )
 
 
@@ -197,34 +231,88 @@ def is_right_on_the_cube(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "08.1", "volume", 1, lambda seed: tetrahedra("volume", seed), lambda _: ((),),
-        (Law("A volume is positive, does not depend on the order of the corners, and a plane through one "
-             "edge and the middle of the opposite one cuts it in half.", halves_with_the_tetrahedron),),
+        "08.1",
+        "volume",
+        1,
+        lambda seed: tetrahedra("volume", seed),
+        lambda _: ((),),
+        (
+            Law(
+                "A volume is positive, does not depend on the order of the corners, and a plane through one "
+                "edge and the middle of the opposite one cuts it in half.",
+                halves_with_the_tetrahedron,
+            ),
+        ),
     ),
     Question(
-        "08.2", "circumcenter", 2, lambda seed: tetrahedra("circumcenter", seed), lambda _: ((3,),),
+        "08.2",
+        "circumcenter",
+        2,
+        lambda seed: tetrahedra("circumcenter", seed),
+        lambda _: ((3,),),
         (Law("A circumcentre is equally far from all four corners.", is_equally_far),),
     ),
     Question(
-        "08.4", "volume_of_normals", 2, normals_inputs, lambda _: ((),),
-        (Law("Normals have directions only: the lengths of the edges and their order do not matter, and "
-             "perpendicular normals span the volume one.", depends_on_directions),),
+        "08.4",
+        "volume_of_normals",
+        2,
+        normals_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "Normals have directions only: the lengths of the edges and their order do not matter, and "
+                "perpendicular normals span the volume one.",
+                depends_on_directions,
+            ),
+        ),
     ),
     Question(
-        "08.7", "weights", 3, weights_inputs, lambda call: ((len(call.arguments[2]),),),
-        (Law("If everything is twice as large, (8.2) has eight times the volume above and 64 times as much "
-             "below: an eighth is left.", scales),
-         Law("The weights pull the place towards the corners in such a way that it stays where it is.", balances)),
+        "08.7",
+        "weights",
+        3,
+        weights_inputs,
+        lambda call: ((len(call.arguments[2]),),),
+        (
+            Law(
+                "If everything is twice as large, (8.2) has eight times the volume above and 64 times as much "
+                "below: an eighth is left.",
+                scales,
+            ),
+            Law(
+                "The weights pull the place towards the corners in such a way that it stays where it is.",
+                balances,
+            ),
+        ),
     ),
     Question(
-        "08.8", "heights", 1, heights_inputs, lambda call: ((len(call.arguments[1]), len(call.arguments[2])),),
-        (Law("Half-way to a neighbour its height is zero, and at the two ends it is opposite.", vanishes_half_way),),
+        "08.8",
+        "heights",
+        1,
+        heights_inputs,
+        lambda call: ((len(call.arguments[1]), len(call.arguments[2])),),
+        (
+            Law(
+                "Half-way to a neighbour its height is zero, and at the two ends it is opposite.",
+                vanishes_half_way,
+            ),
+        ),
     ),
     Question(
-        "08.10", "coordinates", 3, coordinates_inputs, lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
-        (Law("Coordinates have the sum one at every place, so that a constant comes back.", sums_to_one),
-         Law("Turning everything changes nothing.", turns_along),
-         Law("At a corner it alone has a weight, and half-way along an edge its two ends have a half each.",
-             is_right_on_the_cube)),
+        "08.10",
+        "coordinates",
+        3,
+        coordinates_inputs,
+        lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
+        (
+            Law(
+                "Coordinates have the sum one at every place, so that a constant comes back.",
+                sums_to_one,
+            ),
+            Law("Turning everything changes nothing.", turns_along),
+            Law(
+                "At a corner it alone has a weight, and half-way along an edge its two ends have a half each.",
+                is_right_on_the_cube,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

@@ -32,10 +32,13 @@ def monomials_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     points = random.normal(size=(7, 2))
     points[4] = 1
-    cases = ((points, 2, "seven points and the degree 2"), (points * [2, 3], 2, "the same points, stretched"),
-             (random.normal(size=(4, 2)), 3, "four points and the degree 3"),
-             (random.normal(size=(3, 2)), 0, "three points and the degree 0"),
-             (random.normal(size=(5, 2)), -1, "five points and no polynomial"))  # fmt: skip
+    cases = (
+        (points, 2, "seven points and the degree 2"),
+        (points * [2, 3], 2, "the same points, stretched"),
+        (random.normal(size=(4, 2)), 3, "four points and the degree 3"),
+        (random.normal(size=(3, 2)), 0, "three points and the degree 0"),
+        (random.normal(size=(5, 2)), -1, "five points and no polynomial"),
+    )
     return tuple(Call("monomials", (p, degree), case) for p, degree, case in cases)
 
 
@@ -70,12 +73,22 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     plane, other, few = (3 * cloud(random, n, 2) for n in (9, 8, 6))
     turn = random.uniform(0.2, 1.3)
     line = 3 * np.outer(cloud(random, 7, 1), [np.cos(turn), np.sin(turn)])
-    cube, root, plate = powers(squares(plane, plane), 3), -powers(squares(other, other), 1), powers(squares(line, line), 2)
-    cases = ((cube, ridges(plane, 1), "the cubes of nine distances, and linear conditions"),
-             (cube, ridges(plane, 0), "the same with the constant alone"),
-             (root, ridges(other, 0), "minus the distances of eight points, and the constant"),
-             (np.exp(-squares(few, few)), np.zeros((6, 0)), "Gaussians, and no conditions"),
-             (plate, ridges(line, 1), "thin plates on a line, where the three conditions depend on each other"))  # fmt: skip
+    cube, root, plate = (
+        powers(squares(plane, plane), 3),
+        -powers(squares(other, other), 1),
+        powers(squares(line, line), 2),
+    )
+    cases = (
+        (cube, ridges(plane, 1), "the cubes of nine distances, and linear conditions"),
+        (cube, ridges(plane, 0), "the same with the constant alone"),
+        (root, ridges(other, 0), "minus the distances of eight points, and the constant"),
+        (np.exp(-squares(few, few)), np.zeros((6, 0)), "Gaussians, and no conditions"),
+        (
+            plate,
+            ridges(line, 1),
+            "thin plates on a line, where the three conditions depend on each other",
+        ),
+    )
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
 
 
@@ -88,7 +101,9 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
         step = 1e-7 * np.abs(a).max()
         for shift, more in ((least - step, False), (least + step, True)):
             corner = np.zeros((p.shape[1],) * 2)
-            bordered = np.vstack([np.hstack([a - shift * np.eye(len(a)), p]), np.hstack([p.T, corner])])
+            bordered = np.vstack(
+                [np.hstack([a - shift * np.eye(len(a)), p]), np.hstack([p.T, corner])]
+            )
             spectrum = np.linalg.eigvalsh(bordered)
             negative = int((spectrum < -1e-12 * np.abs(spectrum).max()).sum())
             missed += (negative > conditions) != more
@@ -106,12 +121,21 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     angle = 2 * np.pi * cloud(random, 9, 1)[:, 0]
     ellipse = random.normal(size=2) + np.stack([np.cos(angle), 0.6 * np.sin(angle)], axis=1)
     twice = cloud(random, 5, 2)
-    cases = ((cloud(random, 8, 2), 2, "eight points and the degree 2"), (line, 1, "six points on a line and the degree 1"),
-             (line, 2, "six points on a line and the degree 2"), (ellipse, 2, "nine points on an ellipse and the degree 2"),
-             (ellipse, 3, "nine points on an ellipse and the degree 3"), (cloud(random, 4, 2), 2, "four points and the degree 2"),
-             (np.concatenate([twice, twice[:2]]), 2, "seven points, of which two pairs are the same, and the degree 2"),
-             (0.01 * cloud(random, 7, 2), 2, "seven points in a small box and the degree 2"),
-             (cloud(random, 12, 2), 3, "twelve points and the degree 3"))  # fmt: skip
+    cases = (
+        (cloud(random, 8, 2), 2, "eight points and the degree 2"),
+        (line, 1, "six points on a line and the degree 1"),
+        (line, 2, "six points on a line and the degree 2"),
+        (ellipse, 2, "nine points on an ellipse and the degree 2"),
+        (ellipse, 3, "nine points on an ellipse and the degree 3"),
+        (cloud(random, 4, 2), 2, "four points and the degree 2"),
+        (
+            np.concatenate([twice, twice[:2]]),
+            2,
+            "seven points, of which two pairs are the same, and the degree 2",
+        ),
+        (0.01 * cloud(random, 7, 2), 2, "seven points in a small box and the degree 2"),
+        (cloud(random, 12, 2), 3, "twelve points and the degree 3"),
+    )
     return tuple(Call("vanishing", (p, degree), case) for p, degree, case in cases)
 
 
@@ -133,20 +157,31 @@ def leaves_the_rank_of_another_matrix(calls: Sequence[Call], values: Sequence[Va
 def field_inputs(seed: int) -> tuple[Call, ...]:
     """Return values for several powers and degrees; places among which the points come last."""
     random = np.random.default_rng(seed)
-    cases = ((12, 3, 1, "twelve points, cubes and the degree 1"), (10, 2, 2, "ten points, thin plates and the degree 2"),
-             (9, 1, 0, "nine points, k = 1 and the degree 0"), (14, 5, 2, "fourteen points, k = 5 and the degree 2"),
-             (8, 2, 1, "values of a linear function"))  # fmt: skip
+    cases = (
+        (12, 3, 1, "twelve points, cubes and the degree 1"),
+        (10, 2, 2, "ten points, thin plates and the degree 2"),
+        (9, 1, 0, "nine points, k = 1 and the degree 0"),
+        (14, 5, 2, "fourteen points, k = 5 and the degree 2"),
+        (8, 2, 1, "values of a linear function"),
+    )
     calls = []
     for n, k, degree, case in cases:
         points = cloud(random, n, 2)
-        values = random.normal(size=n) if n > 8 else 1 - 2 * points[:, 0] + random.normal() * points[:, 1]
+        values = (
+            random.normal(size=n)
+            if n > 8
+            else 1 - 2 * points[:, 0] + random.normal() * points[:, 1]
+        )
         x = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)), points])
         calls.append(Call("interpolate", (points, values, k, degree, x), case))
     return tuple(calls)
 
 
 def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(relative(f[24:] - c.arguments[1], c.arguments[1]) for c, (f,) in zip(calls, values, strict=True))
+    return max(
+        relative(f[24:] - c.arguments[1], c.arguments[1])
+        for c, (f,) in zip(calls, values, strict=True)
+    )
 
 
 def is_bumps_and_a_polynomial(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -199,15 +234,25 @@ def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
 def exchange_inputs(seed: int) -> tuple[Call, ...]:
     """Return three points, the third on the left, on the right, far away, and nothing near the origin."""
     random = np.random.default_rng(seed)
-    cases = (("a third point on the left", 0, 1.6), ("a third point on the right", 1, 1.4), ("a third point far away", 0, 20.0),
-             ("a third point between the two", 1, 0.5))  # fmt: skip
+    cases = (
+        ("a third point on the left", 0, 1.6),
+        ("a third point on the right", 1, 1.4),
+        ("a third point far away", 0, 20.0),
+        ("a third point between the two", 1, 0.5),
+    )
     calls = []
     for case, half, far in cases:
         start = random.uniform(0, 2 * np.pi)
         angle = start + np.pi * (half + random.uniform(0.1, 0.4) + 0.5 * (random.random() < 0.5))
         arm, third = (np.array([np.cos(u), np.sin(u)]) for u in (start, angle))
         center = random.uniform(1, 3, 2)
-        calls.append(Call("exchange_time", (np.stack([center + arm, center - arm, center + far * third]),), case))
+        calls.append(
+            Call(
+                "exchange_time",
+                (np.stack([center + arm, center - arm, center + far * third]),),
+                case,
+            )
+        )
     return tuple(calls)
 
 
@@ -228,7 +273,10 @@ def makes_a_flat_triangle(calls: Sequence[Call], values: Sequence[Values]) -> fl
 def slope_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     cases = ((4, "four points"), (3, "three points"), (2, "two points"))
-    return tuple(Call("slope_matrix", (3 * random.permutation(cloud(random, n, 1)[:, 0]) - 1,), case) for n, case in cases)
+    return tuple(
+        Call("slope_matrix", (3 * random.permutation(cloud(random, n, 1)[:, 0]) - 1,), case)
+        for n, case in cases
+    )
 
 
 def slope_shape(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -246,7 +294,9 @@ def maps_to_values_and_slopes(calls: Sequence[Call], values: Sequence[Values]) -
 
         def field(t: np.ndarray, x=x, lam=lam, mu=mu, c=c) -> np.ndarray:  # type: ignore[no-untyped-def]
             z = np.subtract.outer(t, x)
-            return powers(z**2, 3).dot(lam) - (3 * z**2 * np.sign(z)).dot(mu) + np.polyval(c[::-1], t)
+            return (
+                powers(z**2, 3).dot(lam) - (3 * z**2 * np.sign(z)).dot(mu) + np.polyval(c[::-1], t)
+            )
 
         slopes = (field(x + h) - field(x - h)) / (2 * h)
         wanted = np.concatenate([field(x), slopes, [lam.sum(), (lam * x + mu).sum()]])
@@ -256,44 +306,112 @@ def maps_to_values_and_slopes(calls: Sequence[Call], values: Sequence[Values]) -
 
 QUESTIONS = (
     Question(
-        "09.1", "monomials", 2, monomials_inputs, monomials_shape,
-        (Law("Where both coordinates are one, every monomial is one.", are_one_at_one),
-         Law("If one coordinate is doubled and the other tripled, each monomial grows by a product of twos and "
-             "threes: 1, 2, 3, 4, 6 and 9 for the degree two.", stretch_by_powers)),
+        "09.1",
+        "monomials",
+        2,
+        monomials_inputs,
+        monomials_shape,
+        (
+            Law("Where both coordinates are one, every monomial is one.", are_one_at_one),
+            Law(
+                "If one coordinate is doubled and the other tripled, each monomial grows by a product of twos and "
+                "threes: 1, 2, 3, 4, 6 and 9 for the degree two.",
+                stretch_by_powers,
+            ),
+        ),
         normal_form=columns_in_order,
     ),
     Question(
-        "09.2", "least_eigenvalue", 3, eigenvalue_inputs, lambda _: ((),),
-        (Law("On the vectors that satisfy the conditions, the form less a smaller number is positive, and less a larger "
-             "number it is not.", is_where_the_signs_change),),
+        "09.2",
+        "least_eigenvalue",
+        3,
+        eigenvalue_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "On the vectors that satisfy the conditions, the form less a smaller number is positive, and less a larger "
+                "number it is not.",
+                is_where_the_signs_change,
+            ),
+        ),
         tolerance=lambda _: 1e-8,
     ),
     Question(
-        "09.3", "vanishing", 2, vanishing_inputs, lambda _: ((),),
-        (Law("As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of points, has a rank; "
-             "the other polynomials vanish at the points.", leaves_the_rank_of_another_matrix),),
+        "09.3",
+        "vanishing",
+        2,
+        vanishing_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of points, has a rank; "
+                "the other polynomials vanish at the points.",
+                leaves_the_rank_of_another_matrix,
+            ),
+        ),
     ),
     Question(
-        "09.4", "interpolate", 4, field_inputs, lambda call: ((len(call.arguments[4]),),),
-        (Law("The field must go through the values.", goes_through_the_values, 1e-8),
-         Law("The field is made of bumps on the points and a polynomial of the degree asked for, and the factors of the "
-             "bumps satisfy the side conditions.", is_bumps_and_a_polynomial, 1e-6)),
+        "09.4",
+        "interpolate",
+        4,
+        field_inputs,
+        lambda call: ((len(call.arguments[4]),),),
+        (
+            Law("The field must go through the values.", goes_through_the_values, 1e-8),
+            Law(
+                "The field is made of bumps on the points and a polynomial of the degree asked for, and the factors of the "
+                "bumps satisfy the side conditions.",
+                is_bumps_and_a_polynomial,
+                1e-6,
+            ),
+        ),
         tolerance=lambda _: 1e-8,
     ),
     Question(
-        "09.5", "wendland", 2, wendland_inputs, lambda call: (call.arguments[0].shape,),
-        (Law("The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the integral (9.9) of the one for "
-             "two variables more.", are_integrals),),
+        "09.5",
+        "wendland",
+        2,
+        wendland_inputs,
+        lambda call: (call.arguments[0].shape,),
+        (
+            Law(
+                "The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the integral (9.9) of the one for "
+                "two variables more.",
+                are_integrals,
+            ),
+        ),
     ),
     Question(
-        "09.6", "exchange_time", 3, exchange_inputs, lambda _: ((),),
-        (Law("At that time, between 0 and 1, the triangle of the three points has no area.", makes_a_flat_triangle),),
+        "09.6",
+        "exchange_time",
+        3,
+        exchange_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "At that time, between 0 and 1, the triangle of the three points has no area.",
+                makes_a_flat_triangle,
+            ),
+        ),
         tolerance=lambda _: 1e-8,
     ),
     Question(
-        "09.7", "slope_matrix", 3, slope_inputs, slope_shape,
-        (Law("The matrix is its own transpose: whatever acts on a row acts on the column of the same number.", is_symmetric),
-         Law("The matrix times the unknowns must be the values of the field (9.11) at the points, its slopes there, and the "
-             "two side conditions.", maps_to_values_and_slopes, 1e-6)),
+        "09.7",
+        "slope_matrix",
+        3,
+        slope_inputs,
+        slope_shape,
+        (
+            Law(
+                "The matrix is its own transpose: whatever acts on a row acts on the column of the same number.",
+                is_symmetric,
+            ),
+            Law(
+                "The matrix times the unknowns must be the values of the field (9.11) at the points, its slopes there, and the "
+                "two side conditions.",
+                maps_to_values_and_slopes,
+                1e-6,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

@@ -15,13 +15,17 @@ def line(random: np.random.Generator, n: int) -> np.ndarray:
     return random.uniform(-1, 1) + np.cumsum(random.uniform(0.4, 1, n))
 
 
-def cubes(sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray) -> np.ndarray:
+def cubes(
+    sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray
+) -> np.ndarray:
     """Return the sum of cubes of distances, each with its factor, and a straight line."""
     apart = np.subtract.outer(x, sites)
     return np.polyval(straight[::-1], x) + (apart**2 * abs(apart)).dot(factors)
 
 
-def half_cubes(sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray) -> np.ndarray:
+def half_cubes(
+    sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray
+) -> np.ndarray:
     """Return the sum of truncated cubes, each with its factor, and a straight line."""
     apart = np.subtract.outer(x, sites).clip(min=0)
     return np.polyval(straight[::-1], x) + (apart**3).dot(factors)
@@ -34,7 +38,9 @@ def around(sites: np.ndarray) -> np.ndarray:
 
 def lacks_moments(sites: np.ndarray, factors: np.ndarray) -> float:
     """Return the sums of the factors, plain and weighted by the sites."""
-    return relative([factors.sum(), factors.dot(sites)], abs(factors).max() * (1 + abs(sites).max()))
+    return relative(
+        [factors.sum(), factors.dot(sites)], abs(factors).max() * (1 + abs(sites).max())
+    )
 
 
 # 10.1 From truncated powers to distances
@@ -44,11 +50,19 @@ def conversion_inputs(seed: int) -> tuple[Call, ...]:
     """Return sites and factors without moments: many, three, and far from the origin."""
     random = np.random.default_rng(seed)
     calls = []
-    for n, shift, case in ((6, 0, "six sites"), (3, 0, "three sites"), (5, 4, "five sites away from the origin")):
+    for n, shift, case in (
+        (6, 0, "six sites"),
+        (3, 0, "three sites"),
+        (5, 4, "five sites away from the origin"),
+    ):
         sites = line(random, n) + shift
         free = random.normal(size=n)
         q = np.linalg.qr(np.vander(sites, 2))[0]
-        calls.append(Call("from_truncated", (sites, free - q.dot(q.T.dot(free)), random.normal(size=2)), case))
+        calls.append(
+            Call(
+                "from_truncated", (sites, free - q.dot(q.T.dot(free)), random.normal(size=2)), case
+            )
+        )
     return tuple(calls)
 
 
@@ -89,7 +103,11 @@ def is_natural_and_hits(calls: Sequence[Call], values: Sequence[Values]) -> floa
     worst = 0.0
     for call, (a, b) in zip(calls, values, strict=True):
         sites, wanted = call.arguments
-        worst = max(worst, relative(cubes(sites, a, b, sites) - wanted, wanted), lacks_moments(sites, a) if abs(a).max() > 1e-9 else 0.0)
+        worst = max(
+            worst,
+            relative(cubes(sites, a, b, sites) - wanted, wanted),
+            lacks_moments(sites, a) if abs(a).max() > 1e-9 else 0.0,
+        )
     return worst
 
 
@@ -99,7 +117,9 @@ def is_natural_and_hits(calls: Sequence[Call], values: Sequence[Values]) -> floa
 def moments_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     cases = ((7, "seven sites"), (5, "five sites"), (3, "three sites"), (2, "two sites"))
-    return tuple(Call("moments", (line(random, n), random.normal(size=n)), case) for n, case in cases)
+    return tuple(
+        Call("moments", (line(random, n), random.normal(size=n)), case) for n, case in cases
+    )
 
 
 def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -115,7 +135,9 @@ def has_no_kink(calls: Sequence[Call], values: Sequence[Values]) -> float:
     worst = 0.0
     for call, (bends,) in zip(calls, values, strict=True):
         at_left, at_right = slopes(call.arguments[0], call.arguments[1], bends)
-        worst = max(worst, relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0))
+        worst = max(
+            worst, relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0)
+        )
     return worst
 
 
@@ -130,8 +152,14 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
         sites, bends = line(random, n), random.normal(size=n)
         bends[[0, -1]] = 0
         inside = np.linspace(sites[:-1], sites[1:], 4, axis=1).ravel()
-        ends = [sites[0] + np.array([-1.5, -1.0, -0.5]), inside, sites[-1] + np.array([0.5, 1.0, 1.5])]
-        calls.append(Call("piecewise", (sites, random.normal(size=n), bends, np.concatenate(ends)), case))
+        ends = [
+            sites[0] + np.array([-1.5, -1.0, -0.5]),
+            inside,
+            sites[-1] + np.array([0.5, 1.0, 1.5]),
+        ]
+        calls.append(
+            Call("piecewise", (sites, random.normal(size=n), bends, np.concatenate(ends)), case)
+        )
     return tuple(calls)
 
 
@@ -142,10 +170,14 @@ def is_cubic_inside_and_straight_outside(calls: Sequence[Call], values: Sequence
         sites, heights, m, _ = call.arguments
         four, step = s[3:-3].reshape(-1, 4), (sites[1:] - sites[:-1])[:, None] / 3
         ends = four[:, [0, 3]] - np.stack([heights[:-1], heights[1:]], axis=1)
-        second = four.dot([[2, -1], [-5, 4], [4, -5], [-1, 2]]) / step**2 - np.stack([m[:-1], m[1:]], axis=1)
+        second = four.dot([[2, -1], [-5, 4], [4, -5], [-1, 2]]) / step**2 - np.stack(
+            [m[:-1], m[1:]], axis=1
+        )
         at_left, at_right = slopes(sites, heights, m)
-        outer = [s[:3] - heights[0] + at_left[0] * np.array([1.5, 1.0, 0.5]),
-                 s[-3:] - heights[-1] - at_right[-1] * np.array([0.5, 1.0, 1.5])]  # fmt: skip
+        outer = [
+            s[:3] - heights[0] + at_left[0] * np.array([1.5, 1.0, 0.5]),
+            s[-3:] - heights[-1] - at_right[-1] * np.array([0.5, 1.0, 1.5]),
+        ]
         worst = max(worst, relative(ends, heights), relative(second, 100.0), relative(outer, s))
     return worst
 
@@ -165,7 +197,9 @@ def back_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-def _free_powers(sites: np.ndarray, bends: np.ndarray, straight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _free_powers(
+    sites: np.ndarray, bends: np.ndarray, straight: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return factors of truncated cubes whose second derivatives at the sites are these, and the line."""
     apart = np.subtract.outer(sites[1:], sites[:-1]).clip(min=0)
     factors = np.linalg.solve(6 * apart, bends[1:])
@@ -179,7 +213,12 @@ def is_made_of_half_cubes(calls: Sequence[Call], values: Sequence[Values]) -> fl
         sites, heights, bends = call.arguments
         second = 6 * np.subtract.outer(sites, sites).clip(min=0).dot(alpha)
         missed = half_cubes(sites, alpha, beta, sites) - heights
-        worst = max(worst, relative(missed, heights), relative(second - bends, bends), lacks_moments(sites, alpha))
+        worst = max(
+            worst,
+            relative(missed, heights),
+            relative(second - bends, bends),
+            lacks_moments(sites, alpha),
+        )
     return worst
 
 
@@ -192,10 +231,13 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
     sites, bends = line(random, 6), random.normal(size=6)
     bends[[0, -1]] = 0
     finer = np.sort(np.append(sites, (sites[1:] + sites[:-1]) / 2))
-    cases = ((sites, bends, "six sites"), (sites, 3 * bends, "moments three times as large"),
-             (finer, np.interp(finer, sites, bends), "the same curve, each interval cut in two"),
-             (-sites[::-1], bends[::-1], "the same curve, seen in a mirror"),
-             (sites[:2], np.array([2.0, 2.0]), "one interval on which s'' is 2"))  # fmt: skip
+    cases = (
+        (sites, bends, "six sites"),
+        (sites, 3 * bends, "moments three times as large"),
+        (finer, np.interp(finer, sites, bends), "the same curve, each interval cut in two"),
+        (-sites[::-1], bends[::-1], "the same curve, seen in a mirror"),
+        (sites[:2], np.array([2.0, 2.0]), "one interval on which s'' is 2"),
+    )
     return tuple(Call("energy", (x, m), case) for x, m, case in cases)
 
 
@@ -213,8 +255,12 @@ def b_spline_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     simple, double = line(random, 8), line(random, 10)
     double[5] = double[4]
-    cases = ((simple, 2, "eight knots and the degree 2"), (double, 3, "ten knots, two of them the same, and the degree 3"),
-             (simple[:5], 0, "five knots and the degree 0"), (double[3:8], 1, "five knots, two of them the same, and the degree 1"))  # fmt: skip
+    cases = (
+        (simple, 2, "eight knots and the degree 2"),
+        (double, 3, "ten knots, two of them the same, and the degree 3"),
+        (simple[:5], 0, "five knots and the degree 0"),
+        (double[3:8], 1, "five knots, two of them the same, and the degree 1"),
+    )
     calls = []
     for t, k, case in cases:
         x = np.concatenate([random.uniform(t[0] - 0.5, t[-1] + 0.5, 9), t[[1, -3]]])
@@ -252,38 +298,103 @@ def gives_every_power(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "10.1", "from_truncated", 3, conversion_inputs, coefficients_shape,
-        (Law("With the new coefficients (10.4) must be the same curve as (10.1), inside and outside.", is_the_same_curve),),
+        "10.1",
+        "from_truncated",
+        3,
+        conversion_inputs,
+        coefficients_shape,
+        (
+            Law(
+                "With the new coefficients (10.4) must be the same curve as (10.1), inside and outside.",
+                is_the_same_curve,
+            ),
+        ),
     ),
     Question(
-        "10.2", "radial_spline", 3, radial_inputs, coefficients_shape,
-        (Law("The curve (10.4) must go through the values, and its factors sum to zero, plain and weighted by the sites.",
-             is_natural_and_hits),),
+        "10.2",
+        "radial_spline",
+        3,
+        radial_inputs,
+        coefficients_shape,
+        (
+            Law(
+                "The curve (10.4) must go through the values, and its factors sum to zero, plain and weighted by the sites.",
+                is_natural_and_hits,
+            ),
+        ),
         tolerance=lambda _: 1e-8,
         normal_form=nothing_for_rounding,
     ),
     Question(
-        "10.3", "moments", 4, moments_inputs, lambda call: (call.arguments[0].shape,),
-        (Law("Neighbouring pieces must have the same slope where they meet, and both ends the moment zero.", has_no_kink),),
+        "10.3",
+        "moments",
+        4,
+        moments_inputs,
+        lambda call: (call.arguments[0].shape,),
+        (
+            Law(
+                "Neighbouring pieces must have the same slope where they meet, and both ends the moment zero.",
+                has_no_kink,
+            ),
+        ),
     ),
     Question(
-        "10.4", "piecewise", 3, pieces_inputs, lambda call: (call.arguments[3].shape,),
-        (Law("Each piece has the values and second derivatives of (10.6) at its ends; outside the curve goes on straight, with the "
-             "slope that it has there.", is_cubic_inside_and_straight_outside),),
+        "10.4",
+        "piecewise",
+        3,
+        pieces_inputs,
+        lambda call: (call.arguments[3].shape,),
+        (
+            Law(
+                "Each piece has the values and second derivatives of (10.6) at its ends; outside the curve goes on straight, with the "
+                "slope that it has there.",
+                is_cubic_inside_and_straight_outside,
+            ),
+        ),
     ),
     Question(
-        "10.5", "truncated", 3, back_inputs, coefficients_shape,
-        (Law("The curve (10.1) must have the values and the second derivatives at the sites, and satisfy (10.2).", is_made_of_half_cubes),),
+        "10.5",
+        "truncated",
+        3,
+        back_inputs,
+        coefficients_shape,
+        (
+            Law(
+                "The curve (10.1) must have the values and the second derivatives at the sites, and satisfy (10.2).",
+                is_made_of_half_cubes,
+            ),
+        ),
     ),
     Question(
-        "10.6", "energy", 2, energy_inputs, lambda _: ((),),
-        (Law("The integral of a square: three times s'' gives nine times as much, to cut an interval or to look in a mirror changes nothing, and "
-             "where s'' is 2 it is four times the length.", is_an_integral_of_a_square),),
+        "10.6",
+        "energy",
+        2,
+        energy_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "The integral of a square: three times s'' gives nine times as much, to cut an interval or to look in a mirror changes nothing, and "
+                "where s'' is 2 it is four times the length.",
+                is_an_integral_of_a_square,
+            ),
+        ),
     ),
     Question(
-        "10.7", "b_splines", 4, b_spline_inputs, b_spline_shape,
-        (Law("A B-spline is never negative, and zero outside the k + 1 intervals from its first knot to its last.", lives_where_it_should),
-         Law("Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times (y - t) for the knots t inside each: Marsden's "
-             "identity, which for the highest power of y says that their sum is one.", gives_every_power)),
+        "10.7",
+        "b_splines",
+        4,
+        b_spline_inputs,
+        b_spline_shape,
+        (
+            Law(
+                "A B-spline is never negative, and zero outside the k + 1 intervals from its first knot to its last.",
+                lives_where_it_should,
+            ),
+            Law(
+                "Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times (y - t) for the knots t inside each: Marsden's "
+                "identity, which for the highest power of y says that their sum is one.",
+                gives_every_power,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

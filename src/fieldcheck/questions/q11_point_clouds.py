@@ -44,7 +44,9 @@ def torus(random: np.random.Generator, rows: int, columns: int) -> np.ndarray:
     turn = 2 * np.pi * (i + random.uniform(-0.2, 0.2, i.size)) / rows
     round_axis = 2 * np.pi * (j + i % 2 / 2 + random.uniform(-0.2, 0.2, i.size)) / columns
     wide = 1 + THICK * np.cos(turn)
-    points = np.column_stack([wide * np.cos(round_axis), wide * np.sin(round_axis), THICK * np.sin(turn)])
+    points = np.column_stack(
+        [wide * np.cos(round_axis), wide * np.sin(round_axis), THICK * np.sin(turn)]
+    )
     return points[random.permutation(i.size)] @ OBLIQUE
 
 
@@ -72,7 +74,9 @@ def oval(random: np.random.Generator, n: int) -> np.ndarray:
 def drop(random: np.random.Generator, n: int) -> np.ndarray:
     """Return n points of a drop, a circle with two tangents that meet in a tip, in no order."""
     flank = np.sqrt(3.0)
-    along = (np.arange(n) + 0.5 + random.uniform(-0.1, 0.1, n)) / n * (2 * flank + 4 * np.pi / 3) - flank
+    along = (np.arange(n) + 0.5 + random.uniform(-0.1, 0.1, n)) / n * (
+        2 * flank + 4 * np.pi / 3
+    ) - flank
     turn = np.clip(along, 0, 4 * np.pi / 3) + np.pi / 3
     z = np.exp(1j * turn) * (1 + 1j * (along + np.pi / 3 - turn))
     return turned_tip(z)[random.permutation(n)]
@@ -90,7 +94,9 @@ def turned_tip(z: np.ndarray) -> np.ndarray:
 def outward_of_drop(points: np.ndarray) -> np.ndarray:
     """Return the outward normals of the drop at points of it."""
     angle = np.angle((points[:, 0] + 1j * points[:, 1]) / TIP)
-    return turned_tip(np.exp(1j * np.where(angle < 0, -1, 1) * np.maximum(np.abs(angle), np.pi / 3)))
+    return turned_tip(
+        np.exp(1j * np.where(angle < 0, -1, 1) * np.maximum(np.abs(angle), np.pi / 3))
+    )
 
 
 def outward_of_two(points: np.ndarray) -> np.ndarray:
@@ -104,7 +110,9 @@ RIGHT = np.array([4.0, 1.0])
 
 def any_sign(random: np.random.Generator, normals: np.ndarray) -> np.ndarray:
     """Return normals each of which may be turned round, as good as estimated ones."""
-    rough = random.choice([-1.0, 1.0], (len(normals), 1)) * normals + 0.01 * random.normal(size=normals.shape)
+    rough = random.choice([-1.0, 1.0], (len(normals), 1)) * normals + 0.01 * random.normal(
+        size=normals.shape
+    )
     return rough / np.sqrt((rough**2).sum(axis=1))[:, None]
 
 
@@ -114,7 +122,9 @@ def any_sign(random: np.random.Generator, normals: np.ndarray) -> np.ndarray:
 def normals_inputs(seed: int) -> tuple[Call, ...]:
     """Return clouds in the plane and in space, far from the origin too."""
     random = np.random.default_rng(seed)
-    flat = np.column_stack([random.uniform(-1, 1, (14, 2)), 0.05 * random.normal(size=14)]) @ OBLIQUE
+    flat = (
+        np.column_stack([random.uniform(-1, 1, (14, 2)), 0.05 * random.normal(size=14)]) @ OBLIQUE
+    )
     name = "normals"
     return (
         Call(name, (oval(random, 16), 4), "an oval, four neighbours"),
@@ -140,7 +150,12 @@ def are_across_the_neighbours(calls: Sequence[Call], values: Sequence[Values]) -
     worst = 0.0
     for call, (n, planarity) in zip(calls, values, strict=True):
         points, k = call.arguments
-        worst = max(worst, relative((n * n).sum(axis=1) - 1, 1.0), float((-planarity).max()), float(planarity.max() - 1))
+        worst = max(
+            worst,
+            relative((n * n).sum(axis=1) - 1, 1.0),
+            float((-planarity).max()),
+            float(planarity.max() - 1),
+        )
         for p, normal in zip(points, n, strict=True):
             near = points[((points - p) ** 2).sum(axis=1).argsort()[:k]] - p
             near = near - near.mean(axis=0)
@@ -164,7 +179,9 @@ def with_one_sign(_: Call, values: Values) -> Values:
 def graph_inputs(seed: int) -> tuple[Call, ...]:
     """Return clouds of even and of uneven density."""
     random = np.random.default_rng(seed)
-    uneven = np.column_stack([np.cumsum(1.3 ** np.arange(12.0)), random.uniform(0, 0.3, 12)])[random.permutation(12)]
+    uneven = np.column_stack([np.cumsum(1.3 ** np.arange(12.0)), random.uniform(0, 0.3, 12)])[
+        random.permutation(12)
+    ]
     return (
         Call("linked", (random.uniform(size=(14, 2)), 4), "points in a square"),
         Call("linked", (uneven, 3), "points that are dense at one end of a line"),
@@ -178,7 +195,9 @@ def links_both_ways(calls: Sequence[Call], values: Sequence[Values]) -> float:
     wrong = 0
     for call, (graph,) in zip(calls, values, strict=True):
         points, k = call.arguments
-        wrong += int((graph != graph.T).sum() + np.trace(graph)) + int(not np.isin(graph, (0, 1)).all())
+        wrong += int((graph != graph.T).sum() + np.trace(graph)) + int(
+            not np.isin(graph, (0, 1)).all()
+        )
         for p, row in zip(points, graph, strict=True):
             gaps = np.sqrt(((points - p) ** 2).sum(axis=1))
             order = gaps.argsort()
@@ -199,7 +218,12 @@ def near(points: np.ndarray, k: int) -> np.ndarray:
     return (rank | rank.T).astype(float)
 
 
-OUTWARD = {"a horseshoe": outward, "a torus in space": outward, "a drop with a sharp tip": outward_of_drop, "two bodies": outward_of_two}
+OUTWARD = {
+    "a horseshoe": outward,
+    "a torus in space": outward,
+    "a drop with a sharp tip": outward_of_drop,
+    "two bodies": outward_of_two,
+}
 
 
 def orient_inputs(seed: int) -> tuple[Call, ...]:
@@ -209,7 +233,9 @@ def orient_inputs(seed: int) -> tuple[Call, ...]:
     clouds = (horseshoe(random, 44, 0.1), torus(random, 8, 14), drop(random, 30), two)
     calls = []
     for (case, truth), points, k in zip(OUTWARD.items(), clouds, (4, 7, 5, 4), strict=True):
-        calls.append(Call("orient", (points, any_sign(random, truth(points)), near(points, k)), case))
+        calls.append(
+            Call("orient", (points, any_sign(random, truth(points)), near(points, k)), case)
+        )
     return tuple(calls)
 
 
@@ -259,22 +285,58 @@ def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> fl
 
 QUESTIONS = (
     Question(
-        "11.1", "normals", 3, normals_inputs, normals_shapes,
-        (Law("Normals have the length one, and in no direction beside them have the neighbours less variance.",
-             are_across_the_neighbours, 1e-6),),
-        normals_tolerance, with_one_sign,
+        "11.1",
+        "normals",
+        3,
+        normals_inputs,
+        normals_shapes,
+        (
+            Law(
+                "Normals have the length one, and in no direction beside them have the neighbours less variance.",
+                are_across_the_neighbours,
+                1e-6,
+            ),
+        ),
+        normals_tolerance,
+        with_one_sign,
     ),
     Question(
-        "11.2", "linked", 2, graph_inputs, lambda call: (2 * (len(call.arguments[0]),),),
-        (Law("Links go both ways, none leads to the point itself, and all of the nearest are linked.", links_both_ways),),
+        "11.2",
+        "linked",
+        2,
+        graph_inputs,
+        lambda call: (2 * (len(call.arguments[0]),),),
+        (
+            Law(
+                "Links go both ways, none leads to the point itself, and all of the nearest are linked.",
+                links_both_ways,
+            ),
+        ),
     ),
     Question(
-        "11.3", "orient", 4, orient_inputs, lambda call: (call.arguments[1].shape,),
-        (Law("Each normal is the given one or its opposite, and on these bodies it points outward.", point_outward),),
+        "11.3",
+        "orient",
+        4,
+        orient_inputs,
+        lambda call: (call.arguments[1].shape,),
+        (
+            Law(
+                "Each normal is the given one or its opposite, and on these bodies it points outward.",
+                point_outward,
+            ),
+        ),
     ),
     Question(
-        "11.4", "off_surface", 3, beside_inputs, lambda call: ((len(call.arguments[0]), 2),),
-        (Law("The nearest point of the cloud is the own one, and with twice the length, if that is not too much, it is not.",
-             belong_to_their_sites),),
+        "11.4",
+        "off_surface",
+        3,
+        beside_inputs,
+        lambda call: ((len(call.arguments[0]), 2),),
+        (
+            Law(
+                "The nearest point of the cloud is the own one, and with twice the length, if that is not too much, it is not.",
+                belong_to_their_sites,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

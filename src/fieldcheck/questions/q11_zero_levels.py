@@ -23,7 +23,9 @@ def cubes(x: np.ndarray, sites: np.ndarray, weights: np.ndarray, plane: np.ndarr
 def beside(points: np.ndarray, n: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Return sites on a surface and on both sides of it, and their signed distances."""
     zero = np.zeros(len(points))
-    return np.vstack([points, points + length * n, points - length * n]), np.concatenate([zero, zero - length, zero + length])
+    return np.vstack([points, points + length * n, points - length * n]), np.concatenate(
+        [zero, zero - length, zero + length]
+    )
 
 
 def fit_inputs(seed: int) -> tuple[Call, ...]:
@@ -31,9 +33,15 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     bent, ring = horseshoe(random, 14, 0.1), torus(random, 4, 5)
     return (
-        Call("implicit", (random.uniform(size=(9, 2)), random.normal(size=9)), "nine sites in a square"),
+        Call(
+            "implicit",
+            (random.uniform(size=(9, 2)), random.normal(size=9)),
+            "nine sites in a square",
+        ),
         Call("implicit", beside(bent, outward(bent), 0.15), "a horseshoe, and points beside it"),
-        Call("implicit", beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"),
+        Call(
+            "implicit", beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"
+        ),
     )
 
 
@@ -48,14 +56,20 @@ def meets_values_and_side_conditions(calls: Sequence[Call], values: Sequence[Val
     for call, (weights, plane) in zip(calls, values, strict=True):
         sites, wanted = call.arguments
         moments = weights @ np.insert(sites, 0, 1.0, axis=1)
-        worst = max(worst, relative(cubes(sites, sites, weights, plane) - wanted, wanted), relative(moments, weights))
+        worst = max(
+            worst,
+            relative(cubes(sites, sites, weights, plane) - wanted, wanted),
+            relative(moments, weights),
+        )
     return worst
 
 
 # 11.6 and 11.7 The field, its gradient, and the way to its zero level
 
 
-def body(random: np.random.Generator, d: int, sites: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def body(
+    random: np.random.Generator, d: int, sites: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return sites and coefficients of a function that is positive in a body about the origin only."""
     places = random.uniform(-0.3, 0.3, (sites, d))
     weights = -random.uniform(0.5, 1.5, sites) / sites
@@ -74,7 +88,11 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     plane, space, single = body(random, 2, 5), body(random, 3, 4), body(random, 2, 1)
     return (
         Call("field", (about(random, 7, 2), *plane), "seven places in the plane"),
-        Call("field", (np.vstack([about(random, 5, 3), space[0][:1]]), *space), "places in space, one of them a site"),
+        Call(
+            "field",
+            (np.vstack([about(random, 5, 3), space[0][:1]]), *space),
+            "places in space, one of them a site",
+        ),
         Call("field", (about(random, 3, 2), *single), "one site"),
     )
 
@@ -124,7 +142,9 @@ def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> f
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
     """Return squares that one line crosses: all twelve kinds."""
     random = np.random.default_rng(seed)
-    kinds = np.array([[(c >> i) & 1 for i in range(4)] for c in (*range(1, 5), *range(6, 10), *range(11, 15))])
+    kinds = np.array(
+        [[(c >> i) & 1 for i in range(4)] for c in (*range(1, 5), *range(6, 10), *range(11, 15))]
+    )
     signs = np.where(kinds == 1, 1.0, -1.0)
     distance = oval(random, 12)[:, :1] + np.array([[1.5, 2.0, 2.5, 3.0]])
     return (
@@ -151,22 +171,59 @@ def lie_on_the_border(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "11.5", "implicit", 3, fit_inputs, fit_shapes,
-        (Law("F takes the values at the sites, and the coefficients fulfil the side conditions.",
-             meets_values_and_side_conditions, 1e-7),),
+        "11.5",
+        "implicit",
+        3,
+        fit_inputs,
+        fit_shapes,
+        (
+            Law(
+                "F takes the values at the sites, and the coefficients fulfil the side conditions.",
+                meets_values_and_side_conditions,
+                1e-7,
+            ),
+        ),
         lambda _: 1e-7,
     ),
     Question(
-        "11.6", "field", 3, field_inputs, field_shapes,
-        (Law("Values are those of (11.6), and gradients agree with differences of them.", gradient_is_that_of_the_values, 1e-6),),
+        "11.6",
+        "field",
+        3,
+        field_inputs,
+        field_shapes,
+        (
+            Law(
+                "Values are those of (11.6), and gradients agree with differences of them.",
+                gradient_is_that_of_the_values,
+                1e-6,
+            ),
+        ),
     ),
     Question(
-        "11.7", "to_surface", 2, newton_inputs, lambda call: (call.arguments[0].shape,),
-        (Law("One step leads to the zero of the tangent, and nine to the zero level.", ends_on_the_zero_level, 1e-8),),
+        "11.7",
+        "to_surface",
+        2,
+        newton_inputs,
+        lambda call: (call.arguments[0].shape,),
+        (
+            Law(
+                "One step leads to the zero of the tangent, and nine to the zero level.",
+                ends_on_the_zero_level,
+                1e-8,
+            ),
+        ),
     ),
     Question(
-        "11.8", "pieces", 3, pieces_inputs, lambda call: ((len(call.arguments[0]), 2, 2),),
-        (Law("Ends lie on the sides of the square, where the values on the side are zero, and what is positive lies to the left.",
-             lie_on_the_border),),
+        "11.8",
+        "pieces",
+        3,
+        pieces_inputs,
+        lambda call: ((len(call.arguments[0]), 2, 2),),
+        (
+            Law(
+                "Ends lie on the sides of the square, where the values on the side are zero, and what is positive lies to the left.",
+                lie_on_the_border,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

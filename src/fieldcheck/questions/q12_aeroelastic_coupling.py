@@ -33,7 +33,11 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
     x = random.uniform(-0.2, 1.4, (5, 2))
     return (
         Call(name, (plane, x), "twelve nodes in the plane"),
-        Call(name, (turned, np.column_stack([-x[:, 1], x[:, 0]])), "the same after a quarter of a turn"),
+        Call(
+            name,
+            (turned, np.column_stack([-x[:, 1], x[:, 0]])),
+            "the same after a quarter of a turn",
+        ),
         Call(name, (space, random.uniform(0, 1, (4, 3))), "twelve nodes in space"),
         Call(name, (line, random.uniform(-0.5, 2.5, (6, 1))), "five nodes on the line"),
         Call(name, (triangle, random.uniform(0, 1, (3, 2))), "three nodes in the plane"),
@@ -107,9 +111,21 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
     """Return weights that move the whole, such as do not, and as many places as nodes."""
     random = np.random.default_rng(seed)
     return (
-        Call("loads", (transfer(random, 7, 4), random.normal(size=(7, 3))), "seven places and four nodes"),
-        Call("loads", (transfer(random, 4, 4), random.normal(size=(4, 3))), "four places and four nodes"),
-        Call("loads", (random.normal(size=(3, 5)), random.normal(size=(3, 2))), "weights that do not sum to one"),
+        Call(
+            "loads",
+            (transfer(random, 7, 4), random.normal(size=(7, 3))),
+            "seven places and four nodes",
+        ),
+        Call(
+            "loads",
+            (transfer(random, 4, 4), random.normal(size=(4, 3))),
+            "four places and four nodes",
+        ),
+        Call(
+            "loads",
+            (random.normal(size=(3, 5)), random.normal(size=(3, 2))),
+            "weights that do not sum to one",
+        ),
     )
 
 
@@ -155,7 +171,10 @@ def moves_by_the_total_force(calls: Sequence[Call], values: Sequence[Values]) ->
     ((reach, _, _),), ((_, _, pull),), _ = calls[4].arguments
     return max(
         relative(two - one - np.r_[0.0, 0.0, 0.0, carried], two),
-        relative(np.r_[couple[:3], again - couple, couple[3:] - np.cross(ends[0] - ends[1], pulls[0])], couple),
+        relative(
+            np.r_[couple[:3], again - couple, couple[3:] - np.cross(ends[0] - ends[1], pulls[0])],
+            couple,
+        ),
         relative(lever - [0.0, 0.0, pull, 0.0, -reach * pull, 0.0], lever),
     )
 
@@ -170,7 +189,11 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call("densities", (h, random.normal(size=12), areas), "twelve places and four nodes"),
         Call("densities", (h, np.full(12, 3.0), areas), "a constant pressure"),
-        Call("densities", (transfer(random, 5, 5), random.normal(size=5), np.full(5, 2.0)), "five places of equal area and five nodes"),
+        Call(
+            "densities",
+            (transfer(random, 5, 5), random.normal(size=5), np.full(5, 2.0)),
+            "five places of equal area and five nodes",
+        ),
     )
 
 
@@ -201,7 +224,11 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call(name, (nodes, places, forces), "five forces above a plate"),
         Call(name, (nodes, places * [1, 1, 0], forces), "forces in the plane of the plate"),
-        Call(name, (nodes, places[:1] * [1, 1, -2], np.array([[1.0, 0.5, 0.0]])), "one force along the plate, below it"),
+        Call(
+            name,
+            (nodes, places[:1] * [1, 1, -2], np.array([[1.0, 0.5, 0.0]])),
+            "one force along the plate, below it",
+        ),
     )
 
 
@@ -223,37 +250,92 @@ def weights_shape(call: Call) -> tuple[tuple[int, ...], ...]:
 
 QUESTIONS = (
     Question(
-        "12.1", "weights", 3, lambda seed: meshes("weights", seed), weights_shape,
-        (Law("If all nodes move alike, all places must move with them: the rows of H sum to one.", rows_sum_to_one),
-         Law("H applied to the coordinates of the nodes must give those of the places: linear displacements come back.", brings_places_back),
-         Law("At a node its own displacement counts, and no other.", is_one_at_its_node),
-         Law("Turning everything changes no weight.", turns_along)),
+        "12.1",
+        "weights",
+        3,
+        lambda seed: meshes("weights", seed),
+        weights_shape,
+        (
+            Law(
+                "If all nodes move alike, all places must move with them: the rows of H sum to one.",
+                rows_sum_to_one,
+            ),
+            Law(
+                "H applied to the coordinates of the nodes must give those of the places: linear displacements come back.",
+                brings_places_back,
+            ),
+            Law("At a node its own displacement counts, and no other.", is_one_at_its_node),
+            Law("Turning everything changes no weight.", turns_along),
+        ),
     ),
     Question(
-        "12.2", "loads", 1, loads_inputs,
+        "12.2",
+        "loads",
+        1,
+        loads_inputs,
         lambda call: ((call.arguments[0].shape[1], call.arguments[1].shape[1]),),
-        (Law("In every displacement of the nodes the loads must do the work that the forces do at the places.", does_the_same_work),),
+        (
+            Law(
+                "In every displacement of the nodes the loads must do the work that the forces do at the places.",
+                does_the_same_work,
+            ),
+        ),
     ),
     Question(
-        "12.4", "resultants", 2, resultants_inputs, lambda _: ((6,),),
-        (Law("About another point only the moment changes, and by what the total force does on the way between "
-             "the points: nothing for a couple. And (12.5) can be done by hand for a couple and for one upward force.", moves_by_the_total_force),),
+        "12.4",
+        "resultants",
+        2,
+        resultants_inputs,
+        lambda _: ((6,),),
+        (
+            Law(
+                "About another point only the moment changes, and by what the total force does on the way between "
+                "the points: nothing for a couple. And (12.5) can be done by hand for a couple and for one upward force.",
+                moves_by_the_total_force,
+            ),
+        ),
     ),
     Question(
-        "12.6", "densities", 2, densities_inputs, lambda call: ((call.arguments[0].shape[1],),),
-        (Law("A constant pressure must arrive as the same constant.", constant_comes_back),
-         Law("Pressure times area must have the same sum on both sides.", carries_the_whole)),
+        "12.6",
+        "densities",
+        2,
+        densities_inputs,
+        lambda call: ((call.arguments[0].shape[1],),),
+        (
+            Law("A constant pressure must arrive as the same constant.", constant_comes_back),
+            Law("Pressure times area must have the same sum on both sides.", carries_the_whole),
+        ),
     ),
     Question(
-        "12.7", "slopes", 2, slopes_inputs,
+        "12.7",
+        "slopes",
+        2,
+        slopes_inputs,
         lambda call: ((call.arguments[0].shape[1], *weights_shape(call)[0]),),
-        (Law("A constant has no slope, and a coordinate has the slope one along its own axis and none along others.", slope_of_linear_fields),
-         Law("Slopes turn along with everything else.", slopes_turn_along),
-         Law("From one node to the next the slopes must add up to the change of the weights: the one's falls from one to zero, "
-             "the other's rises from zero to one.", adds_up)),
+        (
+            Law(
+                "A constant has no slope, and a coordinate has the slope one along its own axis and none along others.",
+                slope_of_linear_fields,
+            ),
+            Law("Slopes turn along with everything else.", slopes_turn_along),
+            Law(
+                "From one node to the next the slopes must add up to the change of the weights: the one's falls from one to zero, "
+                "the other's rises from zero to one.",
+                adds_up,
+            ),
+        ),
     ),
     Question(
-        "12.8", "flat_loads", 3, flat_inputs, lambda call: ((len(call.arguments[0]), 3),),
-        (Law("In every rigid motion, a rotation too, the loads must do the work of the forces.", does_the_work_of_rigid_motions),),
+        "12.8",
+        "flat_loads",
+        3,
+        flat_inputs,
+        lambda call: ((len(call.arguments[0]), 3),),
+        (
+            Law(
+                "In every rigid motion, a rotation too, the loads must do the work of the forces.",
+                does_the_work_of_rigid_motions,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

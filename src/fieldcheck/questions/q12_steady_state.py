@@ -77,7 +77,11 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call("divergence", (k, h, slope), "a section on one spring"),
         Call("divergence", both, "two sections, the second of which turns back"),
-        Call("divergence", (np.diag(random.uniform(2, 3, 4)), frame, frame @ turning @ frame.T), "four nodes with loads that turn"),
+        Call(
+            "divergence",
+            (np.diag(random.uniform(2, 3, 4)), frame, frame @ turning @ frame.T),
+            "four nodes with loads that turn",
+        ),
     )
 
 
@@ -90,18 +94,40 @@ def is_just_singular(calls: Sequence[Call], values: Sequence[Values]) -> float:
         at = np.linalg.svd(k - q * softening, compute_uv=False)
         parts = np.linspace(0, 0.999, 200)
         signs = np.linalg.slogdet(k - q * parts[:, None, None] * softening)[0]
-        worst = max(worst, float(at[-1] / at[0]) if len(at) > 1 else relative(at, k), float((signs <= 0).any() or q <= 0))
+        worst = max(
+            worst,
+            float(at[-1] / at[0]) if len(at) > 1 else relative(at, k),
+            float((signs <= 0).any() or q <= 0),
+        )
     return worst
 
 
 QUESTIONS = (
     Question(
-        "12.10", "iterates", 3, iterates_inputs, lambda call: ((call.arguments[5] + 1, len(call.arguments[0])),),
-        (Law("A section on one spring begins at rest, and each of its steps is 1 − ω(1 − λ) times the one before, where λ "
-             "is how much the moment of the lift grows with the angle, divided by how much that of the spring does.", settles_as_a_section),),
+        "12.10",
+        "iterates",
+        3,
+        iterates_inputs,
+        lambda call: ((call.arguments[5] + 1, len(call.arguments[0])),),
+        (
+            Law(
+                "A section on one spring begins at rest, and each of its steps is 1 − ω(1 − λ) times the one before, where λ "
+                "is how much the moment of the lift grows with the angle, divided by how much that of the spring does.",
+                settles_as_a_section,
+            ),
+        ),
     ),
     Question(
-        "12.11", "divergence", 2, divergence_inputs, lambda _: ((),),
-        (Law("There the matrix of structure and flow is singular, and at no smaller pressure.", is_just_singular),),
+        "12.11",
+        "divergence",
+        2,
+        divergence_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "There the matrix of structure and flow is singular, and at no smaller pressure.",
+                is_just_singular,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

@@ -22,7 +22,11 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
         Call("bounds", (sites, u, feet), "seven feet among sixteen sites"),
         Call("bounds", (sites, -u, feet), "the same with the opposite field"),
         Call("bounds", (sites, u, sites + 0.0), "feet that are the sites"),
-        Call("bounds", (in_disc(random, 20), random.normal(size=20), 0.5 * in_disc(random, 3)), "three feet in the disc"),
+        Call(
+            "bounds",
+            (in_disc(random, 20), random.normal(size=20), 0.5 * in_disc(random, 3)),
+            "three feet in the disc",
+        ),
     )
 
 
@@ -69,9 +73,19 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
     name = "with_mass"
     return (
         Call(name, (u, u - 9, u + 9, m, float(m @ u) + 2.0), "bounds that are far away"),
-        Call(name, (u - 5, low - 5, high - 5, m, more - 5 * float(m.sum())), "a mass that is to grow"),
-        Call(name, (u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())), "a mass that is to shrink"),
-        Call(name, (u, outside - 0.2, outside + 0.2, m, float(m @ outside)), "values beyond their bounds"),
+        Call(
+            name, (u - 5, low - 5, high - 5, m, more - 5 * float(m.sum())), "a mass that is to grow"
+        ),
+        Call(
+            name,
+            (u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())),
+            "a mass that is to shrink",
+        ),
+        Call(
+            name,
+            (u, outside - 0.2, outside + 0.2, m, float(m @ outside)),
+            "values beyond their bounds",
+        ),
         Call(name, (u, low, high, m, float(m @ u)), "a mass that is right already"),
     )
 
@@ -133,20 +147,53 @@ def constant_shifts(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "13.8", "bounds", 2, bounds_inputs, lambda call: ((len(call.arguments[2]),),) * 2,
-        (Law("Bounds are values of the field.", are_values),
-         Law("If the field changes its sign, the bounds do, and exchange their places.", turns_over),
-         Law("Four sites are asked, so that four values at least lie between the bounds.", hold_four),
-         Law("A foot that is a site has the value there between its bounds.", holds_the_nearest)),
+        "13.8",
+        "bounds",
+        2,
+        bounds_inputs,
+        lambda call: ((len(call.arguments[2]),),) * 2,
+        (
+            Law("Bounds are values of the field.", are_values),
+            Law(
+                "If the field changes its sign, the bounds do, and exchange their places.",
+                turns_over,
+            ),
+            Law(
+                "Four sites are asked, so that four values at least lie between the bounds.",
+                hold_four,
+            ),
+            Law("A foot that is a site has the value there between its bounds.", holds_the_nearest),
+        ),
     ),
     Question(
-        "13.9", "with_mass", 3, mass_inputs, lambda call: (call.arguments[0].shape,),
-        (Law("The values must have the mass that is asked for, and lie within their bounds.", has_the_mass),
-         Law("All values that are at neither bound are changed by the same number.", changes_alike)),
+        "13.9",
+        "with_mass",
+        3,
+        mass_inputs,
+        lambda call: (call.arguments[0].shape,),
+        (
+            Law(
+                "The values must have the mass that is asked for, and lie within their bounds.",
+                has_the_mass,
+            ),
+            Law(
+                "All values that are at neither bound are changed by the same number.",
+                changes_alike,
+            ),
+        ),
     ),
     Question(
-        "13.11", "burgers_feet", 2, burgers_inputs, lambda call: (call.arguments[0].shape,),
-        (Law("A constant velocity shifts all places alike.", constant_shifts),
-         Law("If the velocity is linear, each round adds a term of a geometric series.", closes_in)),
+        "13.11",
+        "burgers_feet",
+        2,
+        burgers_inputs,
+        lambda call: (call.arguments[0].shape,),
+        (
+            Law("A constant velocity shifts all places alike.", constant_shifts),
+            Law(
+                "If the velocity is linear, each round adds a term of a geometric series.",
+                closes_in,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

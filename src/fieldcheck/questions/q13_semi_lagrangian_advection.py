@@ -36,7 +36,11 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
         Call(name, (x, t, dt, 1), "eight places in the vortex"),
         Call(name, (x, t, dt / 2, 1), "the same with half the step"),
         Call(name, (x, t, 2 * dt, 0), "eight places in the flow that turns as a whole"),
-        Call(name, (0.9 * in_square(random, 2), t, 3 * dt, 2), "four places in the flow that stretches"),
+        Call(
+            name,
+            (0.9 * in_square(random, 2), t, 3 * dt, 2),
+            "four places in the flow that stretches",
+        ),
     )
 
 
@@ -71,13 +75,27 @@ def grows_by(square: Callable[[float], float]) -> Deviation:
     return deviation
 
 
-def feet_question(number: int, scheme: str, points: int, order: int, square: Callable[[float], float]) -> Question:
+def feet_question(
+    number: int, scheme: str, points: int, order: int, square: Callable[[float], float]
+) -> Question:
     """Return the question for the feet by a scheme whose step has an error of that order."""
     return Question(
-        f"13.{number}", scheme, points, lambda seed: feet_inputs(scheme, seed), lambda call: (call.arguments[0].shape,),
-        (Law(f"In the vortex half the step must make the error 2^{order} times smaller.", falls_with_order(order)),
-         Law("In a solid rotation the distance from the middle changes by a factor that is known for this scheme.", grows_by(square))),
-    )  # fmt: skip
+        f"13.{number}",
+        scheme,
+        points,
+        lambda seed: feet_inputs(scheme, seed),
+        lambda call: (call.arguments[0].shape,),
+        (
+            Law(
+                f"In the vortex half the step must make the error 2^{order} times smaller.",
+                falls_with_order(order),
+            ),
+            Law(
+                "In a solid rotation the distance from the middle changes by a factor that is known for this scheme.",
+                grows_by(square),
+            ),
+        ),
+    )
 
 
 # 13.5 The matrix of a step
@@ -93,7 +111,11 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         Call(name, (sites, random.uniform(-1, 1, (6, 2)), 9), "six feet with nine sites each"),
         Call(name, (few, random.uniform(-1.2, 1.2, (4, 2)), 9), "four feet with all nine sites"),
         Call(name, (sites, sites[[7, 0, 18]], 8), "three feet that are sites"),
-        Call(name, (line, random.uniform(-0.1, 1.1, (5, 1)), 4), "five feet on a line, with four sites each"),
+        Call(
+            name,
+            (line, random.uniform(-0.1, 1.1, (5, 1)), 4),
+            "five feet on a line, with four sites each",
+        ),
     )
 
 
@@ -134,16 +156,26 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
     slope = random.normal(size=2)
     name = "advect"
     return (
-        Call(name, (disc, 1 + disc @ slope, dt, 3, 0, 8), "an affine field in the flow that turns as a whole"),
+        Call(
+            name,
+            (disc, 1 + disc @ slope, dt, 3, 0, 8),
+            "an affine field in the flow that turns as a whole",
+        ),
         Call(name, (disc, np.full(24, 2.5), dt, 2, 1, 8), "a constant in the vortex"),
         Call(name, (disc, random.normal(size=24), 2 * dt, 3, 1, 8), "a field in the vortex"),
-        Call(name, (square, random.normal(size=16), 3 * dt, 2, 2, 9), "a field in the flow that stretches"),
+        Call(
+            name,
+            (square, random.normal(size=16), 3 * dt, 2, 2, 9),
+            "a field in the flow that stretches",
+        ),
     )
 
 
 def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a constant is from itself, and the first row from the field at the beginning."""
-    begins = max(relative(u[0] - c.arguments[1], u[0]) for c, (u,) in zip(calls, values, strict=True))
+    begins = max(
+        relative(u[0] - c.arguments[1], u[0]) for c, (u,) in zip(calls, values, strict=True)
+    )
     return max(begins, relative(values[1][0] - 2.5, 2.5))
 
 
@@ -163,15 +195,35 @@ QUESTIONS = (
     feet_question(2, "midpoint", 2, 3, lambda a: 1 + a**4 / 4),
     feet_question(3, "rk4", 2, 5, lambda a: 1 - a**6 / 72 + a**8 / 576),
     Question(
-        "13.5", "step_matrix", 3, matrix_inputs,
+        "13.5",
+        "step_matrix",
+        3,
+        matrix_inputs,
         lambda call: ((len(call.arguments[1]), len(call.arguments[0])),),
-        (Law("Linear fields come back: rows sum to one, and the weighted mean of the sites is the foot.", brings_linear_fields_back),
-         Law("Only the k sites nearest to its foot have weights in a row.", counts_the_nearest),
-         Law("At a site its own value counts, and no other.", is_one_at_its_site)),
+        (
+            Law(
+                "Linear fields come back: rows sum to one, and the weighted mean of the sites is the foot.",
+                brings_linear_fields_back,
+            ),
+            Law("Only the k sites nearest to its foot have weights in a row.", counts_the_nearest),
+            Law("At a site its own value counts, and no other.", is_one_at_its_site),
+        ),
     ),
     Question(
-        "13.6", "advect", 3, advect_inputs, lambda call: ((call.arguments[3] + 1, len(call.arguments[0])),),
-        (Law("The first row is the field at the beginning, and a constant stays what it is.", constants_stay),
-         Law("An affine field in a solid rotation only turns: there is no error in space, and in time that of the feet.", affine_fields_turn)),
+        "13.6",
+        "advect",
+        3,
+        advect_inputs,
+        lambda call: ((call.arguments[3] + 1, len(call.arguments[0])),),
+        (
+            Law(
+                "The first row is the field at the beginning, and a constant stays what it is.",
+                constants_stay,
+            ),
+            Law(
+                "An affine field in a solid rotation only turns: there is no error in space, and in time that of the feet.",
+                affine_fields_turn,
+            ),
+        ),
     ),
-)  # fmt: skip
+)

@@ -28,15 +28,21 @@ def net(numbers: np.ndarray) -> np.ndarray:
 def sheet(rows: int = 3, columns: int = 4) -> Surface:
     """Return a rectangle of paper, slightly bent."""
     y, x = (axis.ravel() for axis in np.mgrid[: rows + 1, : columns + 1])
-    return np.column_stack([x, y, 0.1 * x * y]), net(np.arange(x.size).reshape(rows + 1, columns + 1))
+    return np.column_stack([x, y, 0.1 * x * y]), net(
+        np.arange(x.size).reshape(rows + 1, columns + 1)
+    )
 
 
 def ball(rings: int = 3, around: int = 6) -> Surface:
     """Return a sphere: rings of vertices about the axis, and two poles; seen from outside."""
     up, turn = np.pi * np.arange(1, rings + 1) / (rings + 1), 2 * np.pi * np.arange(around) / around
     height, angle = (axis.ravel() for axis in np.meshgrid(up, turn, indexing="ij"))
-    points = np.column_stack([np.sin(height) * np.cos(angle), np.sin(height) * np.sin(angle), np.cos(height)])
-    numbers = np.pad(np.arange(rings * around).reshape(rings, around), ((0, 0), (0, 1)), mode="wrap")
+    points = np.column_stack(
+        [np.sin(height) * np.cos(angle), np.sin(height) * np.sin(angle), np.cos(height)]
+    )
+    numbers = np.pad(
+        np.arange(rings * around).reshape(rings, around), ((0, 0), (0, 1)), mode="wrap"
+    )
     first, last, n = numbers[0], numbers[-1], len(points)
     caps = [[n, i, j] for i, j in pairwise(first)]
     caps += [[n + 1, j, i] for i, j in pairwise(last)]
@@ -45,18 +51,28 @@ def ball(rings: int = 3, around: int = 6) -> Surface:
 
 def ring(rows: int = 4, columns: int = 6) -> Surface:
     """Return a torus."""
-    small, large = np.meshgrid(2 * np.pi * np.arange(rows) / rows, 2 * np.pi * np.arange(columns) / columns, indexing="ij")
+    small, large = np.meshgrid(
+        2 * np.pi * np.arange(rows) / rows, 2 * np.pi * np.arange(columns) / columns, indexing="ij"
+    )
     wide = (2 + 0.8 * np.cos(small)).ravel()
-    points = np.column_stack([wide * np.cos(large.ravel()), wide * np.sin(large.ravel()), 0.8 * np.sin(small.ravel())])
-    return points, net(np.pad(np.arange(rows * columns).reshape(rows, columns), ((0, 1), (0, 1)), mode="wrap"))
+    points = np.column_stack(
+        [wide * np.cos(large.ravel()), wide * np.sin(large.ravel()), 0.8 * np.sin(small.ravel())]
+    )
+    return points, net(
+        np.pad(np.arange(rows * columns).reshape(rows, columns), ((0, 1), (0, 1)), mode="wrap")
+    )
 
 
 def band(twists: int, columns: int = 12) -> Surface:
     """Return a closed strip of paper after so many half turns; with one it is that of Möbius."""
-    grid = np.meshgrid(np.linspace(-0.5, 0.5, 3), 2 * np.pi * np.arange(columns) / columns, indexing="ij")
+    grid = np.meshgrid(
+        np.linspace(-0.5, 0.5, 3), 2 * np.pi * np.arange(columns) / columns, indexing="ij"
+    )
     across, along = (axis.ravel() for axis in grid)
     wide = 1.2 + across * np.cos(twists * along / 2)
-    points = np.column_stack([wide * np.cos(along), wide * np.sin(along), across * np.sin(twists * along / 2)])
+    points = np.column_stack(
+        [wide * np.cos(along), wide * np.sin(along), across * np.sin(twists * along / 2)]
+    )
     numbers = np.arange(3 * columns).reshape(3, columns)
     first = numbers[:, :1] if twists % 2 == 0 else numbers[::-1, :1]
     return points, net(np.hstack([numbers, first]))
@@ -65,7 +81,9 @@ def band(twists: int, columns: int = 12) -> Surface:
 def book(pages: int) -> Surface:
     """Return triangles that share one edge, as pages share the spine."""
     angle = 2 * np.pi * np.arange(pages) / pages
-    points = np.vstack([[[0, 0, 0], [0, 0, 1]], np.column_stack([np.cos(angle), np.sin(angle), 0.5 + 0 * angle])])
+    points = np.vstack(
+        [[[0, 0, 0], [0, 0, 1]], np.column_stack([np.cos(angle), np.sin(angle), 0.5 + 0 * angle])]
+    )
     return points, np.array([[0, 1, 2 + k] if k % 2 else [1, 0, 2 + k] for k in range(pages)])
 
 
@@ -129,7 +147,9 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
         "a sphere": shuffled(random, ball()),
         "a sheet": shuffled(random, sheet()),
         "triangles like the pages of two books, and a sheet": shuffled(random, crowd),
-        "a sphere of which some triangles are turned over": shuffled(random, flipped(random, ball(2, 5))),
+        "a sphere of which some triangles are turned over": shuffled(
+            random, flipped(random, ball(2, 5))
+        ),
     }
 
 
@@ -138,7 +158,9 @@ TIMES = ((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60))
 
 
 def count_inputs(seed: int) -> tuple[Call, ...]:
-    return tuple(Call("triangles_at_sides", (t,), case) for case, (_, t) in edge_surfaces(seed).items())
+    return tuple(
+        Call("triangles_at_sides", (t,), case) for case, (_, t) in edge_surfaces(seed).items()
+    )
 
 
 def counts_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -166,9 +188,19 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
         "a sphere of which every triangle has vertices of its own": soup,
         "three triangles at one edge": book(3),
     }
-    calls = [Call("euler_characteristic", (shuffled(random, s)[1],), case) for case, s in surfaces.items()]
+    calls = [
+        Call("euler_characteristic", (shuffled(random, s)[1],), case)
+        for case, s in surfaces.items()
+    ]
     spare = shuffled(random, without(ball(2, 6), 0, 8), 5)
-    return (*calls, Call("euler_characteristic", (spare[1],), "a sphere with two holes, and vertices that no triangle has"))
+    return (
+        *calls,
+        Call(
+            "euler_characteristic",
+            (spare[1],),
+            "a sphere with two holes, and vertices that no triangle has",
+        ),
+    )
 
 
 CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 0)
@@ -190,7 +222,9 @@ def loop_inputs(seed: int) -> tuple[Call, ...]:
         "a strip of paper": band(0, 6),
         "the strip of Möbius": band(1, 6),
         "a torus": ring(3, 4),
-        "two sheets, of which some triangles are turned over": flipped(random, joined(sheet(2, 2), sheet(1, 3))),
+        "two sheets, of which some triangles are turned over": flipped(
+            random, joined(sheet(2, 2), sheet(1, 3))
+        ),
     }
     made = {case: shuffled(random, surface, 3) for case, surface in surfaces.items()}
     return tuple(Call("boundary_loops", (len(p), t), case) for case, (p, t) in made.items())
@@ -215,7 +249,9 @@ def fan_inputs(seed: int) -> tuple[Call, ...]:
     n, m = len(ball()[0]), len(ball(2, 5)[0])
     surfaces = {
         "a sheet": sheet(),
-        "three spheres that share one vertex": fused(joined(*3 * [ball(2, 5)]), (3, m + 4), (3, 2 * m + 1)),
+        "three spheres that share one vertex": fused(
+            joined(*3 * [ball(2, 5)]), (3, m + 4), (3, 2 * m + 1)
+        ),
         "a sphere two of whose vertices were made one": fused(ball(), (1, n - 3)),
         "two sheets that share a corner": fused(joined(sheet(2, 2), sheet(1, 3)), (8, 9)),
         "the pages of a book": book(4),
@@ -240,21 +276,55 @@ def fans_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values])
 
 QUESTIONS = (
     Question(
-        "14.2", "triangles_at_sides", 2, count_inputs, lambda call: ((call.arguments[0].size,),),
-        (Law("It is known how many edges of each kind these surfaces have, and all sides of an edge have one number.",
-             counts_are_those_of_the_weave),),
+        "14.2",
+        "triangles_at_sides",
+        2,
+        count_inputs,
+        lambda call: ((call.arguments[0].size,),),
+        (
+            Law(
+                "It is known how many edges of each kind these surfaces have, and all sides of an edge have one number.",
+                counts_are_those_of_the_weave,
+            ),
+        ),
     ),
     Question(
-        "14.3", "euler_characteristic", 2, euler_inputs, lambda _: ((),),
-        (Law("The characteristic of each of these surfaces is known.", is_the_known_characteristic),),
+        "14.3",
+        "euler_characteristic",
+        2,
+        euler_inputs,
+        lambda _: ((),),
+        (
+            Law(
+                "The characteristic of each of these surfaces is known.",
+                is_the_known_characteristic,
+            ),
+        ),
     ),
     Question(
-        "14.4", "boundary_loops", 3, loop_inputs, lambda call: ((call.arguments[0],),),
-        (Law("It is known how many loops there are, and how long; a loop is called by the least of its vertices.",
-             loops_have_the_known_lengths),),
+        "14.4",
+        "boundary_loops",
+        3,
+        loop_inputs,
+        lambda call: ((call.arguments[0],),),
+        (
+            Law(
+                "It is known how many loops there are, and how long; a loop is called by the least of its vertices.",
+                loops_have_the_known_lengths,
+            ),
+        ),
     ),
     Question(
-        "14.5", "fans", 3, fan_inputs, lambda call: ((call.arguments[0],),),
-        (Law("It is known how many vertices have no fan, one fan, and more.", fans_are_those_of_the_weave),),
+        "14.5",
+        "fans",
+        3,
+        fan_inputs,
+        lambda call: ((call.arguments[0],),),
+        (
+            Law(
+                "It is known how many vertices have no fan, one fan, and more.",
+                fans_are_those_of_the_weave,
+            ),
+        ),
     ),
 )

@@ -29,9 +29,16 @@ def copies(random: np.random.Generator, n: int, tolerance: float) -> np.ndarray:
     Some others are only a little farther apart, along the diagonal of space.
     """
     cells = np.array(np.unravel_index(random.permutation(512)[:n], (8, 8, 8))).T
-    off = tolerance * np.array([[0.0, 0, 0], [-0.45, 0.4, 0.35], [-0.2, 0.1, -0.25], [0.7, -0.7, 0.7]])
+    off = tolerance * np.array(
+        [[0.0, 0, 0], [-0.45, 0.4, 0.35], [-0.2, 0.1, -0.25], [0.7, -0.7, 0.7]]
+    )
     used = [((0,), (0, 1), (0, 1, 2), (0, 3))[k % 4] for k in range(n)]
-    points = np.vstack([10 * tolerance * (cell + 0.03) + off[list(which)] for cell, which in zip(cells, used, strict=True)])
+    points = np.vstack(
+        [
+            10 * tolerance * (cell + 0.03) + off[list(which)]
+            for cell, which in zip(cells, used, strict=True)
+        ]
+    )
     return points[random.permutation(len(points))]
 
 
@@ -43,7 +50,11 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
     return (
         Call("weld", (copies(random, 12, 1e-3), 1e-3), "points with near copies"),
         Call("weld", (exact, 0.0), "points with exact copies, and the tolerance zero"),
-        Call("weld", (copies(random, 8, 0.5) + 1e6, 0.5), "points with near copies, far from the origin"),
+        Call(
+            "weld",
+            (copies(random, 8, 0.5) + 1e6, 0.5),
+            "points with near copies, far from the origin",
+        ),
         Call("weld", (cloud, 1e-6), "nine points without copies"),
     )
 
@@ -56,7 +67,11 @@ def is_the_first_in_its_place(calls: Sequence[Call], values: Sequence[Values]) -
         for i, j in enumerate(place.tolist()):
             gaps = np.sqrt(((points[: i + 1] - points[i]) ** 2).sum(axis=1))
             there = j in range(i + 1)
-            wrong += not there or bool(gaps[int(j)] > tolerance) or bool((gaps[: int(j)] <= tolerance).any())
+            wrong += (
+                not there
+                or bool(gaps[int(j)] > tolerance)
+                or bool((gaps[: int(j)] <= tolerance).any())
+            )
     return float(wrong)
 
 
@@ -85,7 +100,9 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
     calls = []
     for case, surface in surfaces.items():
         points, triangles = shuffled(random, surface)
-        calls.append(Call("turns", (points + random.uniform(-0.05, 0.05, points.shape), triangles), case))
+        calls.append(
+            Call("turns", (points + random.uniform(-0.05, 0.05, points.shape), triangles), case)
+        )
     return tuple(calls)
 
 
@@ -111,13 +128,22 @@ def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
 def thin(random: np.random.Generator, base: float, height: float, foot: float) -> np.ndarray:
     """Return the corners of a triangle of that base and height, whose apex stands over that part of it."""
     flat = np.array([[0, 0, 0], [base, 0, 0], [foot * base, height, 0]])
-    return flat[random.permutation(3)] @ np.linalg.qr(random.normal(size=(3, 3)))[0] + random.normal(size=3)
+    return flat[random.permutation(3)] @ np.linalg.qr(random.normal(size=(3, 3)))[
+        0
+    ] + random.normal(size=3)
 
 
 HEIGHTS = (
-    (1, 1, 0.5), (1, 1.6e-3, 0.4), (1, 5e-4, 0.4), (2, 5e-4, 0.0002), (2, 5e-4, 0.9),
-    (0.004, 0.003, 0.5), (30, 1.7e-3, 0.3), (30, 7e-4, 0.3), (6e-4, 4e-4, 0.5),
-)  # fmt: skip
+    (1, 1, 0.5),
+    (1, 1.6e-3, 0.4),
+    (1, 5e-4, 0.4),
+    (2, 5e-4, 0.0002),
+    (2, 5e-4, 0.9),
+    (0.004, 0.003, 0.5),
+    (30, 1.7e-3, 0.3),
+    (30, 7e-4, 0.3),
+    (6e-4, 4e-4, 0.5),
+)
 """Base, height and place of the apex of the triangles that are tried with a tolerance of 0.001."""
 
 
@@ -125,13 +151,22 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
     """Return triangles that are large, small, needles, caps, points, with equal corners by name."""
     random = np.random.default_rng(seed)
     corners = [thin(random, *numbers) for numbers in HEIGHTS]
-    corners += [np.repeat(random.normal(size=(1, 3)), 3, axis=0), random.normal(size=(2, 3))[[0, 1, 0]]]
+    corners += [
+        np.repeat(random.normal(size=(1, 3)), 3, axis=0),
+        random.normal(size=(2, 3))[[0, 1, 0]],
+    ]
     points = np.concatenate(corners)
     named = np.append(np.arange(len(points)).reshape(-1, 3), [[4, 7, 4], [0, 9, 20]], axis=0)
     small = np.arange(3 * len(HEIGHTS)).reshape(-1, 3)
     return (
-        Call("flat", (points, named, 1e-3), "triangles in metres, with a tolerance of a millimetre"),
-        Call("flat", (1e-3 * points[: small.size], small, 1e-6), "triangles in kilometres, with a tolerance of a millimetre"),
+        Call(
+            "flat", (points, named, 1e-3), "triangles in metres, with a tolerance of a millimetre"
+        ),
+        Call(
+            "flat",
+            (1e-3 * points[: small.size], small, 1e-6),
+            "triangles in kilometres, with a tolerance of a millimetre",
+        ),
         Call("flat", (points[: small.size], small, 0.0), "the tolerance zero"),
     )
 
@@ -147,9 +182,17 @@ def is_flat_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 THROUGH = (
-    (0.3, 0.3, 0.6, -0.5), (0.05, 0.9, 0.2, -0.7), (0.3, 0.3, 0.9, 0.4), (0.3, 0.3, -0.2, -0.8), (1.2, 0.3, 0.6, -0.5),
-    (-0.3, 0.5, 0.6, -0.5), (0.4, -0.2, 0.6, -0.5), (0.6, 0.7, 0.8, -0.3), (0.2, 0.1, -0.6, 0.5), (-0.2, -0.3, 0.4, -0.4),
-)  # fmt: skip
+    (0.3, 0.3, 0.6, -0.5),
+    (0.05, 0.9, 0.2, -0.7),
+    (0.3, 0.3, 0.9, 0.4),
+    (0.3, 0.3, -0.2, -0.8),
+    (1.2, 0.3, 0.6, -0.5),
+    (-0.3, 0.5, 0.6, -0.5),
+    (0.4, -0.2, 0.6, -0.5),
+    (0.6, 0.7, 0.8, -0.3),
+    (0.2, 0.1, -0.6, 0.5),
+    (-0.2, -0.3, 0.4, -0.4),
+)
 """Two coordinates of the place in the plane of a triangle, and the heights of both ends."""
 
 
@@ -157,16 +200,23 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
     """Return lines from point to point that go through triangles, past them, or do not reach them."""
     random = np.random.default_rng(seed)
     calls = []
-    for case, size, middle in (("ten lines and triangles", 1.0, 0.0), ("the same, small and far from the origin", 1e-3, 5.0)):
+    for case, size, middle in (
+        ("ten lines and triangles", 1.0, 0.0),
+        ("the same, small and far from the origin", 1e-3, 5.0),
+    ):
         corners = random.normal(size=(10, 3, 3))
-        corners[:, 1:] = corners[:, :1] + np.array([[[2.0, 0.3, 0], [0.4, 1.7, 0.2]]]) + 0.2 * corners[:, 1:]
+        corners[:, 1:] = (
+            corners[:, :1] + np.array([[[2.0, 0.3, 0], [0.4, 1.7, 0.2]]]) + 0.2 * corners[:, 1:]
+        )
         corners = corners @ np.linalg.qr(random.normal(size=(3, 3)))[0]
         u, v, high, low = np.array(THROUGH).T[:, :, None]
         a, b, c = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         slope = np.cross(b, c) + 0.3 * b - 0.2 * c
         place = a + u * b + v * c
         ends = (place + height * slope for height in (high, low))
-        calls.append(Call("pierced", (*(middle + size * e for e in ends), middle + size * corners), case))
+        calls.append(
+            Call("pierced", (*(middle + size * e for e in ends), middle + size * corners), case)
+        )
     return tuple(calls)
 
 
@@ -179,21 +229,45 @@ def goes_through_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "14.1", "weld", 2, weld_inputs, lambda call: ((len(call.arguments[0]),),),
-        (Law("A vertex and the one that stands for it are no farther apart than the tolerance, and no earlier vertex is so near.",
-             is_the_first_in_its_place),),
+        "14.1",
+        "weld",
+        2,
+        weld_inputs,
+        lambda call: ((len(call.arguments[0]),),),
+        (
+            Law(
+                "A vertex and the one that stands for it are no farther apart than the tolerance, and no earlier vertex is so near.",
+                is_the_first_in_its_place,
+            ),
+        ),
     ),
     Question(
-        "14.6", "turns", 4, turn_inputs, lambda call: ((len(call.arguments[1]),),),
-        (Law("Once they are turned, no two triangles run along an edge in the same direction; and a part with one side has zeros.",
-             makes_them_agree),),
+        "14.6",
+        "turns",
+        4,
+        turn_inputs,
+        lambda call: ((len(call.arguments[1]),),),
+        (
+            Law(
+                "Once they are turned, no two triangles run along an edge in the same direction; and a part with one side has zeros.",
+                makes_them_agree,
+            ),
+        ),
     ),
     Question(
-        "14.7", "flat", 2, flat_inputs, lambda call: ((len(call.arguments[1]),),),
+        "14.7",
+        "flat",
+        2,
+        flat_inputs,
+        lambda call: ((len(call.arguments[1]),),),
         (Law("The heights of these triangles are known.", is_flat_as_made),),
     ),
     Question(
-        "14.8", "pierced", 3, pierced_inputs, lambda call: ((len(call.arguments[0]),),),
+        "14.8",
+        "pierced",
+        3,
+        pierced_inputs,
+        lambda call: ((len(call.arguments[0]),),),
         (Law("It is known which of these lines go through their triangle.", goes_through_as_made),),
     ),
 )

@@ -68,9 +68,7 @@ def entries(source: Source, folder: str) -> list[Entry]:
     if not path.is_file():
         return []
     found = (f for f in vars(load(path)).values() if hasattr(f, "question"))
-    return [
-        Entry(f.question, f.__name__.replace("_", " "), _sentence(f), f) for f in found
-    ]
+    return [Entry(f.question, f.__name__.replace("_", " "), _sentence(f), f) for f in found]
 
 
 def _sentence(function: Function) -> str:

@@ -41,8 +41,9 @@ def known_mistakes(
     limit = PATIENCE * question.limit
     return tuple(
         Mistake(m.name, m.sentence, perform(m.namespace(functions), calls, limit))
-        for m in mistakes if m.question == question.name
-    )  # fmt: skip
+        for m in mistakes
+        if m.question == question.name
+    )
 
 
 def _right(question: Question, call: Call, outcome: Outcome) -> Values:
@@ -68,7 +69,5 @@ def answers_file(source: Source) -> str:
     """Return the text of ``fieldcheck/answers/NN.json``."""
     functions, mistakes = source.functions(), entries(source, "misconceptions")
     asked = [q for q in questions().values() if q.notebook == source.number]
-    data = {
-        q.name: to_json(known_answers(q, public_calls(q), functions, mistakes)) for q in asked
-    }
+    data = {q.name: to_json(known_answers(q, public_calls(q), functions, mistakes)) for q in asked}
     return json.dumps(data, indent=None, separators=(",", ":"), ensure_ascii=False) + "\n"

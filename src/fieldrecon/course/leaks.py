@@ -95,9 +95,15 @@ def token_runs(text: str) -> set[tuple[str, ...]]:
 
 
 SPACE = {
-    tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT,
-    tokenize.ENCODING, tokenize.ENDMARKER, tokenize.STRING,
-}  # fmt: skip
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENCODING,
+    tokenize.ENDMARKER,
+    tokenize.STRING,
+}
 
 
 def _tokens(text: str) -> Iterator[str]:

@@ -57,9 +57,13 @@ def execute(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
 
     with TemporaryDirectory() as folder:
         NotebookClient(
-            notebook, timeout=SECONDS_PER_CELL, kernel_name="python3", record_timing=False,
-            resources={"metadata": {"path": folder}}, extra_arguments=["--log-level=ERROR"],
-        ).execute(env=os.environ | ENVIRONMENT)  # fmt: skip
+            notebook,
+            timeout=SECONDS_PER_CELL,
+            kernel_name="python3",
+            record_timing=False,
+            resources={"metadata": {"path": folder}},
+            extra_arguments=["--log-level=ERROR"],
+        ).execute(env=os.environ | ENVIRONMENT)
     notebook.metadata = _metadata(notebook.metadata["course"]["source"])
     return notebook
 

@@ -66,11 +66,14 @@ def prove(source: Source, salt: str, only: str = "") -> Iterator[Proof]:
         if question.notebook == source.number and question.name.startswith(only):
             tried = trials(question, functions, mistakes, hidden, STUDENT, salt)
             yield _prove(
-                question, tried, functions, cells[question.name],
+                question,
+                tried,
+                functions,
+                cells[question.name],
                 [m for m in mistakes if m.question == question.name],
                 [a for a in others if a.question == question.name],
                 reasons.get(question.name, {}),
-            )  # fmt: skip
+            )
 
 
 def _prove(
@@ -91,7 +94,7 @@ def _prove(
         *_alternatives(tried, functions, others),
         *(f"no reason is given why this survives: {s}" for s in survivors if s not in reasons),
         *(f"a reason is given, but this is caught: {s}" for s in reasons if s not in survivors),
-    ]  # fmt: skip
+    ]
     if not question.laws:
         problems.append("it has no law, so nothing can be said of a student's own inputs")
     if total == 0:

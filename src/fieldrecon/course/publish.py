@@ -54,9 +54,11 @@ def _export(notebook: Path, folder: Path) -> None:
     from nbconvert import MarkdownExporter
 
     exporter = MarkdownExporter(
-        template_name=TEMPLATE.name, extra_template_basedirs=[str(TEMPLATE.parent)],
-        template_file="index.md.j2", filters={"told": told},
-    )  # fmt: skip
+        template_name=TEMPLATE.name,
+        extra_template_basedirs=[str(TEMPLATE.parent)],
+        template_file="index.md.j2",
+        filters={"told": told},
+    )
     body, resources = exporter.from_filename(str(notebook))
     (folder / "page.md").write_text(body, encoding="utf-8")
     for name, content in resources["outputs"].items():
@@ -79,13 +81,22 @@ def _pandoc(root: Path, source: Source, folder: Path, to: str) -> str:
     report = (root / "report").resolve()
     suffix = "typ" if to == "typst" else "html"
     command = [
-        str(pandoc()), "--from=markdown-implicit_figures", f"--to={to}", "--standalone",
-        "--wrap=none", f"--template={report / f'template.{suffix}'}", "--mathml",
-        f"--metadata=filters:{report / 'filters'}", f"--metadata=title:{source.title}",
-        "--metadata=lang:en", "--metadata=subtitle:Solved exercises",
-        f"--lua-filter={TEMPLATE / 'notebook.lua'}", "--fail-if-warnings",
-        *(["--toc", "--toc-depth=3"] if to != "typst" else []), "page.md",
-    ]  # fmt: skip
+        str(pandoc()),
+        "--from=markdown-implicit_figures",
+        f"--to={to}",
+        "--standalone",
+        "--wrap=none",
+        f"--template={report / f'template.{suffix}'}",
+        "--mathml",
+        f"--metadata=filters:{report / 'filters'}",
+        f"--metadata=title:{source.title}",
+        "--metadata=lang:en",
+        "--metadata=subtitle:Solved exercises",
+        f"--lua-filter={TEMPLATE / 'notebook.lua'}",
+        "--fail-if-warnings",
+        *(["--toc", "--toc-depth=3"] if to != "typst" else []),
+        "page.md",
+    ]
     run = subprocess.run(
         command, cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False
     )
@@ -108,9 +119,10 @@ def _typeset(folder: Path) -> bytes:
     import typst
 
     compiler = typst.Compiler(
-        str(folder / "page.typ"), root=str(folder),
+        str(folder / "page.typ"),
+        root=str(folder),
         font_paths=typst.Fonts(include_system_fonts=False),
-    )  # fmt: skip
+    )
     try:
         pdf, warnings = compiler.compile_with_warnings(
             format="pdf", timestamp=NO_DATE, pdf_standards=[PDF_STANDARD]

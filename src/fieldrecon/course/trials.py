@@ -65,9 +65,7 @@ def asked_by(case: Hidden, question: Question) -> Question:
     return replace(question, inputs=case.inputs, laws=())
 
 
-def public_trial(
-    question: Question, functions: dict[str, Any], mistakes: Sequence[Entry]
-) -> Trial:
+def public_trial(question: Question, functions: dict[str, Any], mistakes: Sequence[Entry]) -> Trial:
     """Return the first trial of a question, which is the same for everybody."""
     calls = public_calls(question)
     return Trial(question, calls, known_answers(question, calls, functions, mistakes))
@@ -100,9 +98,10 @@ def trials(
         trial(question, told, OWN),
         *(
             trial(asked_by(h, question), h.sentence, h.name)
-            for h in hidden if h.question == question.name
+            for h in hidden
+            if h.question == question.name
         ),
-    )  # fmt: skip
+    )
 
 
 def grade(trials: Sequence[Trial], functions: dict[str, Any]) -> Verdict:

@@ -285,9 +285,15 @@ def plot_footprint(result: Result) -> Figure:
             panel.plot(y, x, "o", markersize=3.5, markerfacecolor="white", color="#999999")
             reached = size > ROUNDING
             shades = panel.scatter(
-                y[reached], x[reached], 22, np.log10(size[reached]),
-                cmap=SEQUENTIAL, vmin=-6, vmax=0, zorder=3,
-            )  # fmt: skip
+                y[reached],
+                x[reached],
+                22,
+                np.log10(size[reached]),
+                cmap=SEQUENTIAL,
+                vmin=-6,
+                vmax=0,
+                zorder=3,
+            )
             panel.plot(one[1], one[0], "+", color="black", markersize=8)
             panel.set(title=title, ylabel="chord", ylim=(0, result.params.chord))
             panel.grid(visible=False)

@@ -251,15 +251,25 @@ def plot_line(result: Result) -> Figure:
     reach = float(np.abs(a["second"]).max())
     with figure(height=2.7, columns=2, sharey=True) as (page, panels):
         for panel, name, title in zip(
-            panels, ("first", "second"), ("of least coefficients", "and $2(x - y)$ added"),
+            panels,
+            ("first", "second"),
+            ("of least coefficients", "and $2(x - y)$ added"),
             strict=True,
-        ):  # fmt: skip
+        ):
             levels = np.linspace(-reach, reach, 25)
             shown = panel.contourf(t, t, a[name], levels=levels, cmap=DIVERGING)
             panel.contour(t, t, a[name], levels=levels[::2], colors="black", linewidths=0.4)
             panel.plot([0, 1], [0, 1], color="black", linewidth=0.6)
-            panel.scatter(*x.T, c=f, cmap=DIVERGING, vmin=-reach, vmax=reach, edgecolors="black",
-                          zorder=3, clip_on=False)  # fmt: skip
+            panel.scatter(
+                *x.T,
+                c=f,
+                cmap=DIVERGING,
+                vmin=-reach,
+                vmax=reach,
+                edgecolors="black",
+                zorder=3,
+                clip_on=False,
+            )
             panel.set(title=title, aspect="equal")
         page.colorbar(shown, ax=panels, shrink=0.9, ticks=[-2, -1, 0, 1, 2])
     return page

@@ -106,9 +106,13 @@ def plot_turns(result: Result) -> Figure:
         q = np.array(params.pressures) * params.pressure / 1000
         most = 1.25 * q[-1]
         for look, sweep, limit, rate, bound in zip(
-            shades("RBF", len(rates)), table.column("sweep"), table.column("contracts below"),
-            rates, table.column("diverges at"), strict=True,
-        ):  # fmt: skip
+            shades("RBF", len(rates)),
+            table.column("sweep"),
+            table.column("contracts below"),
+            rates,
+            table.column("diverges at"),
+            strict=True,
+        ):
             label = f"{sweep:.0f}°".replace("-", "−")
             axes[1].plot([0, most], [0, most / limit], **look | {"marker": ""})
             axes[1].plot(q, rate, **look | {"linestyle": "none", "label": label})

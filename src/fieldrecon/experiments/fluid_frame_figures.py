@@ -36,9 +36,15 @@ def draw_flow(arrays: Mapping[str, np.ndarray]) -> Figure:
             lines.set(clip_path=half, in_layout=False)
         below = _inside(points, (*WINDOW[:2], WINDOW[2], -0.02))
         panel.quiver(
-            *points[below].T, *u[below].T, angles="xy", scale_units="xy", scale=5.5, width=0.0021,
-            color=METHOD_COLORS["RBF"], zorder=3,
-        )  # fmt: skip
+            *points[below].T,
+            *u[below].T,
+            angles="xy",
+            scale_units="xy",
+            scale=5.5,
+            width=0.0021,
+            color=METHOD_COLORS["RBF"],
+            zorder=3,
+        )
         for y in arrays["exact"]:
             panel.plot(*y.T, color="white", linewidth=2.4, zorder=3)
         upper = arrays["traced"][: len(arrays["exact"])]
@@ -68,9 +74,16 @@ def draw_data(arrays: Mapping[str, np.ndarray]) -> Figure:
             at, arrows = arrays[where], arrays[what]
             near = _inside(at, CLOSE)
             panel.quiver(
-                *at[near].T, *arrows[near].T, angles="xy", scale_units="xy", scale=9.0,
-                width=0.008, color=color, zorder=3, pivot="mid" if where == "middles" else "tail",
-            )  # fmt: skip
+                *at[near].T,
+                *arrows[near].T,
+                angles="xy",
+                scale_units="xy",
+                scale=9.0,
+                width=0.008,
+                color=color,
+                zorder=3,
+                pivot="mid" if where == "middles" else "tail",
+            )
             panel.add_patch(Circle((0, 0), 1, facecolor="#e9e9e9", edgecolor="black", zorder=2))
             panel.set(xlim=CLOSE[:2], ylim=CLOSE[2:], aspect="equal", xticks=[], yticks=[])
             panel.set_title(title)

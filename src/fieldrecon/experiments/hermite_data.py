@@ -82,10 +82,13 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "curve": Table(("data", "number", "missed by"), (
-                ("values and normals", 2 * len(p), missed["normals"]),
-                ("values and points beside", 3 * len(p), missed["beside"]),
-            )),
+            "curve": Table(
+                ("data", "number", "missed by"),
+                (
+                    ("values and normals", 2 * len(p), missed["normals"]),
+                    ("values and points beside", 3 * len(p), missed["beside"]),
+                ),
+            ),
             "poisson": Table(
                 ("edge", *KERNELS),
                 tuple((n, *e) for n, e in zip(params.sizes, errors.T, strict=True)),
@@ -113,7 +116,7 @@ def run(params: Params, each: Map = map) -> Result:
             "fields": np.array([fields[name](grid) for name in ("normals", "beside")]),
             "errors": errors,
         },
-    )  # fmt: skip
+    )
 
 
 def on_the_curve(params: Params, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -158,9 +161,17 @@ def collocation(n: int, kernel: Radial) -> tuple[HermiteRBF, np.ndarray, np.ndar
     """Return the method on a square of n points along an edge, and its points inside and on it."""
     t = np.arange(n) / n
     low, high = np.zeros(n), np.ones(n)
-    edge = np.concatenate([np.column_stack(side) for side in (
-        (t, low), (high, t), (1 - t, high), (low, 1 - t),
-    )])  # fmt: skip
+    edge = np.concatenate(
+        [
+            np.column_stack(side)
+            for side in (
+                (t, low),
+                (high, t),
+                (1 - t, high),
+                (low, 1 - t),
+            )
+        ]
+    )
     inside = halton((n - 1) ** 2, 2)
     inside = inside[np.abs(inside - 0.5).max(axis=1) < 0.5 - 0.3 / n]
     return HermiteRBF([laplacians_at(inside), values_at(edge)], kernel), inside, edge

@@ -136,9 +136,16 @@ def errors_near_an_edge(params: Params, distance: float) -> list[float]:
 
 def _stars_table(stars: dict[str, Star], found: dict[str, dict[str, float]]) -> Table:
     columns = (
-        "star", "dimension", "corners", "faces", "smallest weight", "constant", "linear",
-        "linear, quotient", "quadratic",
-    )  # fmt: skip
+        "star",
+        "dimension",
+        "corners",
+        "faces",
+        "smallest weight",
+        "constant",
+        "linear",
+        "linear, quotient",
+        "quadratic",
+    )
     rows = (_star_row(name, star, found[name]) for name, star in stars.items())
     return Table(columns, tuple(rows))
 

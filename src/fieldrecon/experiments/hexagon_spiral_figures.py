@@ -58,9 +58,17 @@ def _draw_star(
     sizes = 24 / np.sqrt(np.arange(1, len(s) + 1))
     x, y = _seen(s).T
     points = panel.scatter(
-        x, y, c=arrays[f"{name}_values"], s=sizes, zorder=3, cmap=SEQUENTIAL,
-        vmin=-0.1, vmax=0.6, edgecolors="black", linewidths=0.3,
-    )  # fmt: skip
+        x,
+        y,
+        c=arrays[f"{name}_values"],
+        s=sizes,
+        zorder=3,
+        cmap=SEQUENTIAL,
+        vmin=-0.1,
+        vmax=0.6,
+        edgecolors="black",
+        linewidths=0.3,
+    )
     panel.set_aspect("equal", anchor="N")
     panel.axis("off")
     panel.set_title(title, loc="center")

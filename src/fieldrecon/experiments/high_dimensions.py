@@ -158,9 +158,12 @@ def _kinds(
 
 
 def _facts(
-    params: Params, by_variables: np.ndarray, by_sites: np.ndarray, by_kind: np.ndarray,
+    params: Params,
+    by_variables: np.ndarray,
+    by_sites: np.ndarray,
+    by_kind: np.ndarray,
     geometry: list[Geometry],
-) -> dict[str, Cell]:  # fmt: skip
+) -> dict[str, Cell]:
     facts: dict[str, Cell] = {}
     for d, g, found, kinds in zip(params.variables, geometry, by_variables, by_kind, strict=True):
         facts |= {
@@ -169,8 +172,13 @@ def _facts(
             for f, error in zip(FIELDS, row, strict=True)
             if not isinstance(cell := _told(error), str)
         }
-        row = dict(zip(("spread", "nearest", "p1", "p2", "p3", "counting", "degree", "half"),
-                       g.row()[1:], strict=True))  # fmt: skip
+        row = dict(
+            zip(
+                ("spread", "nearest", "p1", "p2", "p3", "counting", "degree", "half"),
+                g.row()[1:],
+                strict=True,
+            )
+        )
         facts |= {f"geometry_{name}_{d}": cell for name, cell in row.items()}
         facts |= {f"correlation_{k}_{d}": c for k, c in zip(KINDS, g.correlations, strict=True)}
         if g.overlap:

@@ -72,13 +72,14 @@ def methods(d: int, n: int) -> Mapping[str, Maker]:
         "nearest": nearest,
         "linear": partial(fitted, partial(LeastSquares, degree=1)),
         "quadratic": partial(fitted, partial(LeastSquares, degree=2)),
-        "near": partial(fitted, partial(MovingLeastSquares, weight=wendland(3, 1), degree=1,
-                                        neighbors=near)),
+        "near": partial(
+            fitted, partial(MovingLeastSquares, weight=wendland(3, 1), degree=1, neighbors=near)
+        ),
         "wide": partial(fitted, partial(MovingLeastSquares, weight=wide, degree=1)),
         "cone": partial(fitted, partial(RBF, kernel=polyharmonic(1), degree=1)),
         "cubic": partial(fitted, partial(RBF, kernel=polyharmonic(3))),
         "patches": partial(fitted, PartitionOfUnityRBF),
-    }  # fmt: skip
+    }
     refused = {
         "quadratic": dimension(d, 2) > n,
         "patches": d > MOST_FOR_PATCHES,

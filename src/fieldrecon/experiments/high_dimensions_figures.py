@@ -13,9 +13,13 @@ from fieldrecon.experiments.experiment import Result
 from fieldrecon.reporting.style import figure, line, shades
 
 TITLES = (
-    "step across the diagonal", "function of two variables", "sum of functions of one",
-    "distance from the middle", "products of all pairs", "wave across the diagonal",
-)  # fmt: skip
+    "step across the diagonal",
+    "function of two variables",
+    "sum of functions of one",
+    "distance from the middle",
+    "products of all pairs",
+    "wave across the diagonal",
+)
 LEAST, MOST = 8e-4, 12
 """What is drawn, in standard deviations."""
 
@@ -77,8 +81,9 @@ def plot_distances(result: Result) -> Figure:
         panels[0].legend(title="variables")
         last = variables[-1]
         for panel, name, title in (
-            (panels[1], "last_columns", "Halton"), (panels[2], "scrambled", "scrambled")
-        ):  # fmt: skip
+            (panels[1], "last_columns", "Halton"),
+            (panels[2], "scrambled", "scrambled"),
+        ):
             _cloud(panel, result.arrays[name], title, f"$x_{{{last - 1}}}$", f"$x_{{{last}}}$")
     return page
 

@@ -35,10 +35,16 @@ class Geometry:
     """What so many variables do to distances, polynomials, weights and Halton's points."""
 
     COLUMNS = (
-        "variables", "deviation / mean of distances", "nearest / mean distance",
-        "polynomials of degree 1", "of degree 2", "of degree 3", "sites that count near a query",
-        "degree of Wendland's function", "its width at half height / radius",
-    )  # fmt: skip
+        "variables",
+        "deviation / mean of distances",
+        "nearest / mean distance",
+        "polynomials of degree 1",
+        "of degree 2",
+        "of degree 3",
+        "sites that count near a query",
+        "degree of Wendland's function",
+        "its width at half height / radius",
+    )
     variables: int
     distances: np.ndarray
     spread: float

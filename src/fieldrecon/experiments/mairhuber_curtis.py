@@ -172,10 +172,14 @@ def plot(result: Result) -> Figure:
         for name, values, look in zip(
             ("1, $x$, $y$", "quadratics", "gaussians", "thin plates"),
             a["curves"],
-            (line("LS", marker=""), line("MLS", marker=""), line("RBF", marker=""),
-             line("PU", marker="")),
+            (
+                line("LS", marker=""),
+                line("MLS", marker=""),
+                line("RBF", marker=""),
+                line("PU", marker=""),
+            ),
             strict=True,
-        ):  # fmt: skip
+        ):
             below.plot(TIMES, values / np.abs(values).max(), **look | {"label": name})
         below.axhline(0, color="black", linewidth=0.8)
         shown = np.interp(a["times"], TIMES, a["curves"][0] / np.abs(a["curves"][0]).max())
@@ -195,8 +199,15 @@ def _frame(panel: Axes, path: np.ndarray, points: np.ndarray, t: float) -> None:
     panel.plot(*points.T, **line("data", label=None), markersize=5)
     for name, place, away in zip("123", points, (points[0], points[1], (1, 1)), strict=True):
         shift = 7 * np.asarray(away) / np.linalg.norm(away) * (1 if name == "3" else -1)
-        panel.annotate(name, place, xytext=tuple(shift), textcoords="offset points", fontsize=8,
-                       ha="center", va="center")  # fmt: skip
+        panel.annotate(
+            name,
+            place,
+            xytext=tuple(shift),
+            textcoords="offset points",
+            fontsize=8,
+            ha="center",
+            va="center",
+        )
     panel.set(title=f"$t = {t:.2f}$", xlim=(-1.3, 1.3), ylim=(-0.85, 1.1), aspect="equal")
     panel.set(xticks=[], yticks=[])
     panel.grid(False)

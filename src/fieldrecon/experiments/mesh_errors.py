@@ -70,8 +70,9 @@ def run(params: Params, each: Map = map) -> Result:
     """Plant and find each error, repair a body, compare signs, and count pairs."""
     planted = planted_errors(params.level)
     audits = dict(zip(planted, each(_audit, (p.surface for p in planted.values())), strict=True))
-    soups = dict(zip(planted, each(_audit_soup, (p.surface for p in planted.values())),
-                     strict=True))  # fmt: skip
+    soups = dict(
+        zip(planted, each(_audit_soup, (p.surface for p in planted.values())), strict=True)
+    )
     repairs = dict(zip(planted, each(_repair, (p.surface for p in planted.values())), strict=True))
     body = damaged(params.body, params.damage, params.seed)
     repaired = _repair(body)
@@ -162,11 +163,16 @@ def _error_table(
     repairs: dict[str, MeshRepair],
 ) -> Table:
     rows = tuple(
-        (name, ", ".join(dict.fromkeys(CONCERN_OF[kind] for kind in p.found)),
-         _told(audits[name].found), _told(soups[name].found), _told(repairs[name].done),
-         _told(repairs[name].after.found))
+        (
+            name,
+            ", ".join(dict.fromkeys(CONCERN_OF[kind] for kind in p.found)),
+            _told(audits[name].found),
+            _told(soups[name].found),
+            _told(repairs[name].done),
+            _told(repairs[name].after.found),
+        )
         for name, p in planted.items()
-    )  # fmt: skip
+    )
     return Table(("error", "concerns", "found", "in a soup", "done", "left"), rows)
 
 

@@ -13,9 +13,7 @@ from matplotlib.colors import to_rgb
 
 from fieldrecon.mesh_audit import CONCERNS, MeshAudit
 
-COLORS = dict(
-    zip(CONCERNS, ("#cc3f8e", "#d55e00", "#0072b2", "#c99700", "#009e73"), strict=True)
-)  # fmt: skip
+COLORS = dict(zip(CONCERNS, ("#cc3f8e", "#d55e00", "#0072b2", "#c99700", "#009e73"), strict=True))
 """Of errors, by what they concern."""
 MARKERS = dict(zip(CONCERNS, "sD^vo", strict=True))
 CONCERN_OF = {kind: concern for concern, kinds in CONCERNS.items() for kind in kinds}
@@ -225,8 +223,16 @@ def _draw_vertices(panel: Axes, picture: Picture, vertices: np.ndarray, concern:
     color = COLORS[concern]
     for behind, fill, opacity in ((True, "none", 0.5), (False, color, 1.0)):
         x, y = places[hidden == behind, :2].T
-        panel.plot(x, y, MARKERS[concern], color=color, markerfacecolor=fill, alpha=opacity,
-                   markersize=4.5, markeredgewidth=0.8)  # fmt: skip
+        panel.plot(
+            x,
+            y,
+            MARKERS[concern],
+            color=color,
+            markerfacecolor=fill,
+            alpha=opacity,
+            markersize=4.5,
+            markeredgewidth=0.8,
+        )
 
 
 def _twice_area(p: np.ndarray, q: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:

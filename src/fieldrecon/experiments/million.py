@@ -24,8 +24,19 @@ from fieldrecon.reporting.style import figure
 USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
 RIVAL = "ferreus_rbf, thin plate"
 TITLES = {"smooth": "in the plane", "cube": "in space"}
-COLUMNS = ("data", "sites", "method", "fit s", "evaluate s", "total s", "least s", "most s",
-           "cpu s", "rms error", "memory MiB")  # fmt: skip
+COLUMNS = (
+    "data",
+    "sites",
+    "method",
+    "fit s",
+    "evaluate s",
+    "total s",
+    "least s",
+    "most s",
+    "cpu s",
+    "rms error",
+    "memory MiB",
+)
 
 
 @dataclass(frozen=True)
@@ -88,8 +99,13 @@ def plot(result: Result) -> Figure:
             names = [str(r["method"]) for r in here]
             fit = [float(r["fit s"]) for r in here]
             panel.barh(names, fit, color="0.45", label="fit")
-            panel.barh(names, [float(r["evaluate s"]) for r in here], left=fit, color="0.75",
-                       label="evaluation")  # fmt: skip
+            panel.barh(
+                names,
+                [float(r["evaluate s"]) for r in here],
+                left=fit,
+                color="0.75",
+                label="evaluation",
+            )
             panel.set(xlabel="seconds", title=f"{sites:,} points, {TITLES[data]}")
             panel.grid(visible=False, axis="y")
         page.set_layout_engine("constrained", wspace=0.06)  # names stand between the panels

@@ -190,9 +190,10 @@ def _facts(
         "order_ends": order(steps[-3:], errors[-3:, 1]),
         "decay": float(-weights[6] / weights[5]),
         "decay_exact": float(DECAY),
-        "b_splines_difference": _magnitude(np.concatenate([(pairs[0] - pairs[1]).ravel(),
-                                                           convolved])),
-    }  # fmt: skip
+        "b_splines_difference": _magnitude(
+            np.concatenate([(pairs[0] - pairs[1]).ravel(), convolved])
+        ),
+    }
 
 
 def _magnitude(difference: np.ndarray | list) -> float:

@@ -44,13 +44,21 @@ QUICK = Params(patch=24)
 DATA = {"smooth": "Franke's function", "front": "a steep front", "noisy": "noise"}
 STEPS = ("set-up", "fit", "evaluate")
 KERNELS = {
-    "r² log r": METHOD_COLORS["LS"], "r³": METHOD_COLORS["PU"], "r⁴ log r": "#6f9a3e",
-    "r⁵": METHOD_COLORS["MLS"], "r⁷": METHOD_COLORS["RBF"], "Wendland C⁴": "#707070",
-}  # fmt: skip
+    "r² log r": METHOD_COLORS["LS"],
+    "r³": METHOD_COLORS["PU"],
+    "r⁴ log r": "#6f9a3e",
+    "r⁵": METHOD_COLORS["MLS"],
+    "r⁷": METHOD_COLORS["RBF"],
+    "Wendland C⁴": "#707070",
+}
 TOLD = {
-    "linear": ("r³", 1, 40), "quartic": ("r³", 4, 40), "few": ("r³", 3, 16),
-    "quintic": ("r⁵", 3, 40), "septic": ("r⁷", 3, 40), "plate": ("r² log r", 1, 40),
-}  # fmt: skip
+    "linear": ("r³", 1, 40),
+    "quartic": ("r³", 4, 40),
+    "few": ("r³", 3, 16),
+    "quintic": ("r⁵", 3, 40),
+    "septic": ("r⁷", 3, 40),
+    "plate": ("r² log r", 1, 40),
+}
 """Choices of which the text tells, besides the default."""
 MARKERS = {1: "o", 2: "s", 3: "D", 4: "^"}
 
@@ -63,9 +71,12 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     return Result(
         params,
         {"choices": choices, "overlap": overlap, "growth": grown},
-        {"sites": result["parameters"]["sites"], **_told(params, choices),
-         **dict(_of_growth(grown))},
-    )  # fmt: skip
+        {
+            "sites": result["parameters"]["sites"],
+            **_told(params, choices),
+            **dict(_of_growth(grown)),
+        },
+    )
 
 
 def _told(params: Params, choices: Table) -> dict[str, Cell]:
@@ -103,10 +114,14 @@ def plot(result: Result) -> Figure:
             for kernel, degree in kinds:
                 own = [r for r in table.rows if r[:2] == (kernel, degree)]
                 panel.plot(
-                    [r[seconds] for r in own], [r[error] for r in own], color=KERNELS[kernel],
-                    marker=MARKERS[degree], markersize=3.6, linewidth=1.0,
+                    [r[seconds] for r in own],
+                    [r[error] for r in own],
+                    color=KERNELS[kernel],
+                    marker=MARKERS[degree],
+                    markersize=3.6,
+                    linewidth=1.0,
                     label=f"{kernel}, degree {degree}",
-                )  # fmt: skip
+                )
             panel.set(title=title, xlabel="seconds", yscale="log")
         axes[0].set_ylabel("root mean square error")
         page.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
@@ -123,6 +138,7 @@ def plot_growth(result: Result) -> Figure:
         left.legend()
         left.set(title="seconds", xlabel="sites, and as many queries", xscale="log", yscale="log")
         right.plot(sites, [r[5] for r in plane], **line("PU"))
-        right.set(title="memory, GB", xlabel="sites, and as many queries", xscale="log",
-                  yscale="log")  # fmt: skip
+        right.set(
+            title="memory, GB", xlabel="sites, and as many queries", xscale="log", yscale="log"
+        )
     return page

@@ -40,10 +40,13 @@ QUICK = Params(large=100_000)
 OURS, USUAL = "fieldrecon", "fieldrecon patches"
 PACKAGES = ("numpy", "scipy", "ferreus_rbf", "wlsqm", "verde", "scikit-learn")
 DATA = {
-    "smooth": "Franke's function", "front": "a steep front",
-    "clusters": "half of the sites in clusters", "noisy": "noise of one part in a hundred",
-    "terrain": "terrain, m", "cube": "a wave in space",
-}  # fmt: skip
+    "smooth": "Franke's function",
+    "front": "a steep front",
+    "clusters": "half of the sites in clusters",
+    "noisy": "noise of one part in a hundred",
+    "terrain": "terrain, m",
+    "cube": "a wave in space",
+}
 NONE = "–"
 ROUNDING = 1e-6
 NOISE = 0.01
@@ -89,10 +92,27 @@ class Run(NamedTuple):
         return self.rms <= other.rms * (1 + ROUNDING)
 
 
-COLUMNS = ("data", "sites", "method", "fit s", "evaluate s", "total s", "cpu s", "rms error",
-           "left out", "memory MiB")  # fmt: skip
-LOST = ("data", "sites", "peer", "its seconds", "its error", "our error by then",
-        "our seconds to that error")  # fmt: skip
+COLUMNS = (
+    "data",
+    "sites",
+    "method",
+    "fit s",
+    "evaluate s",
+    "total s",
+    "cpu s",
+    "rms error",
+    "left out",
+    "memory MiB",
+)
+LOST = (
+    "data",
+    "sites",
+    "peer",
+    "its seconds",
+    "its error",
+    "our error by then",
+    "our seconds to that error",
+)
 
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
@@ -104,9 +124,12 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     machine, patience = result["machine"], result["parameters"]["patience in seconds"]
     lost = uncovered(runs)
     facts = {
-        "processor": machine["processor"], "cores": machine["cores used"],
-        "runs": len(runs), "methods": len({r.method for r in runs}),
-        "peers_runs": sum(not r.ours for r in runs), "lost": len(lost),
+        "processor": machine["processor"],
+        "cores": machine["cores used"],
+        "runs": len(runs),
+        "methods": len({r.method for r in runs}),
+        "peers_runs": sum(not r.ours for r in runs),
+        "lost": len(lost),
         "peers_runs_large": sum(not r.ours and r.sites >= params.large for r in runs),
         "lost_large": sum(r.sites >= params.large for r in lost),
         "ahead_large": sum(_is_ahead(runs, r) and r.sites >= params.large for r in runs),
@@ -115,26 +138,32 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
         "repeats": result["parameters"]["repeats"],
         "patience": patience,
         "stopped": sum("stopped after" in note for note in result["notes"]),
-        **_numbers(runs), **_targets(runs, ratios, patience),
-    }  # fmt: skip
+        **_numbers(runs),
+        **_targets(runs, ratios, patience),
+    }
     told = {
         "runs": Table(COLUMNS, tuple(runs)),
         "lost": _losses(runs, lost),
         "lost_beyond_small": _losses(runs, [r for r in lost if r.sites > params.small]),
-        "versions": Table(("package", "version"), tuple(
-            (name, f"version {machine[name]}") for name in PACKAGES)),
-        **{f"{data}_{n}": _side_by_side(runs, ratios, data, n)
-           for data, n in dict.fromkeys((r.data, r.sites) for r in runs)},
-    }  # fmt: skip
+        "versions": Table(
+            ("package", "version"), tuple((name, f"version {machine[name]}") for name in PACKAGES)
+        ),
+        **{
+            f"{data}_{n}": _side_by_side(runs, ratios, data, n)
+            for data, n in dict.fromkeys((r.data, r.sites) for r in runs)
+        },
+    }
     return Result(params, told, facts)
 
 
 def uncovered(runs: Sequence[Run]) -> list[Run]:
     """Peers' runs that none of ours on the same data covers."""
     return [
-        peer for peer in runs if not peer.ours
+        peer
+        for peer in runs
+        if not peer.ours
         and not any(mine.covers(peer) for mine in _ours(runs, peer.data, peer.sites))
-    ]  # fmt: skip
+    ]
 
 
 def _is_ahead(runs: Sequence[Run], peer: Run) -> bool:
@@ -168,8 +197,18 @@ def _side_by_side(
         c = ratios.get((f"{data}, {n} sites: fit and evaluate", r.method))
         times = f"{_times(c['ratio'])} ({_times(c['most'])} … {_times(c['least'])})" if c else NONE
         rows.append((r.method, r.fit, r.evaluate, times, r.rms, r.cpu / r.total, r.memory))
-    return Table(("method", "fit s", "evaluate s", "times our time", "rms error", "cores busy",
-                  "memory MiB"), tuple(rows))  # fmt: skip
+    return Table(
+        (
+            "method",
+            "fit s",
+            "evaluate s",
+            "times our time",
+            "rms error",
+            "cores busy",
+            "memory MiB",
+        ),
+        tuple(rows),
+    )
 
 
 def _times(ratio: float) -> str:
@@ -188,9 +227,10 @@ def _numbers(runs: Sequence[Run]) -> dict[str, float | str]:
     for name, where in (("noisy", ("noisy", TOLD_SITES)), ("land", ("terrain", LAND))):
         best = min((r for r in runs if r[:2] == where and not r.ours), key=lambda r: r.rms)
         facts |= {
-            f"{name}_best_peer": best.method, f"{name}_best_error": best.rms,
+            f"{name}_best_peer": best.method,
+            f"{name}_best_error": best.rms,
             f"{name}_best_seconds": best.total,
-        }  # fmt: skip
+        }
     return facts
 
 
@@ -206,13 +246,18 @@ def _targets(
         c = ratios[f"{data}, {n} sites: fit and evaluate", rival.method]
         ours = here[USUAL]
         facts |= {
-            f"{data}_sites": n, f"{data}_rival": rival.method, f"{data}_times": 1 / c["ratio"],
-            f"{data}_times_least": 1 / c["most"], f"{data}_times_most": 1 / c["least"],
-            f"{data}_error_ratio": rival.rms / ours.rms, f"{data}_gigabytes": ours.memory / 1024,
-            f"{data}_seconds": ours.total, f"{data}_error": ours.rms,
+            f"{data}_sites": n,
+            f"{data}_rival": rival.method,
+            f"{data}_times": 1 / c["ratio"],
+            f"{data}_times_least": 1 / c["most"],
+            f"{data}_times_most": 1 / c["least"],
+            f"{data}_error_ratio": rival.rms / ours.rms,
+            f"{data}_gigabytes": ours.memory / 1024,
+            f"{data}_seconds": ours.total,
+            f"{data}_error": ours.rms,
             f"{data}_rival_seconds": rival.total,
             f"{data}_patience_over_ours": patience / ours.total,
-        }  # fmt: skip
+        }
     return facts
 
 

@@ -39,11 +39,16 @@ def looks(methods: Iterable[str]) -> dict[str, dict[str, Any]]:
         color, dashes = LIBRARIES[library]
         ours = library == "fieldrecon"
         drawn[method] = {
-            "color": color, "linestyle": dashes, "linewidth": 1.5 if ours else 0.8,
-            "marker": MARKERS[seen[library]], "markersize": 4.2 if ours else 4.6,
-            "markerfacecolor": color if ours else "white", "markeredgewidth": 0.8,
-            "label": method, "zorder": 3 if ours else 2,
-        }  # fmt: skip
+            "color": color,
+            "linestyle": dashes,
+            "linewidth": 1.5 if ours else 0.8,
+            "marker": MARKERS[seen[library]],
+            "markersize": 4.2 if ours else 4.6,
+            "markerfacecolor": color if ours else "white",
+            "markeredgewidth": 0.8,
+            "label": method,
+            "zorder": 3 if ours else 2,
+        }
         seen[library] += 1
     return drawn
 

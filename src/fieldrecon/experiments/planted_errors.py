@@ -57,16 +57,14 @@ def planted_errors(level: int) -> dict[str, Planted]:
             band(12 * 2**level, half_turns=1),
             {"boundary_loops": 1, "one_sided_triangles": 24 * 2**level},
         ),
-        "inside out": Planted(
-            turned_over(sphere(level)), {"inside_out_triangles": 20 * 4**level}
-        ),
+        "inside out": Planted(turned_over(sphere(level)), {"inside_out_triangles": 20 * 4**level}),
         "crossing": Planted(_pierced(level), {"crossings": 3}),
         "overlap": Planted(_folded(), {"overlaps": 11}),
         "T-junction": Planted(_split_on_one_side(level), {"boundary_loops": 1, "t_junctions": 1}),
         "touching vertex": Planted(
             _with_spike(level, shared=False), {"touching_vertices": 1}, indexed=True
         ),
-    }  # fmt: skip
+    }
 
 
 def _toward(surface: Surface) -> int:

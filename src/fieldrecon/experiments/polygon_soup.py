@@ -30,8 +30,20 @@ from fieldrecon.polygon_soup import PolygonSoup
 from fieldrecon.ray_tracing import View, ray_traced
 from fieldrecon.reporting.style import figure, line, shades
 
-OUTLINE = np.array([[0, 0], [3, 0], [3, 0.8], [1.2, 0.8], [1.2, 1.4], [2.2, 1.4], [2.2, 2.2],
-                    [1.2, 2.2], [1.2, 3], [0, 3]])  # fmt: skip
+OUTLINE = np.array(
+    [
+        [0, 0],
+        [3, 0],
+        [3, 0.8],
+        [1.2, 0.8],
+        [1.2, 1.4],
+        [2.2, 1.4],
+        [2.2, 2.2],
+        [1.2, 2.2],
+        [1.2, 3],
+        [0, 3],
+    ]
+)
 VIEWER = np.array([0.5, -0.8, 0.75])
 BOX = np.array([[-1.6, -1.6, -0.65], [1.6, 1.6, 0.65]])
 _ROUNDING = 1e-15  # relative errors that are less are told as this
@@ -59,9 +71,20 @@ class Params:
 
     def __post_init__(self) -> None:
         require_at_least(
-            self, loose=0.0, smoothing=1e-6, torn=0.0, lost=0.0, smoothing_in_space=1e-6, around=6,
-            epsilons=1e-6, heights=1e-9, rules=1, side=11, pixels=4, seed=0,
-        )  # fmt: skip
+            self,
+            loose=0.0,
+            smoothing=1e-6,
+            torn=0.0,
+            lost=0.0,
+            smoothing_in_space=1e-6,
+            around=6,
+            epsilons=1e-6,
+            heights=1e-9,
+            rules=1,
+            side=11,
+            pixels=4,
+            seed=0,
+        )
 
 
 QUICK = Params(around=8, epsilons=(0.1, 0.05), rules=(4,), side=21, pixels=8)
@@ -87,14 +110,19 @@ def run(params: Params, each: Map = map) -> Result:
         tables={
             "corners": Table(
                 ("level", "least F", "largest F"),
-                tuple((name, f.min(), f.max()) for name, f in
-                      zip(("through", "smoothed", "around"), at_ends, strict=True)),
+                tuple(
+                    (name, f.min(), f.max())
+                    for name, f in zip(("through", "smoothed", "around"), at_ends, strict=True)
+                ),
             ),
-            "cube": Table(("epsilon", "on faces", "on edges"),
-                          tuple(zip(params.epsilons, inner, edges, strict=True))),
-            "quadrature": Table(("height", *(f"{n} x {n}" for n in params.rules)),
-                                tuple((h, *e) for h, e in
-                                      zip(params.heights, errors.T, strict=True))),
+            "cube": Table(
+                ("epsilon", "on faces", "on edges"),
+                tuple(zip(params.epsilons, inner, edges, strict=True)),
+            ),
+            "quadrature": Table(
+                ("height", *(f"{n} x {n}" for n in params.rules)),
+                tuple((h, *e) for h, e in zip(params.heights, errors.T, strict=True)),
+            ),
         },
         facts={
             "order_faces": order(params.epsilons, inner),
@@ -117,7 +145,7 @@ def run(params: Params, each: Map = map) -> Result:
             "edges": edges,
             "errors": errors,
         },
-    )  # fmt: skip
+    )
 
 
 def loose_outline(loose: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -164,10 +192,14 @@ def quadrature_errors(heights: tuple[float, ...], rules: tuple[int, ...]) -> np.
     many = np.broadcast_to(corners, (len(x), 3, 3))
     up = np.broadcast_to([0.0, 0, 1], x.shape)
     exact, _ = over_triangles(x, many, up, 0.0)
-    return np.array([
-        np.maximum(np.abs(by_rule(x, *gauss_on_triangles(many, n), 0.0)[0] / exact - 1), _ROUNDING)
-        for n in rules
-    ])  # fmt: skip
+    return np.array(
+        [
+            np.maximum(
+                np.abs(by_rule(x, *gauss_on_triangles(many, n), 0.0)[0] / exact - 1), _ROUNDING
+            )
+            for n in rules
+        ]
+    )
 
 
 def _picture(torn: Surface, pixels: int, soup: PolygonSoup) -> np.ndarray:
@@ -183,8 +215,15 @@ def plot(result: Result) -> Figure:
     with figure(height=2.1, columns=3) as (page, axes):
         for panel, values, title in zip(axes, a["fields"], TITLES, strict=True):
             panel.contourf(t, t, values, levels=[0, np.inf], colors=["#cfd6de"])
-            panel.contour(t, t, values, levels=[-0.6, -0.3, 0.2, 0.4], colors="#8a929b",
-                          linewidths=0.5, linestyles="solid")  # fmt: skip
+            panel.contour(
+                t,
+                t,
+                values,
+                levels=[-0.6, -0.3, 0.2, 0.4],
+                colors="#8a929b",
+                linewidths=0.5,
+                linestyles="solid",
+            )
             panel.contour(t, t, values, levels=[0], colors=[line("MLS")["color"]], linewidths=1.3)
             panel.add_collection(LineCollection(a["ends"][a["segments"]], colors="black"))
             panel.set(aspect="equal", xlim=(-0.45, 3.45), ylim=(-0.45, 3.45))
@@ -213,8 +252,9 @@ def plot_orders(result: Result) -> Figure:
     """Draw how the level comes to the faces of a cube, and what quadrature misses."""
     a, params = result.arrays, result.params
     with figure(height=2.3, columns=2) as (page, (left, right)):
-        for name, values, look in zip(("on faces", "on edges"), (a["inner"], a["edges"]),
-                                      shades("MLS", 2), strict=True):  # fmt: skip
+        for name, values, look in zip(
+            ("on faces", "on edges"), (a["inner"], a["edges"]), shades("MLS", 2), strict=True
+        ):
             left.loglog(params.epsilons, values, **look, label=name)
         left.set(xlabel="ε in edges of the cube", ylabel="largest |F|")
         left.set_xticks(params.epsilons, [f"{e:g}" for e in params.epsilons])

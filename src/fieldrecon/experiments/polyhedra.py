@@ -46,9 +46,15 @@ from fieldrecon.experiments.polyhedra_figures import (
 )
 
 __all__ = [
-    "QUICK", "Params", "plot", "plot_edge", "plot_outside", "plot_polygons", "plot_splitting",
+    "QUICK",
+    "Params",
+    "plot",
+    "plot_edge",
+    "plot_outside",
+    "plot_polygons",
+    "plot_splitting",
     "run",
-]  # fmt: skip
+]
 
 CLOSED_FORMS: dict[str, tuple[str, Callable[[np.ndarray, np.ndarray], np.ndarray]]] = {
     "triangle": ("affine", formulas.affine),
@@ -253,9 +259,11 @@ def _pictures(params: Params, shapes: dict[str, np.ndarray]) -> dict[str, np.nda
         most = planes.faces_at == planes.faces_at.max()
         toward = corners @ TOWARD.get(name, FROM_THE_RIGHT)[: corners.shape[1]]
         nearest = int(np.argmax(np.where(most, toward, -np.inf)))
-        loops = [corners] if corners.shape[1] == 2 else [
-            corners[planes.around(a)] for a in range(len(planes.offsets))
-        ]  # fmt: skip
+        loops = (
+            [corners]
+            if corners.shape[1] == 2
+            else [corners[planes.around(a)] for a in range(len(planes.offsets))]
+        )
         meshes = [mesh_of(loop, params.rings) for loop in loops]
         starts = np.cumsum([0, *(len(points) for points, _ in meshes)])
         points = np.concatenate([points for points, _ in meshes])

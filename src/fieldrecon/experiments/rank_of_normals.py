@@ -90,8 +90,16 @@ def run(params: Params, each: Map = map) -> Result:
 # --- approached ---------------------------------------------------------------------------------
 
 CONFIGURATIONS = (
-    "configuration", "D", "n", "rank B", "known rank", "rank B'", "slope", "σ/t", "σ/t by theory",
-)  # fmt: skip
+    "configuration",
+    "D",
+    "n",
+    "rank B",
+    "known rank",
+    "rank B'",
+    "slope",
+    "σ/t",
+    "σ/t by theory",
+)
 
 
 def smallest_singular_value(case: Configuration, t: float) -> float:
@@ -144,10 +152,11 @@ def _drawn(cases: list[Configuration]) -> dict[str, np.ndarray]:
             null = np.linalg.svd(normal_matrix(p, n))[2][case.rank :]
             field = null.T @ (null @ NEARLY_CONSTANT)
             arrays |= {
-                f"{case.name}_p": p, f"{case.name}_n": n,
+                f"{case.name}_p": p,
+                f"{case.name}_n": n,
                 f"{case.name}_field": field / np.linalg.norm(field),
                 f"{case.name}_edges": case.edges,
-            }  # fmt: skip
+            }
     return arrays
 
 
@@ -187,9 +196,15 @@ def _sets_of_points(params: Params) -> dict[str, Cell]:
 # --- tetrahedra ---------------------------------------------------------------------------------
 
 STARS = (
-    "star", "vertices", "tetrahedra", "faces", "bound", "lowest rank", "highest rank",
+    "star",
+    "vertices",
+    "tetrahedra",
+    "faces",
+    "bound",
+    "lowest rank",
+    "highest rank",
     "value determined, %",
-)  # fmt: skip
+)
 
 
 def ranks_of_stars(stars: int, job: tuple[int, int]) -> tuple[Cell, ...]:

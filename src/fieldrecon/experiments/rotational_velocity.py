@@ -194,9 +194,16 @@ def _star(kind: str, y: np.ndarray) -> dict[str, np.ndarray]:
 # --- refined ------------------------------------------------------------------------------------
 
 ERRORS = (
-    "h", "one ring rms", "one ring max", "LS rms", "LS max", "MLS rms", "MLS max",
-    "one ring rms, undetermined", "one ring max, determined",
-)  # fmt: skip
+    "h",
+    "one ring rms",
+    "one ring max",
+    "LS rms",
+    "LS max",
+    "MLS rms",
+    "MLS max",
+    "one ring rms, undetermined",
+    "one ring max, determined",
+)
 WEIGHTS = ("weight", "error", "error / LS", "noise", "noise / LS")
 
 

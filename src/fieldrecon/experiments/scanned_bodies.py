@@ -82,4 +82,3 @@ def spheroid(n: int) -> tuple[np.ndarray, np.ndarray]:
     half = np.array([1.0, 0.8, 0.6])
     normals = ball / half
     return ball * half, normals / np.linalg.norm(normals, axis=1, keepdims=True)
-

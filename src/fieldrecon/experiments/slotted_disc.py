@@ -89,10 +89,15 @@ def run(params: Params, each: Map = map) -> Result:
     found = list(each(partial(turned, params), levels))
     signs, masses = np.array([f[:2] for f in found]).T
     rows = [
-        (sites_of(k), s, *(PUBLISHED[w][0][k] for w in PUBLISHED), m,
-         *(PUBLISHED[w][1][k] for w in ("CIP", "SUPG")))
+        (
+            sites_of(k),
+            s,
+            *(PUBLISHED[w][0][k] for w in PUBLISHED),
+            m,
+            *(PUBLISHED[w][1][k] for w in ("CIP", "SUPG")),
+        )
         for k, s, m in zip(levels, signs, masses, strict=True)
-    ]  # fmt: skip
+    ]
     names = ("unknowns", "here", *PUBLISHED, "mass here", "mass CIP", "mass SUPG")
     best = np.array([min(PUBLISHED[w][0][k] for w in PUBLISHED) for k in levels])
     steps = np.array([sites_of(k) for k in levels]) ** -0.5

@@ -58,8 +58,9 @@ def plot_isolines(result: Result) -> Figure:
     raised = sites * [1, 1, _HEIGHTS]
     places = (raised - points.min(axis=0)) / np.ptp(points, axis=0).max() @ picture.axes
     with figure(height=2.1, columns=2) as (page, (left, right)):
-        left.scatter(*places[:, :2].T, c=sites[:, 2], cmap="viridis", s=0.7, linewidths=0,
-                     rasterized=True)  # fmt: skip
+        left.scatter(
+            *places[:, :2].T, c=sites[:, 2], cmap="viridis", s=0.7, linewidths=0, rasterized=True
+        )
         left.set(aspect="equal")
         left.set_axis_off()
         _draw(right, picture, edges=False)
@@ -72,8 +73,9 @@ def plot_convergence(result: Result) -> Figure:
         table = result.tables["convergence"]
         n = np.array(table.column("points"), dtype=float)
         looks = (line("RBF"), line("MLS"))
-        for name, label, look in zip(("rbf", "hermite"), ("points off the surface", "normals"),
-                                     looks, strict=True):  # fmt: skip
+        for name, label, look in zip(
+            ("rbf", "hermite"), ("points off the surface", "normals"), looks, strict=True
+        ):
             left.loglog(n, np.array(table.column(name), dtype=float), **look | {"label": label})
         left.set(xlabel="points", ylabel="rms distance")
         _ticks(left, n)
@@ -129,8 +131,17 @@ def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
     picture = Picture(points, triangles, TOWARD, 40)
     x, y, depth = (result.arrays[f"{name}:cloud"] @ picture.axes).T
     order = np.argsort(depth)
-    panel.scatter(x[order], y[order], c=-depth[order], cmap="Greys_r", s=size, linewidths=0,
-                  vmin=-depth.max(), vmax=-2.2 * depth.min(), rasterized=True)  # fmt: skip
+    panel.scatter(
+        x[order],
+        y[order],
+        c=-depth[order],
+        cmap="Greys_r",
+        s=size,
+        linewidths=0,
+        vmin=-depth.max(),
+        vmax=-2.2 * depth.min(),
+        rasterized=True,
+    )
     panel.set(aspect="equal")
     panel.set_axis_off()
 
@@ -138,6 +149,7 @@ def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
 def _triangulated(shape: tuple[int, ...]) -> np.ndarray:
     """Two triangles for each square of a grid."""
     index = np.arange(shape[0] * shape[1]).reshape(shape)
-    a, b, c, d = (index[s].ravel() for s in (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1],
-                                              np.s_[1:, 1:]))  # fmt: skip
+    a, b, c, d = (
+        index[s].ravel() for s in (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
+    )
     return np.concatenate([np.column_stack([a, b, d]), np.column_stack([a, d, c])])

@@ -50,8 +50,17 @@ from fieldrecon.shapes import Ball, Box, Torus, sample_surface
 from fieldrecon.solids import Solid
 from fieldrecon.surface_extraction import ExtractedSurface, extract_surface
 
-__all__ = ["QUICK", "Params", "plot", "plot_bodies", "plot_convergence", "plot_deformation",
-           "plot_isolines", "plot_scans", "run"]  # fmt: skip
+__all__ = [
+    "QUICK",
+    "Params",
+    "plot",
+    "plot_bodies",
+    "plot_convergence",
+    "plot_deformation",
+    "plot_isolines",
+    "plot_scans",
+    "run",
+]
 
 FAR = 1e7
 """Where the wheel is carried, in its own units, to see what rounding does."""
@@ -78,8 +87,18 @@ class Params:
     seed: int = parameter(4, "seed of the points")
 
     def __post_init__(self) -> None:
-        require_at_least(self, points=300, scanned=300, noise=0.0, sizes=20, cells=2,
-                         frame=0.01, isolines=1, window=8, seed=0)  # fmt: skip
+        require_at_least(
+            self,
+            points=300,
+            scanned=300,
+            noise=0.0,
+            sizes=20,
+            cells=2,
+            frame=0.01,
+            isolines=1,
+            window=8,
+            seed=0,
+        )
 
 
 QUICK = Params(points=300, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.4, window=16)
@@ -98,8 +117,9 @@ class Rebuilt:
 def run(params: Params, each: Map = map) -> Result:
     """Reconstruct all bodies, and compare them with what they should be."""
     scans = damaged(params.scanned, params.noise, params.seed)
-    scans["part"] = Scan(sample_surface(machine_part(), params.points, params.seed)[0],
-                         machine_part())  # fmt: skip
+    scans["part"] = Scan(
+        sample_surface(machine_part(), params.points, params.seed)[0], machine_part()
+    )
     scans["far away"] = _far(scans["as drawn"])
     rebuilt = dict(zip(scans, each(reconstructed, scans.values()), strict=True))
     errors = np.array(list(each(errors_of, params.sizes)))
@@ -123,11 +143,15 @@ def run(params: Params, each: Map = map) -> Result:
         | _orders(METHODS, [n**-0.5 for n in params.sizes], errors)
         | _orders(("volume", "area"), [1 / n for n in params.cells], measures),
         arrays={"errors": errors, "measures": measures, "frames": np.array([*frames])}
-        | {k: a for name, one in rebuilt.items() if name != "far away"
-           for k, a in _drawn(name, one.points, one.triangles, one.cloud).items()}
+        | {
+            k: a
+            for name, one in rebuilt.items()
+            if name != "far away"
+            for k, a in _drawn(name, one.points, one.triangles, one.cloud).items()
+        }
         | {k: a for name, s in frames.items() for k, a in _drawn(name, *s).items()}
         | land,
-    )  # fmt: skip
+    )
 
 
 def reconstructed(scan: Scan) -> Rebuilt:
@@ -199,8 +223,12 @@ def isolines(params: Params) -> dict[str, np.ndarray]:
     window = type(whole)(x, y, height)
     sites, levels = window.isolines(params.isolines, apart=150.0)
     s = PartitionOfUnityRBF(sites, thin_plate_spline(), degree=1).field(levels)
-    return {"land:sites": np.column_stack([sites, levels]), "land:x": x, "land:y": y,
-            "land:heights": s(window.points).reshape(height.shape)}  # fmt: skip
+    return {
+        "land:sites": np.column_stack([sites, levels]),
+        "land:x": x,
+        "land:y": y,
+        "land:heights": s(window.points).reshape(height.shape),
+    }
 
 
 def _far(scan: Scan) -> Scan:
@@ -240,8 +268,10 @@ def _facts(rebuilt: Mapping[str, Rebuilt]) -> dict[str, Cell]:
 
 
 def _drawn(name: str, *arrays: np.ndarray) -> dict[str, np.ndarray]:
-    return {f"{name}:{what}": a for what, a in zip(("points", "triangles", "cloud"), arrays,
-                                                   strict=False)}  # fmt: skip
+    return {
+        f"{name}:{what}": a
+        for what, a in zip(("points", "triangles", "cloud"), arrays, strict=False)
+    }
 
 
 def plot(result: Result) -> Figure:

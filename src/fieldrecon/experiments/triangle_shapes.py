@@ -15,9 +15,12 @@ def sphere(level: int) -> Surface:
     one, other = np.array([[-1, 1, -1, 1], [_GOLDEN, _GOLDEN, -_GOLDEN, -_GOLDEN]])
     zero = np.zeros(4)
     points = np.concatenate(
-        [np.column_stack([one, other, zero]), np.column_stack([zero, one, other]),
-         np.column_stack([other, zero, one])]
-    )  # fmt: skip
+        [
+            np.column_stack([one, other, zero]),
+            np.column_stack([zero, one, other]),
+            np.column_stack([other, zero, one]),
+        ]
+    )
     points /= np.linalg.norm(points, axis=1)[:, None]
     triangles = _outward(points, _hull(points))
     for _ in range(level):
@@ -49,8 +52,9 @@ def cube(cells: int) -> Surface:
     u, v = np.meshgrid(*[np.arange(cells + 1)] * 2, indexing="ij")
     square = np.column_stack([u.ravel(), v.ravel()])
     corner = np.arange((cells + 1) ** 2).reshape(cells + 1, -1)
-    a, b, c, d = (q.ravel() for q in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:],
-                                      corner[:-1, 1:]))  # fmt: skip
+    a, b, c, d = (
+        q.ravel() for q in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:])
+    )
     cut = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     points: list[np.ndarray] = []
     triangles: list[np.ndarray] = []
@@ -117,8 +121,9 @@ def _sewn(around: int, across: int, *, twisted: bool) -> np.ndarray:
     number = np.arange(around * across).reshape(around, across)
     beyond = number[:1, ::-1] if twisted else number[:1]
     after = np.concatenate([number[1:], beyond])
-    a, b, c, d = (q.ravel() for q in (number, after, np.roll(after, -1, axis=1),
-                                      np.roll(number, -1, axis=1)))  # fmt: skip
+    a, b, c, d = (
+        q.ravel() for q in (number, after, np.roll(after, -1, axis=1), np.roll(number, -1, axis=1))
+    )
     return np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
 
 

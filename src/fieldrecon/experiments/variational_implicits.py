@@ -53,9 +53,17 @@ class Params:
 
     def __post_init__(self) -> None:
         require_at_least(
-            self, sizes=20, offsets=1e-6, queries=10, points=12, ring_points=40, distance=0.01,
-            frames=2, side=21, pixels=4,
-        )  # fmt: skip
+            self,
+            sizes=20,
+            offsets=1e-6,
+            queries=10,
+            points=12,
+            ring_points=40,
+            distance=0.01,
+            frames=2,
+            side=21,
+            pixels=4,
+        )
 
 
 QUICK = Params(sizes=(30, 60), queries=100, points=20, ring_points=50, frames=3, side=31, pixels=8)

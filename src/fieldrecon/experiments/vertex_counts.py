@@ -22,9 +22,16 @@ MOST = {False: 8, True: 5}
 """Triangles at a vertex, inside and on the boundary, from which on it is counted with more."""
 
 VALENCES = (
-    "where", "triangles", "vertices", "lowest rank", "highest rank", "determined by one ring",
-    "took a second ring", "largest error, one ring", "largest error, rings as needed",
-)  # fmt: skip
+    "where",
+    "triangles",
+    "vertices",
+    "lowest rank",
+    "highest rank",
+    "determined by one ring",
+    "took a second ring",
+    "largest error, one ring",
+    "largest error, rings as needed",
+)
 
 
 def counts_of_mesh(mesh: SimplexMesh) -> np.ndarray:
@@ -36,17 +43,19 @@ def counts_of_mesh(mesh: SimplexMesh) -> np.ndarray:
     turn = rotation(np.eye(2), np.zeros(2)).T
     by_conics = [error_by_conics(mesh, i, u[i], turn) for i in range(len(u))]
     around = [vertices_around(mesh, i) for i in range(len(u))]
-    return np.column_stack([
-        mesh.boundary_vertices,
-        np.diff(mesh.vertex_cell_incidence.indptr),
-        first.rank,
-        first.determined,
-        all_rings.rings,
-        np.linalg.norm(found, axis=1),
-        np.linalg.norm(all_rings.values - u, axis=1),
-        [6 - conics_through(y / np.abs(y).max()).shape[1] for y in around],
-        np.abs(found - by_conics).max(axis=1),
-    ])  # fmt: skip
+    return np.column_stack(
+        [
+            mesh.boundary_vertices,
+            np.diff(mesh.vertex_cell_incidence.indptr),
+            first.rank,
+            first.determined,
+            all_rings.rings,
+            np.linalg.norm(found, axis=1),
+            np.linalg.norm(all_rings.values - u, axis=1),
+            [6 - conics_through(y / np.abs(y).max()).shape[1] for y in around],
+            np.abs(found - by_conics).max(axis=1),
+        ]
+    )
 
 
 def valences(counted: np.ndarray) -> Iterator[tuple[Cell, ...]]:
@@ -83,9 +92,16 @@ def facts_of_counts(counted: np.ndarray) -> dict[str, Cell]:
 
 
 SPACE = (
-    "vertices", "undetermined by one ring", "undetermined inside", "one ring", "two rings",
-    "more rings", "rank at its bound, %", "largest error, one ring", "largest error",
-)  # fmt: skip
+    "vertices",
+    "undetermined by one ring",
+    "undetermined inside",
+    "one ring",
+    "two rings",
+    "more rings",
+    "rank at its bound, %",
+    "largest error, one ring",
+    "largest error",
+)
 
 
 def rotation_in_space(mesh: SimplexMesh) -> tuple[Cell, ...]:

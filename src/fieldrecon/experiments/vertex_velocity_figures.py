@@ -84,9 +84,15 @@ def draw_flow_along(axes: Axes, y: np.ndarray, conic: np.ndarray) -> None:
     psi = monomials(grid, 2) @ conic
     levels = np.linspace(-1, 1, 14) * np.abs(psi).max() * 0.7
     axes.contour(
-        ticks, ticks, psi, levels=levels, colors=[METHOD_COLORS["MLS"]], linewidths=0.5,
-        linestyles="solid", alpha=0.75,
-    )  # fmt: skip
+        ticks,
+        ticks,
+        psi,
+        levels=levels,
+        colors=[METHOD_COLORS["MLS"]],
+        linewidths=0.5,
+        linestyles="solid",
+        alpha=0.75,
+    )
     axes.contour(ticks, ticks, psi, levels=[0.0], colors=[METHOD_COLORS["MLS"]], linewidths=1.6)
 
 

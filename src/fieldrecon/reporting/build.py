@@ -29,32 +29,46 @@ INTERRUPTED = 130
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fieldrecon report``."""
     parser.add_argument(
-        "--source", type=Path, default=Path("report"), metavar="DIR",
+        "--source",
+        type=Path,
+        default=Path("report"),
+        metavar="DIR",
         help="folder of the text (default: %(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder of the results (default: SOURCE/build)"
     )
     parser.add_argument(
-        "--experiments", type=Path, metavar="FILE",
+        "--experiments",
+        type=Path,
+        metavar="FILE",
         help="parameters that differ from the defaults (default: SOURCE/experiments.toml)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--jobs", type=int, default=os.cpu_count() or 1, metavar="N",
+        "--jobs",
+        type=int,
+        default=os.cpu_count() or 1,
+        metavar="N",
         help="processes that compute (default: one per processor, %(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--only", nargs="+", default=[], metavar="EXPERIMENT",
+        "--only",
+        nargs="+",
+        default=[],
+        metavar="EXPERIMENT",
         help="bring only these experiments up to date, and set no text",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--check-reproducible", action="store_true",
+        "--check-reproducible",
+        action="store_true",
         help="build twice under different settings and compare every byte",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--against", type=Path, metavar="MANIFEST",
+        "--against",
+        type=Path,
+        metavar="MANIFEST",
         help="compare the facts with those of another machine's manifest.json",
-    )  # fmt: skip
+    )
 
 
 def main(arguments: argparse.Namespace) -> int:

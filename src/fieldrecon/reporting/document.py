@@ -89,13 +89,24 @@ class Document:
     def _pandoc(self, to: str, metadata: Mapping[str, str]) -> str:
         suffix = "typ" if to == "typst" else "html"
         command = [
-            str(pandoc()), "--from=markdown", f"--to={to}", "--standalone", "--wrap=none",
-            f"--template=template.{suffix}", "--metadata-file=metadata.yaml",
+            str(pandoc()),
+            "--from=markdown",
+            f"--to={to}",
+            "--standalone",
+            "--wrap=none",
+            f"--template=template.{suffix}",
+            "--metadata-file=metadata.yaml",
             *(f"--metadata={key}:{value}" for key, value in metadata.items()),
-            "--lua-filter=filters/report.lua", "--citeproc", "--bibliography=references.bib",
-            "--toc", "--toc-depth=3", "--section-divs", "--mathml", "--fail-if-warnings",
+            "--lua-filter=filters/report.lua",
+            "--citeproc",
+            "--bibliography=references.bib",
+            "--toc",
+            "--toc-depth=3",
+            "--section-divs",
+            "--mathml",
+            "--fail-if-warnings",
             *(str(path.relative_to(self.source)) for path in self.chapters),
-        ]  # fmt: skip
+        ]
         run = subprocess.run(
             command, cwd=self.source, capture_output=True, text=True, encoding="utf-8", check=False
         )

@@ -62,9 +62,17 @@ def scale_bar(axes: Axes, location: str = "lower right") -> None:
     metres = round_length((right - left) / 4)
     label = f"{metres / 1000:g} km" if metres >= 1000 else f"{metres:g} m"
     bar = AnchoredSizeBar(
-        axes.transData, metres, label, location, pad=0.3, borderpad=0.4, sep=2,
-        size_vertical=(right - left) / 150, fill_bar=True, color="black",
-    )  # fmt: skip
+        axes.transData,
+        metres,
+        label,
+        location,
+        pad=0.3,
+        borderpad=0.4,
+        sep=2,
+        size_vertical=(right - left) / 150,
+        fill_bar=True,
+        color="black",
+    )
     bar.patch.set(facecolor="white", edgecolor="none", alpha=0.8)
     axes.add_artist(bar)
 

@@ -17,8 +17,10 @@ from fieldrecon.reporting.style import figure
 
 PICTURE_FORMATS = ("png", "svg")
 _PIXELS = 800
-_VIEWS = {"from the front, right and above": (0.8, -0.7, 0.6),
-          "from behind, left and below": (-0.8, 0.7, -0.6)}  # fmt: skip
+_VIEWS = {
+    "from the front, right and above": (0.8, -0.7, 0.6),
+    "from behind, left and below": (-0.8, 0.7, -0.6),
+}
 
 
 def write_audit(
@@ -40,11 +42,16 @@ def plot(audit: MeshAudit, points: np.ndarray, triangles: np.ndarray) -> Figure:
             draw(panel, points, triangles, found, np.array(toward), pixels=_PIXELS)
             panel.set_title(title, loc="center")
         handles = [
-            Line2D([], [], color=COLORS[concern], marker=MARKERS[concern],
-                   label=f"{concern}: {sum(audit.counts[concern].values())}")
+            Line2D(
+                [],
+                [],
+                color=COLORS[concern],
+                marker=MARKERS[concern],
+                label=f"{concern}: {sum(audit.counts[concern].values())}",
+            )
             for concern in CONCERNS
             if any(audit.counts[concern].values())
-        ]  # fmt: skip
+        ]
         if handles:
             page.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return page

@@ -41,7 +41,6 @@ td.words { min-width: 10rem; overflow-wrap: break-word; }
 """
 
 
-
 def page(
     title: str,
     lead: str,

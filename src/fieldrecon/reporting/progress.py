@@ -21,10 +21,14 @@ class Bar:
     def __init__(self, quiet: bool = False) -> None:
         self._console = Console(stderr=True, highlight=False)
         self._progress = Progress(
-            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
-            TimeElapsedColumn(), console=self._console, transient=True,
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            console=self._console,
+            transient=True,
             disable=quiet or not sys.stderr.isatty(),
-        )  # fmt: skip
+        )
         self._quiet = quiet
         self._task = self._progress.add_task("report", total=0)
 

@@ -23,14 +23,20 @@ RELATIVE_TOLERANCE = 1e-6
 
 SURROUNDINGS: tuple[Mapping[str, str], Mapping[str, str]] = (
     {
-        "TZ": "Pacific/Kiritimati", "LC_ALL": "C", "PYTHONHASHSEED": "1",
-        "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
+        "TZ": "Pacific/Kiritimati",
+        "LC_ALL": "C",
+        "PYTHONHASHSEED": "1",
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
     },
     {
-        "TZ": "America/St_Johns", "LC_ALL": "C.UTF-8", "PYTHONHASHSEED": "2",
-        "OMP_NUM_THREADS": "4", "OPENBLAS_NUM_THREADS": "4",
+        "TZ": "America/St_Johns",
+        "LC_ALL": "C.UTF-8",
+        "PYTHONHASHSEED": "2",
+        "OMP_NUM_THREADS": "4",
+        "OPENBLAS_NUM_THREADS": "4",
     },
-)  # fmt: skip
+)
 
 
 def check(arguments: argparse.Namespace) -> int:

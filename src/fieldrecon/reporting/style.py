@@ -27,10 +27,23 @@ from fieldrecon.reporting.fonts import SERIF, SERIF_FACES, font_file
 from fieldrecon.reporting.maps import SHADE, hillshade, map_axes, scale_bar
 
 __all__ = [
-    "DIVERGING", "FULL_WIDTH", "HALF_WIDTH", "METHOD_COLORS", "METHOD_LINESTYLES",
-    "METHOD_MARKERS", "SEQUENTIAL", "SHADE", "StyledFigure", "figure", "hillshade", "line",
-    "map_axes", "scale_bar", "shades", "style",
-]  # fmt: skip
+    "DIVERGING",
+    "FULL_WIDTH",
+    "HALF_WIDTH",
+    "METHOD_COLORS",
+    "METHOD_LINESTYLES",
+    "METHOD_MARKERS",
+    "SEQUENTIAL",
+    "SHADE",
+    "StyledFigure",
+    "figure",
+    "hillshade",
+    "line",
+    "map_axes",
+    "scale_bar",
+    "shades",
+    "style",
+]
 
 MILLIMETRE = 1 / 25.4
 FULL_WIDTH = 150 * MILLIMETRE

@@ -70,9 +70,13 @@ def stages() -> Iterator[Callable[[str], Callable[[int, int], None]]]:
     What it returns is called as progress(done, total); until then the bar only shows that it lives.
     """
     columns = (
-        "{task.description}", BarColumn(20), TaskProgressColumn(), TimeRemainingColumn(), "left,",
+        "{task.description}",
+        BarColumn(20),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+        "left,",
         _Memory(),
-    )  # fmt: skip
+    )
     errors = Terminal(stderr=True)
     with Progress(*columns, console=errors, transient=True, disable=not sys.stderr.isatty()) as bar:
 

@@ -50,9 +50,12 @@ def _add(commands: Any, name: str, command: Callable[..., Any], text: str) -> An
         "results", type=Path, metavar="RESULTS", help="results.json, or the folder that holds it"
     )
     parser.add_argument(
-        "--class", type=Path, metavar="DIR", dest="folder",
+        "--class",
+        type=Path,
+        metavar="DIR",
+        dest="folder",
         help=f"the folder with the tables of the class (default: {DEFAULT}, if it is there)",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="where to write (default: beside the results)"
     )
@@ -130,8 +133,9 @@ def _report(desk: Desk) -> None:
 
     sentences = {
         (mistake.question, mistake.name): mistake.sentence
-        for source in desk.sources.values() for mistake in entries(source, "misconceptions")
-    }  # fmt: skip
+        for source in desk.sources.values()
+        for mistake in entries(source, "misconceptions")
+    }
     source, out = desk.options.root / "report", desk.out / "report"
     print_files(class_report(desk.results, desk.sheets, desk.titles, sentences, source, out))
 

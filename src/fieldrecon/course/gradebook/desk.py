@@ -106,5 +106,6 @@ class Desk:
         """Return the submissions of a notebook that count, by student."""
         return {
             sheet.record.student: sheet.record
-            for sheet in self.sheets if sheet.record and sheet.notebook == notebook
-        }  # fmt: skip
+            for sheet in self.sheets
+            if sheet.record and sheet.notebook == notebook
+        }

@@ -50,8 +50,9 @@ def summary(sheet: Sheet) -> list[str]:
     """Return the feedback on a notebook, a line for each question."""
     lines = [
         f"{title} ({short(line.points)} of {short(line.possible)}). {sentence}".strip()
-        for line in sheet.lines for title, sentence in (said_of(line),)
-    ]  # fmt: skip
+        for line in sheet.lines
+        for title, sentence in (said_of(line),)
+    ]
     return [*about(sheet), *lines]
 
 

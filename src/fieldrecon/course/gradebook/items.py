@@ -91,10 +91,7 @@ def to_table(found: Sequence[Item]) -> str:
     columns = ("question", "answers", "failed", "mean", "discrimination", "commonest mistakes")
     return to_csv(
         columns,
-        (
-            (i.question, i.answers, i.failed, i.mean, i.discrimination, _in_words(i))
-            for i in found
-        ),
+        ((i.question, i.answers, i.failed, i.mean, i.discrimination, _in_words(i)) for i in found),
     )
 
 
@@ -113,9 +110,13 @@ def _items(sheets: Sequence[Sheet]) -> Iterable[Item]:
         rest = np.array([s.earned - s.lines[index].points for s in graded])
         mistakes = Counter(filter(None, map(_mistake, lines)))
         yield Item(
-            first.question, len(graded), float(np.mean(scores < 1)), float(scores.mean()),
-            discrimination(scores, rest), tuple(_commonest(mistakes)),
-        )  # fmt: skip
+            first.question,
+            len(graded),
+            float(np.mean(scores < 1)),
+            float(scores.mean()),
+            discrimination(scores, rest),
+            tuple(_commonest(mistakes)),
+        )
 
 
 def _commonest(mistakes: Counter[str]) -> list[tuple[str, int]]:

@@ -121,6 +121,4 @@ def read_extensions(path: Path) -> Mapping[tuple[str, str], Extension]:
 
 
 def _extension(row: Row) -> Extension:
-    return Extension(
-        row["student"], notebook(row["notebook"]), moment(row["until"]), row["reason"]
-    )
+    return Extension(row["student"], notebook(row["notebook"]), moment(row["until"]), row["reason"])

@@ -51,11 +51,15 @@ def theory(source: Source) -> list[Theory]:
     rubrics = {cell.rubric: cell.text for cell in source.cells if cell.rubric}
     return [
         Theory(
-            cell.answer, float(cell.metadata.get("points", 0)), before.text, cell.text,
+            cell.answer,
+            float(cell.metadata.get("points", 0)),
+            before.text,
+            cell.text,
             rubrics.get(cell.answer, ""),
         )
-        for before, cell in zip(source.cells, source.cells[1:], strict=False) if cell.answer
-    ]  # fmt: skip
+        for before, cell in zip(source.cells, source.cells[1:], strict=False)
+        if cell.answer
+    ]
 
 
 def reading_page(
@@ -87,7 +91,8 @@ def reading_page(
     typeset = with_formulas(list(written.values()))
     body = [
         rendered(question.asked),
-        "<h2>How it is graded</h2>", rendered(question.rubric),
+        "<h2>How it is graded</h2>",
+        rendered(question.rubric),
         f"<details open><summary>A model answer</summary>{rendered(question.answer)}</details>",
         f"<h2>{_counted(len(written))}</h2>",
         *(
@@ -95,7 +100,7 @@ def reading_page(
             for (who, words), html in zip(written.items(), typeset, strict=True)
         ),
         f'<p class="quiet">Nothing written: {escape(", ".join(silent))}.</p>' if silent else "",
-    ]  # fmt: skip
+    ]
     told = f"{short(question.points)} points, to be written into {question.name}.csv"
     return page(f"Question {question.name}", told, "\n".join(body))
 
@@ -151,9 +156,10 @@ def enter(file: Path, answers: Mapping[str, str]) -> list[str]:
         write_atomically(file, before + joint + added.partition("\n")[2].encode())
     read = {who: row.get("answer") for who, row in rows.items() if row.get("points")}
     return [
-        who for who, words in sorted(answers.items())
+        who
+        for who, words in sorted(answers.items())
         if read.get(who) is not None and read[who] != seal(words)
-    ]  # fmt: skip
+    ]
 
 
 def seal(words: str) -> str:

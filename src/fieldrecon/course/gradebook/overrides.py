@@ -82,23 +82,31 @@ def open_requests(requests: Iterable[Request], overrides: Sequence[Override]) ->
     """Return the requests that nobody has answered, in words or by an override since."""
     decided = {key: o.on for key, o in latest(overrides).items()}
     return [
-        r for r in requests
+        r
+        for r in requests
         if not r.answer and decided.get((r.student, r.question), date.min) < r.on
-    ]  # fmt: skip
+    ]
 
 
 def _override(row: Row) -> Override:
     return Override(
-        row["student"], question(row["question"]), points(row["points"]), row["by"], row["reason"],
+        row["student"],
+        question(row["question"]),
+        points(row["points"]),
+        row["by"],
+        row["reason"],
         _day(row["on"]),
-    )  # fmt: skip
+    )
 
 
 def _request(row: Row) -> Request:
     return Request(
-        row["student"], question(row["question"]), _day(row["on"]), row["request"],
+        row["student"],
+        question(row["question"]),
+        _day(row["on"]),
+        row["request"],
         row.get("answer", ""),
-    )  # fmt: skip
+    )
 
 
 def _day(text: str) -> date:

@@ -81,9 +81,14 @@ def _paragraph(text: str) -> dict[str, Any]:
 
 def _pandoc(text: str, *options: str, timeout: float | None = None) -> str:
     run = subprocess.run(
-        [str(pandoc()), "--to=html5", "--mathml", "--sandbox", *options], input=text,
-        capture_output=True, text=True, encoding="utf-8", check=False, timeout=timeout,
-    )  # fmt: skip
+        [str(pandoc()), "--to=html5", "--mathml", "--sandbox", *options],
+        input=text,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+        timeout=timeout,
+    )
     if run.returncode:
         raise ValueError(f"pandoc: {run.stderr.strip()}")
     return run.stdout

@@ -135,9 +135,11 @@ def gradescope_json(sheet: Sheet) -> dict[str, Any]:
         "visibility": "after_published",
         "stdout_visibility": "hidden",
         "tests": [_test(line) for line in sheet.lines],
-        "extra_data": {"digest": sheet.record.digest if sheet.record else "",
-                       "isolation": sheet.record.tier if sheet.record else ""},
-    }  # fmt: skip
+        "extra_data": {
+            "digest": sheet.record.digest if sheet.record else "",
+            "isolation": sheet.record.tier if sheet.record else "",
+        },
+    }
 
 
 def _test(line: Line) -> dict[str, Any]:

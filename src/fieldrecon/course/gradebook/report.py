@@ -113,9 +113,13 @@ def _chapters(values: Mapping[str, Any], titles: Mapping[str, str]) -> Iterator[
 def _told(facts: Mapping[str, Any], figures: list[str], **tables: Any) -> dict[str, Any]:
     """Return facts, tables and figures in the form in which those of experiments come."""
     return {
-        "title": "", "facts": dict(facts), "params": {}, "fields": [], "figures": figures,
+        "title": "",
+        "facts": dict(facts),
+        "params": {},
+        "fields": [],
+        "figures": figures,
         "tables": {name: {"columns": c, "rows": rows} for name, (c, rows) in tables.items()},
-    }  # fmt: skip
+    }
 
 
 def _class(
@@ -130,26 +134,33 @@ def _class(
         "handed_in": len({record.student for record in results.records}),
         "submissions": sum(map(len, by_number.values())),
         "inputs": "Hidden inputs were drawn from a secret."
-        if results.secret else "Hidden inputs were not secret: anybody could compute them.",
+        if results.secret
+        else "Hidden inputs were not secret: anybody could compute them.",
         "left": f"Answers that are not graded yet: {left}; they count as no points here."
-        if left else "Every answer has been graded.",
-    }  # fmt: skip
+        if left
+        else "Every answer has been graded.",
+    }
     notebooks = [
         (
-            number, titles.get(number, ""), len(its), sum(sheet.kept < 1 for sheet in its),
-            its[0].possible, *_middle([sheet.points for sheet in its]),
+            number,
+            titles.get(number, ""),
+            len(its),
+            sum(sheet.kept < 1 for sheet in its),
+            its[0].possible,
+            *_middle([sheet.points for sheet in its]),
         )
         for number, its in by_number.items()
-    ]  # fmt: skip
+    ]
     walls = Counter(WALLS[record.tier] for record in results.records)
     status = Counter(record.status for record in results.records)
     columns = ("notebook", "title", "handed in", "late", "possible", "mean", "median")
     return _told(
-        facts, ["class_points"],
+        facts,
+        ["class_points"],
         notebooks=(columns, notebooks),
         walls=(("walls", "submissions"), walls.most_common()),
         status=(("status", "submissions"), status.most_common()),
-    )  # fmt: skip
+    )
 
 
 def _middle(points: Sequence[float]) -> tuple[float, float]:
@@ -161,20 +172,23 @@ def _notebook(
 ) -> dict[str, Any]:
     mistakes = Counter(
         (line.question, line.grade.verdict.mistake)
-        for sheet in its for line in sheet.lines if line.grade and line.grade.verdict.mistake
-    )  # fmt: skip
+        for sheet in its
+        for line in sheet.lines
+        if line.grade and line.grade.verdict.mistake
+    )
     rows = [
         (question, count, sentences.get((question, mistake), mistake))
         for (question, mistake), count in sorted(mistakes.items(), key=lambda m: (-m[1], m[0]))
     ]
     return _told(
-        {}, [f"notebook_{number}_outcomes"],
+        {},
+        [f"notebook_{number}_outcomes"],
         items=(
             ("question", "answers", "failed, %", "mean, %", "discrimination"),
             [_item(item) for item in items(its)],
         ),
         mistakes=(("question", "answers", "mistake"), rows),
-    )  # fmt: skip
+    )
 
 
 def _item(item: Item) -> tuple[str, int, float, float, float | str]:

@@ -127,15 +127,19 @@ def sheets(results: Results, decisions: Decisions) -> list[Sheet]:
         name = student["student"]
         record = counting.get((name, notebook))
         return Sheet(
-            student, notebook, tuple(_lines(name, notebook, worth, record, decisions)), record,
+            student,
+            notebook,
+            tuple(_lines(name, notebook, worth, record, decisions)),
+            record,
             _kept(record, decisions),
             tuple(r for r in results.records if r.student == name and not r.notebook),
-        )  # fmt: skip
+        )
 
     return [
         sheet(student, notebook)
-        for student in everybody(results).values() for notebook in notebooks
-    ]  # fmt: skip
+        for student in everybody(results).values()
+        for notebook in notebooks
+    ]
 
 
 def _worth(results: Results) -> dict[str, float]:

@@ -83,8 +83,9 @@ class Pair:
         """Return which functions share how many fingerprints, the most first."""
         found = [
             (mine, theirs, len(self.shared & set(a) & set(b)))
-            for mine, a in self.one.prints.items() for theirs, b in self.other.prints.items()
-        ]  # fmt: skip
+            for mine, a in self.one.prints.items()
+            for theirs, b in self.other.prints.items()
+        ]
         return sorted((f for f in found if f[2]), key=lambda f: (-f[2], f[0], f[1]))
 
     def lines(self, mine: str, theirs: str) -> tuple[set[int], set[int]]:
@@ -99,9 +100,7 @@ class Pair:
         return alike
 
 
-def _alike(
-    one: Sequence[Node], other: Sequence[Node], i: int, j: int
-) -> Iterator[tuple[int, int]]:
+def _alike(one: Sequence[Node], other: Sequence[Node], i: int, j: int) -> Iterator[tuple[int, int]]:
     """Yield the places of equal nodes before and after two places at which they are equal."""
     for step, a, b in ((1, i, j), (-1, i - 1, j - 1)):
         while 0 <= a < len(one) and 0 <= b < len(other) and one[a][0] == other[b][0]:
@@ -165,10 +164,10 @@ def _nodes(node: ast.AST, bound: set[str], line: int) -> Iterator[Node]:
             node = ast.Assign([node.target], node.value or ast.Constant(None), lineno=line)
         yield _told(node, bound), line
         inner = [
-            child for name, child in _children(node)
-            if name not in ("annotation", "returns", "ctx", "type_comment")
-            and not _is_text(child)
-        ]  # fmt: skip
+            child
+            for name, child in _children(node)
+            if name not in ("annotation", "returns", "ctx", "type_comment") and not _is_text(child)
+        ]
         stack += [(child, line) for child in reversed(inner)]
 
 

@@ -71,7 +71,7 @@ class Known:
         return {
             q: reached(its, {**self.findings[q], **found.get(q, {})})
             for q, its in self.keys.items()
-        }  # fmt: skip
+        }
 
 
 def work(job: Job) -> Examined:
@@ -83,9 +83,10 @@ def work(job: Job) -> Examined:
         The grader fails, also with a fresh server.
     """
     return workplace.served(
-        job.server.tier, job.server.limits,
+        job.server.tier,
+        job.server.limits,
         lambda s: examine(job.course, s, job.submission, job.notebook, job.checks),
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True)
@@ -188,9 +189,14 @@ class Batch:
     def _fault(self, portion: Portion, error: Exception) -> Record:
         file, note = portion.handed.file, f"the grader failed: {error}"
         return Record(
-            file.student, file.name, file.digest, portion.handed.notebook, "fault",
-            self.server.tier, notes=(note,),
-        )  # fmt: skip
+            file.student,
+            file.name,
+            file.digest,
+            portion.handed.notebook,
+            "fault",
+            self.server.tier,
+            notes=(note,),
+        )
 
 
 def _unreadable(handed: Handed) -> Record:
@@ -204,9 +210,13 @@ def _told(handed: Handed, record: Record) -> Record:
     """Return a record with what is known from the intake."""
     file = handed.file
     return replace(
-        record, digest=file.digest, received=file.received, received_by=file.received_by,
-        late_mark=file.late_mark, notes=(*record.notes, *handed.notes),
-    )  # fmt: skip
+        record,
+        digest=file.digest,
+        received=file.received,
+        received_by=file.received_by,
+        late_mark=file.late_mark,
+        notes=(*record.notes, *handed.notes),
+    )
 
 
 def as_they_come(

@@ -26,14 +26,17 @@ from fieldrecon.course.grading.submission import Submission
 from fieldrecon.course.grading.trusted import Course
 
 
-def keys(
-    course: Course, server: Server, submission: Submission, question: str
-) -> dict[str, str]:
+def keys(course: Course, server: Server, submission: Submission, question: str) -> dict[str, str]:
     """Return the digests of all that the findings on an answer depend on, check by check."""
     around = _digest(
-        code_digest(submission), question, environment(), grader(),
-        seed(submission.student, question, course.salt), server.tier, vars(server.limits),
-    )  # fmt: skip
+        code_digest(submission),
+        question,
+        environment(),
+        grader(),
+        seed(submission.student, question, course.salt),
+        server.tier,
+        vars(server.limits),
+    )
     made_by = course.checks(question)
     return {check: _digest(around, check, made) for check, made in made_by.items()}
 

@@ -158,6 +158,8 @@ def _with_checks(grade: Grade, made: Sequence[Checked]) -> Grade:
     costs = sum(grade.possible if c.check.costs is None else c.check.costs for c in failed)
     told = " ".join(dict.fromkeys(c.check.sentence for c in failed))
     return replace(
-        grade, points=max(0.0, grade.points - costs), check=failed[0].name,
+        grade,
+        points=max(0.0, grade.points - costs),
+        check=failed[0].name,
         verdict=Verdict(grade.question, "wrong", told),
-    )  # fmt: skip
+    )

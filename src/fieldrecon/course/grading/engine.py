@@ -97,13 +97,27 @@ def _arguments(run: Run) -> list[str]:
     run.out.mkdir(parents=True, exist_ok=True)
     place = run.checks or run.out  # a folder must be named, or conftest.py is looked for here
     told = [
-        str(place), f"--confcutdir={place}", "--rootdir=.", "-c", os.devnull,
-        "-p", "fieldrecon.course.grading.plugin", "-p", "no:cacheprovider",
-        "--import-mode=importlib", "--capture=sys", "-W", "ignore:Module already imported",
-        f"--submissions={run.submissions}", f"--out={run.out}", f"--root={run.root}",
-        f"--question={run.choice.question}", f"--student={run.choice.student}",
-        f"--tier={run.tier}", f"--jobs={run.jobs}",
-    ]  # fmt: skip
+        str(place),
+        f"--confcutdir={place}",
+        "--rootdir=.",
+        "-c",
+        os.devnull,
+        "-p",
+        "fieldrecon.course.grading.plugin",
+        "-p",
+        "no:cacheprovider",
+        "--import-mode=importlib",
+        "--capture=sys",
+        "-W",
+        "ignore:Module already imported",
+        f"--submissions={run.submissions}",
+        f"--out={run.out}",
+        f"--root={run.root}",
+        f"--question={run.choice.question}",
+        f"--student={run.choice.student}",
+        f"--tier={run.tier}",
+        f"--jobs={run.jobs}",
+    ]
     told += [f"--class={run.tables}"] if run.tables else []
     told += ["-p", "xdist.plugin"] if find_spec("xdist") else []
     return told + [f"--only={number}" for number in sorted(run.choice.notebooks)]

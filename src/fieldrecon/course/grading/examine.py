@@ -65,9 +65,14 @@ def grade(
         number = submission.notebook(course.functions())
     except Unreadable as error:
         return Record(
-            submission.student, submission.name, submission.digest, "", "unreadable", "",
+            submission.student,
+            submission.name,
+            submission.digest,
+            "",
+            "unreadable",
+            "",
             notes=(str(error),),
-        )  # fmt: skip
+        )
     checks = {q.name: course.checks(q.name) for q in course.asked(number, only)}
     examined = examine(course, server, submission, number, checks)
     return assembled(course, submission, number, server.tier, examined)
@@ -97,9 +102,10 @@ def examine(
         return found
     again = _examined(server, submission, slow)
     faster = {
-        name: {**found.findings[name], **its} for name, its in again.findings.items()
+        name: {**found.findings[name], **its}
+        for name, its in again.findings.items()
         if next(iter(its.values())).verdict.right
-    }  # fmt: skip
+    }
     return Examined(
         {**found.findings, **faster},
         found.seconds + again.seconds,
@@ -119,9 +125,10 @@ def _slow(tried: Tried, found: Found) -> Iterator[tuple[str, Mapping[int, Trial]
 def _examined(server: Server, submission: Submission, tried: Tried) -> Examined:
     tasks = [
         (k, Task(f"{name} {k}", trial.calls, PATIENCE * trial.question.limit, name))
-        for name, its in tried.items() for k, trial in its.items()
+        for name, its in tried.items()
+        for k, trial in its.items()
         if trial.question.function in submission.definitions
-    ]  # fmt: skip
+    ]
     ordered = [task for _, task in sorted(tasks, key=lambda pair: pair[0])]
     outcomes, log = run(server, submission.cells, ordered)
     return Examined(
@@ -210,22 +217,33 @@ def assembled(
     found = examined.findings
     each = [finding for its in found.values() for finding in its.values()]
     return Record(
-        submission.student, submission.name, submission.digest, number,
-        _status(each), tier,  # type: ignore[arg-type]
+        submission.student,
+        submission.name,
+        submission.digest,
+        number,
+        _status(each),
+        tier,  # type: ignore[arg-type]
         grades=tuple(_grade(course, q, found[q.name]) for q in course.asked(number, tuple(found))),
         notes=tuple(dict.fromkeys(_notes(submission, course.asked(number), each))),
         code=code_digest(submission),
-        seconds=examined.seconds, cpu_seconds=examined.cpu_seconds, peak=examined.peak,
-    )  # fmt: skip
+        seconds=examined.seconds,
+        cpu_seconds=examined.cpu_seconds,
+        peak=examined.peak,
+    )
 
 
 def _grade(course: Course, question: Question, found: Mapping[str, Finding]) -> Grade:
     *_, finding = found.values()  # the first check that is not passed, or the last that is
     worth = float(course.worth.get(question.name, question.points))
     return Grade(
-        question.name, worth * finding.verdict.credit, worth, finding.verdict, finding.check,
-        course.made_by(question.name), finding.returned,
-    )  # fmt: skip
+        question.name,
+        worth * finding.verdict.credit,
+        worth,
+        finding.verdict,
+        finding.check,
+        course.made_by(question.name),
+        finding.returned,
+    )
 
 
 def _status(findings: Iterable[Finding]) -> Status:

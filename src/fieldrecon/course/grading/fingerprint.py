@@ -81,14 +81,24 @@ def _function(function: FunctionType, seen: dict[int, tuple[int, Any]]) -> Any:
 
 def _code(code: CodeType) -> Any:
     constants = [
-        _code(c) if isinstance(c, CodeType)
-        else repr(sorted(map(repr, c))) if isinstance(c, frozenset) else repr(c)
+        _code(c)
+        if isinstance(c, CodeType)
+        else repr(sorted(map(repr, c)))
+        if isinstance(c, frozenset)
+        else repr(c)
         for c in code.co_consts
-    ]  # fmt: skip
+    ]
     return (
-        code.co_code.hex(), tuple(constants), code.co_names, code.co_varnames, code.co_freevars,
-        code.co_argcount, code.co_kwonlyargcount, code.co_posonlyargcount, code.co_flags,
-    )  # fmt: skip
+        code.co_code.hex(),
+        tuple(constants),
+        code.co_names,
+        code.co_varnames,
+        code.co_freevars,
+        code.co_argcount,
+        code.co_kwonlyargcount,
+        code.co_posonlyargcount,
+        code.co_flags,
+    )
 
 
 def _names(code: CodeType) -> set[str]:
@@ -134,13 +144,30 @@ def environment() -> str:
 
 
 SHARED = (
-    "answers", "calls", "hidden", "known", "ladder", "question", "seeds", "shapes", "trials",
+    "answers",
+    "calls",
+    "hidden",
+    "known",
+    "ladder",
+    "question",
+    "seeds",
+    "shapes",
+    "trials",
     "verdict",
-)  # fmt: skip
+)
 ENGINE = (
-    "checks", "definitions", "examine", "findings", "instructors", "isolation", "process",
-    "session", "submission", "trusted", "walls",
-)  # fmt: skip
+    "checks",
+    "definitions",
+    "examine",
+    "findings",
+    "instructors",
+    "isolation",
+    "process",
+    "session",
+    "submission",
+    "trusted",
+    "walls",
+)
 """The modules that have a say in every verdict: those that checks share, and those of the engine;
 besides them all that runs in the sandbox."""
 
@@ -150,9 +177,11 @@ def grader() -> str:
     """Return a digest of what runs and judges answers, the checks left out."""
     course = files("fieldrecon.course")
     told = [
-        *_told_files(files("fieldcheck"), SHARED), *_told_files(course, SHARED),
-        *_told_files(course / "grading", ENGINE), *_told_files(course / "sandbox"),
-    ]  # fmt: skip
+        *_told_files(files("fieldcheck"), SHARED),
+        *_told_files(course, SHARED),
+        *_told_files(course / "grading", ENGINE),
+        *_told_files(course / "sandbox"),
+    ]
     return fingerprint(told)
 
 

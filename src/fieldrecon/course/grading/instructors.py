@@ -100,9 +100,13 @@ class Instructor:
     def _key(self, made_by: str, submission: Submission) -> str:
         server = self.run.server
         parts = (
-            made_by, code_digest(submission), environment(), grader(), server.tier,
+            made_by,
+            code_digest(submission),
+            environment(),
+            grader(),
+            server.tier,
             asdict(server.limits),
-        )  # fmt: skip
+        )
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 

@@ -179,15 +179,20 @@ class Server:
         self._control, theirs = socket.socketpair()
         self._control.settimeout(SECONDS_TO_START)
         settings: dict[str, Any] = {
-            **place.told(), "limits": asdict(self.limits), "seccomp": self.tier != "none",
+            **place.told(),
+            "limits": asdict(self.limits),
+            "seccomp": self.tier != "none",
             "landlock": self.tier != "none" and landlock.version() > 0,
-        }  # fmt: skip
+        }
         python = [*place.python(), str(theirs.fileno()), json.dumps(settings)]
         self._process = subprocess.Popen(
             [*place.bubblewrap(), *python] if self.tier == "bubblewrap" else python,
-            pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, cwd=place.stage,
-            env=walls.ENVIRONMENT, start_new_session=True,
-        )  # fmt: skip
+            pass_fds=[theirs.fileno()],
+            stdin=subprocess.DEVNULL,
+            cwd=place.stage,
+            env=walls.ENVIRONMENT,
+            start_new_session=True,
+        )
         theirs.close()
         with suppress(OSError):
             if self._control.recv(1) == b"+":

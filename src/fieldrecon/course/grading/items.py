@@ -68,9 +68,14 @@ class Item(pytest.Item):
     """A check of an answer. What is found of it was found by the batch."""
 
     def __init__(
-        self, *, place: Place, checks: list[str], check: str, record: Callable[[Place], Record],
+        self,
+        *,
+        place: Place,
+        checks: list[str],
+        check: str,
+        record: Callable[[Place], Record],
         **others: Any,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(**others)
         self.place, self.checks, self.check, self.record = place, checks, check, record
 
@@ -106,9 +111,14 @@ def items(
         owner = printable("::".join(filter(None, (place.student, place.file, place.question))))
         for check in checks:
             item = Item.from_parent(
-                session, name=f"{owner}::{check}", nodeid=f"{owner}::{check}",
-                place=place, checks=checks, check=check, record=record,
-            )  # fmt: skip
+                session,
+                name=f"{owner}::{check}",
+                nodeid=f"{owner}::{check}",
+                place=place,
+                checks=checks,
+                check=check,
+                record=record,
+            )
             item.extra_keyword_matches.update((place.student, place.notebook, place.question))
             item.add_marker(group(place))
             yield item

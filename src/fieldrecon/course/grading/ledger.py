@@ -44,12 +44,21 @@ class Ledger:
         """
         told = {
             "on": datetime.now(UTC).isoformat(timespec="seconds"),
-            "student": record.student, "file": record.file, "digest": record.digest,
-            "code": record.code, "notebook": record.notebook, "status": record.status,
-            "made_by": checks, "environment": self.environment, "grader": self.grader,
-            "salt_year": self.year, "tier": record.tier, "seconds": round(record.seconds, 4),
-            "cpu_seconds": round(record.cpu_seconds, 4), "peak_bytes": record.peak,
-        }  # fmt: skip
+            "student": record.student,
+            "file": record.file,
+            "digest": record.digest,
+            "code": record.code,
+            "notebook": record.notebook,
+            "status": record.status,
+            "made_by": checks,
+            "environment": self.environment,
+            "grader": self.grader,
+            "salt_year": self.year,
+            "tier": record.tier,
+            "seconds": round(record.seconds, 4),
+            "cpu_seconds": round(record.cpu_seconds, 4),
+            "peak_bytes": record.peak,
+        }
         self.file.parent.mkdir(parents=True, exist_ok=True)
         with self.file.open("ab", buffering=0) as file:  # one write, so that lines are never torn
             file.write(json.dumps(told).encode() + b"\n")

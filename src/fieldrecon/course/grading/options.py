@@ -22,17 +22,35 @@ def jobs(text: str) -> int:
 
 def declare(add: Callable[..., Any]) -> None:
     """Declare the options with what adds one."""
-    add("--out", type=Path, default=Path("graded"), metavar="OUT", help="where the results go; "
-        "what was graded before is kept there, and not done again (default: graded)")  # fmt: skip
-    add("--class", type=Path, dest="tables", default=TABLES, metavar="CLASS", help="the folder "
+    add(
+        "--out",
+        type=Path,
+        default=Path("graded"),
+        metavar="OUT",
+        help="where the results go; "
+        "what was graded before is kept there, and not done again (default: graded)",
+    )
+    add(
+        "--class",
+        type=Path,
+        dest="tables",
+        default=TABLES,
+        metavar="CLASS",
+        help="the folder "
         "with roster.csv and the other tables, and your own checks in checks/test_*.py, as far as "
-        "you need them (default: class)")  # fmt: skip
+        "you need them (default: class)",
+    )
     add("--root", type=Path, default=Path(), metavar="ROOT", help="the checkout (default: here)")
     add("--only", nargs="+", default=[], metavar="02", help="grade these notebooks")
     add("--question", default="", metavar="02.3", help="grade this question")
     add("--student", default="", metavar="NAME", help="grade this student")
-    add("--jobs", type=jobs, default=cores(), metavar="N",
-        help="submissions at once (default: one for each core)")  # fmt: skip
+    add(
+        "--jobs",
+        type=jobs,
+        default=cores(),
+        metavar="N",
+        help="submissions at once (default: one for each core)",
+    )
     add("--tier", choices=TIERS, default="", help="the walls (default: the best there are)")
     add("--require-isolation", action="store_true", help="refuse to grade without walls")
 
@@ -53,7 +71,12 @@ def run_of(options: argparse.Namespace) -> tuple[Run, str]:
     tier, banner = chosen_tier(options.tier, options.require_isolation)
     choice = Choice(frozenset(options.only), options.question, options.student)
     run = Run(
-        Path(options.submissions), options.out, options.root, tables, tier, options.jobs,
+        Path(options.submissions),
+        options.out,
+        options.root,
+        tables,
+        tier,
+        options.jobs,
         choice,
-    )  # fmt: skip
+    )
     return run, banner

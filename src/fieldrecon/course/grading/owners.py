@@ -50,11 +50,13 @@ def students_of(owners: Iterable[Owner], roster: Mapping[str, Student]) -> dict[
         if found is None:
             numbers[owner.text].add(owner.number)
     return {
-        owner: found.student if found
-        else f"{owner.text} ({owner.number})" if owner.number and len(numbers[owner.text]) > 1
+        owner: found.student
+        if found
+        else f"{owner.text} ({owner.number})"
+        if owner.number and len(numbers[owner.text]) > 1
         else owner.text
         for owner, found in known.items()
-    }  # fmt: skip
+    }
 
 
 def _student(owner: Owner, index: Mapping[tuple[int, str], list[Student]]) -> Student | None:
@@ -87,8 +89,12 @@ def _told(owner: Owner) -> Sequence[Iterable[str]]:
     runs = [" ".join(words[i:j]) for j in range(len(words) + 1) for i in range(max(0, j - 4), j)]
     return (
         [f"{owner.platform} {owner.number}"] if owner.number else [],
-        [owner.email], [owner.text], [owner.number], [_letters(owner.text)], runs,
-    )  # fmt: skip
+        [owner.email],
+        [owner.text],
+        [owner.number],
+        [_letters(owner.text)],
+        runs,
+    )
 
 
 def _keys(signs: Sequence[Iterable[str]]) -> Iterator[tuple[int, str]]:

@@ -157,8 +157,11 @@ def _told(call: Call, seconds: float) -> tuple[dict[str, Any], tuple[Any, ...]]:
         for a in call.arguments
     ]
     head = {
-        "function": call.function, "arguments": arguments, "case": call.case, "seconds": seconds
-    }  # fmt: skip
+        "function": call.function,
+        "arguments": arguments,
+        "case": call.case,
+        "seconds": seconds,
+    }
     return head, arrays
 
 
@@ -176,9 +179,10 @@ def _outcome(head: dict[str, Any], values: list[np.ndarray], seconds: float) -> 
         error=_text(head.get("error")),
         line=_text(head.get("line")),
         seconds=seconds,
-        modified=tuple(int(i) for i in modified if isinstance(i, int)) if isinstance(modified, list)
+        modified=tuple(int(i) for i in modified if isinstance(i, int))
+        if isinstance(modified, list)
         else (),
-    )  # fmt: skip
+    )
 
 
 def _text(text: object) -> str:

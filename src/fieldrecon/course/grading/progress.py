@@ -28,9 +28,14 @@ def progress(label: str) -> Iterator[Told]:
         yield _lines(label)
         return
     columns = (
-        "{task.description}", BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), "about",
-        TimeRemainingColumn(), "left",
-    )  # fmt: skip
+        "{task.description}",
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        "about",
+        TimeRemainingColumn(),
+        "left",
+    )
     with Progress(*columns, console=Terminal(file=sys.stderr), transient=True) as bar:
         task = bar.add_task(label, total=None)
         yield lambda done, of: bar.update(task, completed=done, total=of)

@@ -36,10 +36,15 @@ def written(
     fault : str
         In what the grader failed; empty if it did not.
     """
-    return json.dumps({
-        "place": asdict(place), "of": of, "records": [record_to_json(r) for r in records],
-        "checked": asdict(checked) if checked else None, "fault": fault,
-    })  # fmt: skip
+    return json.dumps(
+        {
+            "place": asdict(place),
+            "of": of,
+            "records": [record_to_json(r) for r in records],
+            "checked": asdict(checked) if checked else None,
+            "fault": fault,
+        }
+    )
 
 
 @dataclass

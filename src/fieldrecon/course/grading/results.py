@@ -24,7 +24,7 @@ NUMBERED = re.compile(r"\d{4,}\.json")
 
 Status = Literal[
     "graded", "partly", "unreadable", "killed: time", "killed: memory", "killed: output", "fault"
-]  # fmt: skip
+]
 STATUSES: tuple[Status, ...] = get_args(Status)
 """``fault``: the grader failed, and the submission is still to be graded."""
 

@@ -104,10 +104,16 @@ class Run:
     def words(self) -> list[dict[str, Any]]:
         """The questions that are answered in words."""
         return [
-            {"question": question, "notebook": source.number, "kind": "words", "function": "",
-             "points": points}
-            for source in all_sources(self.root) for question, points in source.words.items()
-        ]  # fmt: skip
+            {
+                "question": question,
+                "notebook": source.number,
+                "kind": "words",
+                "function": "",
+                "points": points,
+            }
+            for source in all_sources(self.root)
+            for question, points in source.words.items()
+        ]
 
     @cached_property
     def roster(self) -> Mapping[str, Student]:
@@ -202,17 +208,26 @@ class Run:
         for record in records:
             students.setdefault(record.student, {"student": record.student})
         return Results(
-            records, tuple(students.values()), tuple(self._asked()), self.salt.secret,
-            environment(), grader(),
-        )  # fmt: skip
+            records,
+            tuple(students.values()),
+            tuple(self._asked()),
+            self.salt.secret,
+            environment(),
+            grader(),
+        )
 
     def _asked(self) -> Iterator[dict[str, Any]]:
         worth = self.course.worth
         code = [
-            {"question": q.name, "notebook": q.notebook, "kind": "code", "function": q.function,
-             "points": float(q.points)}
+            {
+                "question": q.name,
+                "notebook": q.notebook,
+                "kind": "code",
+                "function": q.function,
+                "points": float(q.points),
+            }
             for q in questions().values()
-        ]  # fmt: skip
+        ]
         for asked in sorted((*code, *self.words), key=lambda q: _order(q["question"])):
             yield asked | {"points": worth.get(asked["question"], asked["points"])}
 
@@ -243,5 +258,3 @@ def chosen_tier(tier: str = "", require_isolation: bool = False) -> tuple[Tier, 
     if require_isolation and chosen == "none":
         raise ValueError(BANNER.replace("NOT ISOLATED: ", ""))
     return chosen, BANNER if chosen == "none" else ""
-
-

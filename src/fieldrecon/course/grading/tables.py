@@ -73,9 +73,7 @@ def header(path: Path) -> tuple[list[str], str]:
     return next((cells for _, cells in _lines(path)), []), _delimiter(_text(path))
 
 
-def to_csv(
-    columns: Sequence[str], rows: Iterable[Sequence[object]], delimiter: str = ","
-) -> str:
+def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]], delimiter: str = ",") -> str:
     r"""Return a table as CSV whose text no spreadsheet takes for a formula.
 
     Numbers have at most two decimals, what is not known is an empty cell.

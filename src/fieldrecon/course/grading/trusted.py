@@ -39,9 +39,8 @@ class Course:
     def asked(self, number: str, only: Collection[str] = ()) -> list[Question]:
         """Return the questions of a notebook, or those of them that are chosen."""
         return [
-            q for q in questions().values()
-            if q.notebook == number and (not only or q.name in only)
-        ]  # fmt: skip
+            q for q in questions().values() if q.notebook == number and (not only or q.name in only)
+        ]
 
     def functions(self) -> dict[str, list[str]]:
         """Return which functions each notebook asks for."""
@@ -75,11 +74,16 @@ class Course:
             made = _material(path)
             return {
                 q.name: trials(
-                    q, made.functions, made.mistakes, made.hidden, student, self.salt,
+                    q,
+                    made.functions,
+                    made.mistakes,
+                    made.hidden,
+                    student,
+                    self.salt,
                     _public(path, q.name),
                 )
                 for q in self.asked(number, only)
-            }  # fmt: skip
+            }
 
 
 @dataclass(frozen=True)

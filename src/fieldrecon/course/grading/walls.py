@@ -18,8 +18,11 @@ from fieldrecon.reporting.fonts import copy_font_list
 SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/etc/localtime")
 DEVICES = ("/dev/urandom", "/dev/random", "/dev/zero")
 ENVIRONMENT = {
-    "PATH": os.defpath, "MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
-}  # fmt: skip
+    "PATH": os.defpath,
+    "MPLBACKEND": "Agg",
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+}
 """All that a server is told by its environment; nothing is inherited."""
 SECONDS_TO_TRY = 20.0
 
@@ -56,10 +59,12 @@ class Place:
         hidden = hidden_folders()
         parts = [(path, part) for path in self._readable() for part in _without(path, hidden)]
         return {
-            "homes": str(self.homes), "fonts": str(self.fonts), "packages": _packages(),
+            "homes": str(self.homes),
+            "fonts": str(self.fonts),
+            "packages": _packages(),
             "readable": [str(part) for _, part in parts] + list(DEVICES),
             "listed": sorted({str(part.parent) for path, part in parts if part != path}),
-        }  # fmt: skip
+        }
 
     def python(self) -> list[str]:
         """Return the command that starts a server, to be followed by what it is told.
@@ -110,9 +115,16 @@ def _walls(readable: Iterable[Path], writable: Iterable[Path], hidden: Iterable[
     written to is bound from outside, where it is emptied; all else is read-only in the end.
     """
     options = [
-        "--unshare-all", "--die-with-parent", "--new-session", "--tmpfs", "/tmp",
-        "--dev", "/dev", "--proc", "/proc",
-    ]  # fmt: skip
+        "--unshare-all",
+        "--die-with-parent",
+        "--new-session",
+        "--tmpfs",
+        "/tmp",
+        "--dev",
+        "/dev",
+        "--proc",
+        "/proc",
+    ]
     masks: dict[str, None] = {}
     for path in readable:
         options += ["--ro-bind", str(path), str(path)]

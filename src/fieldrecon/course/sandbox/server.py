@@ -181,6 +181,12 @@ def _environment(home: str) -> None:
     os.chdir(home)
     os.environ.clear()
     os.environ.update(
-        HOME=home, TMPDIR=home, MPLCONFIGDIR=home, MPLBACKEND="Agg", LANG="C.UTF-8",
-        FIELDCHECK_STATIC="1", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1",
-    )  # fmt: skip
+        HOME=home,
+        TMPDIR=home,
+        MPLCONFIGDIR=home,
+        MPLBACKEND="Agg",
+        LANG="C.UTF-8",
+        FIELDCHECK_STATIC="1",
+        OPENBLAS_NUM_THREADS="1",
+        OMP_NUM_THREADS="1",
+    )
