@@ -274,10 +274,10 @@ def valley():
 # %% [markdown] answer="01.7" points=3
 # $\mathbf{B}$ is $N \times (D+1)$, $\mathbf{c}$ has $D+1$ entries, $\mathbf{V}$ has $N$, and
 # $\mathbf{B}^T\mathbf{B}$ is $(D+1) \times (D+1)$. By counting, the system is over-determined for
-# $N > D+1$ and under-determined for $N < D+1$. Counting is not enough: the rank of $\mathbf{B}$ is one
-# more than the dimension of the smallest flat that holds all points. A hundred points on a line of
-# the plane give rank 2. The system is then over-determined along the line, where the data need not
-# agree, and under-determined across it, where any slope fits.
+# $N > D+1$ and under-determined for $N < D+1$. Counting is not enough: the rank of $\mathbf{B}$ is
+# one more than the dimension of the smallest flat that holds all points. A hundred points on a line
+# of the plane give rank 2. The system is then over-determined along the line, where the data need
+# not agree, and under-determined across it, where any slope fits.
 
 # %% [markdown] rubric="01.7"
 # One point for the four dimensions. One for the two cases by counting. One for seeing that the
@@ -289,21 +289,22 @@ def valley():
 
 # %% [markdown] answer="01.8" points=2
 # If $\mathbf{B}$ has full column rank $D+1$, which is so exactly if the points are in no common
-# hyperplane: $\mathbf{c}^T\mathbf{B}^T\mathbf{B}\mathbf{c} = \lVert\mathbf{B}\mathbf{c}\rVert^2$ vanishes
-# only for $\mathbf{c} = \mathbf{0}$ then. Otherwise the inverse does not exist, and rounding may hide that:
-# a solver returns large numbers without a warning. The pseudo inverse itself still exists. It picks the
-# coefficients of least norm, which depend on where the origin lies, so they mean little.
+# hyperplane: $\mathbf{c}^T\mathbf{B}^T\mathbf{B}\mathbf{c} = \lVert\mathbf{B}\mathbf{c}\rVert^2$
+# vanishes only for $\mathbf{c} = \mathbf{0}$ then. Otherwise the inverse does not exist, and
+# rounding may hide that: a solver returns large numbers without a warning. The pseudo inverse
+# itself still exists. It picks the coefficients of least norm, which depend on where the origin
+# lies, so they mean little.
 
 # %% [markdown] rubric="01.8"
-# One point for full column rank, with its meaning for the points. One for what goes wrong: no inverse,
-# or a least-norm answer that depends on the origin.
+# One point for full column rank, with its meaning for the points. One for what goes wrong: no
+# inverse, or a least-norm answer that depends on the origin.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - The condition number of $\mathbf{B}^T\mathbf{B}$ is that of $\mathbf{B}$ squared. Move your points
-#   by $10^3, 10^4, \dots$ along both axes. At which offset is the last digit of `fit` gone? What does
-#   subtracting the mean of the points first change?
+# - The condition number of $\mathbf{B}^T\mathbf{B}$ is that of $\mathbf{B}$ squared. Move your
+#   points by $10^3, 10^4, \dots$ along both axes. At which offset is the last digit of `fit` gone?
+#   What does subtracting the mean of the points first change?
 # - Compare `fit` with `numpy.linalg.lstsq`. Which of the two notices collinear points?
 
 # %%

@@ -44,9 +44,9 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# The dots are measurements of a wave. The grey line is the straight line that fits all of them best.
-# Somebody asks for the value at the dotted line. Move the place, and watch the orange line, which
-# was fitted to the eight nearest measurements only.
+# The dots are measurements of a wave. The grey line is the straight line that fits all of them
+# best. Somebody asks for the value at the dotted line. Move the place, and watch the orange line,
+# which was fitted to the eight nearest measurements only.
 
 
 # %%
@@ -89,37 +89,37 @@ def the_problem(place):
 
 
 # %% [markdown]
-# **What to look at.** The orange line is good where it is asked for, and nowhere else. But it jumps:
-# whenever another measurement becomes one of the eight nearest, the fit changes at once. A field
-# made like this is torn in many places. It would be better if measurements came in and went out
-# gradually.
+# **What to look at.** The orange line is good where it is asked for, and nowhere else. But it
+# jumps: whenever another measurement becomes one of the eight nearest, the fit changes at once. A
+# field made like this is torn in many places. It would be better if measurements came in and went
+# out gradually.
 
 # %% [markdown]
 # ## The idea
 #
-# Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the points where something was measured
-# and $\phi_1, \dots, \phi_N$ the values. An *affine* field is
+# Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the points where something was
+# measured and $\phi_1, \dots, \phi_N$ the values. An *affine* field is
 #
 # $$ f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T \mathbf{c}, \qquad
 #    \mathbf{b}(\mathbf{x}) = (1, x_1, \dots, x_D)^T, \qquad
 #    \mathbf{c} = (c_0, c_1, \dots, c_D)^T. \tag{2.1} $$
 #
-# That it takes the values at the points are $N$ equations $\mathbf{B}\mathbf{c} = \mathbf{V}$, a row
-# for each point:
+# That it takes the values at the points are $N$ equations $\mathbf{B}\mathbf{c} = \mathbf{V}$, a
+# row for each point:
 #
 # $$ \mathbf{B} = \begin{bmatrix} \mathbf{b}(\mathbf{p}_1)^T \\ \vdots \\ \mathbf{b}(\mathbf{p}_N)^T
 #    \end{bmatrix}, \qquad
 #    \mathbf{V} = \begin{bmatrix} \phi_1 \\ \vdots \\ \phi_N \end{bmatrix}. \tag{2.2} $$
 #
-# *Least squares* treats these equations alike. *Moving least squares* fixes a place $\mathbf{x}$ and
-# multiplies the $i$-th equation by a weight, which is the larger the closer $\mathbf{p}_i$ is to
-# $\mathbf{x}$. We take
+# *Least squares* treats these equations alike. *Moving least squares* fixes a place $\mathbf{x}$
+# and multiplies the $i$-th equation by a weight, which is the larger the closer $\mathbf{p}_i$ is
+# to $\mathbf{x}$. We take
 #
 # $$ w_i(\mathbf{x}) = \frac{1}{r_i^2 + \varepsilon^2}, \qquad
 #    r_i = \lVert \mathbf{x} - \mathbf{p}_i \rVert, \tag{2.3} $$
 #
-# where $\varepsilon > 0$ is a length that we choose. At $r = \varepsilon$ the weight is half of what
-# it is at $r = 0$.
+# where $\varepsilon > 0$ is a length that we choose. At $r = \varepsilon$ the weight is half of
+# what it is at $r = 0$.
 
 # %% [markdown]
 # ### 02.1 The weights
@@ -179,13 +179,14 @@ def who_counts(epsilon, x1, x2):
 # %% [markdown]
 # ## The fit at one place
 #
-# With the diagonal matrix $\mathbf{W}(\mathbf{x}) = \operatorname{diag}(w_1, \dots, w_N)$ the weighted
-# equations are
+# With the diagonal matrix $\mathbf{W}(\mathbf{x}) = \operatorname{diag}(w_1, \dots, w_N)$ the
+# weighted equations are
 #
-# $$ \mathbf{W}(\mathbf{x})\,\mathbf{B}\,\mathbf{c} = \mathbf{W}(\mathbf{x})\,\mathbf{V}. \tag{2.4} $$
+# $$ \mathbf{W}(\mathbf{x})\,\mathbf{B}\,\mathbf{c} = \mathbf{W}(\mathbf{x})\,\mathbf{V}. \tag{2.4}
+#    $$
 #
-# There are more of them than unknowns. Multiplying both sides by $(\mathbf{W}\mathbf{B})^T$ gives the
-# *normal equations*, which have as many equations as unknowns:
+# There are more of them than unknowns. Multiplying both sides by $(\mathbf{W}\mathbf{B})^T$ gives
+# the *normal equations*, which have as many equations as unknowns:
 #
 # $$ \underbrace{\mathbf{B}^T\,\mathbf{W}(\mathbf{x})^2\,\mathbf{B}}_{\mathbf{H}(\mathbf{x})}\;
 #    \mathbf{c}(\mathbf{x}) = \mathbf{B}^T\,\mathbf{W}(\mathbf{x})^2\,\mathbf{V}. \tag{2.5} $$
@@ -201,9 +202,9 @@ def who_counts(epsilon, x1, x2):
 #
 # <details><summary>Hint</summary>
 #
-# Build $\mathbf{B}$ first: a column of ones, then the columns of the points. The $N \times N$ matrix
-# $\mathbf{W}$ need not be built. What does multiplying by a diagonal matrix do to each row? NumPy
-# does the same by broadcasting.
+# Build $\mathbf{B}$ first: a column of ones, then the columns of the points. The $N \times N$
+# matrix $\mathbf{W}$ need not be built. What does multiplying by a diagonal matrix do to each row?
+# NumPy does the same by broadcasting.
 #
 # </details>
 
@@ -256,52 +257,55 @@ def line_at_a_place(place, epsilon):
 # %% [markdown]
 # **What to look at.** As the place moves the orange line turns smoothly; it no longer jumps. Nearly
 # all of the fit comes from points within a few $\varepsilon$, or from the nearest few where
-# $\varepsilon$ is small. For large $\varepsilon$ all weights are nearly equal and orange becomes grey.
+# $\varepsilon$ is small. For large $\varepsilon$ all weights are nearly equal and orange becomes
+# grey.
 
 # %% [markdown]
 # ### In words
 #
 # **02.3** What are the dimensions of the matrix $\mathbf{H}(\mathbf{x})$ in (2.5), and what do they
 # not depend on? Under which conditions on the points and the weights is it non-singular? Prove it.
-# Then think of the computer: what happens to $\mathbf{H}(\mathbf{p}_1)$, at one of the points itself,
-# if $\varepsilon$ is made very small?
+# Then think of the computer: what happens to $\mathbf{H}(\mathbf{p}_1)$, at one of the points
+# itself, if $\varepsilon$ is made very small?
 #
 # <details><summary>Hint</summary>
 #
-# When is $\mathbf{H}\mathbf{c} = \mathbf{0}$? Look at $\mathbf{c}^T\mathbf{H}\mathbf{c}$, and write it
-# as the square of a length.
+# When is $\mathbf{H}\mathbf{c} = \mathbf{0}$? Look at $\mathbf{c}^T\mathbf{H}\mathbf{c}$, and write
+# it as the square of a length.
 #
 # </details>
 #
 # <details><summary>Hint for the second part</summary>
 #
-# How large is the largest weight at $\mathbf{p}_1$, and how large are the others? They enter squared,
-# and a floating-point number has sixteen digits.
+# How large is the largest weight at $\mathbf{p}_1$, and how large are the others? They enter
+# squared, and a floating-point number has sixteen digits.
 #
 # </details>
 
 # %% [markdown] answer="02.3" points=4
 # $\mathbf{H}$ is $(D+1) \times (D+1)$: as large as the basis, however many points there are. It is
-# symmetric, and $\mathbf{c}^T\mathbf{H}\mathbf{c} = \lVert \mathbf{W}\mathbf{B}\mathbf{c} \rVert^2 \ge 0$.
-# If $\mathbf{H}\mathbf{c} = \mathbf{0}$ this is zero, so $\mathbf{W}\mathbf{B}\mathbf{c} = \mathbf{0}$. All weights
-# of (2.3) are positive, $\mathbf{W}$ can be inverted, and $\mathbf{B}\mathbf{c} = \mathbf{0}$ follows: the affine
-# field with coefficients $\mathbf{c}$ vanishes at every point. For $\mathbf{c} \neq \mathbf{0}$ the zeros of an affine
-# field lie in one hyperplane, or there are none. So $\mathbf{H}$ is non-singular exactly if the points
-# do not all lie in a hyperplane: on a line for $D = 2$, in a plane for $D = 3$. At least $D + 1$ points
-# are needed. The place $\mathbf{x}$ has no part in it. With weights that vanish beyond some
-# distance only the points that still count at $\mathbf{x}$ matter, and $\mathbf{H}$ may be regular at one place and
-# singular at another.
+# symmetric, and $\mathbf{c}^T\mathbf{H}\mathbf{c} = \lVert \mathbf{W}\mathbf{B}\mathbf{c} \rVert^2
+# \ge 0$. If $\mathbf{H}\mathbf{c} = \mathbf{0}$ this is zero, so $\mathbf{W}\mathbf{B}\mathbf{c} =
+# \mathbf{0}$. All weights of (2.3) are positive, $\mathbf{W}$ can be inverted, and
+# $\mathbf{B}\mathbf{c} = \mathbf{0}$ follows: the affine field with coefficients $\mathbf{c}$
+# vanishes at every point. For $\mathbf{c} \neq \mathbf{0}$ the zeros of an affine field lie in one
+# hyperplane, or there are none. So $\mathbf{H}$ is non-singular exactly if the points do not all
+# lie in a hyperplane: on a line for $D = 2$, in a plane for $D = 3$. At least $D + 1$ points are
+# needed. The place $\mathbf{x}$ has no part in it. With weights that vanish beyond some distance
+# only the points that still count at $\mathbf{x}$ matter, and $\mathbf{H}$ may be regular at one
+# place and singular at another.
 #
-# At $\mathbf{p}_1$ the largest squared weight is $\varepsilon^{-4}$, those of points at distance $R$ are about
-# $R^{-4}$. Their ratio is $(R/\varepsilon)^4$, which for $\varepsilon = 10^{-4} R$ is $10^{16}$. Adding up
-# $\mathbf{H}$ in floating-point numbers then loses all points but one, and one point does not determine a
-# plane: what is singular is not $\mathbf{H}$ but what is left of it. The solver may return large wrong
-# numbers without a word.
+# At $\mathbf{p}_1$ the largest squared weight is $\varepsilon^{-4}$, those of points at distance
+# $R$ are about $R^{-4}$. Their ratio is $(R/\varepsilon)^4$, which for $\varepsilon = 10^{-4} R$ is
+# $10^{16}$. Adding up $\mathbf{H}$ in floating-point numbers then loses all points but one, and one
+# point does not determine a plane: what is singular is not $\mathbf{H}$ but what is left of it. The
+# solver may return large wrong numbers without a word.
 
 # %% [markdown] rubric="02.3"
-# One point for the dimensions, independent of $N$. Two for the condition, that the points do not lie in
-# a hyperplane: one for the statement, one for the proof, which must use that the weights are positive.
-# One for the ratio of the weights and its effect on rounding; the power four, or a number, should be there.
+# One point for the dimensions, independent of $N$. Two for the condition, that the points do not
+# lie in a hyperplane: one for the statement, one for the proof, which must use that the weights are
+# positive. One for the ratio of the weights and its effect on rounding; the power four, or a
+# number, should be there.
 
 # %% [markdown]
 # ## The field
@@ -310,7 +314,8 @@ def line_at_a_place(place, epsilon):
 #
 # $$ f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T \mathbf{c}(\mathbf{x}). \tag{2.6} $$
 #
-# To know it at another place, a new system must be solved. This is what moves in moving least squares.
+# To know it at another place, a new system must be solved. This is what moves in moving least
+# squares.
 #
 # ### 02.4 At many places
 #
@@ -360,8 +365,8 @@ def curve(epsilon, number, noise):
 # %% [markdown]
 # **What to look at.**
 #
-# - Without noise, make $\varepsilon$ small. Does the curve go *through* the points, or only close to
-#   them? Make it large: to which curve does it tend?
+# - Without noise, make $\varepsilon$ small. Does the curve go *through* the points, or only close
+#   to them? Make it large: to which curve does it tend?
 # - Give it four points, then eighty. How does the error change where the points are dense?
 # - Now add noise, and look for an $\varepsilon$ that you like. Remember it: we come back to this.
 #
@@ -401,9 +406,9 @@ def maps(n, epsilon):
 # %% [markdown]
 # ## What is minimised
 #
-# Equations that cannot all hold have an error. For (2.4) it is
-# $\mathbf{e} = \mathbf{W}(\mathbf{x})\mathbf{B}\mathbf{c} - \mathbf{W}(\mathbf{x})\mathbf{V}$, and half
-# its squared length is
+# Equations that cannot all hold have an error. For (2.4) it is $\mathbf{e} =
+# \mathbf{W}(\mathbf{x})\mathbf{B}\mathbf{c} - \mathbf{W}(\mathbf{x})\mathbf{V}$, and half its
+# squared length is
 #
 # $$ \psi(\mathbf{c}; \mathbf{x})
 #    = \tfrac{1}{2} \lVert \mathbf{W}(\mathbf{x})(\mathbf{B}\mathbf{c} - \mathbf{V}) \rVert^2
@@ -431,9 +436,9 @@ def objective(points, values, x, epsilon, coefficients):
 check("02.5")
 
 # %% [markdown]
-# On a line there are two coefficients, so $\psi$ is a landscape over a plane. Below, the left picture
-# shows its level lines. A straight line is told there by its value at $x$, which is
-# $c_0 + c_1 x$, and its slope $c_1$. The dot is what your `weighted_fit` returns, and the thin curve is
+# On a line there are two coefficients, so $\psi$ is a landscape over a plane. Below, the left
+# picture shows its level lines. A straight line is told there by its value at $x$, which is $c_0 +
+# c_1 x$, and its slope $c_1$. The dot is what your `weighted_fit` returns, and the thin curve is
 # the way that the dot takes as the place goes from 0 to 1. Move the place.
 
 
@@ -478,36 +483,41 @@ def valley(place, epsilon):
 # %% [markdown]
 # **What to look at.** There is one valley and one lowest point, wherever the place is. The valley
 # is long in one direction: lines with the same value at $x$ and another slope are nearly as good,
-# since only what happens close to $x$ counts. What does the valley look like for a large $\varepsilon$?
+# since only what happens close to $x$ counts. What does the valley look like for a large
+# $\varepsilon$?
 #
 # ### In words
 #
 # **02.6** What has (2.5) to do with optimisation? Derive it from (2.7). Show that its solution is
-# where $\psi$ is smallest, and not just stationary. Is there *one* such problem, as in least squares?
+# where $\psi$ is smallest, and not just stationary. Is there *one* such problem, as in least
+# squares?
 #
 # <details><summary>Hint</summary>
 #
-# Compute the gradient of $\psi$ with respect to $\mathbf{c}$, with $\mathbf{x}$ held fixed, and then
-# the matrix of second derivatives. You have met that matrix.
+# Compute the gradient of $\psi$ with respect to $\mathbf{c}$, with $\mathbf{x}$ held fixed, and
+# then the matrix of second derivatives. You have met that matrix.
 #
 # </details>
 
 # %% [markdown] answer="02.6" points=3
 # With $\mathbf{x}$ fixed, $\psi$ is a quadratic function of $\mathbf{c}$. Its gradient is
-# $\nabla_{\mathbf{c}}\psi = (\mathbf{W}\mathbf{B})^T(\mathbf{W}\mathbf{B}\mathbf{c} - \mathbf{W}\mathbf{V})
-# = \mathbf{B}^T\mathbf{W}^2(\mathbf{B}\mathbf{c} - \mathbf{V})$, because $\mathbf{W}$ is diagonal. Where it vanishes,
-# (2.5) holds. The second derivatives are the matrix $\mathbf{H} = \mathbf{B}^T\mathbf{W}^2\mathbf{B}$, which is positive
-# semi-definite, so $\psi$ is convex, and a point where the gradient vanishes is a global minimum. It is
-# the only one if $\mathbf{H}$ is non-singular, for then $\psi(\mathbf{c}^* + \mathbf{d}) = \psi(\mathbf{c}^*) +
-# \tfrac12 \mathbf{d}^T\mathbf{H}\mathbf{d} > \psi(\mathbf{c}^*)$ for every $\mathbf{d} \neq \mathbf{0}$.
+# $\nabla_{\mathbf{c}}\psi = (\mathbf{W}\mathbf{B})^T(\mathbf{W}\mathbf{B}\mathbf{c} -
+# \mathbf{W}\mathbf{V}) = \mathbf{B}^T\mathbf{W}^2(\mathbf{B}\mathbf{c} - \mathbf{V})$, because
+# $\mathbf{W}$ is diagonal. Where it vanishes, (2.5) holds. The second derivatives are the matrix
+# $\mathbf{H} = \mathbf{B}^T\mathbf{W}^2\mathbf{B}$, which is positive semi-definite, so $\psi$ is
+# convex, and a point where the gradient vanishes is a global minimum. It is the only one if
+# $\mathbf{H}$ is non-singular, for then $\psi(\mathbf{c}^* + \mathbf{d}) = \psi(\mathbf{c}^*) +
+# \tfrac12 \mathbf{d}^T\mathbf{H}\mathbf{d} > \psi(\mathbf{c}^*)$ for every $\mathbf{d} \neq
+# \mathbf{0}$.
 #
-# There is not one problem but one for each place $\mathbf{x}$, without constraints and with $D+1$ unknowns.
-# The field is made of the minimisers of all of them, $f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T \operatorname{arg\,min}_{\mathbf{c}}
-# \psi(\mathbf{c}; \mathbf{x})$; no single $\mathbf{c}$ belongs to it.
+# There is not one problem but one for each place $\mathbf{x}$, without constraints and with $D+1$
+# unknowns. The field is made of the minimisers of all of them, $f(\mathbf{x}) =
+# \mathbf{b}(\mathbf{x})^T \operatorname{arg\,min}_{\mathbf{c}} \psi(\mathbf{c}; \mathbf{x})$; no
+# single $\mathbf{c}$ belongs to it.
 
 # %% [markdown] rubric="02.6"
-# One point for the gradient, with the square of $\mathbf{W}$ explained. One for convexity, or the completed square. One
-# for seeing that each place has a problem of its own.
+# One point for the gradient, with the square of $\mathbf{W}$ explained. One for convexity, or the
+# completed square. One for seeing that each place has a problem of its own.
 
 # %% [markdown]
 # ## The gradient
@@ -521,9 +531,9 @@ def valley(place, epsilon):
 # The first term is the slope of the plane that was fitted. It is tempting to stop there. But the
 # plane turns while $\mathbf{x}$ moves, and the second term says how that changes the value.
 #
-# Take pen and paper. Differentiate both sides of (2.5) by $x_k$. Neither $\mathbf{B}$ nor $\mathbf{V}$
-# depends on $\mathbf{x}$; of $\mathbf{W}^2$ each entry $w_i^2$ does, by (2.3). Bring everything but
-# $\mathbf{H}\,\partial\mathbf{c}/\partial x_k$ to the right.
+# Take pen and paper. Differentiate both sides of (2.5) by $x_k$. Neither $\mathbf{B}$ nor
+# $\mathbf{V}$ depends on $\mathbf{x}$; of $\mathbf{W}^2$ each entry $w_i^2$ does, by (2.3). Bring
+# everything but $\mathbf{H}\,\partial\mathbf{c}/\partial x_k$ to the right.
 #
 # ### 02.7 The gradient at many places
 #
@@ -611,19 +621,20 @@ def slopes(epsilon):
 
 
 # %% [markdown]
-# **What to look at.** The differences lie on your gradient, not on the dashed line. Which of the two
-# is closer to the slope of the truth? For a very small $\varepsilon$ it is the dashed one, which does
-# not follow the small waves of $f$; from about the spacing of the points on it is your gradient. So the
-# dashed line may be a fair estimate of $\phi'$, but it is *not* the derivative of $f$. Who needs the
-# two to agree, because a force must do the work that the potential says, needs the full gradient.
+# **What to look at.** The differences lie on your gradient, not on the dashed line. Which of the
+# two is closer to the slope of the truth? For a very small $\varepsilon$ it is the dashed one,
+# which does not follow the small waves of $f$; from about the spacing of the points on it is your
+# gradient. So the dashed line may be a fair estimate of $\phi'$, but it is *not* the derivative of
+# $f$. Who needs the two to agree, because a force must do the work that the potential says, needs
+# the full gradient.
 
 # %% [markdown]
 # ## How good is it?
 #
-# Now a fair comparison. The field is $\phi(\mathbf{x}) = (x_1 + x_2)^n$, measured at random points of
-# the unit square. Both methods see the same values, and both are asked at the same places
-# $\mathbf{x}_1, \dots, \mathbf{x}_M$, which are no measured points. The error is the root of the mean
-# square of what they miss by:
+# Now a fair comparison. The field is $\phi(\mathbf{x}) = (x_1 + x_2)^n$, measured at random points
+# of the unit square. Both methods see the same values, and both are asked at the same places
+# $\mathbf{x}_1, \dots, \mathbf{x}_M$, which are no measured points. The error is the root of the
+# mean square of what they miss by:
 #
 # $$ E = \sqrt{ \frac{1}{M} \sum_{j=1}^M
 #    \bigl( f(\mathbf{x}_j) - \phi(\mathbf{x}_j) \bigr)^2 }. \tag{2.9} $$
@@ -687,10 +698,10 @@ def comparison(epsilon):
 
 
 # %% [markdown]
-# **What to look at.** Why is $n = 1$ exact for both? For $n = 2, 3, \dots$ both errors grow, since the
-# field rises ever more steeply towards the corner $(1, 1)$. How many times better is moving least
-# squares? Ten places are few: run `errors` with a thousand before you trust a factor. And what
-# happens to the comparison when you push $\varepsilon$ to its largest value?
+# **What to look at.** Why is $n = 1$ exact for both? For $n = 2, 3, \dots$ both errors grow, since
+# the field rises ever more steeply towards the corner $(1, 1)$. How many times better is moving
+# least squares? Ten places are few: run `errors` with a thousand before you trust a factor. And
+# what happens to the comparison when you push $\varepsilon$ to its largest value?
 
 # %% [markdown]
 # ## Which ε is best?
@@ -734,17 +745,17 @@ def error_against_width(n, noise):
 
 
 # %% [markdown]
-# **What to look at.** Without noise the curve is flat on the left: every small $\varepsilon$ is as good as
-# the next, and there is nothing to gain from a large one. With noise there is a best
-# $\varepsilon$, and it grows with the noise. Set $n = 1$: now it pays to make $\varepsilon$ as large as
-# possible. Why?
+# **What to look at.** Without noise the curve is flat on the left: every small $\varepsilon$ is as
+# good as the next, and there is nothing to gain from a large one. With noise there is a best
+# $\varepsilon$, and it grows with the noise. Set $n = 1$: now it pays to make $\varepsilon$ as
+# large as possible. Why?
 #
 # ### A tempting idea
 #
 # In practice $\phi$ is not known, and this curve cannot be drawn. What can be computed from the
-# measurements alone? There is $\psi$ of (2.7). It measures an error, and the coefficients were found
-# by minimising it. So why not choose the $\varepsilon$ that makes $\psi$ smallest as well? Try it,
-# with your own points, at three of your places.
+# measurements alone? There is $\psi$ of (2.7). It measures an error, and the coefficients were
+# found by minimising it. So why not choose the $\varepsilon$ that makes $\psi$ smallest as well?
+# Try it, with your own points, at three of your places.
 
 
 # %%
@@ -772,7 +783,8 @@ def tempting(noise):
 # ## Leaving one out
 #
 # An honest test asks the method for something that it has not seen. Leave out the measurement
-# $(\mathbf{p}_i, \phi_i)$, make the field $f_{-i}$ of the other $N - 1$, and see by how much it misses:
+# $(\mathbf{p}_i, \phi_i)$, make the field $f_{-i}$ of the other $N - 1$, and see by how much it
+# misses:
 #
 # $$ e_i = \phi_i - f_{-i}(\mathbf{p}_i), \qquad i = 1, \dots, N. \tag{2.10} $$
 #
@@ -812,9 +824,9 @@ check("02.9")
 # %% [markdown]
 # Now all judges side by side, on your points. Each curve is what one of them thinks of each
 # $\varepsilon$; a dot marks its choice. Besides the leave-one-out error and $\psi$ there is a third
-# judge, the *normalised* $\bar\psi = \psi / \sum_i w_i^2$, a weighted mean of squared residuals. The
-# number in brackets says how many times larger the true error is at that choice than at the best
-# $\varepsilon$.
+# judge, the *normalised* $\bar\psi = \psi / \sum_i w_i^2$, a weighted mean of squared residuals.
+# The number in brackets says how many times larger the true error is at that choice than at the
+# best $\varepsilon$.
 
 
 # %%
@@ -854,15 +866,16 @@ def judges(n, noise):
 
 
 # %% [markdown]
-# **What to look at.** Set the noise to zero, then to 0.3, then to 1. Which judges change their mind,
-# and which never do? Then set $n = 1$ with noise: now $\psi$ is right. Does that make it a good judge?
+# **What to look at.** Set the noise to zero, then to 0.3, then to 1. Which judges change their
+# mind, and which never do? Then set $n = 1$ with noise: now $\psi$ is right. Does that make it a
+# good judge?
 #
 # ### In words
 #
-# **02.10** For which $\varepsilon$ does moving least squares work best, without noise and with it? A hint
-# that is sometimes given reads: *use $\psi$ to measure the overall error*. Explain what $\psi$ measures,
-# and why it cannot choose $\varepsilon$, whatever was measured. Why does normalising it not help
-# when there is noise? What does leaving one out do differently?
+# **02.10** For which $\varepsilon$ does moving least squares work best, without noise and with it?
+# A hint that is sometimes given reads: *use $\psi$ to measure the overall error*. Explain what
+# $\psi$ measures, and why it cannot choose $\varepsilon$, whatever was measured. Why does
+# normalising it not help when there is noise? What does leaving one out do differently?
 #
 # <details><summary>Hint</summary>
 #
@@ -873,54 +886,62 @@ def judges(n, noise):
 #
 # <details><summary>Hint for the normalised one</summary>
 #
-# Think of $D + 1$ measurements that are much closer than all others. How well can a plane fit these?
-# Does that tell you anything about the value at $\mathbf{x}$?
+# Think of $D + 1$ measurements that are much closer than all others. How well can a plane fit
+# these? Does that tell you anything about the value at $\mathbf{x}$?
 #
 # </details>
 
 # %% [markdown] answer="02.10" points=5
-# *The best $\varepsilon$.* Without noise, a small one: from about a tenth of the spacing of the points
-# downwards nothing changes any more, and from the spacing on the error grows, up to that of least squares. The
-# exception is an affine field, which is exact for every $\varepsilon$. With noise the best $\varepsilon$
-# is larger, and grows with the noise: the field has to average over several points. If the true field is affine, the best is
-# $\varepsilon \to \infty$, least squares, which averages over all of them. The gradient asks for a larger $\varepsilon$
-# than the value.
+# *The best $\varepsilon$.* Without noise, a small one: from about a tenth of the spacing of the
+# points downwards nothing changes any more, and from the spacing on the error grows, up to that of
+# least squares. The exception is an affine field, which is exact for every $\varepsilon$. With
+# noise the best $\varepsilon$ is larger, and grows with the noise: the field has to average over
+# several points. If the true field is affine, the best is $\varepsilon \to \infty$, least squares,
+# which averages over all of them. The gradient asks for a larger $\varepsilon$ than the value.
 #
-# *What $\psi$ measures.* It says how far the local plane is from the measurements around $\mathbf{x}$, by
-# weights whose size depends on $\varepsilon$. It is no error at $\mathbf{x}$, where nothing was measured.
-# For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 + \varepsilon^2)$ falls as $\varepsilon$ grows, so each
-# term of (2.7) falls; minimising over $\mathbf{c}$ makes the sum only smaller. In formulas: with $\varepsilon_1 < \varepsilon_2$ and
-# minimisers $\mathbf{c}_1, \mathbf{c}_2$, $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1) \le \psi_1(\mathbf{c}_1)$. So the least value of $\psi$
-# falls for *all* data (unless it is zero from the start, for an affine field), in the end as $\varepsilon^{-4}$: it always chooses $\varepsilon = \infty$,
-# which is least squares, on noise-free data the worst choice of all. That $\mathbf{c}$ minimises $\psi$
-# is no reason: $\psi$ with another $\varepsilon$ is another function, measured in other units.
+# *What $\psi$ measures.* It says how far the local plane is from the measurements around
+# $\mathbf{x}$, by weights whose size depends on $\varepsilon$. It is no error at $\mathbf{x}$,
+# where nothing was measured. For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 + \varepsilon^2)$
+# falls as $\varepsilon$ grows, so each term of (2.7) falls; minimising over $\mathbf{c}$ makes the
+# sum only smaller. In formulas: with $\varepsilon_1 < \varepsilon_2$ and minimisers $\mathbf{c}_1,
+# \mathbf{c}_2$, $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1) \le \psi_1(\mathbf{c}_1)$. So the
+# least value of $\psi$ falls for *all* data (unless it is zero from the start, for an affine
+# field), in the end as $\varepsilon^{-4}$: it always chooses $\varepsilon = \infty$, which is least
+# squares, on noise-free data the worst choice of all. That $\mathbf{c}$ minimises $\psi$ is no
+# reason: $\psi$ with another $\varepsilon$ is another function, measured in other units.
 #
-# *Normalised*, the effect of the units is gone. But the smaller $\varepsilon$ is, the fewer points count, and a plane with $D+1$
-# coefficients can follow few points closely, noise and all. So $\bar\psi$ is least at the smallest
-# $\varepsilon$: harmless without noise, wrong with it. It judges a fit by the data that it was fitted to.
+# *Normalised*, the effect of the units is gone. But the smaller $\varepsilon$ is, the fewer points
+# count, and a plane with $D+1$ coefficients can follow few points closely, noise and all. So
+# $\bar\psi$ is least at the smallest $\varepsilon$: harmless without noise, wrong with it. It
+# judges a fit by the data that it was fitted to.
 #
-# *Leaving one out* judges the field at places where there is a measurement that it has not seen. A field that follows the noise
-# misses the one left out, and so does a field that is too stiff. The mean of $e_i^2$ estimates the squared error plus the variance of the noise,
-# which does not depend on $\varepsilon$, so that its minimum is close to the best $\varepsilon$.
+# *Leaving one out* judges the field at places where there is a measurement that it has not seen. A
+# field that follows the noise misses the one left out, and so does a field that is too stiff. The
+# mean of $e_i^2$ estimates the squared error plus the variance of the noise, which does not depend
+# on $\varepsilon$, so that its minimum is close to the best $\varepsilon$.
 
 # %% [markdown] rubric="02.10"
-# One point for the best $\varepsilon$ without noise and with it, in relation to the spacing. Two for $\psi$: that it
-# falls for all data (an argument, not only the picture), and that it is a residual and no error at $\mathbf{x}$.
-# One for the normalised one: few points are followed closely. One for leaving one out: data that the fit has not seen.
-# A student who follows the hint of the question and chooses by $\psi$ gets none of the two points for $\psi$.
+# One point for the best $\varepsilon$ without noise and with it, in relation to the spacing. Two
+# for $\psi$: that it falls for all data (an argument, not only the picture), and that it is a
+# residual and no error at $\mathbf{x}$. One for the normalised one: few points are followed
+# closely. One for leaving one out: data that the fit has not seen. A student who follows the hint
+# of the question and chooses by $\psi$ gets none of the two points for $\psi$.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - *Shortcut.* The field is linear in the values: $f(\mathbf{p}_i) = \sum_j a_{ij}\phi_j$. Show that
-#   $e_i = (\phi_i - f(\mathbf{p}_i))/(1 - a_{ii})$, so that nothing has to be left out. How do you get
-#   $a_{ii}$ from `field`? For which $\varepsilon$ does the quotient lose its digits, and why?
+# - *Shortcut.* The field is linear in the values: $f(\mathbf{p}_i) = \sum_j a_{ij}\phi_j$. Show
+#   that $e_i = (\phi_i - f(\mathbf{p}_i))/(1 - a_{ii})$, so that nothing has to be left out. How do
+#   you get $a_{ii}$ from `field`? For which $\varepsilon$ does the quotient lose its digits, and
+#   why?
 # - *Terraces.* One can read that "bumps and dimples" occur unless $\varepsilon$ is larger than the
-#   spacing. Do you see any? Replace the basis by $b(\mathbf{x}) = 1$ alone, so that $f$ is a weighted mean
-#   of the values, and draw the curve again with a small $\varepsilon$. What is its slope at the points?
-# - *Rounding.* Evaluate the field at a measured point for $\varepsilon = 10^{-2}, 10^{-3}, \dots, 10^{-9}$. The
-#   exact field tends to the value there. What does yours do? Replace $\mathbf{b}(\mathbf{p}_i)$
-#   by $\mathbf{b}(\mathbf{p}_i - \mathbf{x})$, and (2.5) by `numpy.linalg.lstsq` on (2.4), and try again.
+#   spacing. Do you see any? Replace the basis by $b(\mathbf{x}) = 1$ alone, so that $f$ is a
+#   weighted mean of the values, and draw the curve again with a small $\varepsilon$. What is its
+#   slope at the points?
+# - *Rounding.* Evaluate the field at a measured point for $\varepsilon = 10^{-2}, 10^{-3}, \dots,
+#   10^{-9}$. The exact field tends to the value there. What does yours do? Replace
+#   $\mathbf{b}(\mathbf{p}_i)$ by $\mathbf{b}(\mathbf{p}_i - \mathbf{x})$, and (2.5) by
+#   `numpy.linalg.lstsq` on (2.4), and try again.
 # - *Far away.* To what does the field tend as $\mathbf{x}$ goes to infinity?
 
 # %%

@@ -199,8 +199,8 @@ def the_matrix(number):
 
 
 # %% [markdown]
-# **What to look at.** Four blocks. The diagonal of the first one is zero, since $w(\mathbf{0}) = 0$,
-# and so is the whole last block: there is not one number other than zero on the diagonal of
+# **What to look at.** Four blocks. The diagonal of the first one is zero, since $w(\mathbf{0}) =
+# 0$, and so is the whole last block: there is not one number other than zero on the diagonal of
 # $\mathbf{H}_{\mathrm{RBF}}$. Keep that in mind for question 03.5.
 
 # %% [markdown]
@@ -415,8 +415,8 @@ def flattened(height):
 #
 # ### 03.6 The gradient
 #
-# Find $\nabla w$ with pen and paper, with the product rule and the chain rule. What is its limit for
-# $\mathbf{y} \to \mathbf{0}$? Then write (3.6). It must hold at the points of the data too.
+# Find $\nabla w$ with pen and paper, with the product rule and the chain rule. What is its limit
+# for $\mathbf{y} \to \mathbf{0}$? Then write (3.6). It must hold at the points of the data too.
 #
 # <details><summary>Hint</summary>
 #
@@ -476,8 +476,8 @@ def arrows():
 #
 # ## The energy of bending
 #
-# Why this kernel, of all? In the plane, among all functions that go through the values, (3.2) is the
-# one that bends least: its *bending energy*
+# Why this kernel, of all? In the plane, among all functions that go through the values, (3.2) is
+# the one that bends least: its *bending energy*
 #
 # $$ E = \int_{\mathbb{R}^2} \Bigl( \frac{\partial^2 f}{\partial x_1^2} \Bigr)^2 +
 #    2 \Bigl( \frac{\partial^2 f}{\partial x_1 \partial x_2} \Bigr)^2 +
@@ -526,9 +526,9 @@ def one_value_changed(which):
 
 
 # %% [markdown]
-# **What to look at.** The value of one of your points is changed and the others are kept. The energy
-# is a parabola, never negative, and it is smallest exactly where the field that knows nothing of this
-# point would have put it. How large is the $\lambda_j$ of that point then?
+# **What to look at.** The value of one of your points is changed and the others are kept. The
+# energy is a parabola, never negative, and it is smallest exactly where the field that knows
+# nothing of this point would have put it. How large is the $\lambda_j$ of that point then?
 #
 # ## In words
 #
@@ -539,74 +539,85 @@ def one_value_changed(which):
 # Four things can be said: about the number of equations, about data that are affine, about places
 # far away, about whether there is one solution only. For the last, let
 # $\mathbf{A}\boldsymbol{\lambda} + \mathbf{B}\mathbf{c} = \mathbf{0}$, multiply by
-# $\boldsymbol{\lambda}^T$ from the left, and use that $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}$ is an energy.
+# $\boldsymbol{\lambda}^T$ from the left, and use that
+# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}$ is an energy.
 #
 # </details>
 
 # %% [markdown] answer="03.8" points=4
-# *Counting.* The field has $N + D + 1$ unknowns and goes through $N$ values; the constraints are the
-# $D + 1$ equations that lack.
+# *Counting.* The field has $N + D + 1$ unknowns and goes through $N$ values; the constraints are
+# the $D + 1$ equations that lack.
 #
-# *Affine data.* If $\phi_i = \mathbf{b}(\mathbf{p}_i)^T\mathbf{a}$, then $\boldsymbol{\lambda} = \mathbf{0}$,
-# $\mathbf{c} = \mathbf{a}$ satisfies all equations. So affine fields are reproduced exactly; bumps alone do not do that.
+# *Affine data.* If $\phi_i = \mathbf{b}(\mathbf{p}_i)^T\mathbf{a}$, then $\boldsymbol{\lambda} =
+# \mathbf{0}$, $\mathbf{c} = \mathbf{a}$ satisfies all equations. So affine fields are reproduced
+# exactly; bumps alone do not do that.
 #
-# *Far away.* Each bump grows like $R^2 \log R$. Expanded for large $R$, the fastest terms carry the factors
-# $\sum_j \lambda_j$ and $\sum_j \lambda_j \mathbf{p}_j$, which (3.4) makes zero. What is left grows no
-# faster than the plane, and the energy of bending is finite.
+# *Far away.* Each bump grows like $R^2 \log R$. Expanded for large $R$, the fastest terms carry the
+# factors $\sum_j \lambda_j$ and $\sum_j \lambda_j \mathbf{p}_j$, which (3.4) makes zero. What is
+# left grows no faster than the plane, and the energy of bending is finite.
 #
-# *Uniqueness.* For vectors that satisfy (3.4), $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}$ is positive unless
-# $\boldsymbol{\lambda} = \mathbf{0}$, if the points are distinct. With zero values (3.5) gives
-# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} = -(\mathbf{B}^T\boldsymbol{\lambda})^T\mathbf{c} = 0$, hence $\boldsymbol{\lambda} = \mathbf{0}$
-# and then $\mathbf{B}\mathbf{c} = \mathbf{0}$. Without the constraints $\mathbf{A}$ may be singular: for an
-# equilateral triangle of side one it is zero.
+# *Uniqueness.* For vectors that satisfy (3.4),
+# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}$ is positive unless $\boldsymbol{\lambda} =
+# \mathbf{0}$, if the points are distinct. With zero values (3.5) gives
+# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}
+# = -(\mathbf{B}^T\boldsymbol{\lambda})^T\mathbf{c}
+# = 0$, hence $\boldsymbol{\lambda} = \mathbf{0}$ and then $\mathbf{B}\mathbf{c} = \mathbf{0}$.
+# Without the constraints $\mathbf{A}$ may be singular: for an equilateral triangle of side one it
+# is zero.
 #
-# They are also the conditions for the least energy, with $\mathbf{c}$ as Lagrange multipliers; and they make
-# the field independent of the unit of length.
+# They are also the conditions for the least energy, with $\mathbf{c}$ as Lagrange multipliers; and
+# they make the field independent of the unit of length.
 
 # %% [markdown] rubric="03.8"
-# One point for each of four roles with a reason: as many equations as unknowns; exact for affine data; growth far
-# away (or finite energy); definiteness and uniqueness. Least energy or independence of the unit may stand for one of them.
+# One point for each of four roles with a reason: as many equations as unknowns; exact for affine
+# data; growth far away (or finite energy); definiteness and uniqueness. Least energy or
+# independence of the unit may stand for one of them.
 
 # %% [markdown]
-# **03.9** What are the dimensions of $\mathbf{H}_{\mathrm{RBF}}$? Is it positive definite, and may a
-# Cholesky factorization be used for it? When does (3.5) have exactly one solution?
+# **03.9** What are the dimensions of $\mathbf{H}_{\mathrm{RBF}}$? Is it positive definite, and may
+# a Cholesky factorization be used for it? When does (3.5) have exactly one solution?
 #
 # <details><summary>Hint</summary>
 #
-# For a positive definite matrix $\mathbf{v}^T\mathbf{H}\mathbf{v} > 0$ for each vector
-# $\mathbf{v} \neq \mathbf{0}$. Try one with a single entry other than zero. For the last question look at
-# your flattened box.
+# For a positive definite matrix $\mathbf{v}^T\mathbf{H}\mathbf{v} > 0$ for each vector $\mathbf{v}
+# \neq \mathbf{0}$. Try one with a single entry other than zero. For the last question look at your
+# flattened box.
 #
 # </details>
 
 # %% [markdown] answer="03.9" points=4
 # $\mathbf{H}_{\mathrm{RBF}}$ is $(N + D + 1) \times (N + D + 1)$.
 #
-# It is symmetric but not positive definite: with the first unit vector $\mathbf{e}_1^T\mathbf{H}\mathbf{e}_1 = w(\mathbf{0}) = 0$.
-# The trace is zero, so there are eigenvalues of both signs: $N$ positive and $D + 1$ negative ones, if the
-# solution is unique. Cholesky needs the root of a positive pivot at each step and fails at the first, which is
-# zero; the same holds for conjugate gradients. One takes elimination with row exchanges, or a factorization
-# $\mathbf{L}\mathbf{D}\mathbf{L}^T$, or Cholesky for the part of $\mathbf{A}$ on the vectors that satisfy (3.4), which is positive definite.
+# It is symmetric but not positive definite: with the first unit vector
+# $\mathbf{e}_1^T\mathbf{H}\mathbf{e}_1 = w(\mathbf{0}) = 0$. The trace is zero, so there are
+# eigenvalues of both signs: $N$ positive and $D + 1$ negative ones, if the solution is unique.
+# Cholesky needs the root of a positive pivot at each step and fails at the first, which is zero;
+# the same holds for conjugate gradients. One takes elimination with row exchanges, or a
+# factorization $\mathbf{L}\mathbf{D}\mathbf{L}^T$, or Cholesky for the part of $\mathbf{A}$ on the
+# vectors that satisfy (3.4), which is positive definite.
 #
-# There is one solution for all values if and only if the points are distinct and no hyperplane holds them all: not on a
-# line in the plane, not in a plane of space. Two equal points make two rows equal. On a common line an
-# affine field that vanishes there can be added to $f$, which still goes through the values.
+# There is one solution for all values if and only if the points are distinct and no hyperplane
+# holds them all: not on a line in the plane, not in a plane of space. Two equal points make two
+# rows equal. On a common line an affine field that vanishes there can be added to $f$, which still
+# goes through the values.
 
 # %% [markdown] rubric="03.9"
-# One point for the dimensions. One for indefinite, with a reason: zero diagonal, zero trace, or counted eigenvalues. One for
-# why Cholesky fails, or what to use instead. One for distinct points that are in no common hyperplane.
+# One point for the dimensions. One for indefinite, with a reason: zero diagonal, zero trace, or
+# counted eigenvalues. One for why Cholesky fails, or what to use instead. One for distinct points
+# that are in no common hyperplane.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - Measure your points in another unit: multiply them all by 1000, and the places $\mathbf{x}$ too. Does
-#   the field change? Do $\boldsymbol{\lambda}$ and $\mathbf{c}$? Show with (3.4) why
-#   $\sum_j \lambda_j \lVert\mathbf{x} - \mathbf{p}_j\rVert^2$ does not depend on $\mathbf{x}$, and what that has to do with it.
+# - Measure your points in another unit: multiply them all by 1000, and the places $\mathbf{x}$ too.
+#   Does the field change? Do $\boldsymbol{\lambda}$ and $\mathbf{c}$? Show with (3.4) why $\sum_j
+#   \lambda_j \lVert\mathbf{x} - \mathbf{p}_j\rVert^2$ does not depend on $\mathbf{x}$, and what
+#   that has to do with it.
 # - The $\lambda_j$ are sometimes called Lagrange multipliers. Write the conditions for a minimum of
-#   $\tfrac12\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} - \boldsymbol{\phi}^T\boldsymbol{\lambda}$
-#   under (3.4). Which of the unknowns are the multipliers?
-# - In space the sheet that bends least has another shape round a pin, $-\lVert\mathbf{y}\rVert$. Put it in the
-#   place of $w$. What becomes of the gradient at the points of the data?
+#   $\tfrac12\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} -
+#   \boldsymbol{\phi}^T\boldsymbol{\lambda}$ under (3.4). Which of the unknowns are the multipliers?
+# - In space the sheet that bends least has another shape round a pin, $-\lVert\mathbf{y}\rVert$.
+#   Put it in the place of $w$. What becomes of the gradient at the points of the data?
 # - How does the time of `coefficients` grow with $N$? Where is the limit on your computer?
 
 # %%

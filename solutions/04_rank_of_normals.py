@@ -127,10 +127,12 @@ def two_flows(amount):
 # $\mathbf{c} = (\mathbf{c}_0, \mathbf{c}_1, \mathbf{c}_2)$:
 #
 # $$ \mathbf{B}' = \begin{bmatrix} \mathbf{n}_1^T & x_1\mathbf{n}_1^T & y_1\mathbf{n}_1^T \\
-#    \vdots & \vdots & \vdots \\ \mathbf{n}_N^T & x_N\mathbf{n}_N^T & y_N\mathbf{n}_N^T \end{bmatrix},
+#    \vdots & \vdots & \vdots \\ \mathbf{n}_N^T & x_N\mathbf{n}_N^T & y_N\mathbf{n}_N^T
+#    \end{bmatrix},
 #    \qquad \mathbf{V}' = \begin{bmatrix} v_1 \\ \vdots \\ v_N \end{bmatrix}. \tag{4.3} $$
 #
-# In space there is a fourth block $z_i\mathbf{n}_i^T$; in $D$ dimensions there are $D + D^2$ columns.
+# In space there is a fourth block $z_i\mathbf{n}_i^T$; in $D$ dimensions there are $D + D^2$
+# columns.
 #
 # ### 04.1 The matrix
 #
@@ -140,7 +142,8 @@ def two_flows(amount):
 # <details><summary>Hint</summary>
 #
 # One block is the array of normals itself. What must each row of it be multiplied by to make the
-# next? Numbers of shape $(N,)$ multiply rows if they are given the shape $(N, 1)$, as `a[:, None]` has.
+# next? Numbers of shape $(N,)$ multiply rows if they are given the shape $(N, 1)$, as `a[:, None]`
+# has.
 #
 # </details>
 
@@ -167,8 +170,9 @@ check("04.1")
 #
 # ### 04.2 The rank
 #
-# Write a function that returns the rank of $\mathbf{B}'$. It must not depend on where the origin is,
-# nor on the unit of length; normals are unit vectors. And what is zero but for rounding is zero.
+# Write a function that returns the rank of $\mathbf{B}'$. It must not depend on where the origin
+# is, nor on the unit of length; normals are unit vectors. And what is zero but for rounding is
+# zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -214,9 +218,9 @@ def four_ranks():
 
 
 # %% [markdown]
-# **What to look at.** The eight points, your own, are the same each time, and $\mathbf{B}'$ has eight rows each
-# time. Only the normals differ. The second and the third loss can be guessed. The last cannot: no two
-# of its normals are parallel.
+# **What to look at.** The eight points, your own, are the same each time, and $\mathbf{B}'$ has
+# eight rows each time. Only the normals differ. The second and the third loss can be guessed. The
+# last cannot: no two of its normals are parallel.
 #
 # ## What is lost
 #
@@ -225,14 +229,14 @@ def four_ranks():
 # $$ \mathbf{B}'\mathbf{c} = \mathbf{0} \quad\Longleftrightarrow\quad
 #    \mathbf{n}_i^T \mathbf{u}(\mathbf{p}_i) = 0 \ \text{ for all } i . \tag{4.4} $$
 #
-# Read the right side: $\mathbf{u}$ is an affine flow that runs *along* every edge. No edge sees it, so
-# it can be added to any solution. That is the whole truth about the rank: it is full if and only if no
-# affine flow other than zero is tangent to all samples.
+# Read the right side: $\mathbf{u}$ is an affine flow that runs *along* every edge. No edge sees it,
+# so it can be added to any solution. That is the whole truth about the rank: it is full if and only
+# if no affine flow other than zero is tangent to all samples.
 #
 # ### 04.3 The flow that no edge sees
 #
-# For samples with $\operatorname{rank}\mathbf{B}' = 5$ return the coefficients $\mathbf{c}$ of such a
-# flow. Its size and sign are up to you, but it must not be zero.
+# For samples with $\operatorname{rank}\mathbf{B}' = 5$ return the coefficients $\mathbf{c}$ of such
+# a flow. Its size and sign are up to you, but it must not be zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -342,25 +346,26 @@ def turning(one, together):
 
 
 # %% [markdown]
-# **What to look at.** Turn the one normal (orange dot). The rank is six at once, but the smallest singular
-# value grows only in proportion to the angle: near zero there is a flow that is seen, and hardly, and an
-# error of measurement becomes a large error of that flow. Now put it back, and turn all six together. The
-# value stays at zero! Which flow do they hide at 45 degrees, and which at 90? You find both among the five
-# flows above.
+# **What to look at.** Turn the one normal (orange dot). The rank is six at once, but the smallest
+# singular value grows only in proportion to the angle: near zero there is a flow that is seen, and
+# hardly, and an error of measurement becomes a large error of that flow. Now put it back, and turn
+# all six together. The value stays at zero! Which flow do they hide at 45 degrees, and which at 90?
+# You find both among the five flows above.
 
 # %% [markdown]
 # ## The obvious conditions
 #
 # Some losses can be seen with the naked eye. Suppose that all points $\mathbf{p}_i$ are such that
-# $\mathbf{B}$, with the rows $(1, x_i, y_i)$, has full column rank three: they are not on one line. What
-# must hold of the normals?
+# $\mathbf{B}$, with the rows $(1, x_i, y_i)$, has full column rank three: they are not on one line.
+# What must hold of the normals?
 #
-# Consider flows of one fixed direction $\mathbf{m}$, as wind from the west that is stronger in the north:
-# $\mathbf{u}(\mathbf{x}) = \alpha(\mathbf{x})\,\mathbf{m}$ with an affine function $\alpha$. A sample
-# says something about it only if $\mathbf{n}_i^T\mathbf{m} \neq 0$. These samples must determine
-# $\alpha$, so their points must not be on one line either:
+# Consider flows of one fixed direction $\mathbf{m}$, as wind from the west that is stronger in the
+# north: $\mathbf{u}(\mathbf{x}) = \alpha(\mathbf{x})\,\mathbf{m}$ with an affine function $\alpha$.
+# A sample says something about it only if $\mathbf{n}_i^T\mathbf{m} \neq 0$. These samples must
+# determine $\alpha$, so their points must not be on one line either:
 #
-# $$ \text{for every direction } \mathbf{m} \neq \mathbf{0} \text{ the points } \mathbf{p}_i \text{ with }
+# $$ \text{for every direction } \mathbf{m} \neq \mathbf{0} \text{ the points } \mathbf{p}_i \text{
+#    with }
 #    \mathbf{n}_i^T\mathbf{m} \neq 0 \text{ are not on one line.} \tag{4.5} $$
 #
 # ### 04.5 Are they fulfilled?
@@ -370,8 +375,9 @@ def turning(one, together):
 #
 # <details><summary>Hint</summary>
 #
-# A sample is left out for exactly one direction and its opposite. So there are at most $N$ directions to
-# try. Points are not on one line if $\mathbf{B}$, made of them, has rank three. The same test does for few points, and for none.
+# A sample is left out for exactly one direction and its opposite. So there are at most $N$
+# directions to try. Points are not on one line if $\mathbf{B}$, made of them, has rank three. The
+# same test does for few points, and for none.
 #
 # </details>
 
@@ -418,19 +424,22 @@ def obvious_or_not():
 
 # %% [markdown]
 # **What to look at.** Where (4.5) fails the rank is less than six, always. But it may hold, and the
-# rank is less all the same. And look at the fourth picture: five points on a line and one beside it. Its
-# normals are random, and whatever they are, the rank will not be six. Can you find the flow?
+# rank is less all the same. And look at the fourth picture: five points on a line and one beside
+# it. Its normals are random, and whatever they are, the rank will not be six. Can you find the
+# flow?
 
 # %% [markdown]
 # ## Stars of triangles
 #
-# In a mesh the normals are not free: they belong to edges. Take a vertex with the triangles round it, and
-# sample at the midpoints of *all* edges of these triangles: $k$ spokes and $k$ edges of the rim.
+# In a mesh the normals are not free: they belong to edges. Take a vertex with the triangles round
+# it, and sample at the midpoints of *all* edges of these triangles: $k$ spokes and $k$ edges of the
+# rim.
 #
 # ### 04.6 The samples of a star
 #
-# Write a function that returns the midpoints and the unit normals: first of the spokes, in the order of
-# the neighbours, then of the rim, from each neighbour to the next, and from the last to the first.
+# Write a function that returns the midpoints and the unit normals: first of the spokes, in the
+# order of the neighbours, then of the rim, from each neighbour to the next, and from the last to
+# the first.
 
 
 # %% question="04.6"
@@ -451,15 +460,16 @@ check("04.6")
 # %% [markdown]
 # ### 04.7 A rank without any normals
 #
-# For such samples there is a surprise. The rank of $\mathbf{B}'$ can be read off the *vertices* alone:
+# For such samples there is a surprise. The rank of $\mathbf{B}'$ can be read off the *vertices*
+# alone:
 #
 # $$ \operatorname{rank}\mathbf{B}' = \operatorname{rank} \begin{bmatrix}
 #    1 & x_1 & y_1 & x_1^2 & x_1 y_1 & y_1^2 \\ \vdots & & & & & \vdots \\
 #    1 & x_V & y_V & x_V^2 & x_V y_V & y_V^2 \end{bmatrix}, \tag{4.6} $$
 #
-# where now $(x_j, y_j)$ are the $V = k + 1$ vertices of the star. It is six if and only if the vertices lie
-# on no common *conic*: no ellipse, parabola, hyperbola, pair of lines. Write the rank on the right. As
-# before it must not depend on the origin and the unit.
+# where now $(x_j, y_j)$ are the $V = k + 1$ vertices of the star. It is six if and only if the
+# vertices lie on no common *conic*: no ellipse, parabola, hyperbola, pair of lines. Write the rank
+# on the right. As before it must not depend on the origin and the unit.
 
 
 # %% question="04.7"
@@ -517,47 +527,52 @@ def star(neighbours, shift):
 
 
 # %% [markdown]
-# **What to look at.** With four neighbours there are eight equations for six unknowns, and the rank is
-# five. The thin lines are the stream lines of the flow that no edge sees. One of them (orange) goes
-# through all the vertices: it is the conic. Through five points there is always one. Add a neighbour. How
-# many does a vertex need?
+# **What to look at.** With four neighbours there are eight equations for six unknowns, and the rank
+# is five. The thin lines are the stream lines of the flow that no edge sees. One of them (orange)
+# goes through all the vertices: it is the conic. Through five points there is always one. Add a
+# neighbour. How many does a vertex need?
 #
 # ## In words
 #
-# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. Which "obvious" conditions must one
-# require of the normals $\mathbf{n}_i$, such that $\mathbf{B}'$ does not lose full column rank? Why are
-# they necessary, and are they sufficient?
+# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. Which "obvious" conditions must
+# one require of the normals $\mathbf{n}_i$, such that $\mathbf{B}'$ does not lose full column rank?
+# Why are they necessary, and are they sufficient?
 #
 # <details><summary>Hint</summary>
 #
-# Begin with the simplest flows: constant ones, then those of one direction. For the last part think of
-# a wheel.
+# Begin with the simplest flows: constant ones, then those of one direction. For the last part think
+# of a wheel.
 #
 # </details>
 
 # %% [markdown] answer="04.8" points=4
-# Necessary are: not all normals are parallel, since nothing is known of the component along the edges
-# then, and the rank is three. More generally, for each direction $\mathbf{m}$ the points of the samples with
-# $\mathbf{n}_i^T\mathbf{m} \neq 0$ must not lie on one line. Otherwise there is an affine function $\alpha \neq 0$ that vanishes
-# at all of them, and $\mathbf{u} = \alpha\,\mathbf{m}$ is tangent to every sample: where $\alpha \neq 0$ the normal is at
-# right angles to $\mathbf{m}$. For the directions of the axes this says that $\mathbf{N}_x\mathbf{B}$ and $\mathbf{N}_y\mathbf{B}$ have rank three
-# each, with the components of the normals on the diagonals of $\mathbf{N}_x$ and $\mathbf{N}_y$.
+# Necessary are: not all normals are parallel, since nothing is known of the component along the
+# edges then, and the rank is three. More generally, for each direction $\mathbf{m}$ the points of
+# the samples with $\mathbf{n}_i^T\mathbf{m} \neq 0$ must not lie on one line. Otherwise there is an
+# affine function $\alpha \neq 0$ that vanishes at all of them, and $\mathbf{u} =
+# \alpha\,\mathbf{m}$ is tangent to every sample: where $\alpha \neq 0$ the normal is at right
+# angles to $\mathbf{m}$. For the directions of the axes this says that $\mathbf{N}_x\mathbf{B}$ and
+# $\mathbf{N}_y\mathbf{B}$ have rank three each, with the components of the normals on the diagonals
+# of $\mathbf{N}_x$ and $\mathbf{N}_y$.
 #
-# They are not sufficient. If all normals pass through one place, the rotation about it is tangent to all edges: no two normals need
-# be parallel, and the rank is at most five. The same holds for every affine flow $\mathbf{u}$ and any points, if each
-# normal is chosen at right angles to $\mathbf{u}(\mathbf{p}_i)$: expansion, spiral, saddle. The complete condition is that
-# no affine flow other than zero is tangent to all samples. For random normals it holds, as a rule. Sufficient, and easy
-# to see, is: two directions that are not parallel, each the normal of three samples that are not on one line.
+# They are not sufficient. If all normals pass through one place, the rotation about it is tangent
+# to all edges: no two normals need be parallel, and the rank is at most five. The same holds for
+# every affine flow $\mathbf{u}$ and any points, if each normal is chosen at right angles to
+# $\mathbf{u}(\mathbf{p}_i)$: expansion, spiral, saddle. The complete condition is that no affine
+# flow other than zero is tangent to all samples. For random normals it holds, as a rule.
+# Sufficient, and easy to see, is: two directions that are not parallel, each the normal of three
+# samples that are not on one line.
 
 # %% [markdown] rubric="04.8"
-# One point for "not all parallel" with its reason. One for the condition for each direction (or for the rank of
-# $\mathbf{N}_x\mathbf{B}$ and $\mathbf{N}_y\mathbf{B}$, or that three samples off a line must carry each component). One for saying
-# that this is not sufficient, with an example such as a rotation. One for the complete condition, a tangent affine flow.
+# One point for "not all parallel" with its reason. One for the condition for each direction (or for
+# the rank of $\mathbf{N}_x\mathbf{B}$ and $\mathbf{N}_y\mathbf{B}$, or that three samples off a
+# line must carry each component). One for saying that this is not sufficient, with an example such
+# as a rotation. One for the complete condition, a tangent affine flow.
 
 # %% [markdown]
-# **04.9** "There are more equations than unknowns, so the least squares problem has a unique solution."
-# What is wrong with it? Use your star with four neighbours. How many neighbours does an inner vertex need, and
-# what should a program do that meets a vertex with fewer?
+# **04.9** "There are more equations than unknowns, so the least squares problem has a unique
+# solution." What is wrong with it? Use your star with four neighbours. How many neighbours does an
+# inner vertex need, and what should a program do that meets a vertex with fewer?
 #
 # <details><summary>Hint</summary>
 #
@@ -567,31 +582,36 @@ def star(neighbours, shift):
 # </details>
 
 # %% [markdown] answer="04.9" points=3
-# Unique is the solution if the *rank* is six; as many rows as columns are necessary for that and not sufficient,
-# for rows may depend on each other. The star of four triangles has eight equations of rank five: by (4.6) the rank is at
-# most the number of vertices, $k + 1$, since they are the rows on the right. (For an affine flow the eight fluxes obey
-# relations: what flows out of each triangle, divided by its area, is the same for all triangles.) So $k \ge 5$ is needed, and it
+# Unique is the solution if the *rank* is six; as many rows as columns are necessary for that and
+# not sufficient, for rows may depend on each other. The star of four triangles has eight equations
+# of rank five: by (4.6) the rank is at most the number of vertices, $k + 1$, since they are the
+# rows on the right. (For an affine flow the eight fluxes obey relations: what flows out of each
+# triangle, divided by its area, is the same for all triangles.) So $k \ge 5$ is needed, and it
 # suffices unless the six or more vertices lie on a conic.
 #
-# A solver of the normal equations returns numbers without a warning, right in their normal components and arbitrary in the
-# unseen flow. A program should look at singular values, or at what it can bound by them, and take more samples where they are
-# too few: the edges of the next ring of triangles.
+# A solver of the normal equations returns numbers without a warning, right in their normal
+# components and arbitrary in the unseen flow. A program should look at singular values, or at what
+# it can bound by them, and take more samples where they are too few: the edges of the next ring of
+# triangles.
 
 # %% [markdown] rubric="04.9"
-# One point for rank against number of equations. One for $k + 1$ vertices or five neighbours, with a reason. One for a remedy:
-# test the rank and enlarge the neighbourhood; "take the pseudo inverse" earns nothing, since its answer is arbitrary.
+# One point for rank against number of equations. One for $k + 1$ vertices or five neighbours, with
+# a reason. One for a remedy: test the rank and enlarge the neighbourhood; "take the pseudo inverse"
+# earns nothing, since its answer is arbitrary.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - Leave out the rim: only the $k$ edges that end in the vertex. Show that $\mathbf{x} - \mathbf{x}_i$, where
-#   $\mathbf{x}_i$ is the vertex, is tangent to all of them, however many they are. Is $\mathbf{u}(\mathbf{x}_i)$
-#   itself still determined?
-# - Prove (4.6). A flow without divergence is $\mathbf{u} = (\partial_y\psi, -\partial_x\psi)$, with $\psi$
-#   quadratic if $\mathbf{u}$ is affine. Why does the flux through an edge equal the difference of $\psi$ at its ends?
-# - Put four neighbours on two lines through the vertex. What is the unseen flow at the vertex? The rank is five,
-#   and yet the velocity that is wanted there is determined.
-# - Count for tetrahedra: how many columns has $\mathbf{B}'$, and how many faces has a star with six, seven, eight vertices?
+# - Leave out the rim: only the $k$ edges that end in the vertex. Show that $\mathbf{x} -
+#   \mathbf{x}_i$, where $\mathbf{x}_i$ is the vertex, is tangent to all of them, however many they
+#   are. Is $\mathbf{u}(\mathbf{x}_i)$ itself still determined?
+# - Prove (4.6). A flow without divergence is $\mathbf{u} = (\partial_y\psi, -\partial_x\psi)$, with
+#   $\psi$ quadratic if $\mathbf{u}$ is affine. Why does the flux through an edge equal the
+#   difference of $\psi$ at its ends?
+# - Put four neighbours on two lines through the vertex. What is the unseen flow at the vertex? The
+#   rank is five, and yet the velocity that is wanted there is determined.
+# - Count for tetrahedra: how many columns has $\mathbf{B}'$, and how many faces has a star with
+#   six, seven, eight vertices?
 
 # %%
 progress()

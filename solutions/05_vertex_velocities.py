@@ -13,11 +13,11 @@
 # %% [markdown]
 # # Velocities at the vertices of a mesh
 #
-# A program that computes a flow on a mesh of triangles often knows one number for each edge: how fast
-# the fluid crosses it. To draw the flow, or to let a leaf drift in it, one needs the whole velocity
-# at a vertex. By the end of this notebook you have built a mesh and a flow, you have computed what
-# the program would know, and you have won the velocities back: at most vertices to the last
-# digit, at some not at all. You know beforehand at which, and why.
+# A program that computes a flow on a mesh of triangles often knows one number for each edge: how
+# fast the fluid crosses it. To draw the flow, or to let a leaf drift in it, one needs the whole
+# velocity at a vertex. By the end of this notebook you have built a mesh and a flow, you have
+# computed what the program would know, and you have won the velocities back: at most vertices to
+# the last digit, at some not at all. You know beforehand at which, and why.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it. The check
 # tells you whether it is right and, if it is not, what kind of mistake it may be. You need nothing
@@ -46,15 +46,18 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# On the left is a flow: two whirls that turn against each other. On the right is what the program knows of
-# it. The mesh lies over the flow, and for each edge there is one number, the speed at which the fluid
-# crosses it: the darker the edge, the faster. Along a pale edge the fluid may rush, but it does not
-# cross. Which way does it go, and how fast, at the vertex with the question mark? Move it.
+# On the left is a flow: two whirls that turn against each other. On the right is what the program
+# knows of it. The mesh lies over the flow, and for each edge there is one number, the speed at
+# which the fluid crosses it: the darker the edge, the faster. Along a pale edge the fluid may rush,
+# but it does not cross. Which way does it go, and how fast, at the vertex with the question mark?
+# Move it.
 
 
 # %%
 def scattered(number, seed=3):
-    """Vertices (K, 2) of a mesh of the unit square: spread evenly, but not in rows; and its triangles (T, 3)."""
+    """Vertices (K, 2) of a mesh of the unit square: spread evenly, but not in rows; and its
+    triangles (T, 3).
+    """
     random = np.random.default_rng(seed)
     k = np.arange(12)
     rim = (k + (k % 3 > 0) * random.uniform(-0.3, 0.3, 12)) / 3  # once round the square, in sides
@@ -113,17 +116,18 @@ def the_problem(vertex):
 
 
 # %% [markdown]
-# **What to look at.** Each edge tells one number, and a velocity has two. But the edges around a vertex
-# lie in different directions. Each tells another component, though each at another place. This is least
-# squares again, with a twist: what is measured is not the velocity but its *shadow* on a normal.
+# **What to look at.** Each edge tells one number, and a velocity has two. But the edges around a
+# vertex lie in different directions. Each tells another component, though each at another place.
+# This is least squares again, with a twist: what is measured is not the velocity but its *shadow*
+# on a normal.
 
 # %% [markdown]
 # ## The mesh
 #
-# A triangle mesh is two arrays: the vertices $\mathbf{x}_1, \dots, \mathbf{x}_K$, of shape $(K, 2)$, and
-# for each triangle the numbers of its three corners, of shape $(T, 3)$. The corners may come in either
-# sense of rotation. An *edge* is a pair of vertices: a side of a triangle. Inside the mesh two triangles share
-# it, on the boundary it belongs to one.
+# A triangle mesh is two arrays: the vertices $\mathbf{x}_1, \dots, \mathbf{x}_K$, of shape $(K,
+# 2)$, and for each triangle the numbers of its three corners, of shape $(T, 3)$. The corners may
+# come in either sense of rotation. An *edge* is a pair of vertices: a side of a triangle. Inside
+# the mesh two triangles share it, on the boundary it belongs to one.
 #
 # ### 05.1 The edges
 #
@@ -133,8 +137,8 @@ def the_problem(vertex):
 # <details><summary>Hint</summary>
 #
 # Write down the three sides of every triangle. An inner edge is now there twice, perhaps once as
-# $(i, j)$ and once as $(j, i)$. How do you make these two alike? After that a function of NumPy keeps
-# one of each; look at its argument `axis`.
+# $(i, j)$ and once as $(j, i)$. How do you make these two alike? After that a function of NumPy
+# keeps one of each; look at its argument `axis`.
 #
 # </details>
 
@@ -155,9 +159,11 @@ check("05.1")
 # For an edge $a$ between the vertices $i$ and $j$ let
 #
 # $$ \mathbf{p}_a = \tfrac{1}{2} (\mathbf{x}_i + \mathbf{x}_j), \qquad
-#    \mathbf{n}_a \cdot (\mathbf{x}_j - \mathbf{x}_i) = 0, \qquad \lVert \mathbf{n}_a \rVert = 1 \tag{5.1} $$
+#    \mathbf{n}_a \cdot (\mathbf{x}_j - \mathbf{x}_i) = 0, \qquad \lVert \mathbf{n}_a \rVert = 1
+#    \tag{5.1} $$
 #
-# be its *midpoint* and a *unit normal*. Two vectors satisfy this, $\mathbf{n}_a$ and $-\mathbf{n}_a$. Take either.
+# be its *midpoint* and a *unit normal*. Two vectors satisfy this, $\mathbf{n}_a$ and
+# $-\mathbf{n}_a$. Take either.
 #
 # ### 05.2 Midpoints and normals
 #
@@ -267,8 +273,8 @@ def normal_velocities(edges, normals, u):
 check("05.4")
 
 # %% [markdown]
-# On the left the truth, on the right what is left of it: the arrow at each midpoint is $v_a\mathbf{n}_a$,
-# the part of the velocity across the edge. The rest is lost.
+# On the left the truth, on the right what is left of it: the arrow at each midpoint is
+# $v_a\mathbf{n}_a$, the part of the velocity across the edge. The rest is lost.
 
 
 # %%
@@ -308,10 +314,10 @@ def truth_and_data(seed):
 #
 # ### In words
 #
-# **05.5** Is the velocity field (5.2) a linear mapping of the place? Say precisely of what it is one. Then
-# look at (5.3): it takes the mean of the velocities at the two ends for the velocity at the midpoint.
-# Show that for this field that is no approximation. For which fields is it one, and what decides
-# how good it is?
+# **05.5** Is the velocity field (5.2) a linear mapping of the place? Say precisely of what it is
+# one. Then look at (5.3): it takes the mean of the velocities at the two ends for the velocity at
+# the midpoint. Show that for this field that is no approximation. For which fields is it one, and
+# what decides how good it is?
 #
 # <details><summary>Hint</summary>
 #
@@ -322,36 +328,46 @@ def truth_and_data(seed):
 #
 # <details><summary>Hint for the last part</summary>
 #
-# Look at the velocity along one edge only, as a function of one variable, and at its Taylor series about the
-# midpoint. Which terms drop out of the mean of the two ends?
+# Look at the velocity along one edge only, as a function of one variable, and at its Taylor series
+# about the midpoint. Which terms drop out of the mean of the two ends?
 #
 # </details>
 
 # %% [markdown] answer="05.5" points=4
-# As a field, $\mathbf{u}(\mathbf{x}) = \mathbf{J}(\mathbf{x} - \mathbf{m}) = \mathbf{J}\mathbf{x} - \mathbf{J}\mathbf{m}$. It is a linear mapping of
-# $\mathbf{x} - \mathbf{m}$, the place seen from the mean. Of $\mathbf{x}$ itself it is an *affine* one: it is zero at $\mathbf{m}$ and
-# not at the origin, so that it is linear in $\mathbf{x}$ only if $\mathbf{m} = \mathbf{0}$. Its derivative is $\mathbf{J}$ everywhere; the trace is zero,
-# so the field is free of divergence: a rigid rotation about $\mathbf{m}$.
+# As a field, $\mathbf{u}(\mathbf{x}) = \mathbf{J}(\mathbf{x} - \mathbf{m}) = \mathbf{J}\mathbf{x} -
+# \mathbf{J}\mathbf{m}$. It is a linear mapping of $\mathbf{x} - \mathbf{m}$, the place seen from
+# the mean. Of $\mathbf{x}$ itself it is an *affine* one: it is zero at $\mathbf{m}$ and not at the
+# origin, so that it is linear in $\mathbf{x}$ only if $\mathbf{m} = \mathbf{0}$. Its derivative is
+# $\mathbf{J}$ everywhere; the trace is zero, so the field is free of divergence: a rigid rotation
+# about $\mathbf{m}$.
 #
-# An affine map takes the mean of two points to the mean of their images:
-# $\tfrac12(\mathbf{u}_i + \mathbf{u}_j) = \mathbf{J}\left(\tfrac12(\mathbf{x}_i + \mathbf{x}_j) - \mathbf{m}\right) = \mathbf{u}(\mathbf{p}_a)$. Nothing is neglected, and $v_a =
-# \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ exactly. That the sum of the weights $\tfrac12 + \tfrac12$ is one is what lets the constant part through.
+# An affine map takes the mean of two points to the mean of their images: $\tfrac12(\mathbf{u}_i +
+# \mathbf{u}_j) = \mathbf{J}\left(\tfrac12(\mathbf{x}_i + \mathbf{x}_j) - \mathbf{m}\right) =
+# \mathbf{u}(\mathbf{p}_a)$. Nothing is neglected, and $v_a = \mathbf{n}_a \cdot
+# \mathbf{u}(\mathbf{p}_a)$ exactly. That the sum of the weights $\tfrac12 + \tfrac12$ is one is
+# what lets the constant part through.
 #
-# For a field that is not affine along the edge it is an approximation. With $t$ the distance from the midpoint along an edge of length $l$, the ends are
-# at $t = \pm l/2$, and the odd terms of the Taylor series cancel in the mean: $\tfrac12(\mathbf{u}_i + \mathbf{u}_j) = \mathbf{u}(\mathbf{p}_a) +
-# \tfrac18 l^2\, \partial_t^2\mathbf{u}(\mathbf{p}_a) + O(l^4)$. So the curvature of the field along the edge decides, and halving the edges makes the error four times smaller.
+# For a field that is not affine along the edge it is an approximation. With $t$ the distance from
+# the midpoint along an edge of length $l$, the ends are at $t = \pm l/2$, and the odd terms of the
+# Taylor series cancel in the mean: $\tfrac12(\mathbf{u}_i + \mathbf{u}_j) =
+# \mathbf{u}(\mathbf{p}_a) + \tfrac18 l^2\, \partial_t^2\mathbf{u}(\mathbf{p}_a) + O(l^4)$. So the
+# curvature of the field along the edge decides, and halving the edges makes the error four times
+# smaller.
 
 # %% [markdown] rubric="05.5"
-# One point for affine in $\mathbf{x}$, linear in $\mathbf{x}-\mathbf{m}$; "linear" without saying of what earns none. Two for the mean: one for the
-# calculation, one for naming what is used, that the map is affine. One for the error of other fields: second derivative along the edge, second order in its length.
+# One point for affine in $\mathbf{x}$, linear in $\mathbf{x}-\mathbf{m}$; "linear" without saying
+# of what earns none. Two for the mean: one for the calculation, one for naming what is used, that
+# the map is affine. One for the error of other fields: second derivative along the edge, second
+# order in its length.
 
 # %% [markdown]
 # ## Which edges?
 #
 # We want the velocity at one vertex, from edges around it. Which? Those that end there are too few,
-# as you will see. So take all edges of the triangles that meet there: the *one ring* of the vertex. If this is not
-# enough, take also the triangles that touch the one ring, be it in one corner only: the edges of all these are the *two ring*. And
-# so on: each ring adds the triangles that have a corner among those of the ring before.
+# as you will see. So take all edges of the triangles that meet there: the *one ring* of the vertex.
+# If this is not enough, take also the triangles that touch the one ring, be it in one corner only:
+# the edges of all these are the *two ring*. And so on: each ring adds the triangles that have a
+# corner among those of the ring before.
 #
 # ### 05.6 The ring
 #
@@ -366,9 +382,9 @@ def truth_and_data(seed):
 #
 # <details><summary>Hint: from triangles to edges</summary>
 #
-# The edges of some triangles: you have written a function for these. To find them in the list, compare pairs,
-# and mind that $(i, j)$ and $(j, i)$ are the same edge. It is not enough to look whether both
-# ends belong to the ring.
+# The edges of some triangles: you have written a function for these. To find them in the list,
+# compare pairs, and mind that $(i, j)$ and $(j, i)$ are the same edge. It is not enough to look
+# whether both ends belong to the ring.
 #
 # </details>
 
@@ -420,19 +436,21 @@ def rings_around(vertex):
 # %% [markdown]
 # ## The system
 #
-# Near the vertex $\mathbf{x}_i$ we look for an affine velocity field. Let us measure places from the vertex,
-# $\mathbf{y} = \mathbf{x} - \mathbf{x}_i$:
+# Near the vertex $\mathbf{x}_i$ we look for an affine velocity field. Let us measure places from
+# the vertex, $\mathbf{y} = \mathbf{x} - \mathbf{x}_i$:
 #
 # $$ \mathbf{u}(\mathbf{x}) = \mathbf{c}_0 + y_1 \mathbf{c}_1 + y_2 \mathbf{c}_2, \qquad
 #    \mathbf{c}_0, \mathbf{c}_1, \mathbf{c}_2 \in \mathbb{R}^2. \tag{5.4} $$
 #
-# These are six unknown numbers. What we want is two of them: at the vertex $\mathbf{y} = \mathbf{0}$, so that
-# $\mathbf{u}(\mathbf{x}_i) = \mathbf{c}_0$. Every edge of the ring gives one equation,
+# These are six unknown numbers. What we want is two of them: at the vertex $\mathbf{y} =
+# \mathbf{0}$, so that $\mathbf{u}(\mathbf{x}_i) = \mathbf{c}_0$. Every edge of the ring gives one
+# equation,
 #
 # $$ \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = v_a . \tag{5.5} $$
 #
 # Insert (5.4), with $\mathbf{y}_a = \mathbf{p}_a - \mathbf{x}_i$ for the midpoint. The unknowns are
-# multiplied by $\mathbf{n}_a^T$, $y_{a,1}\mathbf{n}_a^T$ and $y_{a,2}\mathbf{n}_a^T$. So the equations are
+# multiplied by $\mathbf{n}_a^T$, $y_{a,1}\mathbf{n}_a^T$ and $y_{a,2}\mathbf{n}_a^T$. So the
+# equations are
 #
 # $$ \mathbf{B}'\mathbf{c} = \mathbf{V}', \qquad
 #    \mathbf{B}' = \begin{bmatrix} \mathbf{n}_1^T & y_{1,1}\mathbf{n}_1^T & y_{1,2}\mathbf{n}_1^T \\
@@ -448,7 +466,9 @@ def rings_around(vertex):
 
 # %% question="05.7"
 def system(midpoints, normals, x):
-    """Return B′ of (5.6), of shape (n, 6), for midpoints (n, 2), normals (n, 2), the vertex x (2,)."""
+    """Return B′ of (5.6), of shape (n, 6), for midpoints (n, 2), normals (n, 2), the vertex x
+    (2,).
+    """
     # BEGIN SOLUTION
     y = midpoints - x
     return np.hstack([normals, y[:, [0]] * normals, y[:, [1]] * normals])
@@ -466,8 +486,8 @@ check("05.7")
 #    \mathbf{W} = \operatorname{diag}(w_1, \dots, w_n), \qquad
 #    w_a = \frac{1}{\lVert \mathbf{p}_a - \mathbf{x}_i \rVert^2 + \varepsilon^2}. \tag{5.7} $$
 #
-# We take the coefficients that leave the smallest error
-# $\lVert \mathbf{W}\mathbf{B}'\mathbf{c} - \mathbf{W}\mathbf{V}' \rVert$. With all weights equal this is plain least squares.
+# We take the coefficients that leave the smallest error $\lVert \mathbf{W}\mathbf{B}'\mathbf{c} -
+# \mathbf{W}\mathbf{V}' \rVert$. With all weights equal this is plain least squares.
 #
 # ### 05.8 The velocity at a vertex
 #
@@ -475,9 +495,10 @@ check("05.7")
 #
 # <details><summary>Hint</summary>
 #
-# Soon you will meet vertices where the six unknowns are not determined. The normal equations
-# then have a singular matrix. `numpy.linalg.lstsq` still returns an answer: among all that fit equally well,
-# the $\mathbf{c}$ of least length. It takes the matrix and the right side of (5.7), not of the normal equations.
+# Soon you will meet vertices where the six unknowns are not determined. The normal equations then
+# have a singular matrix. `numpy.linalg.lstsq` still returns an answer: among all that fit equally
+# well, the $\mathbf{c}$ of least length. It takes the matrix and the right side of (5.7), not of
+# the normal equations.
 #
 # </details>
 
@@ -501,8 +522,9 @@ check("05.8")
 # %% [markdown]
 # ## Look at it
 #
-# The cell below takes your functions together: the edges, what is known of the flow, and at each vertex
-# the ring, the weights and the velocity. Read it; there is nothing in it that you have not written.
+# The cell below takes your functions together: the edges, what is known of the flow, and at each
+# vertex the ring, the weights and the velocity. Read it; there is nothing in it that you have not
+# written.
 
 
 # %%
@@ -543,7 +565,8 @@ def reconstruction(rings, epsilon, seed):
         axes.quiver(*points.T, *found.T, color=ORANGE, width=0.005, label="yours", **look)
         axes.set(aspect="equal", xticks=[0, 1], yticks=[0, 1], xlim=(-0.2, 1.2), ylim=(-0.2, 1.2))
         axes.set_title(
-            rf"{rings} ring{'s' * (rings > 1)}, $\varepsilon$ = {epsilon:.2g}: {wrong.sum()} of {len(points)} wrong"
+            rf"{rings} ring{'s' * (rings > 1)}, $\varepsilon$ = {epsilon:.2g}: "
+            f"{wrong.sum()} of {len(points)} wrong"
         )
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
@@ -552,22 +575,26 @@ def reconstruction(rings, epsilon, seed):
 # %% [markdown]
 # **What to look at.**
 #
-# - At most vertices the two arrows lie on each other, to the last digit. Move $\varepsilon$: nothing
-#   changes there. Why not?
-# - Some vertices are wrong, inside too, and nothing has warned you. The wrong arrows are of the right
-#   size, and some look quite credible. What have these vertices in common? Try other meshes. Count triangles.
+# - At most vertices the two arrows lie on each other, to the last digit. Move $\varepsilon$:
+#   nothing changes there. Why not?
+# - Some vertices are wrong, inside too, and nothing has warned you. The wrong arrows are of the
+#   right size, and some look quite credible. What have these vertices in common? Try other meshes.
+#   Count triangles.
 # - Take two rings.
 
 # %% [markdown]
 # ## Which vertices are determined?
 #
-# A velocity can be found only if no two fields give the same data. If $\mathbf{B}'$ has rank six, all
-# of $\mathbf{c}$ is determined. If the rank is lower, there is a $\mathbf{c} \neq \mathbf{0}$ with
+# A velocity can be found only if no two fields give the same data. If $\mathbf{B}'$ has rank six,
+# all of $\mathbf{c}$ is determined. If the rank is lower, there is a $\mathbf{c} \neq \mathbf{0}$
+# with
 #
 # $$ \mathbf{B}'\mathbf{c} = \mathbf{0} \qquad \Longleftrightarrow \qquad
-#    \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = 0 \quad \text{for all edges } a \text{ of the ring}: \tag{5.8} $$
+#    \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = 0 \quad \text{for all edges } a \text{ of the
+#    ring}: \tag{5.8} $$
 #
-# an affine flow that crosses none of the edges at its midpoint. It can be added to any solution, and nobody notices.
+# an affine flow that crosses none of the edges at its midpoint. It can be added to any solution,
+# and nobody notices.
 #
 # ### 05.9 The ranks
 #
@@ -578,16 +605,19 @@ def reconstruction(rings, epsilon, seed):
 #
 # <details><summary>Hint</summary>
 #
-# `numpy.linalg.matrix_rank` takes a tolerance `tol`: singular values below count as zero. With the unit
-# of length the last four columns of $\mathbf{B}'$ change, and the first two do not. The rank stays what it is if each column is divided by its length.
-# The tolerance can then be as coarse as $10^{-6}$, far above rounding.
+# `numpy.linalg.matrix_rank` takes a tolerance `tol`: singular values below count as zero. With the
+# unit of length the last four columns of $\mathbf{B}'$ change, and the first two do not. The rank
+# stays what it is if each column is divided by its length. The tolerance can then be as coarse as
+# $10^{-6}$, far above rounding.
 #
 # </details>
 
 
 # %% question="05.9"
 def ranks(points, triangles, rings):
-    """Return the rank of B′ at each vertex, of shape (K,), for points (K, 2) and triangles (T, 3)."""
+    """Return the rank of B′ at each vertex, of shape (K,), for points (K, 2) and triangles (T,
+    3).
+    """
     # BEGIN SOLUTION
     edges = edges_of(triangles)
     midpoints, normals = midpoints_and_normals(points, edges)
@@ -604,8 +634,9 @@ def ranks(points, triangles, rings):
 check("05.9")
 
 # %% [markdown]
-# On the left your ranks; inside the mesh, and on its boundary, the number of triangles at the vertex is
-# written beside. On the right the error of the reconstruction against the rank, each vertex a dot.
+# On the left your ranks; inside the mesh, and on its boundary, the number of triangles at the
+# vertex is written beside. On the right the error of the reconstruction against the rank, each
+# vertex a dot.
 
 
 # %%
@@ -658,16 +689,18 @@ def ranks_of_a_mesh(rings, seed):
 
 
 # %% [markdown]
-# **What to look at.** Rank six and an error of rounding go together. With one ring an inner vertex with
-# three triangles has rank four, one with four has rank five. They have six and eight edges! On the
-# boundary it is other numbers. Find the rule: count, for each vertex, the *vertices* of the ring.
+# **What to look at.** Rank six and an error of rounding go together. With one ring an inner vertex
+# with three triangles has rank four, one with four has rank five. They have six and eight edges! On
+# the boundary it is other numbers. Find the rule: count, for each vertex, the *vertices* of the
+# ring.
 #
 # ## What edges cannot see
 #
-# Below is a star: one vertex with some triangles around it. Where your $\mathbf{B}'$ has a rank less than six, the picture
-# shows a flow of (5.8), which no edge notices. The lines are its stream lines. An affine flow of this kind
-# flows along the level lines of a polynomial of degree two, so the stream lines are *conics*:
-# ellipses, parabolas, hyperbolas, or pairs of lines. One of them is drawn thick.
+# Below is a star: one vertex with some triangles around it. Where your $\mathbf{B}'$ has a rank
+# less than six, the picture shows a flow of (5.8), which no edge notices. The lines are its stream
+# lines. An affine flow of this kind flows along the level lines of a polynomial of degree two, so
+# the stream lines are *conics*: ellipses, parabolas, hyperbolas, or pairs of lines. One of them is
+# drawn thick.
 
 
 # %%
@@ -689,7 +722,9 @@ def star(triangles, turn):
 
 
 def unseen(points, triangles):
-    """Coefficients c_0, c_1, c_2 of a flow that the edges of a star do not see, (3, 2); the rank of B′."""
+    """Coefficients c_0, c_1, c_2 of a flow that the edges of a star do not see, (3, 2); the rank
+    of B′.
+    """
     p, n = midpoints_and_normals(points, edges_of(triangles))
     _, sizes, rows = np.linalg.svd(np.asarray(system(p, n, np.zeros(2))))
     return rows[5].reshape(3, 2), int((sizes > 1e-9).sum())
@@ -725,15 +760,17 @@ def what_edges_cannot_see(triangles, turn):
 
 # %% [markdown]
 # **What to look at.** The thick conic goes through *all* vertices. Follow one edge: the conic
-# leaves it at one end and comes back at the other. Whatever crosses the edge on the way out crosses it back, so on the
-# whole nothing does. Now take five triangles. Through six points at random there is no conic.
+# leaves it at one end and comes back at the other. Whatever crosses the edge on the way out crosses
+# it back, so on the whole nothing does. Now take five triangles. Through six points at random there
+# is no conic.
 #
 # ### In words
 #
-# **05.10** At which vertices does the reconstruction fail, and why? State the rule that you found for the rank. Prove
-# at least this: with the edges that *end* in a vertex alone, however many, $\mathbf{B}'$ never has rank six. Then
-# explain why a conic through all vertices of the ring makes it fail, and why therefore three or four triangles inside
-# cannot be enough. What do you do with such a vertex?
+# **05.10** At which vertices does the reconstruction fail, and why? State the rule that you found
+# for the rank. Prove at least this: with the edges that *end* in a vertex alone, however many,
+# $\mathbf{B}'$ never has rank six. Then explain why a conic through all vertices of the ring makes
+# it fail, and why therefore three or four triangles inside cannot be enough. What do you do with
+# such a vertex?
 #
 # <details><summary>Hint for the proof</summary>
 #
@@ -743,40 +780,57 @@ def what_edges_cannot_see(triangles, turn):
 #
 # <details><summary>Hint for the conic</summary>
 #
-# Let $\psi$ be a polynomial of degree two, and let $\mathbf{u} = (\partial\psi/\partial y_2, -\partial\psi/\partial y_1)$. It is an affine flow. By how much does
-# $\psi$ change along an edge? Express it by $\mathbf{n}_a \cdot \mathbf{u}$, which is affine along the edge, and
-# integrate that by its value at the midpoint. How many coefficients has $\psi$, and how many equations does it take to
-# make it vanish at all vertices?
+# Let $\psi$ be a polynomial of degree two, and let $\mathbf{u} = (\partial\psi/\partial
+# y_2, -\partial\psi/\partial y_1)$. It is an affine flow. By how much does $\psi$ change along an
+# edge? Express it by $\mathbf{n}_a \cdot \mathbf{u}$, which is affine along the edge, and integrate
+# that by its value at the midpoint. How many coefficients has $\psi$, and how many equations does
+# it take to make it vanish at all vertices?
 #
 # </details>
 
 # %% [markdown] answer="05.10" points=5
-# *The rule.* With one ring it fails at inner vertices with three or four triangles and on the boundary where there are one to three. The rank is the number of
-# vertices of the ring, or six if there are more than six; the exception are vertices in a special position, namely all on one conic.
+# *The rule.* With one ring it fails at inner vertices with three or four triangles and on the
+# boundary where there are one to three. The rank is the number of vertices of the ring, or six if
+# there are more than six; the exception are vertices in a special position, namely all on one
+# conic.
 #
-# *Spokes only.* The flow $\mathbf{u}(\mathbf{x}) = \mathbf{x} - \mathbf{x}_i$ is affine and not zero. Every edge that ends in $\mathbf{x}_i$ has
-# $\mathbf{p}_a - \mathbf{x}_i$ along itself, so $\mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = 0$. This $\mathbf{c}$ is in the kernel, and the rank at most five.
+# *Spokes only.* The flow $\mathbf{u}(\mathbf{x}) = \mathbf{x} - \mathbf{x}_i$ is affine and not
+# zero. Every edge that ends in $\mathbf{x}_i$ has $\mathbf{p}_a - \mathbf{x}_i$ along itself, so
+# $\mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = 0$. This $\mathbf{c}$ is in the kernel, and the
+# rank at most five.
 #
-# *The conic.* Let $\psi$ be quadratic and $\mathbf{u} = (\partial_2\psi, -\partial_1\psi)$. Along the edge from $\mathbf{x}_i$ to $\mathbf{x}_j$ the derivative of $\psi$ is, up to
-# the sign of the normal, $\mathbf{n}_a\cdot\mathbf{u}$. It is affine there, so its integral is its value at the midpoint times the length:
-# $\psi(\mathbf{x}_j) - \psi(\mathbf{x}_i) = \pm l_a\, \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$. If $\psi$ vanishes at all vertices, if they lie on the conic $\psi = 0$, all these are zero, and $\mathbf{u}$ is
-# a flow of (5.8). Conversely a flow of (5.8) has no divergence, since by Gauss nothing flows out of a triangle, so it has such a $\psi$, which is equal at all vertices because the edges connect them; take the constant so that it is zero. Thus the kernel of $\mathbf{B}'$ is as large as the space of
-# quadratic polynomials that vanish at all vertices. These have six coefficients. Five vertices or fewer are five equations or fewer: there is always a conic. With $N$ triangles inside, the ring has $N + 1$ vertices, so $N = 3$ gives rank four and
-# $N = 4$ rank five; on the boundary there are $N + 2$.
+# *The conic.* Let $\psi$ be quadratic and $\mathbf{u} = (\partial_2\psi, -\partial_1\psi)$. Along
+# the edge from $\mathbf{x}_i$ to $\mathbf{x}_j$ the derivative of $\psi$ is, up to the sign of the
+# normal, $\mathbf{n}_a\cdot\mathbf{u}$. It is affine there, so its integral is its value at the
+# midpoint times the length: $\psi(\mathbf{x}_j) - \psi(\mathbf{x}_i) = \pm l_a\, \mathbf{n}_a \cdot
+# \mathbf{u}(\mathbf{p}_a)$. If $\psi$ vanishes at all vertices, if they lie on the conic $\psi =
+# 0$, all these are zero, and $\mathbf{u}$ is a flow of (5.8). Conversely a flow of (5.8) has no
+# divergence, since by Gauss nothing flows out of a triangle, so it has such a $\psi$, which is
+# equal at all vertices because the edges connect them; take the constant so that it is zero. Thus
+# the kernel of $\mathbf{B}'$ is as large as the space of quadratic polynomials that vanish at all
+# vertices. These have six coefficients. Five vertices or fewer are five equations or fewer: there
+# is always a conic. With $N$ triangles inside, the ring has $N + 1$ vertices, so $N = 3$ gives rank
+# four and $N = 4$ rank five; on the boundary there are $N + 2$.
 #
-# That the field is not determined need not mean that its value at the vertex is not: the velocity $\mathbf{c}_0$ is determined if every unseen flow is zero there. This is so where four neighbours lie on two lines through the vertex.
+# That the field is not determined need not mean that its value at the vertex is not: the velocity
+# $\mathbf{c}_0$ is determined if every unseen flow is zero there. This is so where four neighbours
+# lie on two lines through the vertex.
 #
-# *What to do.* Take a second ring where one does not suffice, and test the rank, or better the size of the smallest singular value: nothing else warns.
+# *What to do.* Take a second ring where one does not suffice, and test the rank, or better the size
+# of the smallest singular value: nothing else warns.
 
 # %% [markdown] rubric="05.10"
-# One point for the vertices that fail (inner with three or four triangles, boundary with few) or the rule by number of vertices. One for the proof for spokes. Two for the conic: one for the stream function and
-# the midpoint, one for counting six coefficients against five vertices; the converse is not asked. One for the remedy, more edges, with a test of the rank.
+# One point for the vertices that fail (inner with three or four triangles, boundary with few) or
+# the rule by number of vertices. One for the proof for spokes. Two for the conic: one for the
+# stream function and the midpoint, one for counting six coefficients against five vertices; the
+# converse is not asked. One for the remedy, more edges, with a test of the rank.
 
 # %% [markdown]
 # ## Your own mesh
 #
-# The mesh below is yours: nobody else has it. Its vertices were numbered at random. Both fields are shown for one ring and for two, and
-# besides the rotation there is a second flow, a whirl that is not affine.
+# The mesh below is yours: nobody else has it. Its vertices were numbered at random. Both fields are
+# shown for one ring and for two, and besides the rotation there is a second flow, a whirl that is
+# not affine.
 
 
 # %%
@@ -824,46 +878,63 @@ def comparison(bend, epsilon):
 
 
 # %% [markdown]
-# **What to look at.** For the rotation the errors with one ring are in two groups, with more than ten orders of magnitude
-# between. With two rings the upper group is gone. Now bend the flow a little: every vertex has an error. Which part
-# of it can weights influence? Try small and large $\varepsilon$, with one ring and with two.
+# **What to look at.** For the rotation the errors with one ring are in two groups, with more than
+# ten orders of magnitude between. With two rings the upper group is gone. Now bend the flow a
+# little: every vertex has an error. Which part of it can weights influence? Try small and large
+# $\varepsilon$, with one ring and with two.
 #
 # ### In words
 #
-# **05.11** Compare your reconstructed velocities with the truth: how large are the errors of the rotation, and
-# why do neither $\varepsilon$ nor the choice between least squares and moving least squares matter where the rank is six?
-# A friend who tested a program on this rotation reports that the method is exact. What does such a test show, and what does it not show?
+# **05.11** Compare your reconstructed velocities with the truth: how large are the errors of the
+# rotation, and why do neither $\varepsilon$ nor the choice between least squares and moving least
+# squares matter where the rank is six? A friend who tested a program on this rotation reports that
+# the method is exact. What does such a test show, and what does it not show?
 #
 # <details><summary>Hint</summary>
 #
-# The true coefficients satisfy *every* equation of (5.6). How small can the error of (5.7) then be made, for any weights? How
-# many $\mathbf{c}$ reach it?
+# The true coefficients satisfy *every* equation of (5.6). How small can the error of (5.7) then be
+# made, for any weights? How many $\mathbf{c}$ reach it?
 #
 # </details>
 
 # %% [markdown] answer="05.11" points=3
-# Where the rank is six the errors are of the order of $10^{-15}$, rounding. The rotation is affine, so it is among the fields (5.4), and by question 05.5 the data are its exact normal velocities at the midpoints: the true coefficients satisfy all equations, and the least error of (5.7)
-# is zero, whatever the weights. Positive weights do not change which $\mathbf{c}$ solves $\mathbf{B}'\mathbf{c} = \mathbf{V}'$, and with rank six only one does. Weights are a compromise between equations that contradict each other; here none do.
-# At vertices of lower rank the error has the size of the velocity itself, and which of the many solutions comes out depends on the solver.
+# Where the rank is six the errors are of the order of $10^{-15}$, rounding. The rotation is affine,
+# so it is among the fields (5.4), and by question 05.5 the data are its exact normal velocities at
+# the midpoints: the true coefficients satisfy all equations, and the least error of (5.7) is zero,
+# whatever the weights. Positive weights do not change which $\mathbf{c}$ solves
+# $\mathbf{B}'\mathbf{c} = \mathbf{V}'$, and with rank six only one does. Weights are a compromise
+# between equations that contradict each other; here none do. At vertices of lower rank the error
+# has the size of the velocity itself, and which of the many solutions comes out depends on the
+# solver.
 #
-# The test shows that the program has no mistake in geometry, signs and indices, and which vertices are not determined. It says nothing about the error on a flow that is not affine, where the data (5.3) and the affine field are both approximations; nothing about noise;
-# nor that the method is stable, since vertices nearly on a conic have rank six and pass the test, but enlarge every error of the data.
+# The test shows that the program has no mistake in geometry, signs and indices, and which vertices
+# are not determined. It says nothing about the error on a flow that is not affine, where the data
+# (5.3) and the affine field are both approximations; nothing about noise; nor that the method is
+# stable, since vertices nearly on a conic have rank six and pass the test, but enlarge every error
+# of the data.
 
 # %% [markdown] rubric="05.11"
-# One point for errors of rounding where determined, and of the size of the velocity elsewhere. One for the reason: the truth satisfies all equations, so weights have nothing to decide. One for the limits of the test: it contains only an affine field, no curvature or no noise.
+# One point for errors of rounding where determined, and of the size of the velocity elsewhere. One
+# for the reason: the truth satisfies all equations, so weights have nothing to decide. One for the
+# limits of the test: it contains only an affine field, no curvature or no noise.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - *A cross.* Put a vertex at the origin and its four neighbours on the two axes. The rank is five. Is the velocity at the
-#   vertex wrong? Look at the unseen flow there.
-# - *A trap.* Cut the squares of a regular grid along diagonals that alternate. Look at the vertices in the middle of a side with four triangles: six vertices,
-#   and still rank five. On which conic do they lie?
-# - *Nearly a conic.* Move the sixth vertex of a star slowly onto the conic through the other five. How does the smallest
-#   singular value of $\mathbf{B}'$ go to zero? Add noise of size $10^{-3}$ to the normal velocities. By how much is it enlarged?
-# - *Order.* Take the bent whirl on meshes with more and more vertices. With which power of the length of the edges does the error fall,
-#   with one ring and with two? Look at the root of the mean square, and at the largest.
-# - *Least length.* Where the solution is not unique `lstsq` takes the $\mathbf{c}$ of least length. Multiply all coordinates by ten, and the field by ten as well. Is the answer ten times the old one?
+# - *A cross.* Put a vertex at the origin and its four neighbours on the two axes. The rank is five.
+#   Is the velocity at the vertex wrong? Look at the unseen flow there.
+# - *A trap.* Cut the squares of a regular grid along diagonals that alternate. Look at the vertices
+#   in the middle of a side with four triangles: six vertices, and still rank five. On which conic
+#   do they lie?
+# - *Nearly a conic.* Move the sixth vertex of a star slowly onto the conic through the other five.
+#   How does the smallest singular value of $\mathbf{B}'$ go to zero? Add noise of size $10^{-3}$ to
+#   the normal velocities. By how much is it enlarged?
+# - *Order.* Take the bent whirl on meshes with more and more vertices. With which power of the
+#   length of the edges does the error fall, with one ring and with two? Look at the root of the
+#   mean square, and at the largest.
+# - *Least length.* Where the solution is not unique `lstsq` takes the $\mathbf{c}$ of least length.
+#   Multiply all coordinates by ten, and the field by ten as well. Is the answer ten times the old
+#   one?
 
 # %%
 progress()

@@ -13,11 +13,11 @@
 # %% [markdown]
 # # Velocities of the cells of a mesh
 #
-# How fast does the fluid cross each edge? That is what many programs that compute a flow on triangles know, and
-# nothing else. The cheapest way to whole velocities gives each triangle one vector, found from
-# its own three sides. By the end of this notebook you have written it, you know what it does with
-# data that contradict each other, and you have met a test that makes it look perfect, and one that makes it look
-# bad. Both are misleading, and you can say why.
+# How fast does the fluid cross each edge? That is what many programs that compute a flow on
+# triangles know, and nothing else. The cheapest way to whole velocities gives each triangle one
+# vector, found from its own three sides. By the end of this notebook you have written it, you know
+# what it does with data that contradict each other, and you have met a test that makes it look
+# perfect, and one that makes it look bad. Both are misleading, and you can say why.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it. The check
 # tells you whether it is right and, if it is not, what kind of mistake it may be. You need nothing
@@ -45,9 +45,10 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# A triangle, and the speeds at which the fluid leaves it: the orange arrows. The second one points inwards, so there the fluid comes in.
-# You may choose one velocity for the whole triangle, the black arrow. The blue bars show its part across each side,
-# from the side to the dot. Try to bring all three dots to the tips of the orange arrows.
+# A triangle, and the speeds at which the fluid leaves it: the orange arrows. The second one points
+# inwards, so there the fluid comes in. You may choose one velocity for the whole triangle, the
+# black arrow. The blue bars show its part across each side, from the side to the dot. Try to bring
+# all three dots to the tips of the orange arrows.
 
 
 # %%
@@ -91,19 +92,21 @@ def the_problem(direction, speed):
 
 
 # %% [markdown]
-# **What to look at.** Two dots can be brought to their places, any two. The third has then no choice. There are three
-# numbers, and a velocity has two: one equation too many.
+# **What to look at.** Two dots can be brought to their places, any two. The third has then no
+# choice. There are three numbers, and a velocity has two: one equation too many.
 
 # %% [markdown]
 # ## One equation too many
 #
-# Let $\mathbf{q}_1, \mathbf{q}_2, \mathbf{q}_3$ be the corners of a triangle. *Side* $a$ is the one opposite to corner
-# $\mathbf{q}_a$; let $l_a$ be its length and $\mathbf{n}_a$ its *outward unit normal*: of length one, perpendicular to
-# the side, away from $\mathbf{q}_a$. If $v_a$ is the velocity at which the fluid leaves through side $a$, a
-# constant velocity $\mathbf{u}$ should satisfy
+# Let $\mathbf{q}_1, \mathbf{q}_2, \mathbf{q}_3$ be the corners of a triangle. *Side* $a$ is the one
+# opposite to corner $\mathbf{q}_a$; let $l_a$ be its length and $\mathbf{n}_a$ its *outward unit
+# normal*: of length one, perpendicular to the side, away from $\mathbf{q}_a$. If $v_a$ is the
+# velocity at which the fluid leaves through side $a$, a constant velocity $\mathbf{u}$ should
+# satisfy
 #
 # $$ \mathbf{N}\mathbf{u} = \mathbf{v}, \qquad
-#    \mathbf{N} = \begin{bmatrix} \mathbf{n}_1^T \\ \mathbf{n}_2^T \\ \mathbf{n}_3^T \end{bmatrix}, \qquad
+#    \mathbf{N} = \begin{bmatrix} \mathbf{n}_1^T \\ \mathbf{n}_2^T \\ \mathbf{n}_3^T \end{bmatrix},
+#    \qquad
 #    \mathbf{v} = \begin{bmatrix} v_1 \\ v_2 \\ v_3 \end{bmatrix}. \tag{6.1} $$
 #
 # ### 06.1 The outward normals
@@ -112,8 +115,9 @@ def the_problem(direction, speed):
 #
 # <details><summary>Hint</summary>
 #
-# Turn the side by a right angle. There are two ways to do so, and which of them is outward depends on the order of the
-# corners. Look at the corner opposite: on which side of the line is it? A scalar product tells.
+# Turn the side by a right angle. There are two ways to do so, and which of them is outward depends
+# on the order of the corners. Look at the corner opposite: on which side of the line is it? A
+# scalar product tells.
 #
 # </details>
 
@@ -139,9 +143,11 @@ def outward_normals(q):
 check("06.1")
 
 # %% [markdown]
-# Since there are three equations and two unknowns, we take the velocity that leaves the smallest error:
+# Since there are three equations and two unknowns, we take the velocity that leaves the smallest
+# error:
 #
-# $$ \mathbf{u} \quad \text{minimises} \quad \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert. \tag{6.2} $$
+# $$ \mathbf{u} \quad \text{minimises} \quad \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert.
+#    \tag{6.2} $$
 #
 # ### 06.2 The velocity of a cell
 
@@ -163,9 +169,10 @@ check("06.2")
 # %% [markdown]
 # ## What is left over
 #
-# Each equation $\mathbf{n}_a \cdot \mathbf{u} = v_a$ is a line in the plane of all velocities. Below, on the right,
-# these are the three lines of the triangle on the left, and the dot is your velocity. The slider lets the triangle be a source: it adds the same
-# outflow *per length* to all sides, so that more fluid leaves than enters.
+# Each equation $\mathbf{n}_a \cdot \mathbf{u} = v_a$ is a line in the plane of all velocities.
+# Below, on the right, these are the three lines of the triangle on the left, and the dot is your
+# velocity. The slider lets the triangle be a source: it adds the same outflow *per length* to all
+# sides, so that more fluid leaves than enters.
 
 
 # %%
@@ -219,20 +226,23 @@ def three_lines(source, shape):
 
 
 # %% [markdown]
-# **What to look at.** Without a source the three lines meet in one point. With it they enclose a triangle, whose
-# shape you have seen before. And however strong the source is: *your velocity does not move*. To see why, multiply $\mathbf{N}^T$ by the vector of lengths
-# $\mathbf{l} = (l_1, l_2, l_3)^T$. The sides of a triangle, one after the other, lead back to
-# where one started; turn them all by a right angle, and you have
+# **What to look at.** Without a source the three lines meet in one point. With it they enclose a
+# triangle, whose shape you have seen before. And however strong the source is: *your velocity does
+# not move*. To see why, multiply $\mathbf{N}^T$ by the vector of lengths $\mathbf{l} = (l_1, l_2,
+# l_3)^T$. The sides of a triangle, one after the other, lead back to where one started; turn them
+# all by a right angle, and you have
 #
 # $$ \mathbf{N}^T \mathbf{l} = \sum_a l_a \mathbf{n}_a = \mathbf{0}. \tag{6.3} $$
 #
-# So $\mathbf{l}$ is perpendicular to everything that $\mathbf{N}\mathbf{u}$ can be, and least squares ignores it. What no constant velocity
-# explains is the part of $\mathbf{v}$ along $\mathbf{l}$. Its length is the *defect* of the cell,
+# So $\mathbf{l}$ is perpendicular to everything that $\mathbf{N}\mathbf{u}$ can be, and least
+# squares ignores it. What no constant velocity explains is the part of $\mathbf{v}$ along
+# $\mathbf{l}$. Its length is the *defect* of the cell,
 #
 # $$ d = \frac{\lvert \mathbf{l} \cdot \mathbf{v} \rvert}{\lVert \mathbf{l} \rVert}
 #      = \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert . \tag{6.4} $$
 #
-# And $\mathbf{l} \cdot \mathbf{v} = \sum_a l_a v_a$ is what flows out of the triangle on the whole, its area times the *divergence*.
+# And $\mathbf{l} \cdot \mathbf{v} = \sum_a l_a v_a$ is what flows out of the triangle on the whole,
+# its area times the *divergence*.
 #
 # ### 06.3 The defect
 #
@@ -256,9 +266,10 @@ check("06.3")
 # %% [markdown]
 # ## Where does the velocity belong?
 #
-# To compare with a truth we need places. A constant velocity belongs to the whole cell, but the truth is
-# different at each place in it. In finite volumes one often takes the *circumcentre* $\mathbf{O}$, the place that is equally far from all three corners. From
-# $\lVert \mathbf{O} - \mathbf{q}_k \rVert = \lVert \mathbf{O} - \mathbf{q}_1 \rVert$ follow two linear equations,
+# To compare with a truth we need places. A constant velocity belongs to the whole cell, but the
+# truth is different at each place in it. In finite volumes one often takes the *circumcentre*
+# $\mathbf{O}$, the place that is equally far from all three corners. From $\lVert \mathbf{O} -
+# \mathbf{q}_k \rVert = \lVert \mathbf{O} - \mathbf{q}_1 \rVert$ follow two linear equations,
 #
 # $$ 2\, (\mathbf{q}_k - \mathbf{q}_1) \cdot (\mathbf{O} - \mathbf{q}_1)
 #    = \lVert \mathbf{q}_k - \mathbf{q}_1 \rVert^2, \qquad k = 2, 3. \tag{6.5} $$
@@ -269,8 +280,9 @@ check("06.3")
 #
 # <details><summary>Hint</summary>
 #
-# The unknown in (6.5) is not $\mathbf{O}$ but $\mathbf{O} - \mathbf{q}_1$. Formulas with squares of the coordinates themselves are
-# right on paper; how many digits are left of a difference of two squares of size $10^{10}$?
+# The unknown in (6.5) is not $\mathbf{O}$ but $\mathbf{O} - \mathbf{q}_1$. Formulas with squares of
+# the coordinates themselves are right on paper; how many digits are left of a difference of two
+# squares of size $10^{10}$?
 #
 # </details>
 
@@ -290,9 +302,11 @@ check("06.4")
 # %% [markdown]
 # ## A flow that is known
 #
-# The truth shall be a rotation about a place $\mathbf{m}$, and an expansion from there at the rate $s$:
+# The truth shall be a rotation about a place $\mathbf{m}$, and an expansion from there at the rate
+# $s$:
 #
-# $$ \mathbf{u}(\mathbf{x}) = \mathbf{J}\,(\mathbf{x} - \mathbf{m}) + s\,(\mathbf{x} - \mathbf{m}), \qquad
+# $$ \mathbf{u}(\mathbf{x}) = \mathbf{J}\,(\mathbf{x} - \mathbf{m}) + s\,(\mathbf{x} - \mathbf{m}),
+#    \qquad
 #    \mathbf{J} = \begin{bmatrix} 0 & -1 \\ 1 & 0 \end{bmatrix}. \tag{6.6} $$
 #
 # For $s = 0$ nothing flows out of any cell: the field is *free of divergence*. For $s > 0$ every
@@ -319,13 +333,16 @@ def truth(x, m, s):
 check("06.5")
 
 # %% [markdown]
-# Everything together: a mesh, the normal velocities $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the middles $\mathbf{p}_a$ of
-# the sides, and your velocities as thin orange arrows at the circumcentres. The broad blue ones are the truth there.
+# Everything together: a mesh, the normal velocities $v_a = \mathbf{n}_a \cdot
+# \mathbf{u}(\mathbf{p}_a)$ at the middles $\mathbf{p}_a$ of the sides, and your velocities as thin
+# orange arrows at the circumcentres. The broad blue ones are the truth there.
 
 
 # %%
 def scattered(number, seed):
-    """Vertices (K, 2) of a mesh of the unit square, spread evenly, but not in rows; and its triangles (T, 3)."""
+    """Vertices (K, 2) of a mesh of the unit square, spread evenly, but not in rows; and its
+    triangles (T, 3).
+    """
     random = np.random.default_rng(seed)
     points = np.stack([np.arange(16) / 4 % 1, np.zeros(16)], axis=1)
     turn = np.exp(0.5j * np.pi * (np.arange(16) // 4)) * (points[:, 0] - 0.5 - 0.5j)
@@ -344,7 +361,9 @@ def leaving(corners, field):
 
 
 def of_the_cells(points, triangles, field):
-    """Circumcentres, velocities and defects of all cells, for a field given as a function of places."""
+    """Circumcentres, velocities and defects of all cells, for a field given as a function of
+    places.
+    """
     places, found, left = [], [], []
     for corners in points[triangles]:
         v = leaving(corners, field)
@@ -376,21 +395,27 @@ def cells(s, seed):
 
 
 # %% [markdown]
-# **What to look at.** For $s = 0$ all arrows agree, to the last digit, in every cell of every mesh. Let the
-# flow expand. Now they do not, and the cells with a long side and a flat angle are the worst.
+# **What to look at.** For $s = 0$ all arrows agree, to the last digit, in every cell of every mesh.
+# Let the flow expand. Now they do not, and the cells with a long side and a flat angle are the
+# worst.
 #
 # ### 06.6 Compared where?
 #
-# One could have compared elsewhere: at the centroids of the cells, or with the velocities at the vertices. Write a function that does all three. With
-# $\mathbf{m}$ the mean of the points, $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the middles of the sides, and $\mathbf{u}_T$ the velocity of cell $T$, it
-# returns the root mean squares
+# One could have compared elsewhere: at the centroids of the cells, or with the velocities at the
+# vertices. Write a function that does all three. With $\mathbf{m}$ the mean of the points, $v_a =
+# \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the middles of the sides, and $\mathbf{u}_T$ the
+# velocity of cell $T$, it returns the root mean squares
 #
-# $$ E_{\mathbf{O}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{O}_T) \rVert^2}, \qquad
-#    E_{\mathbf{M}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{M}_T) \rVert^2}, $$
+# $$ E_{\mathbf{O}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{O}_T)
+#    \rVert^2}, \qquad
+#    E_{\mathbf{M}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{M}_T)
+#    \rVert^2}, $$
 #
-# $$ E_{\mathbf{q}} = \sqrt{\operatorname{mean}_{T, a} \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{q}_{T,a}) \rVert^2} \tag{6.7} $$
+# $$ E_{\mathbf{q}} = \sqrt{\operatorname{mean}_{T, a} \lVert \mathbf{u}_T -
+#    \mathbf{u}(\mathbf{q}_{T,a}) \rVert^2} \tag{6.7} $$
 #
-# at the circumcentres $\mathbf{O}_T$, at the centroids $\mathbf{M}_T$, and at the three corners of each cell.
+# at the circumcentres $\mathbf{O}_T$, at the centroids $\mathbf{M}_T$, and at the three corners of
+# each cell.
 
 
 # %% question="06.6"
@@ -416,7 +441,8 @@ def errors(points, triangles, s):
 check("06.6")
 
 # %% [markdown]
-# On the left the errors on a mesh of your own, against $s$. On the right those for the $s$ of the slider, on finer and finer meshes.
+# On the left the errors on a mesh of your own, against $s$. On the right those for the $s$ of the
+# slider, on finer and finer meshes.
 
 
 # %%
@@ -451,15 +477,16 @@ def compared_where(s):
 
 
 # %% [markdown]
-# **What to look at.** For $s = 0$ one curve is at zero and the two others are not. On the right it is at the level of rounding, while the others fall
-# slowly, as if the method were of first order. It is the same method, with the same numbers. For larger $s$ the order of the
-# curves may change.
+# **What to look at.** For $s = 0$ one curve is at zero and the two others are not. On the right it
+# is at the level of rounding, while the others fall slowly, as if the method were of first order.
+# It is the same method, with the same numbers. For larger $s$ the order of the curves may change.
 #
 # ### Which place has the velocity that was found?
 #
-# For one triangle: the truth (6.6) takes the velocity that you have found at one place, the dot. It wanders as $s$ changes, from the
-# circumcentre $\mathbf{O}$ towards $\mathbf{K}$, the *symmedian point*
-# $\mathbf{K} = \sum_a l_a^2 \mathbf{q}_a / \sum_a l_a^2$. Change the shape of the triangle, too.
+# For one triangle: the truth (6.6) takes the velocity that you have found at one place, the dot. It
+# wanders as $s$ changes, from the circumcentre $\mathbf{O}$ towards $\mathbf{K}$, the *symmedian
+# point* $\mathbf{K} = \sum_a l_a^2 \mathbf{q}_a / \sum_a l_a^2$. Change the shape of the triangle,
+# too.
 
 
 # %%
@@ -500,44 +527,64 @@ def wandering_place(s, apex, height):
 # %% [markdown]
 # ### In words
 #
-# **06.7** The field is the rotation, $s = 0$. Compare the velocities of the cells with the velocities at the vertices of the mesh. Are they
-# meaningful? With what should they be compared, and what does the difference from the vertices measure? Prove that for a rotation the
-# velocity of a cell is *exactly* the truth at the circumcentre. Does it follow that the method is exact there for other fields?
+# **06.7** The field is the rotation, $s = 0$. Compare the velocities of the cells with the
+# velocities at the vertices of the mesh. Are they meaningful? With what should they be compared,
+# and what does the difference from the vertices measure? Prove that for a rotation the velocity of
+# a cell is *exactly* the truth at the circumcentre. Does it follow that the method is exact there
+# for other fields?
 #
 # <details><summary>Hint</summary>
 #
-# Write the field about the circumcentre, $\mathbf{u}(\mathbf{x}) = \mathbf{u}(\mathbf{O}) + \mathbf{J}(\mathbf{x} - \mathbf{O})$. In which direction is
-# $\mathbf{p}_a - \mathbf{O}$ for the middle $\mathbf{p}_a$ of a side? In which direction, then, is $\mathbf{J}(\mathbf{p}_a - \mathbf{O})$, and what of it crosses the side?
+# Write the field about the circumcentre, $\mathbf{u}(\mathbf{x}) = \mathbf{u}(\mathbf{O}) +
+# \mathbf{J}(\mathbf{x} - \mathbf{O})$. In which direction is $\mathbf{p}_a - \mathbf{O}$ for the
+# middle $\mathbf{p}_a$ of a side? In which direction, then, is $\mathbf{J}(\mathbf{p}_a -
+# \mathbf{O})$, and what of it crosses the side?
 #
 # </details>
 
 # %% [markdown] answer="06.7" points=5
-# They are meaningful, but a vector of a cell must be compared with the truth at the right place. For an affine field the truth in the cell varies by its slope times the size of the cell, so a difference from the velocity at a vertex is no error of the method: at every
-# corner it is $\lVert\mathbf{J}(\mathbf{q}_a - \mathbf{O})\rVert = R$, the circumradius. It measures the mesh, and falls like the size of the cells, which looks like a method of first order. At the centroid, where the mean of the three vertex velocities belongs, it is the distance of centroid and circumcentre. The closed form
-# $\mathbf{u}(\mathbf{O}) = \mathbf{J}(\mathbf{O} - \mathbf{m})$ is what to compare with: the difference is rounding.
+# They are meaningful, but a vector of a cell must be compared with the truth at the right place.
+# For an affine field the truth in the cell varies by its slope times the size of the cell, so a
+# difference from the velocity at a vertex is no error of the method: at every corner it is
+# $\lVert\mathbf{J}(\mathbf{q}_a - \mathbf{O})\rVert = R$, the circumradius. It measures the mesh,
+# and falls like the size of the cells, which looks like a method of first order. At the centroid,
+# where the mean of the three vertex velocities belongs, it is the distance of centroid and
+# circumcentre. The closed form $\mathbf{u}(\mathbf{O}) = \mathbf{J}(\mathbf{O} - \mathbf{m})$ is
+# what to compare with: the difference is rounding.
 #
-# *Proof.* The circumcentre lies on the perpendicular bisector of every side, so $\mathbf{p}_a - \mathbf{O}$ is a multiple of $\mathbf{n}_a$, or zero. $\mathbf{J}$ turns by a right angle: $\mathbf{n}_a \cdot \mathbf{J}(\mathbf{p}_a - \mathbf{O}) = 0$. Hence
-# $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{O})$ for all three sides: the constant $\mathbf{u}(\mathbf{O})$ satisfies all equations of (6.1). Two of the normals are not parallel, so the solution is unique, and it is what least squares returns. The shape of the
+# *Proof.* The circumcentre lies on the perpendicular bisector of every side, so $\mathbf{p}_a -
+# \mathbf{O}$ is a multiple of $\mathbf{n}_a$, or zero. $\mathbf{J}$ turns by a right angle:
+# $\mathbf{n}_a \cdot \mathbf{J}(\mathbf{p}_a - \mathbf{O}) = 0$. Hence $v_a = \mathbf{n}_a \cdot
+# \mathbf{u}(\mathbf{p}_a) = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{O})$ for all three sides: the
+# constant $\mathbf{u}(\mathbf{O})$ satisfies all equations of (6.1). Two of the normals are not
+# parallel, so the solution is unique, and it is what least squares returns. The shape of the
 # triangle has no part in it, nor whether $\mathbf{O}$ is inside.
 #
-# It does not follow for other fields. Constants and rotations are the only affine fields for which this holds in every triangle. For an expansion the velocity belongs to the symmedian point; a strain such as $(x, -y)$, though free of divergence, has an error of the size of the cell. For a general smooth field the error is of first order.
-# Who tests with a rotation only tests with the one field that cannot fail.
+# It does not follow for other fields. Constants and rotations are the only affine fields for which
+# this holds in every triangle. For an expansion the velocity belongs to the symmedian point; a
+# strain such as $(x, -y)$, though free of divergence, has an error of the size of the cell. For a
+# general smooth field the error is of first order. Who tests with a rotation only tests with the
+# one field that cannot fail.
 
 # %% [markdown] rubric="06.7"
-# One point for meaningful, at the circumcentre, compared with the closed form. One for what the difference from the vertices measures (circumradius, or the slope times the size of the cell). Two for the proof: one for the right angle,
-# one for concluding that the constant solves all three equations, uniquely. One for seeing that other fields are not exact, with an example.
+# One point for meaningful, at the circumcentre, compared with the closed form. One for what the
+# difference from the vertices measures (circumradius, or the slope times the size of the cell). Two
+# for the proof: one for the right angle, one for concluding that the constant solves all three
+# equations, uniquely. One for seeing that other fields are not exact, with an example.
 
 # %% [markdown]
 # ## When more flows out than in
 #
-# For $s \neq 0$ the data of a cell contradict each other: $\mathbf{l} \cdot \mathbf{v} = 2 s A$, with the area $A$. Least squares discards that. There is
-# an old and simple field that does not. It is not constant; it is called after Raviart and Thomas:
+# For $s \neq 0$ the data of a cell contradict each other: $\mathbf{l} \cdot \mathbf{v} = 2 s A$,
+# with the area $A$. Least squares discards that. There is an old and simple field that does not. It
+# is not constant; it is called after Raviart and Thomas:
 #
 # $$ \mathbf{w}(\mathbf{x}) = \sum_{a=1}^{3} \frac{v_a}{h_a} (\mathbf{x} - \mathbf{q}_a), \qquad
 #    h_a = \frac{2A}{l_a}, \tag{6.8} $$
 #
-# where $h_a$ is the height of the triangle over side $a$. All along side $a$ it has the normal velocity $v_a$: for
-# $b \neq a$ the corner $\mathbf{q}_b$ lies on the side, so that term does not cross it, and the term with $\mathbf{q}_a$ crosses it at $v_a$.
+# where $h_a$ is the height of the triangle over side $a$. All along side $a$ it has the normal
+# velocity $v_a$: for $b \neq a$ the corner $\mathbf{q}_b$ lies on the side, so that term does not
+# cross it, and the term with $\mathbf{q}_a$ crosses it at $v_a$.
 #
 # ### 06.8 Another velocity
 #
@@ -545,8 +592,8 @@ def wandering_place(s, apex, height):
 #
 # <details><summary>Hint</summary>
 #
-# The area of the triangle is half the absolute value of a determinant. The height over side $a$ is also how far any corner on the side is from $\mathbf{q}_a$ in the
-# direction of $\mathbf{n}_a$.
+# The area of the triangle is half the absolute value of a determinant. The height over side $a$ is
+# also how far any corner on the side is from $\mathbf{q}_a$ in the direction of $\mathbf{n}_a$.
 #
 # </details>
 
@@ -568,9 +615,10 @@ def raviart_thomas(q, v, x):
 check("06.8")
 
 # %% [markdown]
-# Three fields on a mesh: a rotation with the expansion of the slider, and one that is neither, the strain
-# $(x_1 - m_1,\, m_2 - x_2)$ with the strength of the second slider. To the normal velocities noise may be added. The pictures show each cell as a dot: the error
-# at its circumcentre against its defect.
+# Three fields on a mesh: a rotation with the expansion of the slider, and one that is neither, the
+# strain $(x_1 - m_1,\, m_2 - x_2)$ with the strength of the second slider. To the normal velocities
+# noise may be added. The pictures show each cell as a dot: the error at its circumcentre against
+# its defect.
 
 
 # %%
@@ -615,46 +663,70 @@ def defect_and_error(s, strain, noise):
 
 
 # %% [markdown]
-# **What to look at.** With expansion only, $\mathbf{w}(\mathbf{O})$ is exact, and least squares is not. Set $s = 0$ and turn on the *strain*: now the
-# defects are rounding, but the errors are not, for neither of the two. Then set both to zero, and try *noise* alone.
+# **What to look at.** With expansion only, $\mathbf{w}(\mathbf{O})$ is exact, and least squares is
+# not. Set $s = 0$ and turn on the *strain*: now the defects are rounding, but the errors are not,
+# for neither of the two. Then set both to zero, and try *noise* alone.
 #
 # ### In words
 #
-# **06.9** How good are the velocities of the cells if the normal velocities are not free of divergence with respect to the cells? Say what least squares does with the part of the data
-# that no constant velocity explains, and what that means for an expanding flow, and for noise. Suppose all defects of a program's output
-# are zero. Does this show that the velocities of the cells are accurate?
+# **06.9** How good are the velocities of the cells if the normal velocities are not free of
+# divergence with respect to the cells? Say what least squares does with the part of the data that
+# no constant velocity explains, and what that means for an expanding flow, and for noise. Suppose
+# all defects of a program's output are zero. Does this show that the velocities of the cells are
+# accurate?
 #
 # <details><summary>Hint</summary>
 #
-# Split $\mathbf{v}$ into a part along $\mathbf{l}$ and one perpendicular to it. What does (6.2) make of each? For the last part, look at your picture with strain.
+# Split $\mathbf{v}$ into a part along $\mathbf{l}$ and one perpendicular to it. What does (6.2)
+# make of each? For the last part, look at your picture with strain.
 #
 # </details>
 
 # %% [markdown] answer="06.9" points=4
-# By (6.3) the vectors that $\mathbf{N}\mathbf{u}$ can be are exactly those perpendicular to $\mathbf{l}$. Least squares replaces $\mathbf{v}$ by the closest of these, $\mathbf{v} - \mathbf{l}\,(\mathbf{l}\cdot\mathbf{v})/\lVert\mathbf{l}\rVert^2$, and returns the velocity that belongs to it. The part along $\mathbf{l}$,
-# what flows out on the whole, is discarded: adding any multiple of $\mathbf{l}$ to the data changes nothing. It is what the defect measures.
+# By (6.3) the vectors that $\mathbf{N}\mathbf{u}$ can be are exactly those perpendicular to
+# $\mathbf{l}$. Least squares replaces $\mathbf{v}$ by the closest of these, $\mathbf{v} -
+# \mathbf{l}\,(\mathbf{l}\cdot\mathbf{v})/\lVert\mathbf{l}\rVert^2$, and returns the velocity that
+# belongs to it. The part along $\mathbf{l}$, what flows out on the whole, is discarded: adding any
+# multiple of $\mathbf{l}$ to the data changes nothing. It is what the defect measures.
 #
-# *Expansion.* The velocity found is the truth at the symmedian point and not at the circumcentre: the error there is $s\,\lVert\mathbf{K} - \mathbf{O}\rVert$. It is of the order of the size of the cell, zero in equilateral triangles, and large in obtuse ones, whose circumcentre is far outside. The velocities are still of first order. The error can be
-# avoided, since $\mathbf{w}(\mathbf{O})$ of (6.8) is exact for rotations and expansions.
+# *Expansion.* The velocity found is the truth at the symmedian point and not at the circumcentre:
+# the error there is $s\,\lVert\mathbf{K} - \mathbf{O}\rVert$. It is of the order of the size of the
+# cell, zero in equilateral triangles, and large in obtuse ones, whose circumcentre is far outside.
+# The velocities are still of first order. The error can be avoided, since $\mathbf{w}(\mathbf{O})$
+# of (6.8) is exact for rotations and expansions.
 #
-# *Noise.* Of three independent errors of size $\delta$ one combination, that along $\mathbf{l}$, is removed and shows as a defect of the size $\delta$. The two others go into the velocity, which moves by $\mathbf{N}^+$ times the errors: by about $\delta$, more in flat triangles. A single bad face spoils its two cells.
+# *Noise.* Of three independent errors of size $\delta$ one combination, that along $\mathbf{l}$, is
+# removed and shows as a defect of the size $\delta$. The two others go into the velocity, which
+# moves by $\mathbf{N}^+$ times the errors: by about $\delta$, more in flat triangles. A single bad
+# face spoils its two cells.
 #
-# *Zero defects* show that in each cell *some* constant velocity fits its three numbers, so that the data are free of divergence. They do not show that the field is constant in the cell: the strain has no defect and an error of the size of the cell. Consistent is not accurate.
+# *Zero defects* show that in each cell *some* constant velocity fits its three numbers, so that the
+# data are free of divergence. They do not show that the field is constant in the cell: the strain
+# has no defect and an error of the size of the cell. Consistent is not accurate.
 
 # %% [markdown] rubric="06.9"
-# One point for what is discarded, the part along $\mathbf{l}$, which is the divergence. One for the expansion: an error of the order of the cell, or its formula, or that it may be avoided. One for noise. One for the last part, with a reason or an example: no defect does not mean no error.
+# One point for what is discarded, the part along $\mathbf{l}$, which is the divergence. One for the
+# expansion: an error of the order of the cell, or its formula, or that it may be avoided. One for
+# noise. One for the last part, with a reason or an example: no defect does not mean no error.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - *Two are one.* Evaluate (6.8) at the symmedian point $\mathbf{K}$, for random data. Compare with `cell_velocity`. To prove what you see, show that a step from side $a$ inwards by the
-#   distance $t$ changes $\mathbf{n}_a \cdot \mathbf{w}$ by the same amount for all sides. Which distances from the three sides has $\mathbf{K}$?
-# - *A triangle of lines.* In the picture with the three lines, where in the small triangle is the dot? Which theorem on sums of squared distances have you found?
-# - *Weights.* Multiply equation $a$ by the length $l_a$. Which vectors are now ignored, and where does an expansion belong?
-# - *A mistake that does no harm.* Go round the triangle, and take for each side the velocity of (6.6) at the corner where the side begins instead of that
-#   at its middle. The normal velocities are then wrong, all three. By which vector? What does that do to $\mathbf{u}$?
-# - *Strain.* For which place does the truth $(x, -y)$ have the velocity that was found? Turn the strain, and follow the place. It runs on a circle that you know from school.
-# - *Space.* A tetrahedron has four faces. Does (6.3) hold? In the proof of 06.7, which point of a face takes the part of the middle of the side?
+# - *Two are one.* Evaluate (6.8) at the symmedian point $\mathbf{K}$, for random data. Compare with
+#   `cell_velocity`. To prove what you see, show that a step from side $a$ inwards by the distance
+#   $t$ changes $\mathbf{n}_a \cdot \mathbf{w}$ by the same amount for all sides. Which distances
+#   from the three sides has $\mathbf{K}$?
+# - *A triangle of lines.* In the picture with the three lines, where in the small triangle is the
+#   dot? Which theorem on sums of squared distances have you found?
+# - *Weights.* Multiply equation $a$ by the length $l_a$. Which vectors are now ignored, and where
+#   does an expansion belong?
+# - *A mistake that does no harm.* Go round the triangle, and take for each side the velocity of
+#   (6.6) at the corner where the side begins instead of that at its middle. The normal velocities
+#   are then wrong, all three. By which vector? What does that do to $\mathbf{u}$?
+# - *Strain.* For which place does the truth $(x, -y)$ have the velocity that was found? Turn the
+#   strain, and follow the place. It runs on a circle that you know from school.
+# - *Space.* A tetrahedron has four faces. Does (6.3) hold? In the proof of 06.7, which point of a
+#   face takes the part of the middle of the side?
 
 # %%
 progress()

@@ -13,17 +13,17 @@
 # %% [markdown]
 # # Voronoi coordinates in a hexagon
 #
-# A fluid solver keeps one pressure in each triangle of its mesh, at the circumcentre. A marker drifts by,
-# between the circumcentres. What is the pressure there?
+# A fluid solver keeps one pressure in each triangle of its mesh, at the circumcentre. A marker
+# drifts by, between the circumcentres. What is the pressure there?
 #
-# The circumcentres round a vertex are the corners of a polygon, the *Voronoi cell* of the vertex. In this
-# notebook you mix the values at its corners with weights that depend on the place, as the three corners of a
-# triangle are mixed by barycentric coordinates. You write these weights for any cell from the triangles
-# alone, follow them along a spiral, drag a point about to feel them, and make them safe on the edge, where
-# the formula divides by zero.
+# The circumcentres round a vertex are the corners of a polygon, the *Voronoi cell* of the vertex.
+# In this notebook you mix the values at its corners with weights that depend on the place, as the
+# three corners of a triangle are mixed by barycentric coordinates. You write these weights for any
+# cell from the triangles alone, follow them along a spiral, drag a point about to feel them, and
+# make them safe on the edge, where the formula divides by zero.
 #
-# Each question asks for a short function. Write it, run its cell, and run the check below it: it tells
-# whether the function is right and, if not, what kind of mistake it may be.
+# Each question asks for a short function. Write it, run its cell, and run the check below it: it
+# tells whether the function is right and, if not, what kind of mistake it may be.
 
 # %% tags=["setup"]
 import numpy as np
@@ -46,9 +46,10 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# Six triangles round a vertex $\mathbf{x}_i$ make a hexagon. The dots are their circumcentres, where a value
-# is known; its number stands beside each. The hexagon of dots is the Voronoi cell of $\mathbf{x}_i$: all
-# places that are nearer to $\mathbf{x}_i$ than to any other vertex. What is the value at the question mark?
+# Six triangles round a vertex $\mathbf{x}_i$ make a hexagon. The dots are their circumcentres,
+# where a value is known; its number stands beside each. The hexagon of dots is the Voronoi cell of
+# $\mathbf{x}_i$: all places that are nearer to $\mathbf{x}_i$ than to any other vertex. What is the
+# value at the question mark?
 
 
 # %%
@@ -91,16 +92,18 @@ def the_problem():
 # %% [markdown]
 # ## The mesh
 #
-# Let $\mathbf{x}_i$ be the vertex in the middle, and $\mathbf{x}_0, \dots, \mathbf{x}_{N-1}$ its neighbours
-# in order round it. Indices begin at zero, as in NumPy, and go round: $\mathbf{x}_N$ is $\mathbf{x}_0$ again.
-# For a regular hexagon with the radius $R$, turned by the angle $\alpha$,
+# Let $\mathbf{x}_i$ be the vertex in the middle, and $\mathbf{x}_0, \dots, \mathbf{x}_{N-1}$ its
+# neighbours in order round it. Indices begin at zero, as in NumPy, and go round: $\mathbf{x}_N$ is
+# $\mathbf{x}_0$ again. For a regular hexagon with the radius $R$, turned by the angle $\alpha$,
 #
-# $$ \mathbf{x}_b = \mathbf{x}_i + R \begin{bmatrix} \cos(\alpha + b\,\pi/3) \\ \sin(\alpha + b\,\pi/3) \end{bmatrix},
+# $$ \mathbf{x}_b = \mathbf{x}_i + R \begin{bmatrix} \cos(\alpha + b\,\pi/3) \\ \sin(\alpha +
+#    b\,\pi/3) \end{bmatrix},
 #    \qquad b = 0, \dots, 5. \tag{7.1} $$
 #
 # ### 07.1 A hexagon
 #
-# Your hexagon will not be centred at the origin. Much that goes wrong in geometry goes wrong only then.
+# Your hexagon will not be centred at the origin. Much that goes wrong in geometry goes wrong only
+# then.
 
 
 # %% question="07.1"
@@ -122,8 +125,8 @@ check("07.1")
 # %% [markdown]
 # ## Circumcentres
 #
-# The triangle number $a$ has the vertices $\mathbf{x}_i$, $\mathbf{x}_a$ and $\mathbf{x}_{a+1}$. Its circumcentre
-# $\mathbf{p}_a$ is as far from one of them as from the others:
+# The triangle number $a$ has the vertices $\mathbf{x}_i$, $\mathbf{x}_a$ and $\mathbf{x}_{a+1}$.
+# Its circumcentre $\mathbf{p}_a$ is as far from one of them as from the others:
 #
 # $$ \lVert \mathbf{p}_a - \mathbf{x}_i \rVert = \lVert \mathbf{p}_a - \mathbf{x}_a \rVert
 #    = \lVert \mathbf{p}_a - \mathbf{x}_{a+1} \rVert. \tag{7.2} $$
@@ -135,10 +138,10 @@ check("07.1")
 #
 # <details><summary>Hint</summary>
 #
-# With $\mathbf{q} = \mathbf{p} - \mathbf{a}$ and an edge $\mathbf{e} = \mathbf{b} - \mathbf{a}$, the condition
-# $\lVert\mathbf{q}\rVert^2 = \lVert\mathbf{q} - \mathbf{e}\rVert^2$ becomes
-# $\mathbf{e}^T\mathbf{q} = \tfrac12 \lVert\mathbf{e}\rVert^2$. Write one such equation for each of two edges, and
-# solve. What has to be done with $\mathbf{q}$ at the end?
+# With $\mathbf{q} = \mathbf{p} - \mathbf{a}$ and an edge $\mathbf{e} = \mathbf{b} - \mathbf{a}$,
+# the condition $\lVert\mathbf{q}\rVert^2 = \lVert\mathbf{q} - \mathbf{e}\rVert^2$ becomes
+# $\mathbf{e}^T\mathbf{q} = \tfrac12 \lVert\mathbf{e}\rVert^2$. Write one such equation for each of
+# two edges, and solve. What has to be done with $\mathbf{q}$ at the end?
 #
 # </details>
 
@@ -167,8 +170,8 @@ def circumcenters(center, rim):
 
 
 # %% [markdown]
-# Joining the circumcentres gives the *circumcentric dual* of the mesh. Joining the centroids gives another
-# dual, which is used as well. Pull one vertex of the hexagon and watch both.
+# Joining the circumcentres gives the *circumcentric dual* of the mesh. Joining the centroids gives
+# another dual, which is used as well. Pull one vertex of the hexagon and watch both.
 
 
 # %%
@@ -205,33 +208,38 @@ def two_duals(distance):
 
 
 # %% [markdown]
-# **What to look at.** Each edge of the left dual stands at right angles on an edge of the mesh, wherever the
-# vertex is, and cuts it in half. On the right it does neither. Beyond the distance 2 two triangles are obtuse, with
-# their circumcentres outside, and then the left dual crosses itself. Question 07.10 asks why. To which distance is
-# the mesh Delaunay?
+# **What to look at.** Each edge of the left dual stands at right angles on an edge of the mesh,
+# wherever the vertex is, and cuts it in half. On the right it does neither. Beyond the distance 2
+# two triangles are obtuse, with their circumcentres outside, and then the left dual crosses itself.
+# Question 07.10 asks why. To which distance is the mesh Delaunay?
 #
 # ## Weights
 #
-# For a corner $\mathbf{p}_a$ of a convex polygon, where two edges with the outward unit normals $\mathbf{n}_j$ and
-# $\mathbf{n}_k$ meet, Warren and others take
+# For a corner $\mathbf{p}_a$ of a convex polygon, where two edges with the outward unit normals
+# $\mathbf{n}_j$ and $\mathbf{n}_k$ meet, Warren and others take
 #
 # $$ w_a(\mathbf{x}) = \frac{\lvert \det(\mathbf{n}_j, \mathbf{n}_k) \rvert}
-#    {\mathbf{n}_j^T(\mathbf{p}_a - \mathbf{x}) \;\; \mathbf{n}_k^T(\mathbf{p}_a - \mathbf{x})} . \tag{7.3} $$
+#    {\mathbf{n}_j^T(\mathbf{p}_a - \mathbf{x}) \;\; \mathbf{n}_k^T(\mathbf{p}_a - \mathbf{x})} .
+#    \tag{7.3} $$
 #
-# Each factor of the denominator is the distance from $\mathbf{x}$ to an edge. Near the edges of a corner its weight
-# is large, elsewhere it is small: the corner draws the value at $\mathbf{x}$ to its own.
+# Each factor of the denominator is the distance from $\mathbf{x}$ to an edge. Near the edges of a
+# corner its weight is large, elsewhere it is small: the corner draws the value at $\mathbf{x}$ to
+# its own.
 #
-# In a Voronoi cell nothing of this need be computed from the polygon. Its edges are perpendicular to those of the
-# mesh, so the normals are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$ with $l_b = \lVert\mathbf{x}_b - \mathbf{x}_i\rVert$.
-# The determinant is the sine of the angle of the triangle at $\mathbf{x}_i$. With the area $A_a$ of the triangle,
+# In a Voronoi cell nothing of this need be computed from the polygon. Its edges are perpendicular
+# to those of the mesh, so the normals are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$ with
+# $l_b = \lVert\mathbf{x}_b - \mathbf{x}_i\rVert$. The determinant is the sine of the angle of the
+# triangle at $\mathbf{x}_i$. With the area $A_a$ of the triangle,
 #
 # $$ \lvert \det(\mathbf{n}_j, \mathbf{n}_k) \rvert = \frac{2 A_a}{l_j\, l_k}, \qquad
-#    A_a = \tfrac12 \lvert \det(\mathbf{x}_j - \mathbf{x}_i,\; \mathbf{x}_k - \mathbf{x}_i) \rvert , \tag{7.4} $$
+#    A_a = \tfrac12 \lvert \det(\mathbf{x}_j - \mathbf{x}_i,\; \mathbf{x}_k - \mathbf{x}_i) \rvert ,
+#    \tag{7.4} $$
 #
 # and the lengths cancel. What is left needs no square root:
 #
 # $$ w_a(\mathbf{x}) = \frac{2 A_a}
-#    {(\mathbf{x}_j - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}) \;\; (\mathbf{x}_k - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})},
+#    {(\mathbf{x}_j - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}) \;\; (\mathbf{x}_k -
+#    \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})},
 #    \qquad j = a, \quad k = a + 1. \tag{7.5} $$
 #
 # ### 07.3 The area of a triangle
@@ -253,14 +261,14 @@ check("07.3")
 # %% [markdown]
 # ### 07.4 The weights
 #
-# Now (7.5), for one place $\mathbf{x}$ and all corners $a$. The corners are handed over, so that you see
-# at a glance what else is needed. They need not be those of a hexagon: $N$ may be anything from 3 on, and the
-# neighbours may be listed either way round.
+# Now (7.5), for one place $\mathbf{x}$ and all corners $a$. The corners are handed over, so that
+# you see at a glance what else is needed. They need not be those of a hexagon: $N$ may be anything
+# from 3 on, and the neighbours may be listed either way round.
 #
 # <details><summary>Hint</summary>
 #
-# A loop over $a$ with (7.5) in its body is a good answer. The neighbour after the last is the first: the operator `%` helps,
-# and so does an index of $-1$ if you look backwards instead.
+# A loop over $a$ with (7.5) in its body is a good answer. The neighbour after the last is the
+# first: the operator `%` helps, and so does an index of $-1$ if you look backwards instead.
 #
 # </details>
 
@@ -293,8 +301,8 @@ check("07.4")
 #
 # $$ \omega_a(\mathbf{x}) = \frac{w_a(\mathbf{x})}{\sum_{e} w_e(\mathbf{x})} . \tag{7.6} $$
 #
-# Then $\sum_a \omega_a(\mathbf{x}) = 1$ at every $\mathbf{x}$. Less obvious is that also
-# $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$, which is why they may be called coordinates.
+# Then $\sum_a \omega_a(\mathbf{x}) = 1$ at every $\mathbf{x}$. Less obvious is that also $\sum_a
+# \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$, which is why they may be called coordinates.
 # The check tries both.
 
 
@@ -313,8 +321,8 @@ check("07.5")
 # %% [markdown]
 # ## Look at a coordinate
 #
-# One coordinate over two cells: that of your own hexagon (centre, radius and angle come from `student.txt`), and
-# that of a vertex with neighbours at random.
+# One coordinate over two cells: that of your own hexagon (centre, radius and angle come from
+# `student.txt`), and that of a vertex with neighbours at random.
 
 
 # %%
@@ -351,20 +359,24 @@ def one_coordinate(a):
 
 
 # %% [markdown]
-# **What to look at.** The coordinate is 1 at its corner, falls in a straight line along the two edges there,
-# and is 0 on all other edges. So along an edge the value is interpolated linearly between the two ends. Two cells that share the
-# edge agree on it: the field is continuous over the whole mesh.
+# **What to look at.** The coordinate is 1 at its corner, falls in a straight line along the two
+# edges there, and is 0 on all other edges. So along an edge the value is interpolated linearly
+# between the two ends. Two cells that share the edge agree on it: the field is continuous over the
+# whole mesh.
 #
 # ## The spiral
 #
-# A spiral visits the cell from close to an edge to the centre. Let $\mathbf{p}_a$ and $\mathbf{p}_b$ be two *neighbouring* corners, and
+# A spiral visits the cell from close to an edge to the centre. Let $\mathbf{p}_a$ and
+# $\mathbf{p}_b$ be two *neighbouring* corners, and
 #
-# $$ \mathbf{s}_n = \mathbf{x}_i + \frac{r}{n} \begin{bmatrix} \cos(n\,\Delta\theta) \\ \sin(n\,\Delta\theta) \end{bmatrix},
+# $$ \mathbf{s}_n = \mathbf{x}_i + \frac{r}{n} \begin{bmatrix} \cos(n\,\Delta\theta) \\
+#    \sin(n\,\Delta\theta) \end{bmatrix},
 #    \quad n = 1, \dots, S, \qquad
 #    r = \lVert \frac{\mathbf{p}_a + \mathbf{p}_b}{2} - \mathbf{x}_i \rVert, \quad
 #    \Delta\theta = \frac{2\pi}{S} . \tag{7.7} $$
 #
-# In a regular hexagon $r$ is the distance from $\mathbf{x}_i$ to an edge of the cell, the same for all edges.
+# In a regular hexagon $r$ is the distance from $\mathbf{x}_i$ to an edge of the cell, the same for
+# all edges.
 #
 # ### 07.6 The points of the spiral
 
@@ -445,14 +457,16 @@ def on_the_spiral(n):
 
 
 # %% [markdown]
-# **What to look at.** On the left the spiral: the first point is close to an edge, the second half as far out, the last ones crowd round the centre. In
-# the middle the values along it. On the right the errors: which of the three are nothing but rounding? Where along the
-# spiral is the third one largest, and does it vanish towards the centre? You discuss this in question 07.9.
+# **What to look at.** On the left the spiral: the first point is close to an edge, the second half
+# as far out, the last ones crowd round the centre. In the middle the values along it. On the right
+# the errors: which of the three are nothing but rounding? Where along the spiral is the third one
+# largest, and does it vanish towards the centre? You discuss this in question 07.9.
 #
 # ## Drag a point
 #
-# The dots show the six coordinates by their area, the bars by their length. The ring stands at $\sum_a \omega_a \mathbf{p}_a$. Drag the point, or
-# click on the picture and use the arrow keys (*Shift* for small steps, *Home* to go back).
+# The dots show the six coordinates by their area, the bars by their length. The ring stands at
+# $\sum_a \omega_a \mathbf{p}_a$. Drag the point, or click on the picture and use the arrow keys
+# (*Shift* for small steps, *Home* to go back).
 
 
 # %%
@@ -470,26 +484,31 @@ def under_the_pointer(x):
 
 
 # %% [markdown]
-# **What to look at.** Drag the point to the middle of an edge, into a corner, along an edge, to the centre. How many
-# weights are left in each? The ring never leaves the point. Why must it not? Corner 0 alone has a value other than zero. So the value at the point is
-# its weight: where in the cell is it a half?
+# **What to look at.** Drag the point to the middle of an edge, into a corner, along an edge, to the
+# centre. How many weights are left in each? The ring never leaves the point. Why must it not?
+# Corner 0 alone has a value other than zero. So the value at the point is its weight: where in the
+# cell is it a half?
 #
 # ## On the edge
 #
-# On an edge (7.5) divides by zero, for both ends of the edge. Worse, *near* an edge it does not complain, and is wrong: the tiny
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ is what is left when nearly equal numbers are subtracted, and it is
-# computed twice, from either end, with a rounding error of its own each time.
+# On an edge (7.5) divides by zero, for both ends of the edge. Worse, *near* an edge it does not
+# complain, and is wrong: the tiny $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ is
+# what is left when nearly equal numbers are subtracted, and it is computed twice, from either end,
+# with a rounding error of its own each time.
 #
 # There is a way out. A circumcentre is as far from $\mathbf{x}_b$ as from $\mathbf{x}_i$, so
 # $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}_i) = \tfrac12 l_b^2$, and therefore
 #
 # $$ (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}) = h_b(\mathbf{x}), \qquad
-#    h_b(\mathbf{x}) = \tfrac12 l_b^2 - (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i) . \tag{7.9} $$
+#    h_b(\mathbf{x}) = \tfrac12 l_b^2 - (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i) .
+#    \tag{7.9} $$
 #
-# The corner has dropped out: $h_b$ belongs to the neighbour $b$ alone, whichever end of the edge it is seen from. Now
-# multiply all weights by the product of all $h_b$, which changes no ratio. Every denominator cancels:
+# The corner has dropped out: $h_b$ belongs to the neighbour $b$ alone, whichever end of the edge it
+# is seen from. Now multiply all weights by the product of all $h_b$, which changes no ratio. Every
+# denominator cancels:
 #
-# $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = A_a \prod_{b \,\ne\, a,\; a+1} h_b(\mathbf{x}) . \tag{7.10} $$
+# $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = A_a \prod_{b \,\ne\, a,\; a+1}
+#    h_b(\mathbf{x}) . \tag{7.10} $$
 #
 # ### 07.8 Coordinates without division
 #
@@ -497,8 +516,8 @@ def under_the_pointer(x):
 #
 # <details><summary>Hint</summary>
 #
-# First all $h_b$ at all places, as an array of shape $(N, M)$. Then, for one $a$ after the other, leave out two of its rows
-# (`numpy.delete`) and multiply the rest.
+# First all $h_b$ at all places, as an array of shape $(N, M)$. Then, for one $a$ after the other,
+# leave out two of its rows (`numpy.delete`) and multiply the rest.
 #
 # </details>
 
@@ -563,81 +582,105 @@ def towards_the_edge(along):
 
 
 # %% [markdown]
-# **What to look at.** Each time the place comes ten times as near to the edge, the quotients lose another digit, and say nothing. The products are
-# right at every distance, and on the edge too. They subtract the same nearly equal numbers: why does that do no harm there?
+# **What to look at.** Each time the place comes ten times as near to the edge, the quotients lose
+# another digit, and say nothing. The products are right at every distance, and on the edge too.
+# They subtract the same nearly equal numbers: why does that do no harm there?
 #
 # ## In words
 #
-# **07.9** Discuss your results on the spiral for $\phi_a = 1$, for $\phi_a = p_{a,1} + p_{a,2}$, and for a field that is not linear. Which come
-# back exactly, and why? What value does the field approach in the centre, and how large is the error there for
-# $\phi(\mathbf{x}) = (x_1 + x_2)^2$ and a hexagon of radius $R$ round the origin?
+# **07.9** Discuss your results on the spiral for $\phi_a = 1$, for $\phi_a = p_{a,1} + p_{a,2}$,
+# and for a field that is not linear. Which come back exactly, and why? What value does the field
+# approach in the centre, and how large is the error there for $\phi(\mathbf{x}) = (x_1 + x_2)^2$
+# and a hexagon of radius $R$ round the origin?
 #
 # <details><summary>Hint</summary>
 #
-# What are all coordinates at $\mathbf{x}_i$, by symmetry? The corners are at the distance $R/\sqrt3$.
+# What are all coordinates at $\mathbf{x}_i$, by symmetry? The corners are at the distance
+# $R/\sqrt3$.
 #
 # </details>
 
 # %% [markdown] answer="07.9" points=4
-# The constant comes back up to rounding at all fifty points, since the coordinates have the sum one: that is what (7.6) divides for. The linear
-# field comes back up to rounding as well, because $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$: for $\phi(\mathbf{x}) = c_0 + \mathbf{c}^T\mathbf{x}$ the sum is
-# $c_0 \sum_a \omega_a + \mathbf{c}^T \sum_a \omega_a \mathbf{p}_a$. The exact values along the spiral approach $\phi(\mathbf{x}_i)$ like $1/n$, as its points
-# approach the centre. No other field need come back. In the centre of a regular hexagon all six coordinates are $1/6$, so the value is the mean of the
-# $\phi_a$. For $(x_1+x_2)^2$ the corners at $R/\sqrt3$ have the mean $R^2/3$, while the field is zero there: the error tends to $R^2/3$, grows with the square of the size of
-# the cell, and does not vanish towards the centre. It is largest there and smaller close to an edge, where two neighbouring corners have nearly all the weight.
-# All weights are positive inside, so values stay between the smallest and the largest $\phi_a$: no overshoot.
+# The constant comes back up to rounding at all fifty points, since the coordinates have the sum
+# one: that is what (7.6) divides for. The linear field comes back up to rounding as well, because
+# $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$: for $\phi(\mathbf{x}) = c_0 + \mathbf{c}^T\mathbf{x}$
+# the sum is $c_0 \sum_a \omega_a + \mathbf{c}^T \sum_a \omega_a \mathbf{p}_a$. The exact values
+# along the spiral approach $\phi(\mathbf{x}_i)$ like $1/n$, as its points approach the centre. No
+# other field need come back. In the centre of a regular hexagon all six coordinates are $1/6$, so
+# the value is the mean of the $\phi_a$. For $(x_1+x_2)^2$ the corners at $R/\sqrt3$ have the mean
+# $R^2/3$, while the field is zero there: the error tends to $R^2/3$, grows with the square of the
+# size of the cell, and does not vanish towards the centre. It is largest there and smaller close to
+# an edge, where two neighbouring corners have nearly all the weight. All weights are positive
+# inside, so values stay between the smallest and the largest $\phi_a$: no overshoot.
 
 # %% [markdown] rubric="07.9"
-# One point for the constant with partition of unity as the reason. One for the linear field with linear precision as the reason. One for saying that
-# other fields do not come back, with evidence from the plot. One for the limit in the centre: the mean of the corners, error $R^2/3$.
+# One point for the constant with partition of unity as the reason. One for the linear field with
+# linear precision as the reason. One for saying that other fields do not come back, with evidence
+# from the plot. One for the limit in the centre: the mean of the corners, error $R^2/3$.
 
 # %% [markdown]
-# **07.10** Which properties has the circumcentric dual of a Delaunay mesh: what of convexity, of crossings, of angles? Which of them remain if the mesh is not
-# Delaunay, and which has the dual of the centroids? Why is your hexagon a Delaunay mesh?
+# **07.10** Which properties has the circumcentric dual of a Delaunay mesh: what of convexity, of
+# crossings, of angles? Which of them remain if the mesh is not Delaunay, and which has the dual of
+# the centroids? Why is your hexagon a Delaunay mesh?
 #
 # <details><summary>Hint</summary>
 #
-# The dual edge that crosses the edge from $\mathbf{x}_i$ to $\mathbf{x}_b$ joins two points that are each as far from $\mathbf{x}_i$ as from $\mathbf{x}_b$. Move the slider
-# of the first interactive picture beyond 2 and count the vertices inside a circumscribed circle.
+# The dual edge that crosses the edge from $\mathbf{x}_i$ to $\mathbf{x}_b$ joins two points that
+# are each as far from $\mathbf{x}_i$ as from $\mathbf{x}_b$. Move the slider of the first
+# interactive picture beyond 2 and count the vertices inside a circumscribed circle.
 #
 # </details>
 
 # %% [markdown] answer="07.10" points=3
-# Dual edges are perpendicular to the edges of the mesh, in every mesh: both ends lie on the bisector of the edge. In a Delaunay mesh no vertex is inside the
-# circumscribed circle of a triangle, so no vertex is nearer to $\mathbf{p}_a$ than $\mathbf{x}_i$ is. Then the circumcentres round an inner vertex are the corners of its Voronoi cell, an
-# intersection of half-planes: the dual cells are convex, and they do not cross. Without Delaunay right angles remain, but two circumcentres exchange their order along a bisector, and the dual crosses
-# itself; in the picture from the distance 2 on, where the opposite angles of an edge sum to more than 180°. A circumcentre outside its triangle alone does no harm.
-# The dual of centroids does not cross itself, but loses the right angles, and its edges no longer bisect those of the mesh. The hexagon is Delaunay: its triangles
-# are equilateral, their circles have the radius $R/\sqrt3$ and contain no other vertex; the opposite angles of each inner edge sum to 120°.
+# Dual edges are perpendicular to the edges of the mesh, in every mesh: both ends lie on the
+# bisector of the edge. In a Delaunay mesh no vertex is inside the circumscribed circle of a
+# triangle, so no vertex is nearer to $\mathbf{p}_a$ than $\mathbf{x}_i$ is. Then the circumcentres
+# round an inner vertex are the corners of its Voronoi cell, an intersection of half-planes: the
+# dual cells are convex, and they do not cross. Without Delaunay right angles remain, but two
+# circumcentres exchange their order along a bisector, and the dual crosses itself; in the picture
+# from the distance 2 on, where the opposite angles of an edge sum to more than 180°. A circumcentre
+# outside its triangle alone does no harm. The dual of centroids does not cross itself, but loses
+# the right angles, and its edges no longer bisect those of the mesh. The hexagon is Delaunay: its
+# triangles are equilateral, their circles have the radius $R/\sqrt3$ and contain no other vertex;
+# the opposite angles of each inner edge sum to 120°.
 
 # %% [markdown] rubric="07.10"
-# One point for the right angles, with the bisector as the reason, in any mesh. One for convex cells that do not cross in a Delaunay mesh only; naming the
-# Voronoi cell suffices. One for the centroids and for a reason why the hexagon is Delaunay.
+# One point for the right angles, with the bisector as the reason, in any mesh. One for convex cells
+# that do not cross in a Delaunay mesh only; naming the Voronoi cell suffices. One for the centroids
+# and for a reason why the hexagon is Delaunay.
 
 # %% [markdown]
-# **07.11** Derive (7.5) from (7.3) in your own words: which property of the dual enters where, and what becomes of the lengths $l_j$ and $l_k$? What
-# would go wrong without the absolute value in (7.4)?
+# **07.11** Derive (7.5) from (7.3) in your own words: which property of the dual enters where, and
+# what becomes of the lengths $l_j$ and $l_k$? What would go wrong without the absolute value in
+# (7.4)?
 
 # %% [markdown] answer="07.11" points=3
-# Dual and primal edges are perpendicular, so the outward normals of the cell at $\mathbf{p}_a$ are the unit vectors along the two spokes,
-# $\mathbf{n}_j = (\mathbf{x}_j - \mathbf{x}_i)/l_j$ and $\mathbf{n}_k = (\mathbf{x}_k - \mathbf{x}_i)/l_k$. Their determinant is that of the spokes divided by $l_j l_k$, and the determinant of the
-# spokes is twice the area of the triangle, up to sign. Each factor of the denominator of (7.3) has one length below it, so the denominator is the product of
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by the same $l_j l_k$. It cancels. Without the absolute value a triangle listed clockwise has a negative weight.
-# If all are listed the same way round, the sum changes sign as well and the coordinates survive; if some are not, as in most meshes, they are wrong without warning.
+# Dual and primal edges are perpendicular, so the outward normals of the cell at $\mathbf{p}_a$ are
+# the unit vectors along the two spokes, $\mathbf{n}_j = (\mathbf{x}_j - \mathbf{x}_i)/l_j$ and
+# $\mathbf{n}_k = (\mathbf{x}_k - \mathbf{x}_i)/l_k$. Their determinant is that of the spokes
+# divided by $l_j l_k$, and the determinant of the spokes is twice the area of the triangle, up to
+# sign. Each factor of the denominator of (7.3) has one length below it, so the denominator is the
+# product of $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by the same $l_j
+# l_k$. It cancels. Without the absolute value a triangle listed clockwise has a negative weight. If
+# all are listed the same way round, the sum changes sign as well and the coordinates survive; if
+# some are not, as in most meshes, they are wrong without warning.
 
 # %% [markdown] rubric="07.11"
-# One point for the normals along the spokes by orthogonality. One for the determinant as twice the area and the lengths that cancel. One for mixed orientations that
-# give negative weights.
+# One point for the normals along the spokes by orthogonality. One for the determinant as twice the
+# area and the lengths that cancel. One for mixed orientations that give negative weights.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - Turn a hexagon so that a spoke has the angle $\Delta\theta = 7.2°$. The first point of the spiral is then on an edge. What do `coordinates` and
-#   `safe_coordinates` say there?
-# - Leave the cell. Some coordinates become negative, yet linear fields still come back. Somewhere outside the sum of all $c_a$ vanishes: where, for a square cell, and where for another
+# - Turn a hexagon so that a spoke has the angle $\Delta\theta = 7.2°$. The first point of the
+#   spiral is then on an edge. What do `coordinates` and `safe_coordinates` say there?
+# - Leave the cell. Some coordinates become negative, yet linear fields still come back. Somewhere
+#   outside the sum of all $c_a$ vanishes: where, for a square cell, and where for another
 #   quadrilateral?
-# - What is the gradient of $f$? Differentiate (7.10) with $\nabla h_b = -(\mathbf{x}_b - \mathbf{x}_i)$, and check it with differences.
-# - Six points on a circle round $\mathbf{p}_a$ make several triangles with one circumcentre. What does (7.10) give there? Which sum of coordinates has a meaning?
+# - What is the gradient of $f$? Differentiate (7.10) with $\nabla h_b = -(\mathbf{x}_b -
+#   \mathbf{x}_i)$, and check it with differences.
+# - Six points on a circle round $\mathbf{p}_a$ make several triangles with one circumcentre. What
+#   does (7.10) give there? Which sum of coordinates has a meaning?
 
 # %%
 progress()

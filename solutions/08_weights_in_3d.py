@@ -13,12 +13,14 @@
 # %% [markdown]
 # # The weights in three dimensions
 #
-# In a mesh of tetrahedra the pressures are kept at circumcentres too, and those round a vertex are the corners of
-# a polyhedron. The weights that mix their values look like those of the plane, with a six for the two and a volume for the area.
-# Why? This notebook is a proof in four steps, and the same formulas as code: what you have proved you then measure, and
-# what you measure helps where the proof is stuck.
+# In a mesh of tetrahedra the pressures are kept at circumcentres too, and those round a vertex are
+# the corners of a polyhedron. The weights that mix their values look like those of the plane, with
+# a six for the two and a volume for the area. Why? This notebook is a proof in four steps, and the
+# same formulas as code: what you have proved you then measure, and what you measure helps where the
+# proof is stuck.
 #
-# Three of the questions ask for functions of a line or two, three for a little more, and four for words. Formulas that you need from the plane are repeated.
+# Three of the questions ask for functions of a line or two, three for a little more, and four for
+# words. Formulas that you need from the plane are repeated.
 
 # %% tags=["setup"]
 import numpy as np
@@ -40,9 +42,9 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# Twenty tetrahedra meet in a vertex; their outer faces form an icosahedron (grey). Their circumcentres (dots) are the
-# corners of the Voronoi cell of the vertex, a dodecahedron: one face for each neighbour, one corner for each tetrahedron,
-# and three faces at each corner. Turn it.
+# Twenty tetrahedra meet in a vertex; their outer faces form an icosahedron (grey). Their
+# circumcentres (dots) are the corners of the Voronoi cell of the vertex, a dodecahedron: one face
+# for each neighbour, one corner for each tetrahedron, and three faces at each corner. Turn it.
 
 
 # %%
@@ -118,26 +120,33 @@ def the_problem(angle):
 # %% [markdown]
 # ## What is to be proved
 #
-# At a corner $\mathbf{p}_a$ of a polyhedron let three faces meet, with the outward unit normals $\mathbf{n}_b$, $b \in \mathcal{N}_a = \{j, k, m\}$. Its weight at a place
-# $\mathbf{x}$ is
+# At a corner $\mathbf{p}_a$ of a polyhedron let three faces meet, with the outward unit normals
+# $\mathbf{n}_b$, $b \in \mathcal{N}_a = \{j, k, m\}$. Its weight at a place $\mathbf{x}$ is
 #
-# $$ w_a(\mathbf{x}) = \frac{\operatorname{vol}(\mathcal{N}_a)}{\prod_{b \in \mathcal{N}_a} \mathbf{n}_b^T (\mathbf{p}_a - \mathbf{x})},
-#    \qquad \operatorname{vol}(\mathcal{N}_a) = \lvert \det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) \rvert . \tag{8.1} $$
+# $$ w_a(\mathbf{x}) = \frac{\operatorname{vol}(\mathcal{N}_a)}{\prod_{b \in \mathcal{N}_a}
+#    \mathbf{n}_b^T (\mathbf{p}_a - \mathbf{x})},
+#    \qquad \operatorname{vol}(\mathcal{N}_a) = \lvert \det(\mathbf{n}_j, \mathbf{n}_k,
+#    \mathbf{n}_m) \rvert . \tag{8.1} $$
 #
-# Let the polyhedron be the Voronoi cell of a vertex $\mathbf{x}_i$ of a Delaunay mesh. The tetrahedron number $a$ has the vertices
-# $\mathbf{x}_i, \mathbf{x}_j, \mathbf{x}_k, \mathbf{x}_m$, the volume $V_a$ and the circumcentre $\mathbf{p}_a$. The claim is
+# Let the polyhedron be the Voronoi cell of a vertex $\mathbf{x}_i$ of a Delaunay mesh. The
+# tetrahedron number $a$ has the vertices $\mathbf{x}_i, \mathbf{x}_j, \mathbf{x}_k, \mathbf{x}_m$,
+# the volume $V_a$ and the circumcentre $\mathbf{p}_a$. The claim is
 #
-# $$ w_a(\mathbf{x}) = \frac{6 V_a}{\prod_{b \in \{j,k,m\}} (\mathbf{x}_b - \mathbf{x}_i)^T (\mathbf{p}_a - \mathbf{x})} . \tag{8.2} $$
+# $$ w_a(\mathbf{x}) = \frac{6 V_a}{\prod_{b \in \{j,k,m\}} (\mathbf{x}_b - \mathbf{x}_i)^T
+#    (\mathbf{p}_a - \mathbf{x})} . \tag{8.2} $$
 #
 # ## Tetrahedra
 #
-# With $\mathbf{e}_1, \mathbf{e}_2, \mathbf{e}_3$ the edges from one corner of a tetrahedron to the three others, the volume and the circumcentre are
+# With $\mathbf{e}_1, \mathbf{e}_2, \mathbf{e}_3$ the edges from one corner of a tetrahedron to the
+# three others, the volume and the circumcentre are
 #
 # $$ V = \tfrac16 \lvert \det(\mathbf{e}_1, \mathbf{e}_2, \mathbf{e}_3) \rvert, \tag{8.3} $$
 #
-# $$ \mathbf{e}_r^T (\mathbf{p} - \mathbf{a}) = \tfrac12 \lVert \mathbf{e}_r \rVert^2, \qquad r = 1, 2, 3, \tag{8.4} $$
+# $$ \mathbf{e}_r^T (\mathbf{p} - \mathbf{a}) = \tfrac12 \lVert \mathbf{e}_r \rVert^2, \qquad r = 1,
+#    2, 3, \tag{8.4} $$
 #
-# where $\mathbf{a}$ is that corner. The second says that $\mathbf{p}$ is as far from $\mathbf{a}$ as from the other end of each edge.
+# where $\mathbf{a}$ is that corner. The second says that $\mathbf{p}$ is as far from $\mathbf{a}$
+# as from the other end of each edge.
 #
 # ### 08.1 The volume
 
@@ -172,32 +181,41 @@ check("08.2")
 # %% [markdown]
 # ## Step 1: the normals
 #
-# **08.3** What stands for (A) to (G)? The face $b$ of the Voronoi cell separates the places nearer to $\mathbf{x}_i$ from those nearer to **(A)**. So all its
-# points $\mathbf{y}$ have $\lVert\mathbf{y} - \mathbf{x}_i\rVert =$ **(B)**. Squared and expanded, this says
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) =$ **(C)**, a plane perpendicular to **(D)** through the point **(E)**. With
-# $l_b = \lVert \mathbf{x}_b - \mathbf{x}_i \rVert$ the *outward unit* normal is therefore $\mathbf{n}_b =$ **(F)**. It points outwards because **(G)**.
+# **08.3** What stands for (A) to (G)? The face $b$ of the Voronoi cell separates the places nearer
+# to $\mathbf{x}_i$ from those nearer to **(A)**. So all its points $\mathbf{y}$ have
+# $\lVert\mathbf{y} - \mathbf{x}_i\rVert =$ **(B)**. Squared and expanded, this says
+# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) =$ **(C)**, a plane perpendicular
+# to **(D)** through the point **(E)**. With $l_b = \lVert \mathbf{x}_b - \mathbf{x}_i \rVert$
+# the *outward unit* normal is therefore $\mathbf{n}_b =$ **(F)**. It points outwards
+# because **(G)**.
 #
 # <details><summary>Hint</summary>
 #
-# Write $\mathbf{y} - \mathbf{x}_b = (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$ before you square.
+# Write $\mathbf{y} - \mathbf{x}_b = (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$
+# before you square.
 #
 # </details>
 
 # %% [markdown] answer="08.3" points=2
-# (A) $\mathbf{x}_b$, (B) $\lVert\mathbf{y} - \mathbf{x}_b\rVert$. With $\mathbf{y} - \mathbf{x}_b = (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$ the squares of
-# $\mathbf{y} - \mathbf{x}_i$ cancel, and $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \tfrac12 l_b^2$ is left, so (C) $\tfrac12 l_b^2$: a plane perpendicular to (D) the edge from
-# $\mathbf{x}_i$ to $\mathbf{x}_b$ through (E) its midpoint. (F) $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$, and it points outwards because (G) inside the cell, at
-# $\mathbf{x}_i$ for instance, the left side is less than $\tfrac12 l_b^2$.
+# (A) $\mathbf{x}_b$, (B) $\lVert\mathbf{y} - \mathbf{x}_b\rVert$. With $\mathbf{y} - \mathbf{x}_b =
+# (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$ the squares of $\mathbf{y} -
+# \mathbf{x}_i$ cancel, and $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \tfrac12
+# l_b^2$ is left, so (C) $\tfrac12 l_b^2$: a plane perpendicular to (D) the edge from $\mathbf{x}_i$
+# to $\mathbf{x}_b$ through (E) its midpoint. (F) $\mathbf{n}_b = (\mathbf{x}_b -
+# \mathbf{x}_i)/l_b$, and it points outwards because (G) inside the cell, at $\mathbf{x}_i$ for
+# instance, the left side is less than $\tfrac12 l_b^2$.
 
 # %% [markdown] rubric="08.3"
-# One point for the plane, from equal distances to $\mathbf{x}_i$ and $\mathbf{x}_b$. One for the normal along the edge, of length one, with a reason why it points outwards.
+# One point for the plane, from equal distances to $\mathbf{x}_i$ and $\mathbf{x}_b$. One for the
+# normal along the edge, of length one, with a reason why it points outwards.
 
 # %% [markdown]
 # ## Step 2: the volume of the normals
 #
 # ### 08.4 Their determinant
 #
-# Compute $\operatorname{vol}(\mathcal{N}_a)$ as (8.1) defines it, from the normals of step 1, for one tetrahedron.
+# Compute $\operatorname{vol}(\mathcal{N}_a)$ as (8.1) defines it, from the normals of step 1, for
+# one tetrahedron.
 
 
 # %% question="08.4"
@@ -216,8 +234,9 @@ def volume_of_normals(center, tips):
 check("08.4")
 
 # %% [markdown]
-# Now the conjecture, measured on your own tetrahedra and on others: does $\operatorname{vol}(\mathcal{N}_a)$ equal $6V_a/(l_j\, l_k\, l_m)$, and what if
-# other powers of the lengths stand below?
+# Now the conjecture, measured on your own tetrahedra and on others: does
+# $\operatorname{vol}(\mathcal{N}_a)$ equal $6V_a/(l_j\, l_k\, l_m)$, and what if other powers of
+# the lengths stand below?
 
 
 # %%
@@ -251,47 +270,61 @@ def conjecture(power):
 
 
 # %% [markdown]
-# **08.5** Prove it: $\operatorname{vol}(\mathcal{N}_a) = 6 V_a / (l_j\, l_k\, l_m)$. Say which rule for determinants you use, and what the six counts.
+# **08.5** Prove it: $\operatorname{vol}(\mathcal{N}_a) = 6 V_a / (l_j\, l_k\, l_m)$. Say which rule
+# for determinants you use, and what the six counts.
 #
 # <details><summary>Hint</summary>
 #
-# What happens to a determinant if one row is divided by a number? And how many tetrahedra make the parallelepiped over three edges?
+# What happens to a determinant if one row is divided by a number? And how many tetrahedra make the
+# parallelepiped over three edges?
 #
 # </details>
 
 # %% [markdown] answer="08.5" points=3
-# By step 1 the rows of the determinant are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$. A determinant is linear in each row, so each length can be
-# taken out:
+# By step 1 the rows of the determinant are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$. A
+# determinant is linear in each row, so each length can be taken out:
 #
-# $$ \det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) = \frac{\det(\mathbf{x}_j - \mathbf{x}_i, \mathbf{x}_k - \mathbf{x}_i, \mathbf{x}_m - \mathbf{x}_i)}{l_j l_k l_m} . $$
+# $$ \det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) = \frac{\det(\mathbf{x}_j - \mathbf{x}_i,
+#    \mathbf{x}_k - \mathbf{x}_i, \mathbf{x}_m - \mathbf{x}_i)}{l_j l_k l_m} . $$
 #
-# Lengths are positive, so this holds for the absolute values. The determinant on the right is, up to its sign, the volume of the parallelepiped over the three edges at $\mathbf{x}_i$. That consists
-# of $3! = 6$ tetrahedra of equal volume, one for each order of the three edges; or: a tetrahedron is a third of base times height, and its base is half of a parallelogram. So the absolute value is $6V_a$.
+# Lengths are positive, so this holds for the absolute values. The determinant on the right is, up
+# to its sign, the volume of the parallelepiped over the three edges at $\mathbf{x}_i$. That
+# consists of $3! = 6$ tetrahedra of equal volume, one for each order of the three edges; or: a
+# tetrahedron is a third of base times height, and its base is half of a parallelogram. So the
+# absolute value is $6V_a$.
 
 # %% [markdown] rubric="08.5"
-# One point for taking one length out of each row. One for the determinant of the edges as the volume of a parallelepiped, with the absolute value. One for the six, with a reason.
+# One point for taking one length out of each row. One for the determinant of the edges as the
+# volume of a parallelepiped, with the absolute value. One for the six, with a reason.
 
 # %% [markdown]
 # ## Step 3: the lengths cancel
 #
-# **08.6** Put steps 1 and 2 into (8.1) and arrive at (8.2). How many factors $l_b$ stand below the line, how many above, and why the same ones? Which of your
-# steps would change in two dimensions, and which in $D$?
+# **08.6** Put steps 1 and 2 into (8.1) and arrive at (8.2). How many factors $l_b$ stand below the
+# line, how many above, and why the same ones? Which of your steps would change in two dimensions,
+# and which in $D$?
 
 # %% [markdown] answer="08.6" points=3
-# By step 1 each factor below is $\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}) = (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})/l_b$. There is one for each of the three faces that meet in $\mathbf{p}_a$, and these
-# belong to the three neighbours $j, k, m$ that form the tetrahedron $a$ with $\mathbf{x}_i$; so the denominator of (8.1) is
-# $\prod_b (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by $l_j l_k l_m$. By step 2 the numerator is $6V_a$ divided by the same product. It cancels, and (8.2) is left. In $D$ dimensions $D$ faces meet in a corner, $D$
-# lengths leave the determinant, and $D!$ simplices make the parallelepiped: $w_a = D!\,V_a/\prod_b (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$, with $2A_a$ in the plane. Nothing else changes.
+# By step 1 each factor below is $\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}) = (\mathbf{x}_b -
+# \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})/l_b$. There is one for each of the three faces that
+# meet in $\mathbf{p}_a$, and these belong to the three neighbours $j, k, m$ that form the
+# tetrahedron $a$ with $\mathbf{x}_i$; so the denominator of (8.1) is $\prod_b (\mathbf{x}_b -
+# \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by $l_j l_k l_m$. By step 2 the numerator is
+# $6V_a$ divided by the same product. It cancels, and (8.2) is left. In $D$ dimensions $D$ faces
+# meet in a corner, $D$ lengths leave the determinant, and $D!$ simplices make the parallelepiped:
+# $w_a = D!\,V_a/\prod_b (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$, with $2A_a$ in
+# the plane. Nothing else changes.
 
 # %% [markdown] rubric="08.6"
-# One point for each factor with its $1/l_b$. One for the cancellation, with the reason that the three faces at the corner belong to the three other vertices of the tetrahedron. One for
-# $D!$, or $2A$ and $6V$ with the reason.
+# One point for each factor with its $1/l_b$. One for the cancellation, with the reason that the
+# three faces at the corner belong to the three other vertices of the tetrahedron. One for $D!$, or
+# $2A$ and $6V$ with the reason.
 
 # %% [markdown]
 # ### 08.7 The weights
 #
-# Write (8.2). The mesh is given as it usually is: an array of neighbours, and for each tetrahedron the three numbers of those that it has besides
-# $\mathbf{x}_i$, in any order.
+# Write (8.2). The mesh is given as it usually is: an array of neighbours, and for each tetrahedron
+# the three numbers of those that it has besides $\mathbf{x}_i$, in any order.
 
 
 # %% question="08.7"
@@ -318,8 +351,10 @@ check("08.7")
 # %% [markdown]
 # ## Look at it
 #
-# Linear precision is what makes weights coordinates: $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$ with $\omega_a = w_a / \sum_e w_e$. The chart shows how far the sum is from the
-# place, at its worst over forty places in three cells: for your weights, for the same without the volumes, and for the same with the sign of the determinant left in.
+# Linear precision is what makes weights coordinates: $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$
+# with $\omega_a = w_a / \sum_e w_e$. The chart shows how far the sum is from the place, at its
+# worst over forty places in three cells: for your weights, for the same without the volumes, and
+# for the same with the sign of the determinant left in.
 
 
 # %%
@@ -367,15 +402,17 @@ def linear_precision():
 
 
 # %% [markdown]
-# **What to look at.** Yours is right to rounding in all three. In the octahedron all volumes are equal, so that leaving them out does no harm there: a regular
-# example proves little. The tetrahedra are listed in no particular orientation, so the signs do harm everywhere.
+# **What to look at.** Yours is right to rounding in all three. In the octahedron all volumes are
+# equal, so that leaving them out does no harm there: a regular example proves little. The
+# tetrahedra are listed in no particular orientation, so the signs do harm everywhere.
 #
 # ## Step 4: no circumcentre
 #
 # The factors below (8.2) do not need the circumcentre:
 #
 # $$ (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}) = h_b(\mathbf{x}), \qquad
-#    h_b(\mathbf{x}) = \tfrac12 l_b^2 - (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i) . \tag{8.5} $$
+#    h_b(\mathbf{x}) = \tfrac12 l_b^2 - (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i) .
+#    \tag{8.5} $$
 #
 # ### 08.8 The heights
 
@@ -392,8 +429,9 @@ def heights(center, neighbors, x):
 check("08.8")
 
 # %% [markdown]
-# A place moves along a line from inside your cell to the corner 0 and beyond. The line in the picture is your $h_b$; the marks are the left side of
-# (8.5), computed from each corner of the face $b$ in turn. Which of the neighbours have $h_b = 0$ at the corner 0?
+# A place moves along a line from inside your cell to the corner 0 and beyond. The line in the
+# picture is your $h_b$; the marks are the left side of (8.5), computed from each corner of the face
+# $b$ in turn. Which of the neighbours have $h_b = 0$ at the corner 0?
 
 
 # %%
@@ -424,30 +462,40 @@ def from_every_corner(b):
 
 
 # %% [markdown]
-# **08.9** Prove (8.5) for every place $\mathbf{x}$ and every corner $a$ of the face $b$. What follows for meshes with slivers, tetrahedra so flat that
-# their circumcentres are known to no digit? And what do the weights say on a face, where (8.2) divides by zero?
+# **08.9** Prove (8.5) for every place $\mathbf{x}$ and every corner $a$ of the face $b$. What
+# follows for meshes with slivers, tetrahedra so flat that their circumcentres are known to no
+# digit? And what do the weights say on a face, where (8.2) divides by zero?
 #
 # <details><summary>Hint</summary>
 #
-# Begin with $\mathbf{x} = \mathbf{x}_i$: then (8.5) is one of the equations (8.4). How do both sides change as $\mathbf{x}$ moves?
+# Begin with $\mathbf{x} = \mathbf{x}_i$: then (8.5) is one of the equations (8.4). How do both
+# sides change as $\mathbf{x}$ moves?
 #
 # </details>
 
 # %% [markdown] answer="08.9" points=3
-# The circumcentre is as far from $\mathbf{x}_b$ as from $\mathbf{x}_i$: $\lVert\mathbf{p}_a - \mathbf{x}_i\rVert^2 = \lVert(\mathbf{p}_a - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)\rVert^2$. Expanded, this is
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}_i) = \tfrac12 l_b^2$. Subtract $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i)$ from both sides. The right side knows nothing of $a$: $h_b$ is the same
-# seen from every corner of the face. So circumcentres need not be computed at all, and a sliver, whose circumcentre is badly determined, does no harm: its volume, which is small, is all that enters. Since each $h_b$ is one number, all weights can be multiplied by the product of
-# all heights, which leaves $V_a$ times the heights of the *other* faces. On a face $b$ all corners off it then have the weight zero, and the others positive ones, without any division by zero.
+# The circumcentre is as far from $\mathbf{x}_b$ as from $\mathbf{x}_i$: $\lVert\mathbf{p}_a -
+# \mathbf{x}_i\rVert^2 = \lVert(\mathbf{p}_a - \mathbf{x}_i) - (\mathbf{x}_b -
+# \mathbf{x}_i)\rVert^2$. Expanded, this is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a -
+# \mathbf{x}_i) = \tfrac12 l_b^2$. Subtract $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} -
+# \mathbf{x}_i)$ from both sides. The right side knows nothing of $a$: $h_b$ is the same seen from
+# every corner of the face. So circumcentres need not be computed at all, and a sliver, whose
+# circumcentre is badly determined, does no harm: its volume, which is small, is all that enters.
+# Since each $h_b$ is one number, all weights can be multiplied by the product of all heights, which
+# leaves $V_a$ times the heights of the *other* faces. On a face $b$ all corners off it then have
+# the weight zero, and the others positive ones, without any division by zero.
 
 # %% [markdown] rubric="08.9"
-# One point for the equation of equal distances at $\mathbf{x}_i$. One for the general place. One for a consequence: no circumcentre for slivers, or no division on faces.
+# One point for the equation of equal distances at $\mathbf{x}_i$. One for the general place. One
+# for a consequence: no circumcentre for slivers, or no division on faces.
 
 # %% [markdown]
 # ### 08.10 Coordinates without division
 #
 # Multiply all weights (8.2) by the product of all heights. What is left is
 #
-# $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = V_a \prod_{b \,\notin\, \{j, k, m\}} h_b(\mathbf{x}) . \tag{8.6} $$
+# $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = V_a \prod_{b \,\notin\, \{j, k,
+#    m\}} h_b(\mathbf{x}) . \tag{8.6} $$
 
 
 # %% question="08.10"
@@ -469,8 +517,8 @@ check("08.10")
 # %% [markdown]
 # ## A point in your cell
 #
-# Your own Voronoi cell. The point walks along a line from one corner through the middle to the face across; the dots show the
-# coordinates by their area.
+# Your own Voronoi cell. The point walks along a line from one corner through the middle to the face
+# across; the dots show the coordinates by their area.
 
 
 # %%
@@ -502,15 +550,20 @@ def walk(along, angle):
 
 
 # %% [markdown]
-# **What to look at.** At the start one corner has all the weight; at the end, on a face, only the corners of that face have any. The ring is
-# $\sum_a \omega_a \mathbf{p}_a$: by linear precision it stays round the point.
+# **What to look at.** At the start one corner has all the weight; at the end, on a face, only the
+# corners of that face have any. The ring is $\sum_a \omega_a \mathbf{p}_a$: by linear precision it
+# stays round the point.
 #
 # ## Dig deeper
 #
-# - Prove linear precision, $\sum_a w_a(\mathbf{x})(\mathbf{p}_a - \mathbf{x}) = \mathbf{0}$. Hint: the points $\mathbf{n}_b / (\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}))$ are the corners of a closed polyhedron with one triangle
-#   for each $a$, perpendicular to $\mathbf{p}_a - \mathbf{x}$; and over a closed surface the areas times normals sum to zero.
-# - A vertex on the boundary of the mesh has no closed cell. Leave one tetrahedron out. Do the weights still sum to one? Does a linear field still come back?
-# - Cut a cube into six tetrahedra round a diagonal. Circumcentres coincide. Which sums of coordinates have a meaning, and which known formula are they?
+# - Prove linear precision, $\sum_a w_a(\mathbf{x})(\mathbf{p}_a - \mathbf{x}) = \mathbf{0}$. Hint:
+#   the points $\mathbf{n}_b / (\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}))$ are the corners of a
+#   closed polyhedron with one triangle for each $a$, perpendicular to $\mathbf{p}_a - \mathbf{x}$;
+#   and over a closed surface the areas times normals sum to zero.
+# - A vertex on the boundary of the mesh has no closed cell. Leave one tetrahedron out. Do the
+#   weights still sum to one? Does a linear field still come back?
+# - Cut a cube into six tetrahedra round a diagonal. Circumcentres coincide. Which sums of
+#   coordinates have a meaning, and which known formula are they?
 
 # %%
 progress()

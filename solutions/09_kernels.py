@@ -13,13 +13,14 @@
 # %% [markdown]
 # # Kernels and their orders
 #
-# A field that goes through scattered values can be made of bumps, one on each point, and a polynomial. Which
-# bumps may be used? With which polynomials, at which points, in how many variables? There is an answer to each of
-# the four, and in this notebook you see every one of them fail where its premise does.
+# A field that goes through scattered values can be made of bumps, one on each point, and a
+# polynomial. Which bumps may be used? With which polynomials, at which points, in how many
+# variables? There is an answer to each of the four, and in this notebook you see every one of them
+# fail where its premise does.
 #
-# You find out which polynomials a kernel needs, when points determine a polynomial, and how far a bump of
-# finite width may be trusted. You let two points change places, which shows why nobody can choose the functions before the
-# points are known. At the end slopes are data too.
+# You find out which polynomials a kernel needs, when points determine a polynomial, and how far a
+# bump of finite width may be trusted. You let two points change places, which shows why nobody can
+# choose the functions before the points are known. At the end slopes are data too.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it.
 
@@ -44,15 +45,17 @@ from fieldcheck import (
 # %% [markdown]
 # ## The kernels
 #
-# Let $\mathbf{p}_1, \dots, \mathbf{p}_N$ be distinct points with the values $v_1, \dots, v_N$. A *kernel* $\varphi$ is a
-# function of the distance alone. Most of this notebook is about one family, in which $k = 1, 2, 3, \dots$ is a power:
+# Let $\mathbf{p}_1, \dots, \mathbf{p}_N$ be distinct points with the values $v_1, \dots, v_N$.
+# A *kernel* $\varphi$ is a function of the distance alone. Most of this notebook is about one
+# family, in which $k = 1, 2, 3, \dots$ is a power:
 #
 # $$ \varphi_k(r) = \begin{cases} (-1)^{(k+1)/2}\; r^k & \text{for odd } k, \\
-#    (-1)^{k/2+1}\; r^k \log r & \text{for even } k, \end{cases} \qquad \varphi_k(0) = 0. \tag{9.1} $$
+#    (-1)^{k/2+1}\; r^k \log r & \text{for even } k, \end{cases} \qquad \varphi_k(0) = 0. \tag{9.1}
+#    $$
 #
-# So $\varphi_1 = -r$, $\varphi_2 = r^2\log r$ (the thin-plate spline), $\varphi_3 = r^3$, $\varphi_4 = -r^4\log r$,
-# $\varphi_5 = -r^5$. You will see what the signs are for. The next cell has them, and the distances of two sets of
-# points; use both in your answers.
+# So $\varphi_1 = -r$, $\varphi_2 = r^2\log r$ (the thin-plate spline), $\varphi_3 = r^3$,
+# $\varphi_4 = -r^4\log r$, $\varphi_5 = -r^5$. You will see what the signs are for. The next cell
+# has them, and the distances of two sets of points; use both in your answers.
 
 
 # %% tags=["setup"]
@@ -71,8 +74,9 @@ def distances(x, points):
 # %% [markdown]
 # ## The problem in a picture
 #
-# Three points are the corners of an equilateral triangle, with the values 1, 0, 0. Can three bumps alone, without a
-# polynomial, go through them? The picture cuts the field along the height of the triangle. Move the side towards 1.
+# Three points are the corners of an equilateral triangle, with the values 1, 0, 0. Can three bumps
+# alone, without a polynomial, go through them? The picture cuts the field along the height of the
+# triangle. Move the side towards 1.
 
 
 # %%
@@ -99,10 +103,10 @@ def three_bumps(side):
 
 
 # %% [markdown]
-# **What to look at.** The points are as harmless as points can be, and three values demand no more than a plane. The bumps
-# go through them with enormous factors, and for the side 1 not at all: there $r^2 \log r = 0$ for all three
-# distances, and the matrix is zero. A kernel that is fine at almost all points is of little use. We want one that
-# cannot fail.
+# **What to look at.** The points are as harmless as points can be, and three values demand no more
+# than a plane. The bumps go through them with enormous factors, and for the side 1 not at all:
+# there $r^2 \log r = 0$ for all three distances, and the matrix is zero. A kernel that is fine at
+# almost all points is of little use. We want one that cannot fail.
 
 # %% [markdown]
 # ## Bumps and a polynomial
@@ -111,28 +115,32 @@ def three_bumps(side):
 #
 # $$ f(\mathbf{x}) = \sum_{j=1}^N \lambda_j\, \varphi(\lVert\mathbf{x} - \mathbf{p}_j\rVert) +
 #    \sum_{l=1}^Q c_l\, \pi_l(\mathbf{x}), \qquad
-#    \sum_{j=1}^N \lambda_j\, \pi_l(\mathbf{p}_j) = 0 \quad \text{for } l = 1, \dots, Q. \tag{9.2} $$
+#    \sum_{j=1}^N \lambda_j\, \pi_l(\mathbf{p}_j) = 0 \quad \text{for } l = 1, \dots, Q. \tag{9.2}
+#    $$
 #
-# The sums on the right are the *side conditions*. With $A_{ij} = \varphi(\lVert\mathbf{p}_i - \mathbf{p}_j\rVert)$ and
-# $P_{il} = \pi_l(\mathbf{p}_i)$, a matrix with a row for each point and a column for each polynomial, the unknowns solve
+# The sums on the right are the *side conditions*. With $A_{ij} = \varphi(\lVert\mathbf{p}_i -
+# \mathbf{p}_j\rVert)$ and $P_{il} = \pi_l(\mathbf{p}_i)$, a matrix with a row for each point and a
+# column for each polynomial, the unknowns solve
 #
 # $$ \begin{bmatrix} \mathbf{A} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \begin{bmatrix} \boldsymbol{\lambda} \\ \mathbf{c} \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{v} \\ \mathbf{0} \end{bmatrix} . \tag{9.3} $$
 #
-# A system of this form is called a *saddle-point system*. In the plane take the monomials for a basis,
+# A system of this form is called a *saddle-point system*. In the plane take the monomials for a
+# basis,
 #
-# $$ x_1^a\, x_2^b, \qquad a, b \geq 0, \quad a + b \leq n, \qquad Q = \tfrac12 (n+1)(n+2). \tag{9.4} $$
+# $$ x_1^a\, x_2^b, \qquad a, b \geq 0, \quad a + b \leq n, \qquad Q = \tfrac12 (n+1)(n+2).
+#    \tag{9.4} $$
 #
 # ### 09.1 The monomials
 #
-# Write $\mathbf{P}$. The order of the columns is yours. The degree $-1$ stands for no polynomial at all: then the matrix
-# has $N$ rows and no column.
+# Write $\mathbf{P}$. The order of the columns is yours. The degree $-1$ stands for no polynomial at
+# all: then the matrix has $N$ rows and no column.
 #
 # <details><summary>Hint</summary>
 #
-# First make a list of the pairs $(a, b)$. If $a$ is given, how far does $b$ go? What has the shape $(N, 0)$ is
-# an array as well: `np.zeros((5, 0))` is one.
+# First make a list of the pairs $(a, b)$. If $a$ is given, how far does $b$ go? What has the shape
+# $(N, 0)$ is an array as well: `np.zeros((5, 0))` is one.
 #
 # </details>
 
@@ -155,33 +163,37 @@ check("09.1")
 # ## Order
 #
 # A kernel is *conditionally positive definite of order $m$* if for all distinct points, and all
-# $\boldsymbol{\lambda} \neq \mathbf{0}$ that satisfy the side conditions for the polynomials of degree **less than** $m$,
+# $\boldsymbol{\lambda} \neq \mathbf{0}$ that satisfy the side conditions for the polynomials of
+# degree **less than** $m$,
 #
 # $$ \boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} =
-#    \sum_{i,j} \lambda_i \lambda_j\, \varphi(\lVert\mathbf{p}_i - \mathbf{p}_j\rVert) > 0 . \tag{9.5} $$
+#    \sum_{i,j} \lambda_i \lambda_j\, \varphi(\lVert\mathbf{p}_i - \mathbf{p}_j\rVert) > 0 .
+#    \tag{9.5} $$
 #
-# Order zero has no side conditions: $\mathbf{A}$ itself is positive definite. An example is the Gaussian,
-# $\varphi(r) = e^{-r^2}$. For order one the $\lambda_j$ sum to zero, for order two they do so when weighted by the
-# coordinates as well.
+# Order zero has no side conditions: $\mathbf{A}$ itself is positive definite. An example is the
+# Gaussian, $\varphi(r) = e^{-r^2}$. For order one the $\lambda_j$ sum to zero, for order two they
+# do so when weighted by the coordinates as well.
 #
-# How does one test (9.5) for given points? The vectors with $\mathbf{P}^T\boldsymbol{\lambda} = \mathbf{0}$ are a
-# subspace. Let the columns of $\mathbf{Z}$ be an orthonormal basis of it. Then
+# How does one test (9.5) for given points? The vectors with $\mathbf{P}^T\boldsymbol{\lambda} =
+# \mathbf{0}$ are a subspace. Let the columns of $\mathbf{Z}$ be an orthonormal basis of it. Then
 # $\boldsymbol{\lambda} = \mathbf{Z}\mathbf{t}$, and
 #
-# $$ \min_{\substack{\mathbf{P}^T\boldsymbol{\lambda} = \mathbf{0} \\ \lVert\boldsymbol{\lambda}\rVert = 1}}
+# $$ \min_{\substack{\mathbf{P}^T\boldsymbol{\lambda} = \mathbf{0} \\
+#    \lVert\boldsymbol{\lambda}\rVert = 1}}
 #    \boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} =
 #    \text{least eigenvalue of } \mathbf{Z}^T \mathbf{A} \mathbf{Z} . \tag{9.6} $$
 #
 # ### 09.2 The least eigenvalue
 #
-# Write (9.6) for any symmetric $\mathbf{A}$ and any $\mathbf{P}$. Two things may happen: $\mathbf{P}$ may have no
-# columns, and its columns may depend on each other.
+# Write (9.6) for any symmetric $\mathbf{A}$ and any $\mathbf{P}$. Two things may happen:
+# $\mathbf{P}$ may have no columns, and its columns may depend on each other.
 #
 # <details><summary>Hint</summary>
 #
-# The full singular value decomposition $\mathbf{P} = \mathbf{U}\mathbf{S}\mathbf{V}^T$ has a square $\mathbf{U}$. Which of its columns are orthogonal
-# to all columns of $\mathbf{P}$? How many of them there are depends on the rank of $\mathbf{P}$, which may be less than $Q$;
-# `np.linalg.matrix_rank` takes a relative tolerance `rtol`.
+# The full singular value decomposition $\mathbf{P} = \mathbf{U}\mathbf{S}\mathbf{V}^T$ has a square
+# $\mathbf{U}$. Which of its columns are orthogonal to all columns of $\mathbf{P}$? How many of them
+# there are depends on the rank of $\mathbf{P}$, which may be less than $Q$; `np.linalg.matrix_rank`
+# takes a relative tolerance `rtol`.
 #
 # </details>
 
@@ -235,33 +247,37 @@ def both_sides(k):
 
 
 # %% [markdown]
-# **What to look at.** For each $k$ there is a degree from which on the least eigenvalue is positive, and it is not a close
-# thing: one degree less, and it is far below zero. What is that degree for $k = 1, \dots, 5$? The order is one more. Once the form is positive,
-# more side conditions keep it so: a higher degree than needed does no harm.
+# **What to look at.** For each $k$ there is a degree from which on the least eigenvalue is
+# positive, and it is not a close thing: one degree less, and it is far below zero. What is that
+# degree for $k = 1, \dots, 5$? The order is one more. Once the form is positive, more side
+# conditions keep it so: a higher degree than needed does no harm.
 #
 # The rule is
 #
 # $$ \text{order of } \varphi_k = \lfloor k/2 \rfloor + 1 , \tag{9.7} $$
 #
-# in any number of variables. That it is true for all points is a theorem of Micchelli; you have tried fourteen.
+# in any number of variables. That it is true for all points is a theorem of Micchelli; you have
+# tried fourteen.
 
 # %% [markdown]
 # ## Which points?
 #
-# Let the order be right. The system (9.3) has exactly one solution if, besides, no polynomial of degree at most $n$ vanishes at all
-# points, except zero. Such points are called *unisolvent* for the degree $n$: they tell polynomials apart.
-# For $n = 1$ that means: not all on one line. What does it mean for $n = 2$?
+# Let the order be right. The system (9.3) has exactly one solution if, besides, no polynomial of
+# degree at most $n$ vanishes at all points, except zero. Such points are called *unisolvent* for
+# the degree $n$: they tell polynomials apart. For $n = 1$ that means: not all on one line. What
+# does it mean for $n = 2$?
 #
 # ### 09.3 Polynomials that vanish
 #
-# A polynomial with the coefficients $\mathbf{c}$ has the values $\mathbf{P}\mathbf{c}$ at the points. Count how
-# many linearly independent polynomials of degree at most $n$ vanish at all of them. Zero means: unisolvent.
+# A polynomial with the coefficients $\mathbf{c}$ has the values $\mathbf{P}\mathbf{c}$ at the
+# points. Count how many linearly independent polynomials of degree at most $n$ vanish at all of
+# them. Zero means: unisolvent.
 #
 # <details><summary>Hint</summary>
 #
-# The vectors with $\mathbf{P}\mathbf{c} = \mathbf{0}$ are a subspace. Its dimension, the rank of $\mathbf{P}$, and the
-# number of columns of $\mathbf{P}$ have something to do with each other. In a small box monomials are small
-# numbers, so a tolerance has to be relative.
+# The vectors with $\mathbf{P}\mathbf{c} = \mathbf{0}$ are a subspace. Its dimension, the rank of
+# $\mathbf{P}$, and the number of columns of $\mathbf{P}$ have something to do with each other. In a
+# small box monomials are small numbers, so a tolerance has to be relative.
 #
 # </details>
 
@@ -307,27 +323,31 @@ def six_points(out):
         singular = np.linalg.svd(p)[1][-1]
         axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal", xlim=(-2, 2), ylim=(-1.3, 1.3))
         axes.set_title(
-            f"vanishing polynomials: {int(vanishing(sites, 2))}; least singular value {singular:.1e}"
+            f"vanishing polynomials: {int(vanishing(sites, 2))}; least singular value "
+            f"{singular:.1e}"
         )
     return page
 
 
 # %% [markdown]
-# **What to look at.** Six points, and six monomials of degree at most two. The line is where the quadratic polynomial
-# is zero that is smallest at the points, among those with $\lVert\mathbf{c}\rVert = 1$. If the six lie on one ellipse, it vanishes at all of them, and
-# quadratics cannot be told apart. Move the orange point off: now they can. So the points on the line of notebook 03 return one degree higher as points
-# on a *conic*: an ellipse, a hyperbola, a parabola, or two lines.
+# **What to look at.** Six points, and six monomials of degree at most two. The line is where the
+# quadratic polynomial is zero that is smallest at the points, among those with
+# $\lVert\mathbf{c}\rVert = 1$. If the six lie on one ellipse, it vanishes at all of them, and
+# quadratics cannot be told apart. Move the orange point off: now they can. So the points on the
+# line of notebook 03 return one degree higher as points on a *conic*: an ellipse, a hyperbola, a
+# parabola, or two lines.
 
 # %% [markdown]
 # ### 09.4 The field
 #
-# Now put it together: solve (9.3) and evaluate (9.2) at places $\mathbf{x}$. The power $k$ and the degree $n$ are free; with
-# $n = -1$ there are bumps only.
+# Now put it together: solve (9.3) and evaluate (9.2) at places $\mathbf{x}$. The power $k$ and the
+# degree $n$ are free; with $n = -1$ there are bumps only.
 #
 # <details><summary>Hint</summary>
 #
-# How many zeros stand on the right side of (9.3)? The number of columns of $\mathbf{P}$ knows. The same two functions that make the matrix
-# evaluate the field: at places $\mathbf{x}$ instead of the points.
+# How many zeros stand on the right side of (9.3)? The number of columns of $\mathbf{P}$ knows. The
+# same two functions that make the matrix evaluate the field: at places $\mathbf{x}$ instead of the
+# points.
 #
 # </details>
 
@@ -374,12 +394,15 @@ def your_field(k, degree):
 
 
 # %% [markdown]
-# **What to look at.** Each dot vanishes in its surroundings: the field goes through your values even where the degree is too low. There it
-# is luck: the matrix is indefinite on the side conditions, and as points move an eigenvalue may pass through zero, as for the triangle at
-# the beginning. (Only $k = 1$ is safe without a polynomial; *dig deeper* says why.) Compare the corners of the picture for the degrees 0 and 3: what does the field do far from the data?
+# **What to look at.** Each dot vanishes in its surroundings: the field goes through your values
+# even where the degree is too low. There it is luck: the matrix is indefinite on the side
+# conditions, and as points move an eigenvalue may pass through zero, as for the triangle at the
+# beginning. (Only $k = 1$ is safe without a polynomial; *dig deeper* says why.) Compare the corners
+# of the picture for the degrees 0 and 3: what does the field do far from the data?
 #
-# And if the degree is right but the points are not? Here five points lie on a line, with the kernel $r^2\log r$ and $n = 1$. The plane
-# $x_1 - x_2$ vanishes at all of them. Add as much of it as you like.
+# And if the degree is right but the points are not? Here five points lie on a line, with the kernel
+# $r^2\log r$ and $n = 1$. The plane $x_1 - x_2$ vanishes at all of them. Add as much of it as you
+# like.
 
 
 # %%
@@ -416,23 +439,27 @@ def on_a_line(more):
 
 
 # %% [markdown]
-# **What to look at.** Both fields solve the system. On the line they agree, elsewhere nothing decides between them.
+# **What to look at.** Both fields solve the system. On the line they agree, elsewhere nothing
+# decides between them.
 
 # %% [markdown]
 # ## How many variables?
 #
-# The kernels $\varphi_k$ never end: each point feels every other one, and the matrix is full. Wendland found kernels that are zero
-# beyond the distance 1, so that most entries of $\mathbf{A}$ are zero, and that need no polynomial. With $y_+ = \max(y, 0)$,
+# The kernels $\varphi_k$ never end: each point feels every other one, and the matrix is full.
+# Wendland found kernels that are zero beyond the distance 1, so that most entries of $\mathbf{A}$
+# are zero, and that need no polynomial. With $y_+ = \max(y, 0)$,
 #
 # $$ \ell = \lfloor D/2 \rfloor + s + 1, \qquad \psi_{D,0}(r) = (1-r)_+^{\ell}, \qquad
 #    \psi_{D,1}(r) = (1-r)_+^{\ell+1} \bigl( (\ell+1)\, r + 1 \bigr) . \tag{9.8} $$
 #
-# Here $D$ is the number of variables, and $s$ tells how smooth the field is: continuous for $s = 0$, with two continuous
-# derivatives for $s = 1$. The second family comes from the first by an integral,
+# Here $D$ is the number of variables, and $s$ tells how smooth the field is: continuous for $s =
+# 0$, with two continuous derivatives for $s = 1$. The second family comes from the first by an
+# integral,
 #
 # $$ \psi_{D,1}(r) = C \int_r^\infty t\, \psi_{D+2,0}(t)\, dt , \tag{9.9} $$
 #
-# where $C$ makes $\psi_{D,1}(0) = 1$. They are positive definite in up to $D$ variables, and that is all that is promised.
+# where $C$ makes $\psi_{D,1}(0) = 1$. They are positive definite in up to $D$ variables, and that
+# is all that is promised.
 #
 # ### 09.5 Wendland's functions
 #
@@ -490,32 +517,39 @@ def too_many_variables(d, s):
 
 
 # %% [markdown]
-# **What to look at.** Lattices of points in one, two and three variables, and the matrix of your function at them. $\psi_{1,0} = (1-r)_+$ is made
-# for the line. In the plane its matrix has a negative eigenvalue, in space a large one, although all points are distinct. The others stay
-# above zero on these lattices. A trial that finds nothing proves nothing, though: $\psi_{1,1}$ is not positive definite in two variables either,
-# but only a lattice of some two thousand points shows it.
+# **What to look at.** Lattices of points in one, two and three variables, and the matrix of your
+# function at them. $\psi_{1,0} = (1-r)_+$ is made for the line. In the plane its matrix has a
+# negative eigenvalue, in space a large one, although all points are distinct. The others stay above
+# zero on these lattices. A trial that finds nothing proves nothing, though: $\psi_{1,1}$ is not
+# positive definite in two variables either, but only a lattice of some two thousand points shows
+# it.
 
 # %% [markdown]
 # ## Two points change places
 #
-# Why does one need kernels at all? Why not fix $N$ functions once and for all, as the polynomials of degree $N - 1$
-# on the line, and combine them to go through any $N$ values? On the line that works at all distinct points. In the plane it cannot,
-# whichever functions one takes. This is the theorem of *Mairhuber and Curtis*, and its proof is a film.
+# Why does one need kernels at all? Why not fix $N$ functions once and for all, as the polynomials
+# of degree $N - 1$ on the line, and combine them to go through any $N$ values? On the line that
+# works at all distinct points. In the plane it cannot, whichever functions one takes. This is the
+# theorem of *Mairhuber and Curtis*, and its proof is a film.
 #
-# Let $\mathbf{m} = \tfrac12(\mathbf{p}_1 + \mathbf{p}_2)$. The first two points travel around $\mathbf{m}$ counterclockwise, along the two halves of a
-# circle, until they have changed places; $\mathbf{p}_3$ stays:
+# Let $\mathbf{m} = \tfrac12(\mathbf{p}_1 + \mathbf{p}_2)$. The first two points travel around
+# $\mathbf{m}$ counterclockwise, along the two halves of a circle, until they have changed places;
+# $\mathbf{p}_3$ stays:
 #
-# $$ \mathbf{p}_{1,2}(t) = \mathbf{m} + \begin{bmatrix} \cos \pi t & -\sin \pi t \\ \sin \pi t & \cos \pi t \end{bmatrix}
+# $$ \mathbf{p}_{1,2}(t) = \mathbf{m} + \begin{bmatrix} \cos \pi t & -\sin \pi t \\ \sin \pi t &
+#    \cos \pi t \end{bmatrix}
 #    (\mathbf{p}_{1,2} - \mathbf{m}), \qquad 0 \leq t \leq 1. \tag{9.10} $$
 #
 # ### 09.6 When does it fail?
 #
-# The functions $1, x_1, x_2$ cannot go through any three values when the three points lie on one line. Return the time $t$ between 0 and 1 at which they do.
+# The functions $1, x_1, x_2$ cannot go through any three values when the three points lie on one
+# line. Return the time $t$ between 0 and 1 at which they do.
 #
 # <details><summary>Hint</summary>
 #
-# The line through the two moving points always contains $\mathbf{m}$, and it turns by the angle $\pi t$. In which direction is $\mathbf{p}_3$, seen from
-# $\mathbf{m}$? `np.arctan2(y, x)` is the angle of a vector; a line that has turned by $\pi$ is the same line. Or search: the sign of a
+# The line through the two moving points always contains $\mathbf{m}$, and it turns by the angle
+# $\pi t$. In which direction is $\mathbf{p}_3$, seen from $\mathbf{m}$? `np.arctan2(y, x)` is the
+# angle of a vector; a line that has turned by $\pi$ is the same line. Or search: the sign of a
 # determinant differs at the two ends.
 #
 # </details>
@@ -581,21 +615,26 @@ def film(t):
 
 
 # %% [markdown]
-# **What to look at.** Three points of your own. Move the time from 0 to 1. The triangle is turned over, so it must have been flat on the way: there the determinant of
-# $1, x_1, x_2$ at the three points vanishes. At the end two rows of the matrix have been exchanged. The Gaussians sit on the points and travel with them, so that rows
-# *and* columns are exchanged.
+# **What to look at.** Three points of your own. Move the time from 0 to 1. The triangle is turned
+# over, so it must have been flat on the way: there the determinant of $1, x_1, x_2$ at the three
+# points vanishes. At the end two rows of the matrix have been exchanged. The Gaussians sit on the
+# points and travel with them, so that rows *and* columns are exchanged.
 
 # %% [markdown]
 # ## Slopes are data too
 #
-# Nothing so far needs values. Any linear measurements will do, if they are independent. Take one variable, points $x_1, \dots, x_N$, and at each of them a value
-# $v_i$ and a slope $g_i$. The bump of a value is $\varphi(x - y)$ with $y$ at the point. The bump of a slope is its derivative **by $y$**. With $\varphi(z) = \lvert z \rvert^3$,
-# whose derivatives are $\varphi'(z) = 3z\lvert z \rvert$ and $\varphi''(z) = 6\lvert z \rvert$, and of order two,
+# Nothing so far needs values. Any linear measurements will do, if they are independent. Take one
+# variable, points $x_1, \dots, x_N$, and at each of them a value $v_i$ and a slope $g_i$. The bump
+# of a value is $\varphi(x - y)$ with $y$ at the point. The bump of a slope is its derivative **by
+# $y$**. With $\varphi(z) = \lvert z \rvert^3$, whose derivatives are $\varphi'(z) = 3z\lvert z
+# \rvert$ and $\varphi''(z) = 6\lvert z \rvert$, and of order two,
 #
-# $$ f(x) = \sum_j \lambda_j\, \lvert x - x_j \rvert^3 - \sum_j \mu_j\, 3 (x - x_j) \lvert x - x_j \rvert + c_0 + c_1 x . \tag{9.11} $$
+# $$ f(x) = \sum_j \lambda_j\, \lvert x - x_j \rvert^3 - \sum_j \mu_j\, 3 (x - x_j) \lvert x - x_j
+#    \rvert + c_0 + c_1 x . \tag{9.11} $$
 #
-# The side conditions pair the same measurements with $1$ and $x$: $\sum_j \lambda_j = 0$ and $\sum_j (\lambda_j x_j + \mu_j) = 0$, since
-# the slope of $1$ is $0$ and that of $x$ is $1$. With $z_{ij} = x_i - x_j$ the conditions $f(x_i) = v_i$ and $f'(x_i) = g_i$ give
+# The side conditions pair the same measurements with $1$ and $x$: $\sum_j \lambda_j = 0$ and
+# $\sum_j (\lambda_j x_j + \mu_j) = 0$, since the slope of $1$ is $0$ and that of $x$ is $1$. With
+# $z_{ij} = x_i - x_j$ the conditions $f(x_i) = v_i$ and $f'(x_i) = g_i$ give
 #
 # $$ \begin{bmatrix} \varphi(z_{ij}) & -\varphi'(z_{ij}) & 1 & x_i \\
 #    \varphi'(z_{ij}) & -\varphi''(z_{ij}) & 0 & 1 \\
@@ -604,7 +643,8 @@ def film(t):
 #    \begin{bmatrix} \boldsymbol{\lambda} \\ \boldsymbol{\mu} \\ c_0 \\ c_1 \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{v} \\ \mathbf{g} \\ 0 \\ 0 \end{bmatrix} , \tag{9.12} $$
 #
-# where each entry stands for a block: of $N \times N$ numbers in the first two rows and columns, of $N$ numbers beside and below them.
+# where each entry stands for a block: of $N \times N$ numbers in the first two rows and columns, of
+# $N$ numbers beside and below them.
 #
 # ### 09.7 The matrix for values and slopes
 #
@@ -612,8 +652,8 @@ def film(t):
 #
 # <details><summary>Hint</summary>
 #
-# `np.block` takes the blocks row by row, as they stand. A block for $x_i$ needs the shape $(N, 1)$. What is
-# $\varphi'(-z)$?
+# `np.block` takes the blocks row by row, as they stand. A block for $x_i$ needs the shape $(N, 1)$.
+# What is $\varphi'(-z)$?
 #
 # </details>
 
@@ -664,100 +704,130 @@ def with_slopes(slope):
 
 
 # %% [markdown]
-# **What to look at.** The curve has the values and the slopes. Which parts of it move when you change the slope of the third point, and which do not? Every bump in
-# (9.11) reaches everywhere, and yet the answer is local. Between two neighbours the curve is the cubic that their two values and two slopes determine, as in
-# every textbook on interpolation; outside it is straight.
+# **What to look at.** The curve has the values and the slopes. Which parts of it move when you
+# change the slope of the third point, and which do not? Every bump in (9.11) reaches everywhere,
+# and yet the answer is local. Between two neighbours the curve is the cubic that their two values
+# and two slopes determine, as in every textbook on interpolation; outside it is straight.
 #
 # ## In words
 #
-# **09.8** A program uses $\varphi_3 = r^3$ with the constant alone, $n = 0$, instead of $n = 1$. It has worked on every set of points so far.
-# What has been lost? Say what can go wrong, and give an example of a kernel and of distinct points for which a degree that is too low fails altogether. Is it a mistake
-# to take $n = 2$ for $r^3$?
+# **09.8** A program uses $\varphi_3 = r^3$ with the constant alone, $n = 0$, instead of $n = 1$. It
+# has worked on every set of points so far. What has been lost? Say what can go wrong, and give an
+# example of a kernel and of distinct points for which a degree that is too low fails altogether. Is
+# it a mistake to take $n = 2$ for $r^3$?
 #
 # <details><summary>Hint</summary>
 #
-# Think of two sets of points, one of which has a positive determinant and the other a negative one, and of a path
-# between them. For the example look at the first picture.
+# Think of two sets of points, one of which has a positive determinant and the other a negative one,
+# and of a path between them. For the example look at the first picture.
 #
 # </details>
 
 # %% [markdown] answer="09.8" points=4
-# The promise has been lost. $r^3$ has the order two: only if the $\lambda_j$ annihilate constants and linear functions is
-# $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$ positive. Under $\sum\lambda_j = 0$ alone the form has both signs, as the picture of both sides shows, so its
-# eigenvalues may pass through zero as points move: for some distinct points the matrix is singular, and near them the factors are huge and the field swings. Nor is the
-# field any longer that of least energy, and far away it grows faster than a plane.
+# The promise has been lost. $r^3$ has the order two: only if the $\lambda_j$ annihilate constants
+# and linear functions is $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$ positive. Under
+# $\sum\lambda_j = 0$ alone the form has both signs, as the picture of both sides shows, so its
+# eigenvalues may pass through zero as points move: for some distinct points the matrix is singular,
+# and near them the factors are huge and the field swings. Nor is the field any longer that of least
+# energy, and far away it grows faster than a plane.
 #
-# For $r^3$ itself, with $n = 0$, such points are the corners of a triangle with the sides $1$, $1$ and $2^{2/3}$.
+# For $r^3$ itself, with $n = 0$, such points are the corners of a triangle with the sides $1$, $1$
+# and $2^{2/3}$.
 #
-# *Another example.* $r^2\log r$ without a polynomial (order two, $n = -1$): for the corners of an equilateral triangle with the side 1 all distances are 0 or 1,
-# $\varphi_2$ vanishes at both, $\mathbf{A} = \mathbf{0}$, and no values but zero can be met.
+# *Another example.* $r^2\log r$ without a polynomial (order two, $n = -1$): for the corners of an
+# equilateral triangle with the side 1 all distances are 0 or 1, $\varphi_2$ vanishes at both,
+# $\mathbf{A} = \mathbf{0}$, and no values but zero can be met.
 #
-# $n = 2$ is no mistake. More side conditions leave fewer $\boldsymbol\lambda$, and a form that is positive on a space is positive on a smaller one. But the points must be
-# unisolvent for quadratics: at least six in the plane, not on a conic; and the field may grow quadratically outside.
+# $n = 2$ is no mistake. More side conditions leave fewer $\boldsymbol\lambda$, and a form that is
+# positive on a space is positive on a smaller one. But the points must be unisolvent for
+# quadratics: at least six in the plane, not on a conic; and the field may grow quadratically
+# outside.
 
 # %% [markdown] rubric="09.8"
-# One point: the form is no longer positive under fewer conditions (indefinite). One: hence singular at some distinct points, although it may work at most. One for an
-# example that is right, with a reason. One: a higher degree is allowed, the points must then be unisolvent for it.
+# One point: the form is no longer positive under fewer conditions (indefinite). One: hence singular
+# at some distinct points, although it may work at most. One for an example that is right, with a
+# reason. One: a higher degree is allowed, the points must then be unisolvent for it.
 
 # %% [markdown]
-# **09.9** One often reads that (9.3) can be solved if and only if the points are unisolvent. Five points lie on a line of the plane, the kernel is of order two, $n = 1$. Does
-# (9.3) have a solution? For all values? Which part of it is unique, and what should a program do?
+# **09.9** One often reads that (9.3) can be solved if and only if the points are unisolvent. Five
+# points lie on a line of the plane, the kernel is of order two, $n = 1$. Does (9.3) have a
+# solution? For all values? Which part of it is unique, and what should a program do?
 #
 # <details><summary>Hint</summary>
 #
-# Multiply the first row of (9.3) by $\mathbf{Z}^T$. Which matrix is left, and can it be inverted? Then ask
-# in which space $\mathbf{v} - \mathbf{A}\boldsymbol{\lambda}$ lies.
+# Multiply the first row of (9.3) by $\mathbf{Z}^T$. Which matrix is left, and can it be inverted?
+# Then ask in which space $\mathbf{v} - \mathbf{A}\boldsymbol{\lambda}$ lies.
 #
 # </details>
 
 # %% [markdown] answer="09.9" points=3
-# It has a solution for all values. With $\boldsymbol\lambda = \mathbf{Z}\mathbf{t}$ the first row becomes $\mathbf{Z}^T\mathbf{A}\mathbf{Z}\,\mathbf{t} = \mathbf{Z}^T\mathbf{v}$,
-# whose matrix is positive definite, since the points are distinct and the order is right. So $\mathbf{t}$, and with it $\boldsymbol\lambda$, exists and is unique. What is left,
-# $\mathbf{v} - \mathbf{A}\boldsymbol\lambda$, is orthogonal to $\mathbf{Z}$, and hence in the range of $\mathbf{P}$: there is a $\mathbf{c}$ with $\mathbf{P}\mathbf{c}$ equal to it.
+# It has a solution for all values. With $\boldsymbol\lambda = \mathbf{Z}\mathbf{t}$ the first row
+# becomes $\mathbf{Z}^T\mathbf{A}\mathbf{Z}\,\mathbf{t} = \mathbf{Z}^T\mathbf{v}$, whose matrix is
+# positive definite, since the points are distinct and the order is right. So $\mathbf{t}$, and with
+# it $\boldsymbol\lambda$, exists and is unique. What is left, $\mathbf{v} -
+# \mathbf{A}\boldsymbol\lambda$, is orthogonal to $\mathbf{Z}$, and hence in the range of
+# $\mathbf{P}$: there is a $\mathbf{c}$ with $\mathbf{P}\mathbf{c}$ equal to it.
 #
-# $\mathbf{c}$ is not unique: one may add the coefficients of a linear function that vanishes on the line. On the line the field is determined, off the line it is not.
+# $\mathbf{c}$ is not unique: one may add the coefficients of a linear function that vanishes on the
+# line. On the line the field is determined, off the line it is not.
 #
-# A program should refuse, or say which solution it takes and why (such as the shortest $\mathbf{c}$, or no slope across the line). It should not solve a singular
-# system by elimination and return what rounding has made of it.
+# A program should refuse, or say which solution it takes and why (such as the shortest
+# $\mathbf{c}$, or no slope across the line). It should not solve a singular system by elimination
+# and return what rounding has made of it.
 
 # %% [markdown] rubric="09.9"
-# One point: a solution exists for all values, with a reason. One: the factors of the bumps are unique, the polynomial is not (a polynomial that is zero at the points may be added). One
-# for a sensible reaction of a program: refuse, tell, or choose by a stated rule.
+# One point: a solution exists for all values, with a reason. One: the factors of the bumps are
+# unique, the polynomial is not (a polynomial that is zero at the points may be added). One for a
+# sensible reaction of a program: refuse, tell, or choose by a stated rule.
 
 # %% [markdown]
-# **09.10** Finish the proof of Mairhuber and Curtis: why can no three continuous functions on the plane, not even others than $1, x_1, x_2$, go through any values at any three distinct points? Where does
-# the proof fail on the line, and why does it say nothing against bumps on the points?
+# **09.10** Finish the proof of Mairhuber and Curtis: why can no three continuous functions on the
+# plane, not even others than $1, x_1, x_2$, go through any values at any three distinct points?
+# Where does the proof fail on the line, and why does it say nothing against bumps on the points?
 #
 # <details><summary>Hint</summary>
 #
-# Follow the determinant of the matrix with the entries $g_l(\mathbf{p}_i(t))$ from $t = 0$ to $t = 1$. What does the exchange of two rows do
-# to a determinant? And of two rows and two columns?
+# Follow the determinant of the matrix with the entries $g_l(\mathbf{p}_i(t))$ from $t = 0$ to $t =
+# 1$. What does the exchange of two rows do to a determinant? And of two rows and two columns?
 #
 # </details>
 
 # %% [markdown] answer="09.10" points=3
-# Let $g_1, g_2, g_3$ be continuous, and $d(t)$ the determinant of the matrix with the entries $g_l(\mathbf{p}_i(t))$. It is continuous. At $t = 1$ the first two points have changed
-# places, two rows of the matrix are exchanged, and $d(1) = -d(0)$. So $d$ vanishes somewhere in between, while the three points are distinct all the time, if $\mathbf{p}_3$ is not on the circle. There the
-# matrix is singular, and for some values there is no interpolant. With more points choose the circle so small that it meets none of the others.
+# Let $g_1, g_2, g_3$ be continuous, and $d(t)$ the determinant of the matrix with the entries
+# $g_l(\mathbf{p}_i(t))$. It is continuous. At $t = 1$ the first two points have changed places, two
+# rows of the matrix are exchanged, and $d(1) = -d(0)$. So $d$ vanishes somewhere in between, while
+# the three points are distinct all the time, if $\mathbf{p}_3$ is not on the circle. There the
+# matrix is singular, and for some values there is no interpolant. With more points choose the
+# circle so small that it meets none of the others.
 #
-# On the line the two points cannot change places without meeting each other, and there the matrix has two equal rows anyway. One variable has no room to step aside.
+# On the line the two points cannot change places without meeting each other, and there the matrix
+# has two equal rows anyway. One variable has no room to step aside.
 #
-# With bumps the functions depend on the points: $g_l(\mathbf{x}) = \varphi(\lVert\mathbf{x} - \mathbf{p}_l(t)\rVert)$. The exchange swaps two rows and two columns, the determinant keeps
-# its sign, and nothing forces it through zero.
+# With bumps the functions depend on the points: $g_l(\mathbf{x}) = \varphi(\lVert\mathbf{x} -
+# \mathbf{p}_l(t)\rVert)$. The exchange swaps two rows and two columns, the determinant keeps its
+# sign, and nothing forces it through zero.
 
 # %% [markdown] rubric="09.10"
-# One point: continuous, changes its sign by the exchange of two rows, hence a zero at distinct points. One: on a line the points would have to meet. One: bumps move with the points, rows and columns
-# are exchanged, the sign stays.
+# One point: continuous, changes its sign by the exchange of two rows, hence a zero at distinct
+# points. One: on a line the points would have to meet. One: bumps move with the points, rows and
+# columns are exchanged, the sign stays.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - $-r$ has the order one. Compute the eigenvalues of its matrix $\mathbf{A}$ alone, without any polynomial. How many are negative? Why is it never singular at distinct points? (Its trace is zero.)
-# - $\varphi(r) = -r^2$ has a form that is never negative if $\sum\lambda_j = 0$. Try it in `least_eigenvalue`. Expand $\lVert\mathbf{p}_i - \mathbf{p}_j\rVert^2$: for which
-#   $\boldsymbol{\lambda}$ is the form zero? Why does no even power of $r$ serve without a logarithm?
-# - Multiply all points by 1000. By what factor do the least eigenvalues of $\varphi_3$ change? And does the field of 09.4?
-# - The film with six points and the polynomials of degree two: when is the determinant zero? Draw the conic.
-# - A Wendland function on a cloud of ten thousand points, with a radius of three spacings: what part of the matrix is not zero? `scipy.sparse` stores only that.
+# - $-r$ has the order one. Compute the eigenvalues of its matrix $\mathbf{A}$ alone, without any
+#   polynomial. How many are negative? Why is it never singular at distinct points? (Its trace is
+#   zero.)
+# - $\varphi(r) = -r^2$ has a form that is never negative if $\sum\lambda_j = 0$. Try it in
+#   `least_eigenvalue`. Expand $\lVert\mathbf{p}_i - \mathbf{p}_j\rVert^2$: for which
+#   $\boldsymbol{\lambda}$ is the form zero? Why does no even power of $r$ serve without a
+#   logarithm?
+# - Multiply all points by 1000. By what factor do the least eigenvalues of $\varphi_3$ change? And
+#   does the field of 09.4?
+# - The film with six points and the polynomials of degree two: when is the determinant zero? Draw
+#   the conic.
+# - A Wendland function on a cloud of ten thousand points, with a radius of three spacings: what
+#   part of the matrix is not zero? `scipy.sparse` stores only that.
 
 # %%
 progress()

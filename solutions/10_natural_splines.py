@@ -13,13 +13,15 @@
 # %% [markdown]
 # # Natural splines
 #
-# A thin elastic rod is held by pins. Which shape does it take? Draughtsmen built ships with such rods and called them
-# *splines*. The shape is the curve through the pins that bends least, and it is known in every detail.
+# A thin elastic rod is held by pins. Which shape does it take? Draughtsmen built ships with such
+# rods and called them *splines*. The shape is the curve through the pins that bends least, and it
+# is known in every detail.
 #
-# In this notebook you compute it in two ways that have nothing in common: by one bump $\lvert x - x_j \rvert^3$ for each pin, and by
-# cubic pieces from pin to pin. You convert one into the other, see that the curve is straight beyond the last pin, measure how much it
-# bends, and find out how a curve whose bumps reach everywhere can be local. In the first way nothing needs the line:
-# it is how fields in the plane and in space are made.
+# In this notebook you compute it in two ways that have nothing in common: by one bump $\lvert x -
+# x_j \rvert^3$ for each pin, and by cubic pieces from pin to pin. You convert one into the other,
+# see that the curve is straight beyond the last pin, measure how much it bends, and find out how a
+# curve whose bumps reach everywhere can be local. In the first way nothing needs the line: it is
+# how fields in the plane and in space are made.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it.
 
@@ -44,8 +46,8 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# Eight pins. A polynomial through all of them swings between them, and a broken line has a kink at each. A rod would do neither. Move
-# one pin, and see how far the polynomial feels it.
+# Eight pins. A polynomial through all of them swings between them, and a broken line has a kink at
+# each. A rod would do neither. Move one pin, and see how far the polynomial feels it.
 
 
 # %%
@@ -68,36 +70,42 @@ def the_problem(height):
 # %% [markdown]
 # ## Natural cubic splines
 #
-# Let $x_1 < x_2 < \dots < x_N$ be the *sites* and $f_1, \dots, f_N$ the values. A *cubic spline* is a curve with two continuous
-# derivatives that is a cubic polynomial between neighbouring sites, before the first and after the last. It is *natural*
-# if it is a straight line before the first site and after the last: no pin bends it there.
+# Let $x_1 < x_2 < \dots < x_N$ be the *sites* and $f_1, \dots, f_N$ the values. A *cubic spline* is
+# a curve with two continuous derivatives that is a cubic polynomial between neighbouring sites,
+# before the first and after the last. It is *natural* if it is a straight line before the first
+# site and after the last: no pin bends it there.
 #
-# With $y_+ = \max(y, 0)$, the function $(x - x_j)_+^3$ is zero up to $x_j$, a cubic from there on, and has two continuous derivatives. Start on the left with a straight
-# line; at each site add a multiple of this *truncated power*:
+# With $y_+ = \max(y, 0)$, the function $(x - x_j)_+^3$ is zero up to $x_j$, a cubic from there on,
+# and has two continuous derivatives. Start on the left with a straight line; at each site add a
+# multiple of this *truncated power*:
 #
 # $$ s(x) = \sum_{j=1}^N \alpha_j\, (x - x_j)_+^3 + \beta_0 + \beta_1 x . \tag{10.1} $$
 #
-# After the last site all truncated powers are powers. There the sum has to be straight again, so the factors of $x^3$ and of $x^2$ vanish:
+# After the last site all truncated powers are powers. There the sum has to be straight again, so
+# the factors of $x^3$ and of $x^2$ vanish:
 #
 # $$ \sum_{j=1}^N \alpha_j = 0, \qquad \sum_{j=1}^N \alpha_j\, x_j = 0 . \tag{10.2} $$
 #
-# A truncated power knows left from right. A function of the *distance* $\lvert x - x_j \rvert$ does not, and has a meaning in the plane too. The bridge is
+# A truncated power knows left from right. A function of the *distance* $\lvert x - x_j \rvert$ does
+# not, and has a meaning in the plane too. The bridge is
 #
 # $$ y_+^3 = \tfrac12 \bigl( \lvert y \rvert^3 + y^3 \bigr) . \tag{10.3} $$
 #
-# Put it into (10.1), and the same curve becomes, with the same conditions for the new factors $a_j$,
+# Put it into (10.1), and the same curve becomes, with the same conditions for the new factors
+# $a_j$,
 #
 # $$ s(x) = \sum_{j=1}^N a_j\, \lvert x - x_j \rvert^3 + b_0 + b_1 x, \qquad
 #    \sum_{j=1}^N a_j = \sum_{j=1}^N a_j\, x_j = 0 . \tag{10.4} $$
 #
 # ### 10.1 From truncated powers to distances
 #
-# Find $a_j$, $b_0$ and $b_1$ with pen and paper, from $\alpha_j$, $\beta_0$ and $\beta_1$. Then write it.
+# Find $a_j$, $b_0$ and $b_1$ with pen and paper, from $\alpha_j$, $\beta_0$ and $\beta_1$. Then
+# write it.
 #
 # <details><summary>Hint</summary>
 #
-# By (10.3) there is a rest, half of $\sum_j \alpha_j (x - x_j)^3$. Expand the cube. Which of the four powers of $x$ drop out by (10.2), and to which
-# coefficients do the others belong?
+# By (10.3) there is a rest, half of $\sum_j \alpha_j (x - x_j)^3$. Expand the cube. Which of the
+# four powers of $x$ drop out by (10.2), and to which coefficients do the others belong?
 #
 # </details>
 
@@ -145,14 +153,15 @@ def two_sums(middle):
 
 
 # %% [markdown]
-# **What to look at.** The grey terms and the dashed lines differ, the sums do not. On the left nothing happens before the first site. On the right all
-# terms are there from the start, left and right look alike, and together they are straight on both sides: that is the work of (10.2).
+# **What to look at.** The grey terms and the dashed lines differ, the sums do not. On the left
+# nothing happens before the first site. On the right all terms are there from the start, left and
+# right look alike, and together they are straight on both sides: that is the work of (10.2).
 
 # %% [markdown]
 # ## Through the pins
 #
-# In (10.4) there are $N + 2$ unknowns, and $N + 2$ equations: $s(x_i) = f_i$, and the two side conditions. With
-# $A_{ij} = \lvert x_i - x_j \rvert^3$ and $\mathbf{P}$ with the rows $(1, x_i)$,
+# In (10.4) there are $N + 2$ unknowns, and $N + 2$ equations: $s(x_i) = f_i$, and the two side
+# conditions. With $A_{ij} = \lvert x_i - x_j \rvert^3$ and $\mathbf{P}$ with the rows $(1, x_i)$,
 #
 # $$ \begin{bmatrix} \mathbf{A} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \begin{bmatrix} \mathbf{a} \\ \mathbf{b} \end{bmatrix} =
@@ -203,34 +212,39 @@ def the_rod(height):
 
 
 # %% [markdown]
-# **What to look at.** Your own pins. The rod is straight outside the grey part. Move a pin: near it the rod follows, a few pins further it hardly
-# notices.
+# **What to look at.** Your own pins. The rod is straight outside the grey part. Move a pin: near it
+# the rod follows, a few pins further it hardly notices.
 
 # %% [markdown]
 # ## From pin to pin
 #
-# Now forget all that. On each interval the spline is a cubic, so its second derivative is a straight line, and $s''$ is a broken line. Call its values at the
-# sites the *moments* $M_i = s''(x_i)$. With $h_i = x_{i+1} - x_i$ and $u = (x - x_i) / h_i$, the cubic on
-# $[x_i, x_{i+1}]$ that has the values $f_i$, $f_{i+1}$ and the second derivatives $M_i$, $M_{i+1}$ at its ends is
+# Now forget all that. On each interval the spline is a cubic, so its second derivative is a
+# straight line, and $s''$ is a broken line. Call its values at the sites the *moments* $M_i =
+# s''(x_i)$. With $h_i = x_{i+1} - x_i$ and $u = (x - x_i) / h_i$, the cubic on $[x_i, x_{i+1}]$
+# that has the values $f_i$, $f_{i+1}$ and the second derivatives $M_i$, $M_{i+1}$ at its ends is
 #
 # $$ s(x) = (1-u)\, f_i + u\, f_{i+1} +
-#    \frac{h_i^2}{6} \Bigl( \bigl[(1-u)^3 - (1-u)\bigr] M_i + \bigl[u^3 - u\bigr] M_{i+1} \Bigr) . \tag{10.6} $$
+#    \frac{h_i^2}{6} \Bigl( \bigl[(1-u)^3 - (1-u)\bigr] M_i + \bigl[u^3 - u\bigr] M_{i+1} \Bigr) .
+#    \tag{10.6} $$
 #
 # The slopes of neighbouring pieces agree at $x_i$ if
 #
 # $$ \frac{h_{i-1}}{6} M_{i-1} + \frac{h_{i-1} + h_i}{3} M_i + \frac{h_i}{6} M_{i+1} =
-#    \frac{f_{i+1} - f_i}{h_i} - \frac{f_i - f_{i-1}}{h_{i-1}}, \qquad i = 2, \dots, N - 1, \tag{10.7} $$
+#    \frac{f_{i+1} - f_i}{h_i} - \frac{f_i - f_{i-1}}{h_{i-1}}, \qquad i = 2, \dots, N - 1,
+#    \tag{10.7} $$
 #
 # and natural means $M_1 = M_N = 0$.
 #
 # ### 10.3 The moments
 #
-# Write the system and solve it. From here on the sites ascend. With two sites only, there is nothing to bend.
+# Write the system and solve it. From here on the sites ascend. With two sites only, there is
+# nothing to bend.
 #
 # <details><summary>Hint</summary>
 #
-# Begin with an identity matrix and zeros on the right side: then the first and the last row are done. Each of the others
-# has three entries. Differentiate (10.6) at $u = 0$ and $u = 1$ to see where (10.7) comes from.
+# Begin with an identity matrix and zeros on the right side: then the first and the last row are
+# done. Each of the others has three entries. Differentiate (10.6) at $u = 0$ and $u = 1$ to see
+# where (10.7) comes from.
 #
 # </details>
 
@@ -255,13 +269,14 @@ check("10.3")
 # %% [markdown]
 # ### 10.4 The pieces
 #
-# Evaluate the spline at any places: (10.6) on the interval in which each place lies, and outside the straight lines that continue the
-# first and the last piece with their value and slope.
+# Evaluate the spline at any places: (10.6) on the interval in which each place lies, and outside
+# the straight lines that continue the first and the last piece with their value and slope.
 #
 # <details><summary>Hint</summary>
 #
-# `np.searchsorted` finds the interval. For places outside take the first interval or the last: $u$ is then below 0 or above 1. What becomes of (10.6) there, if the powers
-# $u^3$ and $(1-u)^3$ are replaced by truncated ones, $u_+^3$ and $(1-u)_+^3$? Remember $M_1 = M_N = 0$.
+# `np.searchsorted` finds the interval. For places outside take the first interval or the last: $u$
+# is then below 0 or above 1. What becomes of (10.6) there, if the powers $u^3$ and $(1-u)^3$ are
+# replaced by truncated ones, $u_+^3$ and $(1-u)_+^3$? Remember $M_1 = M_N = 0$.
 #
 # </details>
 
@@ -324,11 +339,14 @@ def beyond_the_pins(reach):
 
 
 # %% [markdown]
-# **What to look at.** The curve by distances and the curve by pieces are one curve, up to rounding. Programs that only set $M_1 = M_N = 0$ and let the outer cubics run on (dashed) agree
-# inside, and leave outside: that is no natural spline any more. On the right is the second derivative: a broken line, zero at both ends. Its *slope*, the third
-# derivative, jumps at every site, at the first and the last as well.
+# **What to look at.** The curve by distances and the curve by pieces are one curve, up to rounding.
+# Programs that only set $M_1 = M_N = 0$ and let the outer cubics run on (dashed) agree inside, and
+# leave outside: that is no natural spline any more. On the right is the second derivative: a broken
+# line, zero at both ends. Its *slope*, the third derivative, jumps at every site, at the first and
+# the last as well.
 #
-# The jump tells the way back. A term $\alpha_j (x - x_j)_+^3$ has the third derivative 0 to the left of $x_j$ and $6 \alpha_j$ to the right, and no other term of (10.1) jumps there. So
+# The jump tells the way back. A term $\alpha_j (x - x_j)_+^3$ has the third derivative 0 to the
+# left of $x_j$ and $6 \alpha_j$ to the right, and no other term of (10.1) jumps there. So
 #
 # $$ \alpha_j = \tfrac16 \bigl( s'''(x_j^+) - s'''(x_j^-) \bigr), \tag{10.8} $$
 #
@@ -340,7 +358,8 @@ def beyond_the_pins(reach):
 #
 # <details><summary>Hint</summary>
 #
-# On one interval $s''$ goes from $M_i$ to $M_{i+1}$ in a straight line: what is its slope? Outside it is zero. For the line, differentiate (10.6) at the left end of the first interval.
+# On one interval $s''$ goes from $M_i$ to $M_{i+1}$ in a straight line: what is its slope? Outside
+# it is zero. For the line, differentiate (10.6) at the left end of the first interval.
 #
 # </details>
 
@@ -390,8 +409,9 @@ def round_trip():
 
 
 # %% [markdown]
-# **What to look at.** Every cross in its circle: from the moments by way of truncated powers you arrive at the solution of (10.5). One route costs a full system of $N + 2$ equations, the
-# other three numbers in each row. For a hundred thousand pins only the second one is possible.
+# **What to look at.** Every cross in its circle: from the moments by way of truncated powers you
+# arrive at the solution of (10.5). One route costs a full system of $N + 2$ equations, the other
+# three numbers in each row. For a hundred thousand pins only the second one is possible.
 
 # %% [markdown]
 # ## The least bending
@@ -400,19 +420,23 @@ def round_trip():
 #
 # $$ E(f) = \int f''(x)^2\, dx . \tag{10.9} $$
 #
-# Of all curves through the pins the natural spline has the least. More precisely, if $f$ goes through the same values as the spline $s$, then
+# Of all curves through the pins the natural spline has the least. More precisely, if $f$ goes
+# through the same values as the spline $s$, then
 #
-# $$ \int (f'' - s'')\, s''\, dx = 0, \qquad \text{hence} \qquad E(f) = E(s) + E(f - s) , \tag{10.10} $$
+# $$ \int (f'' - s'')\, s''\, dx = 0, \qquad \text{hence} \qquad E(f) = E(s) + E(f - s) ,
+#    \tag{10.10} $$
 #
 # a theorem of Pythagoras for curves.
 #
 # ### 10.6 The energy of the spline
 #
-# Write $E(s)$ from the moments, exactly: $s''$ is a broken line, and its square a parabola on each interval.
+# Write $E(s)$ from the moments, exactly: $s''$ is a broken line, and its square a parabola on each
+# interval.
 #
 # <details><summary>Hint</summary>
 #
-# On an interval of the length $h$ on which $s''$ goes from $p$ to $q$: what is $h \int_0^1 \bigl((1-u)\, p + u\, q\bigr)^2 du$?
+# On an interval of the length $h$ on which $s''$ goes from $p$ to $q$: what is $h \int_0^1
+# \bigl((1-u)\, p + u\, q\bigr)^2 du$?
 #
 # </details>
 
@@ -462,22 +486,27 @@ def pythagoras(size):
 
 
 # %% [markdown]
-# **What to look at.** The orange curve goes through all pins, with a wave added that is zero at each. Its energy is a parabola in the size of the wave, and its lowest point touches your number, exactly where nothing
-# is added. By (10.10) it has no linear part, whatever wave one takes.
+# **What to look at.** The orange curve goes through all pins, with a wave added that is zero at
+# each. Its energy is a parabola in the size of the wave, and its lowest point touches your number,
+# exactly where nothing is added. By (10.10) it has no linear part, whatever wave one takes.
 
 # %% [markdown]
 # ## Local after all
 #
-# The bump $\lvert x - x_j \rvert^3$ reaches everywhere and grows. But sums of a few of them vanish outside a few intervals. These are the *B-splines*. Let $t_1 \leq t_2 \leq \dots \leq t_n$ be *knots*. For the degree 0
+# The bump $\lvert x - x_j \rvert^3$ reaches everywhere and grows. But sums of a few of them vanish
+# outside a few intervals. These are the *B-splines*. Let $t_1 \leq t_2 \leq \dots \leq t_n$
+# be *knots*. For the degree 0
 #
-# $$ B_{i,0}(x) = \begin{cases} 1 & \text{for } t_i \leq x < t_{i+1}, \\ 0 & \text{otherwise,} \end{cases} \tag{10.11} $$
+# $$ B_{i,0}(x) = \begin{cases} 1 & \text{for } t_i \leq x < t_{i+1}, \\ 0 & \text{otherwise,}
+#    \end{cases} \tag{10.11} $$
 #
 # and from one degree to the next
 #
 # $$ B_{i,k}(x) = \frac{x - t_i}{t_{i+k} - t_i}\, B_{i,k-1}(x) +
 #    \frac{t_{i+k+1} - x}{t_{i+k+1} - t_{i+1}}\, B_{i+1,k-1}(x) . \tag{10.12} $$
 #
-# Knots may coincide; a quotient whose denominator is zero counts as zero. The next cell has such a quotient. There are $n - k - 1$ B-splines of the degree $k$.
+# Knots may coincide; a quotient whose denominator is zero counts as zero. The next cell has such a
+# quotient. There are $n - k - 1$ B-splines of the degree $k$.
 
 
 # %% tags=["setup"]
@@ -493,7 +522,8 @@ def quotient(top, bottom):
 #
 # <details><summary>Hint</summary>
 #
-# Keep a list of arrays, one for each $i$. The list of degree 0 has $n - 1$ members; each step makes a shorter one. Mind that indices begin at zero in NumPy. `np.stack` makes a matrix of a list.
+# Keep a list of arrays, one for each $i$. The list of degree 0 has $n - 1$ members; each step makes
+# a shorter one. Mind that indices begin at zero in NumPy. `np.stack` makes a matrix of a list.
 #
 # </details>
 
@@ -537,10 +567,12 @@ def bells(degree, knot):
 
 
 # %% [markdown]
-# **What to look at.** A B-spline of degree $k$ lives on $k + 1$ intervals, is never negative, and wherever $k + 1$ of them meet their sum is one. Move the sixth
-# knot onto its neighbour: at a double knot a cubic spline has one derivative less. Try the degree 1 there.
+# **What to look at.** A B-spline of degree $k$ lives on $k + 1$ intervals, is never negative, and
+# wherever $k + 1$ of them meet their sum is one. Move the sixth knot onto its neighbour: at a
+# double knot a cubic spline has one derivative less. Try the degree 1 there.
 #
-# Locality shows in the rod as well. Here one value of many is changed by 1, and you see how much the natural spline changes from interval to interval.
+# Locality shows in the rod as well. Here one value of many is changed by 1, and you see how much
+# the natural spline changes from interval to interval.
 
 
 # %%
@@ -568,84 +600,121 @@ def influence(which):
 
 
 # %% [markdown]
-# **What to look at.** From one pin to the next the influence falls to about a quarter: to $2 - \sqrt{3} \approx 0.268$, to be precise. Where does that number come from? Put $M_i = z^i$ into (10.7) with equal steps
-# and zeros on the right side.
+# **What to look at.** From one pin to the next the influence falls to about a quarter: to $2 -
+# \sqrt{3} \approx 0.268$, to be precise. Where does that number come from? Put $M_i = z^i$ into
+# (10.7) with equal steps and zeros on the right side.
 #
 # ## In words
 #
-# **10.8** Prove (10.10): that $\int (f'' - s'')\, s''\, dx = 0$ if $f$ and the natural spline $s$ have the same values at the sites, and $f$ is smooth. Where do you use that $s$ is *natural*, and where that the values are
-# the same? Conclude that no other curve through the pins bends as little.
+# **10.8** Prove (10.10): that $\int (f'' - s'')\, s''\, dx = 0$ if $f$ and the natural spline $s$
+# have the same values at the sites, and $f$ is smooth. Where do you use that $s$ is *natural*, and
+# where that the values are the same? Conclude that no other curve through the pins bends as little.
 #
 # <details><summary>Hint</summary>
 #
-# Integrate by parts, interval by interval: $\int g'' s'' = [g' s''] - \int g' s'''$ with $g = f - s$. What is $s'''$ on an interval? What becomes of the sum of the brackets?
+# Integrate by parts, interval by interval: $\int g'' s'' = [g' s''] - \int g' s'''$ with $g = f -
+# s$. What is $s'''$ on an interval? What becomes of the sum of the brackets?
 #
 # </details>
 
 # %% [markdown] answer="10.8" points=4
-# Let $g = f - s$; it vanishes at all sites. On an interval $\int g'' s'' dx = [g' s''] - \int g' s''' dx$.
+# Let $g = f - s$; it vanishes at all sites. On an interval $\int g'' s'' dx = [g' s''] - \int g'
+# s''' dx$.
 #
-# *The brackets.* $g'$ and $s''$ are continuous, so the brackets of neighbouring intervals cancel at each inner site, and $g'(x_N) s''(x_N) - g'(x_1) s''(x_1)$ is left. Here it is used that $s$ is natural: $s''$ is zero at
-# both ends.
+# *The brackets.* $g'$ and $s''$ are continuous, so the brackets of neighbouring intervals cancel at
+# each inner site, and $g'(x_N) s''(x_N) - g'(x_1) s''(x_1)$ is left. Here it is used that $s$ is
+# natural: $s''$ is zero at both ends.
 #
-# *The rest.* On an interval $s'''$ is constant, and $\int g' dx$ is the difference of $g$ at the two ends, $0 - 0$: here it is used that the values are the same. Outside $s'' = 0$. So the integral vanishes.
+# *The rest.* On an interval $s'''$ is constant, and $\int g' dx$ is the difference of $g$ at the
+# two ends, $0 - 0$: here it is used that the values are the same. Outside $s'' = 0$. So the
+# integral vanishes.
 #
-# *Conclusion.* $f'' = s'' + g''$, and $E(f) = E(s) + 2 \int g'' s'' + E(g) = E(s) + E(g) \geq E(s)$. Equality means $g'' = 0$: $g$ is a straight line that vanishes at $N \geq 2$ sites, so $g = 0$ and $f = s$.
+# *Conclusion.* $f'' = s'' + g''$, and $E(f) = E(s) + 2 \int g'' s'' + E(g) = E(s) + E(g) \geq
+# E(s)$. Equality means $g'' = 0$: $g$ is a straight line that vanishes at $N \geq 2$ sites, so $g =
+# 0$ and $f = s$.
 
 # %% [markdown] rubric="10.8"
-# One point: integration by parts on each interval. One: the boundary terms cancel inside, and vanish at the ends since s'' is zero there. One: the third derivative is constant on an interval, the difference of g is
-# zero. One: Pythagoras and uniqueness, with the argument that g is a line with two zeros.
+# One point: integration by parts on each interval. One: the boundary terms cancel inside, and
+# vanish at the ends since s'' is zero there. One: the third derivative is constant on an interval,
+# the difference of g is zero. One: Pythagoras and uniqueness, with the argument that g is a line
+# with two zeros.
 
 # %% [markdown]
-# **10.9** A text says: a cubic spline is natural if and only if $s''(x_1) = s'''(x_1) = 0$ and $s''(x_N) = s'''(x_N) = 0$. A student computes the third derivative just to the right of $x_1$, finds 13759, and
-# thinks that the program is wrong. Who is right? And what does a program lack that only makes $s''(x_1) = s''(x_N) = 0$?
+# **10.9** A text says: a cubic spline is natural if and only if $s''(x_1) = s'''(x_1) = 0$ and
+# $s''(x_N) = s'''(x_N) = 0$. A student computes the third derivative just to the right of $x_1$,
+# finds 13759, and thinks that the program is wrong. Who is right? And what does a program lack that
+# only makes $s''(x_1) = s''(x_N) = 0$?
 #
 # <details><summary>Hint</summary>
 #
-# Look at the slope of the broken line on the right of the picture with the second derivative, on both sides of the first pin.
+# Look at the slope of the broken line on the right of the picture with the second derivative, on
+# both sides of the first pin.
 #
 # </details>
 
 # %% [markdown] answer="10.9" points=3
-# Both, once it is said from which side. The third derivative of a cubic spline jumps at the sites, so $s'''(x_1)$ has no meaning by itself. Before the first site the natural spline is straight, so the limit from *outside* is zero, for the second and
-# the third derivative; that is what the text must mean. From inside $s'''(x_1^+) = M_2 / h_1$, which may be any number. If it were zero too, the curve would be straight on the first interval as well.
+# Both, once it is said from which side. The third derivative of a cubic spline jumps at the sites,
+# so $s'''(x_1)$ has no meaning by itself. Before the first site the natural spline is straight, so
+# the limit from *outside* is zero, for the second and the third derivative; that is what the text
+# must mean. From inside $s'''(x_1^+) = M_2 / h_1$, which may be any number. If it were zero too,
+# the curve would be straight on the first interval as well.
 #
-# $s'' = 0$ at both ends determines the curve between the sites: there such a program is right. Outside it says nothing. If the outer cubic is simply continued, its second derivative grows from zero on, with the slope $s'''$ of the inside,
-# and the curve is no longer straight nor of finite energy. One has to continue by the tangent.
+# $s'' = 0$ at both ends determines the curve between the sites: there such a program is right.
+# Outside it says nothing. If the outer cubic is simply continued, its second derivative grows from
+# zero on, with the slope $s'''$ of the inside, and the curve is no longer straight nor of finite
+# energy. One has to continue by the tangent.
 
 # %% [markdown] rubric="10.9"
-# One point: the third derivative jumps at a site, the statement holds for the limit from outside. One: inside it need not vanish, so the number is no error. One: s'' = 0 settles the inside only; outside one must continue with straight
-# lines, and a continued cubic is not natural.
+# One point: the third derivative jumps at a site, the statement holds for the limit from outside.
+# One: inside it need not vanish, so the number is no error. One: s'' = 0 settles the inside only;
+# outside one must continue with straight lines, and a continued cubic is not natural.
 
 # %% [markdown]
-# **10.10** Count: how many cubic splines are there for $N$ sites, in the sense of a dimension, and how many of them are natural? Does the count hold for $N = 1$? And which sentence about the kernel $r^3$ says that (10.5) has exactly one solution?
+# **10.10** Count: how many cubic splines are there for $N$ sites, in the sense of a dimension, and
+# how many of them are natural? Does the count hold for $N = 1$? And which sentence about the kernel
+# $r^3$ says that (10.5) has exactly one solution?
 #
 # <details><summary>Hint</summary>
 #
-# A cubic on the left has four coefficients; at each site one more number is chosen, the jump of the third derivative. How many conditions make the outer two pieces straight?
+# A cubic on the left has four coefficients; at each site one more number is chosen, the jump of the
+# third derivative. How many conditions make the outer two pieces straight?
 #
 # </details>
 
 # %% [markdown] answer="10.10" points=3
-# A cubic on the far left, four numbers, and at each site a truncated power with one factor: $N + 4$. Straight on the left takes two conditions (no $x^2$, no $x^3$), straight on the right two more, which are (10.2). So $N$ are left, as many as
-# values, if the four conditions are independent.
+# A cubic on the far left, four numbers, and at each site a truncated power with one factor: $N +
+# 4$. Straight on the left takes two conditions (no $x^2$, no $x^3$), straight on the right two
+# more, which are (10.2). So $N$ are left, as many as values, if the four conditions are
+# independent.
 #
-# For $N = 1$ they are not. (10.2) reads $\alpha_1 = 0$ and $\alpha_1 x_1 = 0$, the same condition twice; the natural splines are the straight lines, of dimension two and not one, and there are many through one pin. One needs $N \geq 2$.
+# For $N = 1$ they are not. (10.2) reads $\alpha_1 = 0$ and $\alpha_1 x_1 = 0$, the same condition
+# twice; the natural splines are the straight lines, of dimension two and not one, and there are
+# many through one pin. One needs $N \geq 2$.
 #
-# $r^3$ is conditionally positive definite of order two: the form $\mathbf{a}^T \mathbf{A} \mathbf{a}$ is positive for all $\mathbf{a} \neq \mathbf{0}$ that satisfy the two side conditions, and two distinct sites are enough to determine a polynomial
-# of degree one. Then the system has one solution for all values. Here the form has a meaning too: $E(s) = 12\, \mathbf{a}^T\mathbf{A}\,\mathbf{a}$.
+# $r^3$ is conditionally positive definite of order two: the form $\mathbf{a}^T \mathbf{A}
+# \mathbf{a}$ is positive for all $\mathbf{a} \neq \mathbf{0}$ that satisfy the two side conditions,
+# and two distinct sites are enough to determine a polynomial of degree one. Then the system has one
+# solution for all values. Here the form has a meaning too: $E(s) = 12\,
+# \mathbf{a}^T\mathbf{A}\,\mathbf{a}$.
 
 # %% [markdown] rubric="10.10"
-# One point: N + 4 and N, with a reason. One: N = 1 fails, as the conditions depend on each other (or: all lines are natural splines). One: order two (positive form on the side conditions) and sites that determine a line.
+# One point: N + 4 and N, with a reason. One: N = 1 fails, as the conditions depend on each other
+# (or: all lines are natural splines). One: order two (positive form on the side conditions) and
+# sites that determine a line.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - Show that $E(s) = 12\, \mathbf{a}^T\mathbf{f}$, first by numbers, then by (10.8) and integration by parts.
-# - Interpolate $\sin x$ on $[0, 3]$ with 10, 20, 40, 80 sites. How does the largest error fall, in the middle and near the ends? Where does the natural spline lose, and why?
-# - For every number $y$, Marsden's identity says that $(y - x)^k$ is the sum of $B_{i,k}(x)$ times $(y - t_{i+1}) \cdots (y - t_{i+k})$. Try it. What does it say for the highest power of $y$?
-# - A box, smeared out by a box of the same width, is a B-spline of degree 1 on whole numbers; and so on. Do it with `np.convolve`, and compare with your `b_splines`.
-# - Write `moments` without a full matrix, in a number of steps proportional to $N$. How many pins can you take now?
+# - Show that $E(s) = 12\, \mathbf{a}^T\mathbf{f}$, first by numbers, then by (10.8) and integration
+#   by parts.
+# - Interpolate $\sin x$ on $[0, 3]$ with 10, 20, 40, 80 sites. How does the largest error fall, in
+#   the middle and near the ends? Where does the natural spline lose, and why?
+# - For every number $y$, Marsden's identity says that $(y - x)^k$ is the sum of $B_{i,k}(x)$ times
+#   $(y - t_{i+1}) \cdots (y - t_{i+k})$. Try it. What does it say for the highest power of $y$?
+# - A box, smeared out by a box of the same width, is a B-spline of degree 1 on whole numbers; and
+#   so on. Do it with `np.convolve`, and compare with your `b_splines`.
+# - Write `moments` without a full matrix, in a number of steps proportional to $N$. How many pins
+#   can you take now?
 
 # %%
 progress()

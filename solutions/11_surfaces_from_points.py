@@ -13,11 +13,13 @@
 # %% [markdown]
 # # Surfaces from point clouds
 #
-# A scanner measures points on a body, and nothing else: no triangles, no inside and outside, no order. By the
-# end of this notebook you have found a function $F$ whose zero level runs through the points, positive inside and negative outside, and
-# you have drawn it. Everything works in the plane, where pictures are clear, and in space without a change.
+# A scanner measures points on a body, and nothing else: no triangles, no inside and outside, no
+# order. By the end of this notebook you have found a function $F$ whose zero level runs through the
+# points, positive inside and negative outside, and you have drawn it. Everything works in the
+# plane, where pictures are clear, and in space without a change.
 #
-# The road has four stations: normals, their signs, points beside the surface, and interpolation. Eight functions.
+# The road has four stations: normals, their signs, points beside the surface, and interpolation.
+# Eight functions.
 
 # %% tags=["setup"]
 import numpy as np
@@ -83,7 +85,9 @@ def draw_pieces(axes, ends, **style):
 
 
 def lattice(n, size=1.9):
-    """Return the nodes of a grid of n × n squares about the origin, row by row, (n + 1, n + 1, 2)."""
+    """Return the nodes of a grid of n × n squares about the origin, row by row, (n + 1, n + 1,
+    2).
+    """
     side = np.linspace(-size, size, n + 1)
     return np.stack(np.meshgrid(side, side), axis=-1)
 
@@ -91,7 +95,8 @@ def lattice(n, size=1.9):
 # %% [markdown]
 # ## The problem in a picture
 #
-# Points of a closed curve. Where does it run, and where is inside? With how few points do you still see it?
+# Points of a closed curve. Where does it run, and where is inside? With how few points do you still
+# see it?
 
 
 # %%
@@ -107,18 +112,22 @@ def problem(points):
 
 
 # %% [markdown]
-# Whoever sees the curve joins points to their neighbours. Near a point a smooth curve looks like a straight line, and a smooth
-# surface like a plane. That is the first station.
+# Whoever sees the curve joins points to their neighbours. Near a point a smooth curve looks like a
+# straight line, and a smooth surface like a plane. That is the first station.
 #
 # ## Normals
 #
-# Let $N(i)$ be the $K$ points nearest to $\mathbf{p}_i$, itself among them. Their centre and the matrix of their variances are
+# Let $N(i)$ be the $K$ points nearest to $\mathbf{p}_i$, itself among them. Their centre and the
+# matrix of their variances are
 #
 # $$ \mathbf{m}_i = \frac1K \sum_{j \in N(i)} \mathbf{p}_j , \qquad
-#    \mathbf{C}_i = \sum_{j \in N(i)} (\mathbf{p}_j - \mathbf{m}_i)(\mathbf{p}_j - \mathbf{m}_i)^T . \tag{11.1} $$
+#    \mathbf{C}_i = \sum_{j \in N(i)} (\mathbf{p}_j - \mathbf{m}_i)(\mathbf{p}_j - \mathbf{m}_i)^T .
+#    \tag{11.1} $$
 #
-# $\mathbf{C}_i$ has $D$ eigenvalues $\lambda_1 \ge \dots \ge \lambda_D \ge 0$: the variances along its eigenvectors. Across a line or plane through the neighbours
-# there is the least variance. So the normal $\mathbf{n}_i$ is the unit eigenvector that belongs to $\lambda_D$. Its sign is open. The *planarity*
+# $\mathbf{C}_i$ has $D$ eigenvalues $\lambda_1 \ge \dots \ge \lambda_D \ge 0$: the variances along
+# its eigenvectors. Across a line or plane through the neighbours there is the least variance. So
+# the normal $\mathbf{n}_i$ is the unit eigenvector that belongs to $\lambda_D$. Its sign is open.
+# The *planarity*
 #
 # $$ q_i = 1 - \lambda_D / \lambda_{D-1} \tag{11.2} $$
 #
@@ -128,7 +137,8 @@ def problem(points):
 #
 # <details><summary>Hint</summary>
 #
-# Point by point. `np.argsort` of the distances gives the nearest first. `np.linalg.eigh` returns eigenvalues, the least first, and eigenvectors as *columns*.
+# Point by point. `np.argsort` of the distances gives the nearest first. `np.linalg.eigh` returns
+# eigenvalues, the least first, and eigenvectors as *columns*.
 #
 # </details>
 
@@ -174,16 +184,20 @@ def estimated(k, noise):
 
 
 # %% [markdown]
-# **What to look at.** Few neighbours see the noise, many see round the corner. There is a best number between, and it grows with the noise. A small
-# planarity warns. A large one promises little: where the curve begins to bend, the neighbours may lie close to a line that is not the
-# tangent (dots high up, on the right).
+# **What to look at.** Few neighbours see the noise, many see round the corner. There is a best
+# number between, and it grows with the noise. A small planarity warns. A large one promises little:
+# where the curve begins to bend, the neighbours may lie close to a line that is not the tangent
+# (dots high up, on the right).
 #
 # ## Neighbours
 #
-# The normals have lines and no arrows yet. Neighbours should agree: the idea is to begin at one point, and to hand the sign on from neighbour to neighbour.
-# "$j$ is among the $K$ nearest of $i$" does not go both ways: a lonely point has neighbours to whom it is none. So points are *linked* if one of the two holds,
+# The normals have lines and no arrows yet. Neighbours should agree: the idea is to begin at one
+# point, and to hand the sign on from neighbour to neighbour. "$j$ is among the $K$ nearest of $i$"
+# does not go both ways: a lonely point has neighbours to whom it is none. So points are *linked* if
+# one of the two holds,
 #
-# $$ g_{ij} = 1 \iff i \neq j \text{ and } \big( j \in N(i) \text{ or } i \in N(j) \big). \tag{11.3} $$
+# $$ g_{ij} = 1 \iff i \neq j \text{ and } \big( j \in N(i) \text{ or } i \in N(j) \big). \tag{11.3}
+#    $$
 #
 # ### 11.2 The graph
 
@@ -206,16 +220,19 @@ check("11.2")
 # %% [markdown]
 # ## Orientation
 #
-# Over which link can a sign be handed on? Two normals that are nearly parallel leave no doubt. If they stand at right angles the sign is a guess. So let a link cost
+# Over which link can a sign be handed on? Two normals that are nearly parallel leave no doubt. If
+# they stand at right angles the sign is a guess. So let a link cost
 #
 # $$ w_{ij} = 1 - | \mathbf{n}_i^T \mathbf{n}_j | , \tag{11.4} $$
 #
-# which does not depend on the signs, and take the cheapest links that connect all points: the *minimum spanning tree*. Along it the signs go:
-# if $\mathbf{n}_i^T \mathbf{n}_j < 0$ the new one is turned round.
+# which does not depend on the signs, and take the cheapest links that connect all points:
+# the *minimum spanning tree*. Along it the signs go: if $\mathbf{n}_i^T \mathbf{n}_j < 0$ the new
+# one is turned round.
 #
-# The tree grows from one point. At each step, of all links from the tree to a point outside of it, take the cheapest.
-# And the first sign? At the *highest* point, that with the greatest last coordinate, the outward normal points upward: its last component is positive.
-# If links do not reach all points there are several parts, and each begins anew at its highest point.
+# The tree grows from one point. At each step, of all links from the tree to a point outside of it,
+# take the cheapest. And the first sign? At the *highest* point, that with the greatest last
+# coordinate, the outward normal points upward: its last component is positive. If links do not
+# reach all points there are several parts, and each begins anew at its highest point.
 #
 # ### 11.3 Orient
 #
@@ -223,8 +240,10 @@ check("11.2")
 #
 # <details><summary>Hint</summary>
 #
-# Keep for each point outside of the tree the least cost of a link to the tree, infinite at first, and where that link begins. When a point joins the tree, update both for the points that it is
-# linked to. If the least of all costs is infinite, a new part begins. `np.where(outside, cost, np.inf)` hides the points that have joined.
+# Keep for each point outside of the tree the least cost of a link to the tree, infinite at first,
+# and where that link begins. When a point joins the tree, update both for the points that it is
+# linked to. If the least of all costs is infinite, a new part begins. `np.where(outside, cost,
+# np.inf)` hides the points that have joined.
 #
 # </details>
 
@@ -279,20 +298,25 @@ def oriented(k):
 
 
 # %% [markdown]
-# **What to look at.** With more neighbours links jump across the body, and across the gap. There the normals are nearly parallel, so that these links are cheap, and they point in opposite
+# **What to look at.** With more neighbours links jump across the body, and across the gap. There
+# the normals are nearly parallel, so that these links are cheap, and they point in opposite
 # directions: the sign is handed on, and wrong. With too few, parts get lost.
 #
 # ## Points beside the surface
 #
-# Now to the function. $F(\mathbf{p}_i) = 0$ at all points does not determine it: zero everywhere is a solution. So points beside the surface are added, along the normals, with
-# the distance as their value, negative outside and positive inside:
+# Now to the function. $F(\mathbf{p}_i) = 0$ at all points does not determine it: zero everywhere is
+# a solution. So points beside the surface are added, along the normals, with the distance as their
+# value, negative outside and positive inside:
 #
-# $$ F(\mathbf{p}_i + \delta\, \mathbf{n}_i) = -\delta , \qquad F(\mathbf{p}_i - \delta'\, \mathbf{n}_i) = \delta' . \tag{11.5} $$
+# $$ F(\mathbf{p}_i + \delta\, \mathbf{n}_i) = -\delta , \qquad F(\mathbf{p}_i - \delta'\,
+#    \mathbf{n}_i) = \delta' . \tag{11.5} $$
 #
-# How far? A point that is too far outside may be inside again, of another part of the body. There is a simple test, of Carr and others: the point of the cloud *nearest* to the added point must be its own, $\mathbf{p}_i$.
-# If it is not, go half as far, and test again:
+# How far? A point that is too far outside may be inside again, of another part of the body. There
+# is a simple test, of Carr and others: the point of the cloud *nearest* to the added point must be
+# its own, $\mathbf{p}_i$. If it is not, go half as far, and test again:
 #
-# $$ \delta = \Delta / 2^m \quad \text{with the least } m \ge 0 \text{ for which the test is passed.} \tag{11.6} $$
+# $$ \delta = \Delta / 2^m \quad \text{with the least } m \ge 0 \text{ for which the test is
+#    passed.} \tag{11.6} $$
 #
 # ### 11.4 How far
 #
@@ -317,22 +341,26 @@ def off_surface(points, normals, distance):
 check("11.4")
 
 # %% [markdown]
-# `augmented(points, normals, lengths)` is written for you. It returns all sites and their values: the points with zero, then those outside, then those inside.
+# `augmented(points, normals, lengths)` is written for you. It returns all sites and their values:
+# the points with zero, then those outside, then those inside.
 #
 # ## Interpolation
 #
 # The function is a sum of cubes of distances, with a linear one,
 #
-# $$ F(\mathbf{x}) = \sum_{j=1}^{n} \lambda_j \lVert \mathbf{x} - \mathbf{s}_j \rVert^3 + c_0 + \mathbf{c}^T \mathbf{x} . \tag{11.7} $$
+# $$ F(\mathbf{x}) = \sum_{j=1}^{n} \lambda_j \lVert \mathbf{x} - \mathbf{s}_j \rVert^3 + c_0 +
+#    \mathbf{c}^T \mathbf{x} . \tag{11.7} $$
 #
-# $\mathbf{s}_1, \dots, \mathbf{s}_n$ are the sites, $f_j$ their values. With $\mathbf{A}_{ij} = \lVert \mathbf{s}_i - \mathbf{s}_j \rVert^3$, and
-# $\mathbf{P}$ with the rows $(1, \mathbf{s}_j^T)$, the coefficients solve
+# $\mathbf{s}_1, \dots, \mathbf{s}_n$ are the sites, $f_j$ their values. With $\mathbf{A}_{ij} =
+# \lVert \mathbf{s}_i - \mathbf{s}_j \rVert^3$, and $\mathbf{P}$ with the rows $(1,
+# \mathbf{s}_j^T)$, the coefficients solve
 #
 # $$ \begin{bmatrix} \mathbf{A} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \begin{bmatrix} \boldsymbol\lambda \\ \mathbf{c} \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{f} \\ \mathbf{0} \end{bmatrix} , \tag{11.8} $$
 #
-# where $\mathbf{c}$ has $c_0$ as its first entry. The second row makes the system solvable, and lets $F$ grow slowly far away.
+# where $\mathbf{c}$ has $c_0$ as its first entry. The second row makes the system solvable, and
+# lets $F$ grow slowly far away.
 #
 # ### 11.5 The coefficients
 
@@ -356,8 +384,8 @@ check("11.5")
 # %% [markdown]
 # ### 11.6 The function and its gradient
 #
-# Return $F$ and its gradient at places $\mathbf{x}$. What is the derivative of $r^3$ with $r = \lVert \mathbf{x} - \mathbf{s} \rVert$? Write it without
-# a division: a place may be a site.
+# Return $F$ and its gradient at places $\mathbf{x}$. What is the derivative of $r^3$ with $r =
+# \lVert \mathbf{x} - \mathbf{s} \rVert$? Write it without a division: a place may be a site.
 #
 # <details><summary>Hint</summary>
 #
@@ -406,15 +434,19 @@ def beside(distance):
 
 
 # %% [markdown]
-# **What to look at.** Blue shade: $F > 0$. Orange points are to be outside, blue ones inside. On the left they cross over, contradict each other, and tear the body. The test makes a
-# large distance harmless. At the other end of the slider both are alike.
+# **What to look at.** Blue shade: $F > 0$. Orange points are to be outside, blue ones inside. On
+# the left they cross over, contradict each other, and tear the body. The test makes a large
+# distance harmless. At the other end of the slider both are alike.
 #
 # ## Onto the surface
 #
-# The normal of a level of $F$ is its gradient. As $F$ falls towards the outside, the *outward* normal is $-\nabla F / \lVert \nabla F \rVert$: normals come for free now, and everywhere. And from a place near the surface one gets onto it
-# by Newton's method along the gradient: replace $F$ by its tangent, and go to where that is zero,
+# The normal of a level of $F$ is its gradient. As $F$ falls towards the outside, the *outward*
+# normal is $-\nabla F / \lVert \nabla F \rVert$: normals come for free now, and everywhere. And
+# from a place near the surface one gets onto it by Newton's method along the gradient: replace $F$
+# by its tangent, and go to where that is zero,
 #
-# $$ \mathbf{x} \;\leftarrow\; \mathbf{x} - \frac{F(\mathbf{x})}{\lVert \nabla F(\mathbf{x}) \rVert^2} \nabla F(\mathbf{x}) . \tag{11.9} $$
+# $$ \mathbf{x} \;\leftarrow\; \mathbf{x} - \frac{F(\mathbf{x})}{\lVert \nabla F(\mathbf{x})
+#    \rVert^2} \nabla F(\mathbf{x}) . \tag{11.9} $$
 #
 # ### 11.7 Newton's steps
 
@@ -437,21 +469,27 @@ check("11.7")
 # %% [markdown]
 # ## Marching squares
 #
-# To draw the zero level, cut the plane into squares, and look at $F$ in their corners only. If it has one sign in all four corners the level passes by. Otherwise it crosses the sides whose
-# ends have different signs; where, is told by linear interpolation. Between the ends $\mathbf{a}$ and $\mathbf{b}$ of a side, with the values $f_a$ and $f_b$,
+# To draw the zero level, cut the plane into squares, and look at $F$ in their corners only. If it
+# has one sign in all four corners the level passes by. Otherwise it crosses the sides whose ends
+# have different signs; where, is told by linear interpolation. Between the ends $\mathbf{a}$ and
+# $\mathbf{b}$ of a side, with the values $f_a$ and $f_b$,
 #
 # $$ \mathbf{x} = \mathbf{a} + \frac{f_a}{f_a - f_b} (\mathbf{b} - \mathbf{a}) . \tag{11.10} $$
 #
-# Let the corners be $(0,0)$, $(1,0)$, $(1,1)$, $(0,1)$, in this order, round the square: the rows of `SQUARE`, which is written for you. A piece of the level goes from one crossing to the other; let it run so that what is positive lies to its *left*.
-# Then pieces of neighbouring squares follow each other, and the curve as a whole runs round the body.
+# Let the corners be $(0,0)$, $(1,0)$, $(1,1)$, $(0,1)$, in this order, round the square: the rows
+# of `SQUARE`, which is written for you. A piece of the level goes from one crossing to the other;
+# let it run so that what is positive lies to its *left*. Then pieces of neighbouring squares follow
+# each other, and the curve as a whole runs round the body.
 #
 # ### 11.8 A piece of the level
 #
-# Each row of `values` belongs to one square, in which exactly two sides are crossed. Return the start and the end of each piece.
+# Each row of `values` belongs to one square, in which exactly two sides are crossed. Return the
+# start and the end of each piece.
 #
 # <details><summary>Hint</summary>
 #
-# Go round the square once. Where the sign changes from plus to minus, is it the start of the piece or its end? Draw a square in which only the first corner is positive.
+# Go round the square once. Where the sign changes from plus to minus, is it the start of the piece
+# or its end? Draw a square in which only the first corner is positive.
 #
 # </details>
 
@@ -476,12 +514,16 @@ check("11.8")
 
 
 # %% [markdown]
-# The next cell cuts a grid of values into squares, and calls your function for those with two crossings. (There are squares with four. They have two pieces, and more than one way to draw them.)
+# The next cell cuts a grid of values into squares, and calls your function for those with two
+# crossings. (There are squares with four. They have two pieces, and more than one way to draw
+# them.)
 
 
 # %%
 def zero_level(nodes, f):
-    """Return the pieces (K, 2, 2) of the zero level of values f (n + 1, n + 1) at nodes of a grid."""
+    """Return the pieces (K, 2, 2) of the zero level of values f (n + 1, n + 1) at nodes of a
+    grid.
+    """
     around = np.stack([f[:-1, :-1], f[:-1, 1:], f[1:, 1:], f[1:, :-1]], axis=-1)
     crossed = ((around > 0) != (np.roll(around, -1, axis=-1) > 0)).sum(axis=-1) == 2
     start = nodes[:-1, :-1][crossed][:, None]
@@ -519,11 +561,14 @@ def marching(squares):
 
 
 # %% [markdown]
-# **What to look at.** The points are your own. Few squares cut corners: the ends of the pieces are where a *linear* function would be zero. Newton's steps put them onto the level; between them the pieces are straight all the same.
+# **What to look at.** The points are your own. Few squares cut corners: the ends of the pieces are
+# where a *linear* function would be zero. Newton's steps put them onto the level; between them the
+# pieces are straight all the same.
 #
 # ## The whole road
 #
-# From a cloud with noise to the body, nothing else given: your normals, your graph, your signs, your points beside, your function, your level. The thin arrows are $-\nabla F$.
+# From a cloud with noise to the body, nothing else given: your normals, your graph, your signs,
+# your points beside, your function, your level. The thin arrows are $-\nabla F$.
 
 
 # %%
@@ -561,12 +606,14 @@ def whole_road(noise, k, distance):
 
 
 # %% [markdown]
-# **What to look at.** Make noise: the level still goes through every point, and becomes rough. Make $\Delta$ small as well: two values that differ by $2\Delta$, at places whose distance the noise has
-# made up. What would you rather ask of $F$ than to interpolate?
+# **What to look at.** Make noise: the level still goes through every point, and becomes rough. Make
+# $\Delta$ small as well: two values that differ by $2\Delta$, at places whose distance the noise
+# has made up. What would you rather ask of $F$ than to interpolate?
 #
 # ## In space
 #
-# None of your functions asks for the dimension. A torus, by the same road; then cut into slices, each drawn by marching squares.
+# None of your functions asks for the dimension. A torus, by the same road; then cut into slices,
+# each drawn by marching squares.
 
 
 # %%
@@ -612,52 +659,77 @@ def slices(height):
 
 
 # %% [markdown]
-# **What to look at.** Move the height: the two circles of a slice come together and vanish at the top. Look back at your eight functions: where would the third dimension have made a difference?
+# **What to look at.** Move the height: the two circles of a slice come together and vanish at the
+# top. Look back at your eight functions: where would the third dimension have made a difference?
 
 # %% [markdown]
 # ## In words
 #
-# **11.9** Leave out the points beside the surface. What is the solution of (11.8) then, and why? Why two of them for each point, and not one inside only? And what goes wrong if $\Delta$ is
-# too large without the test, and what if it is very small?
+# **11.9** Leave out the points beside the surface. What is the solution of (11.8) then, and why?
+# Why two of them for each point, and not one inside only? And what goes wrong if $\Delta$ is too
+# large without the test, and what if it is very small?
 #
 # <details><summary>Hint</summary>
 #
-# The right side of (11.8) is zero then. For the last part think of the rows of the matrix, and of the noise.
+# The right side of (11.8) is zero then. For the last part think of the rows of the matrix, and of
+# the noise.
 #
 # </details>
 
 # %% [markdown] answer="11.9" points=3
-# All values are zero, and the system is regular if the points lie on no line (plane): its only solution is zero, $F = 0$ everywhere, with no level and no sides. Values off the surface are what
-# makes $F$ change its sign. One side alone would do formally; two force $F$ to go through zero with a slope of about $-1$ along the normal, so that it is near the signed distance, neither flat nor steep, and the level is well determined from both sides.
+# All values are zero, and the system is regular if the points lie on no line (plane): its only
+# solution is zero, $F = 0$ everywhere, with no level and no sides. Values off the surface are what
+# makes $F$ change its sign. One side alone would do formally; two force $F$ to go through zero with
+# a slope of about $-1$ along the normal, so that it is near the signed distance, neither flat nor
+# steep, and the level is well determined from both sides.
 #
-# Too far: the point lies on the wrong side of another part of the body, with the wrong sign, and the level is torn; or its value is no distance any more, since another part is nearer. Very near: two sites nearly coincide, two rows of the
-# matrix are nearly equal and its condition is bad; and where the points are off by noise, differences of noise are divided by a small $\Delta$, so that the level gets rough.
+# Too far: the point lies on the wrong side of another part of the body, with the wrong sign, and
+# the level is torn; or its value is no distance any more, since another part is nearer. Very near:
+# two sites nearly coincide, two rows of the matrix are nearly equal and its condition is bad; and
+# where the points are off by noise, differences of noise are divided by a small $\Delta$, so that
+# the level gets rough.
 
 # %% [markdown] rubric="11.9"
-# One point for F = 0 with the reason. One for two sides: change of sign and slope. One for both ends of the range of distances; one of these alone earns half.
+# One point for F = 0 with the reason. One for two sides: change of sign and slope. One for both
+# ends of the range of distances; one of these alone earns half.
 
 # %% [markdown]
-# **11.10** In a textbook one reads that normals $b_i \mathbf{n}_i$ with signs $b_i = \pm 1$ are oriented if $\sum b_i b_j (1 - |\mathbf{n}_i^T\mathbf{n}_j|)$, over all links, is as small as possible. Show with
-# a sphere whose normals are right to begin with that this cannot be. Why can *no* choice of weights that do not depend on the signs do? What should be made large instead, and what is (11.4) good for?
+# **11.10** In a textbook one reads that normals $b_i \mathbf{n}_i$ with signs $b_i = \pm 1$ are
+# oriented if $\sum b_i b_j (1 - |\mathbf{n}_i^T\mathbf{n}_j|)$, over all links, is as small as
+# possible. Show with a sphere whose normals are right to begin with that this cannot be. Why
+# can *no* choice of weights that do not depend on the signs do? What should be made large instead,
+# and what is (11.4) good for?
 #
 # <details><summary>Hint</summary>
 #
-# With right normals all $b_i = 1$ should be best. And what changes in the sum if you turn one of the given normals round before you begin?
+# With right normals all $b_i = 1$ should be best. And what changes in the sum if you turn one of
+# the given normals round before you begin?
 #
 # </details>
 
 # %% [markdown] answer="11.10" points=3
-# The weights are not negative. With right normals $b = (1, \dots, 1)$ should be the answer; but it makes every term as large as it can be, and the sum is the *greatest* possible, not the least. The least puts opposite signs where the normals differ most.
+# The weights are not negative. With right normals $b = (1, \dots, 1)$ should be the answer; but it
+# makes every term as large as it can be, and the sum is the *greatest* possible, not the least. The
+# least puts opposite signs where the normals differ most.
 #
-# Nor can a change of signs help: turn one given normal, and the weights stay as they are, so the best $b$ stays the same too, while the right answer has another sign at that point. A sum that cannot see the given signs cannot correct them.
+# Nor can a change of signs help: turn one given normal, and the weights stay as they are, so the
+# best $b$ stays the same too, while the right answer has another sign at that point. A sum that
+# cannot see the given signs cannot correct them.
 #
-# Large should be $\sum b_i b_j\, \mathbf{n}_i^T \mathbf{n}_j$, where neighbours agree if the term is positive. To maximise it exactly is hard. The tree is a good guess: along its links every term is made positive, and (11.4) says which links to use, those where the normals are nearly parallel and the decision is safe.
+# Large should be $\sum b_i b_j\, \mathbf{n}_i^T \mathbf{n}_j$, where neighbours agree if the term
+# is positive. To maximise it exactly is hard. The tree is a good guess: along its links every term
+# is made positive, and (11.4) says which links to use, those where the normals are nearly parallel
+# and the decision is safe.
 
 # %% [markdown] rubric="11.10"
-# One point for the right normals giving the maximum. One for the invariance: weights without signs cannot see which normals are turned. One for the right sum, with signs of the scalar products, and (11.4) as the weight of the tree.
+# One point for the right normals giving the maximum. One for the invariance: weights without signs
+# cannot see which normals are turned. One for the right sum, with signs of the scalar products, and
+# (11.4) as the weight of the tree.
 
 # %% [markdown]
-# **11.11** A sheet of metal has been scanned from both sides. Its thickness is less than the distance of the points. Go through the stations: what goes wrong at each of them? What could be measured in addition that would help?
+# **11.11** A sheet of metal has been scanned from both sides. Its thickness is less than the
+# distance of the points. Go through the stations: what goes wrong at each of them? What could be
+# measured in addition that would help?
 #
 # <details><summary>Hint</summary>
 #
@@ -666,23 +738,37 @@ def slices(height):
 # </details>
 
 # %% [markdown] answer="11.11" points=3
-# Normals: the neighbours come from both sides, and the plane through them is a compromise; its normal may still be good where the sheet is flat, at its rim it is not, and the planarity is low. Graph: links go through the sheet. Orientation: the normals of both sides are parallel, so these links are the cheapest of all, and
-# the same sign is given to both sides, one of which then points inward. Points beside: those inside have their nearest neighbour on the other side until they are within half of the thickness, so they are very near to the surface and the
-# system is badly conditioned; with wrong signs they contradict each other.
+# Normals: the neighbours come from both sides, and the plane through them is a compromise; its
+# normal may still be good where the sheet is flat, at its rim it is not, and the planarity is low.
+# Graph: links go through the sheet. Orientation: the normals of both sides are parallel, so these
+# links are the cheapest of all, and the same sign is given to both sides, one of which then points
+# inward. Points beside: those inside have their nearest neighbour on the other side until they are
+# within half of the thickness, so they are very near to the surface and the system is badly
+# conditioned; with wrong signs they contradict each other.
 #
-# The direction from which each point was seen, which scanners know, decides about the sign at once: the normal points to the scanner. Or more points: spacing below the thickness. Normals measured otherwise serve as well.
+# The direction from which each point was seen, which scanners know, decides about the sign at once:
+# the normal points to the scanner. Or more points: spacing below the thickness. Normals measured
+# otherwise serve as well.
 
 # %% [markdown] rubric="11.11"
-# One point for neighbours from both sides in normals or graph. One for the orientation: cheap links with the wrong sign. One for a remedy: direction to the scanner, or denser points.
+# One point for neighbours from both sides in normals or graph. One for the orientation: cheap links
+# with the wrong sign. One for a remedy: direction to the scanner, or denser points.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - There is a way without points beside the surface. Ask for $F(\mathbf{p}_i) = 0$ and $\mathbf{n}_i^T \nabla F(\mathbf{p}_i) = -1$. What replaces the cubes? How many unknowns are there?
-# - Add a number $\mu > 0$ to the diagonal of $\mathbf{A}$ in (11.8), with the sign that makes the level smoother. Try it on noise.
-# - Two bodies $F$ and $G$: what are the zero levels of $\max(F, G)$, $\min(F, G)$, $\min(F, -G)$ and $(1 - t) F + t G$?
-# - Squares with four crossings: draw both ways. What does the sign of $F$ in the middle of the square tell? In space there are cubes instead, and 256 kinds of corners. How many of them differ by more than a turn?
-# - How does the time for (11.8) grow with the number of points? At which number is your computer full? What could be done if each point sees its surroundings only?
+# - There is a way without points beside the surface. Ask for $F(\mathbf{p}_i) = 0$ and
+#   $\mathbf{n}_i^T \nabla F(\mathbf{p}_i) = -1$. What replaces the cubes? How many unknowns are
+#   there?
+# - Add a number $\mu > 0$ to the diagonal of $\mathbf{A}$ in (11.8), with the sign that makes the
+#   level smoother. Try it on noise.
+# - Two bodies $F$ and $G$: what are the zero levels of $\max(F, G)$, $\min(F, G)$, $\min(F, -G)$
+#   and $(1 - t) F + t G$?
+# - Squares with four crossings: draw both ways. What does the sign of $F$ in the middle of the
+#   square tell? In space there are cubes instead, and 256 kinds of corners. How many of them differ
+#   by more than a turn?
+# - How does the time for (11.8) grow with the number of points? At which number is your computer
+#   full? What could be done if each point sees its surroundings only?
 
 # %%
 progress()

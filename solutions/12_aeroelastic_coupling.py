@@ -13,15 +13,18 @@
 # %% [markdown]
 # # Two meshes of one wing
 #
-# The air bends a wing, and flows otherwise round the bent wing. One program knows the air and sees a *skin* of many points; another
-# knows the structure and sees a *skeleton* of few nodes. They have hardly a point in common. Displacements must go from the skeleton to the skin, and
-# loads from the skin to the skeleton, again and again, until nothing changes any more.
+# The air bends a wing, and flows otherwise round the bent wing. One program knows the air and sees
+# a *skin* of many points; another knows the structure and sees a *skeleton* of few nodes. They have
+# hardly a point in common. Displacements must go from the skeleton to the skin, and loads from the
+# skin to the skeleton, again and again, until nothing changes any more.
 #
-# By the end of this notebook you have written both ways, you can say exactly what is lost on the way and what is not, and
-# you have a wing that finds its shape in the wind, or does not, and tells you at which speed it breaks.
+# By the end of this notebook you have written both ways, you can say exactly what is lost on the
+# way and what is not, and you have a wing that finds its shape in the wind, or does not, and tells
+# you at which speed it breaks.
 #
-# There are eight short functions and four questions in words. You need nothing from other notebooks. Numbers in brackets, such as (12.1),
-# are those of formulas; numbers without are those of questions.
+# There are eight short functions and four questions in words. You need nothing from other
+# notebooks. Numbers in brackets, such as (12.1), are those of formulas; numbers without are those
+# of questions.
 
 # %% tags=["setup"]
 import numpy as np
@@ -44,8 +47,9 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# Half a wing, seen from the front and above. The orange nodes are the skeleton: two spars, above and below, tied together at a few stations. They have been
-# moved by a program for structures. The skin (blue) still stands where it was. Where should each of its points go?
+# Half a wing, seen from the front and above. The orange nodes are the skeleton: two spars, above
+# and below, tied together at a few stations. They have been moved by a program for structures. The
+# skin (blue) still stands where it was. Where should each of its points go?
 
 
 # %%
@@ -91,21 +95,23 @@ def the_problem(bend, twist):
 # %% [markdown]
 # ## Displacements
 #
-# Let $\mathbf{x}_1, \dots, \mathbf{x}_N \in \mathbb{R}^D$ be the nodes of the skeleton, and $u_1, \dots, u_N$ one component of their displacements. We lay a field through
-# them,
+# Let $\mathbf{x}_1, \dots, \mathbf{x}_N \in \mathbb{R}^D$ be the nodes of the skeleton, and $u_1,
+# \dots, u_N$ one component of their displacements. We lay a field through them,
 #
-# $$ s_u(\mathbf{y}) = \sum_{j=1}^N \lambda_j \lVert \mathbf{y} - \mathbf{x}_j \rVert^3 + c_0 + \mathbf{c}^T \mathbf{y}, \qquad
+# $$ s_u(\mathbf{y}) = \sum_{j=1}^N \lambda_j \lVert \mathbf{y} - \mathbf{x}_j \rVert^3 + c_0 +
+#    \mathbf{c}^T \mathbf{y}, \qquad
 #    \begin{bmatrix} \boldsymbol{\Phi} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \begin{bmatrix} \boldsymbol{\lambda} \\ c_0 \\ \mathbf{c} \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{u} \\ \mathbf{0} \end{bmatrix}, \tag{12.1} $$
 #
-# with $\Phi_{ij} = \lVert \mathbf{x}_i - \mathbf{x}_j \rVert^3$ and the rows $(1, \mathbf{x}_i^T)$ of $\mathbf{P}$. On a line this is the curve of a thin ruler that is held at the nodes: a good
+# with $\Phi_{ij} = \lVert \mathbf{x}_i - \mathbf{x}_j \rVert^3$ and the rows $(1, \mathbf{x}_i^T)$
+# of $\mathbf{P}$. On a line this is the curve of a thin ruler that is held at the nodes: a good
 # picture of a structure that bends. The matrix depends on the nodes alone, and is given here:
 
 
 # %% tags=["setup"]
 def distances(a, b):
-    """Return the distances from each of the points a (M, D) to each of b (N, D), of shape (M, N)."""
+    """Return the distances from each point of a (M, D) to each of b (N, D), of shape (M, N)."""
     return np.linalg.norm(a[:, None] - b, axis=2)
 
 
@@ -120,11 +126,14 @@ def system(nodes):
 
 
 # %% [markdown]
-# The coefficients depend linearly on $\mathbf{u}$, and so does the field. At the points $\mathbf{y}_1, \dots, \mathbf{y}_M$ of the skin it has the values $\mathbf{H}\mathbf{u}$, and
-# the row of $\mathbf{H}$ that belongs to $\mathbf{y}$ holds the first $N$ entries of $\mathbf{w}$ in
+# The coefficients depend linearly on $\mathbf{u}$, and so does the field. At the points
+# $\mathbf{y}_1, \dots, \mathbf{y}_M$ of the skin it has the values $\mathbf{H}\mathbf{u}$, and the
+# row of $\mathbf{H}$ that belongs to $\mathbf{y}$ holds the first $N$ entries of $\mathbf{w}$ in
 #
-# $$ \begin{bmatrix} \boldsymbol{\Phi} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix} \mathbf{w} = \mathbf{b}(\mathbf{y}), \qquad
-#    \mathbf{b}(\mathbf{y}) = \bigl(\lVert \mathbf{y} - \mathbf{x}_1 \rVert^3, \dots, \lVert \mathbf{y} - \mathbf{x}_N \rVert^3, 1, \mathbf{y}^T\bigr)^T . \tag{12.2} $$
+# $$ \begin{bmatrix} \boldsymbol{\Phi} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
+#    \mathbf{w} = \mathbf{b}(\mathbf{y}), \qquad
+#    \mathbf{b}(\mathbf{y}) = \bigl(\lVert \mathbf{y} - \mathbf{x}_1 \rVert^3, \dots, \lVert
+#    \mathbf{y} - \mathbf{x}_N \rVert^3, 1, \mathbf{y}^T\bigr)^T . \tag{12.2} $$
 #
 # ### 12.1 The weights
 #
@@ -153,8 +162,10 @@ check("12.1")
 # %% [markdown]
 # ## Loads
 #
-# Let $\mathbf{f}_i \in \mathbb{R}^3$ be the force at the point $\mathbf{y}_i$ of the skin: a force, not a force per area. If the nodes move by $\mathbf{u}_j$, the points of the skin
-# move by $(\mathbf{H}\mathbf{u})_i$, and the forces do the work $\sum_i (\mathbf{H}\mathbf{u})_i^T \mathbf{f}_i$. The structure is to be given loads $\mathbf{g}_j$ that do the same work,
+# Let $\mathbf{f}_i \in \mathbb{R}^3$ be the force at the point $\mathbf{y}_i$ of the skin: a force,
+# not a force per area. If the nodes move by $\mathbf{u}_j$, the points of the skin move by
+# $(\mathbf{H}\mathbf{u})_i$, and the forces do the work $\sum_i (\mathbf{H}\mathbf{u})_i^T
+# \mathbf{f}_i$. The structure is to be given loads $\mathbf{g}_j$ that do the same work,
 #
 # $$ \sum_{i=1}^M (\mathbf{H}\mathbf{u})_i^T \mathbf{f}_i = \sum_{j=1}^N \mathbf{u}_j^T \mathbf{g}_j
 #    \quad \text{for all displacements } \mathbf{u} . \tag{12.3} $$
@@ -178,8 +189,9 @@ def loads(H, f):
 check("12.2")
 
 # %% [markdown]
-# Your own nodes, twelve of them, seen from above. A force of one acts at the cross. Each node gets the part of it that is drawn by the area of its dot, and the ring is
-# where the parts balance. Move the force, out of the structure too.
+# Your own nodes, twelve of them, seen from above. A force of one acts at the cross. Each node gets
+# the part of it that is drawn by the area of its dot, and the ring is where the parts balance. Move
+# the force, out of the structure too.
 
 
 # %%
@@ -221,33 +233,49 @@ def footprint(x, y):
 
 
 # %% [markdown]
-# **What to look at.** Far outside a force of one arrives as large forces up and down. Their sum is still one, and the ring still sits on the cross. It is a lever: what acts out there
-# *is* large at the structure.
+# **What to look at.** Far outside a force of one arrives as large forces up and down. Their sum is
+# still one, and the ring still sits on the cross. It is a lever: what acts out there *is* large at
+# the structure.
 #
 # ## What is kept
 #
-# The total force, and the total moment about a point $\mathbf{a}$, of forces $\mathbf{f}_i$ at points $\mathbf{p}_i$ are
+# The total force, and the total moment about a point $\mathbf{a}$, of forces $\mathbf{f}_i$ at
+# points $\mathbf{p}_i$ are
 #
-# $$ \mathbf{F} = \sum_i \mathbf{f}_i, \qquad \mathbf{M}_{\mathbf{a}} = \sum_i (\mathbf{p}_i - \mathbf{a}) \times \mathbf{f}_i . \tag{12.5} $$
+# $$ \mathbf{F} = \sum_i \mathbf{f}_i, \qquad \mathbf{M}_{\mathbf{a}} = \sum_i (\mathbf{p}_i -
+#    \mathbf{a}) \times \mathbf{f}_i . \tag{12.5} $$
 #
-# **12.3** Let $\mathbf{H}$ be any matrix, from any method. (a) Prove that (12.4) follows from (12.3), and (12.3) from (12.4). (b) Prove: the total force is the same on both sides *for all* forces $\mathbf{f}$ if
-# and only if the rows of $\mathbf{H}$ sum to one. (c) Let them sum to one. When is the total moment the same for all $\mathbf{f}$? (d) "It is crucial that displacements are *interpolated*, or energy is lost in each step." Is that so?
+# **12.3** Let $\mathbf{H}$ be any matrix, from any method. (a) Prove that (12.4) follows from
+# (12.3), and (12.3) from (12.4). (b) Prove: the total force is the same on both sides *for all*
+# forces $\mathbf{f}$ if and only if the rows of $\mathbf{H}$ sum to one. (c) Let them sum to one.
+# When is the total moment the same for all $\mathbf{f}$? (d) "It is crucial that displacements
+# are *interpolated*, or energy is lost in each step." Is that so?
 #
 # <details><summary>Hint</summary>
 #
-# Which displacement makes the work $\sum_i (\mathbf{H}\mathbf{u})_i^T\mathbf{f}_i$ a component of the total force? Which makes it one of the moment? Put it into (12.3).
+# Which displacement makes the work $\sum_i (\mathbf{H}\mathbf{u})_i^T\mathbf{f}_i$ a component of
+# the total force? Which makes it one of the moment? Put it into (12.3).
 #
 # </details>
 
 # %% [markdown] answer="12.3" points=4
-# (a) The left side of (12.3) is $\sum_{ij} H_{ij}\, \mathbf{u}_j^T \mathbf{f}_i = \sum_j \mathbf{u}_j^T (\mathbf{H}^T\mathbf{f})_j$. This equals $\sum_j \mathbf{u}_j^T\mathbf{g}_j$ for every $\mathbf{u}$ exactly if
-# $\mathbf{g} = \mathbf{H}^T\mathbf{f}$: take for $\mathbf{u}$ one unit displacement after the other. (b) The total of the loads is $\sum_j \mathbf{g}_j = \sum_i (\sum_j H_{ij})\, \mathbf{f}_i$. If all rows sum to one it is $\sum_i\mathbf{f}_i$. Conversely,
-# take a single force at $\mathbf{y}_i$: it is kept only if its row sums to one. (c) $\sum_j \mathbf{x}_j \times \mathbf{g}_j = \sum_i (\sum_j H_{ij}\mathbf{x}_j) \times \mathbf{f}_i$, which agrees with $\sum_i \mathbf{y}_i \times \mathbf{f}_i$ for all forces exactly if
-# $\sum_j H_{ij}\mathbf{x}_j = \mathbf{y}_i$ for all $i$, so if linear fields come back. The point $\mathbf{a}$ does not matter, since the total force is kept. Both are the work in a rigid motion: a translation, or a rotation $\boldsymbol\omega \times \mathbf{x}$. (d) No. Nothing above uses $H$ at a
-# node; a least-squares fit of planes keeps work, force and moment as well. What counts is that the loads go by the transpose. If both ways interpolate, work *is* lost.
+# (a) The left side of (12.3) is $\sum_{ij} H_{ij}\, \mathbf{u}_j^T \mathbf{f}_i = \sum_j
+# \mathbf{u}_j^T (\mathbf{H}^T\mathbf{f})_j$. This equals $\sum_j \mathbf{u}_j^T\mathbf{g}_j$ for
+# every $\mathbf{u}$ exactly if $\mathbf{g} = \mathbf{H}^T\mathbf{f}$: take for $\mathbf{u}$ one
+# unit displacement after the other. (b) The total of the loads is $\sum_j \mathbf{g}_j = \sum_i
+# (\sum_j H_{ij})\, \mathbf{f}_i$. If all rows sum to one it is $\sum_i\mathbf{f}_i$. Conversely,
+# take a single force at $\mathbf{y}_i$: it is kept only if its row sums to one. (c) $\sum_j
+# \mathbf{x}_j \times \mathbf{g}_j = \sum_i (\sum_j H_{ij}\mathbf{x}_j) \times \mathbf{f}_i$, which
+# agrees with $\sum_i \mathbf{y}_i \times \mathbf{f}_i$ for all forces exactly if $\sum_j
+# H_{ij}\mathbf{x}_j = \mathbf{y}_i$ for all $i$, so if linear fields come back. The point
+# $\mathbf{a}$ does not matter, since the total force is kept. Both are the work in a rigid motion:
+# a translation, or a rotation $\boldsymbol\omega \times \mathbf{x}$. (d) No. Nothing above uses $H$
+# at a node; a least-squares fit of planes keeps work, force and moment as well. What counts is that
+# the loads go by the transpose. If both ways interpolate, work *is* lost.
 
 # %% [markdown] rubric="12.3"
-# One point for each of (a) to (d). In (b) and (c) "only if" must be argued, by single forces for instance. In (d) it suffices to see that the proof does not use interpolation.
+# One point for each of (a) to (d). In (b) and (c) "only if" must be argued, by single forces for
+# instance. In (d) it suffices to see that the proof does not use interpolation.
 
 # %% [markdown]
 # ### 12.4 Force and moment
@@ -273,14 +301,16 @@ check("12.4")
 # %% [markdown]
 # ## What goes wrong
 #
-# Before virtual work was thought of, loads were interpolated like displacements: a field through the values on the skin, read off at the nodes. Below, four ways on the wing above,
+# Before virtual work was thought of, loads were interpolated like displacements: a field through
+# the values on the skin, read off at the nodes. Below, four ways on the wing above,
 #
 # - forces, interpolated as numbers;
 # - pressures (force per area), interpolated, then multiplied by the area that belongs to each node;
 # - each force to the node that is nearest;
 # - your transpose.
 #
-# They are judged by the lift, by the moment that bends the wing, and by the one that twists it. Rounding is drawn at $10^{-16}$.
+# They are judged by the lift, by the moment that bends the wing, and by the one that twists it.
+# Rounding is drawn at $10^{-16}$.
 
 
 # %%
@@ -325,26 +355,39 @@ def what_goes_wrong(stations):
 
 
 # %% [markdown]
-# **What to look at.** Of forces that are interpolated most get lost: a force belongs to a piece of skin, and few nodes read off few pieces. Pressures times areas look sensible, and the lift is nearly right, but a tenth of the twisting moment is missing, and more stations do not
-# cure it. The nearest node keeps the lift, because rows with a single one sum to one; but the wing is bent and twisted wrongly. The transpose is right to rounding, with three stations or with fourteen.
+# **What to look at.** Of forces that are interpolated most get lost: a force belongs to a piece of
+# skin, and few nodes read off few pieces. Pressures times areas look sensible, and the lift is
+# nearly right, but a tenth of the twisting moment is missing, and more stations do not cure it. The
+# nearest node keeps the lift, because rows with a single one sum to one; but the wing is bent and
+# twisted wrongly. The transpose is right to rounding, with three stations or with fourteen.
 #
-# **12.5** A textbook asks of the loads $\mathbf{g} = \mathbf{G}\mathbf{f}$ two things at once: constant loads, $f_i = 1$ for all $i$, are to come back as $g_j = 1$; and the total force is to be the same for all $\mathbf{f}$. Show that no matrix
-# $\mathbf{G}$ does both unless $M = N$. Which of the two must be given up, and what could be meant by the other?
+# **12.5** A textbook asks of the loads $\mathbf{g} = \mathbf{G}\mathbf{f}$ two things at once:
+# constant loads, $f_i = 1$ for all $i$, are to come back as $g_j = 1$; and the total force is to be
+# the same for all $\mathbf{f}$. Show that no matrix $\mathbf{G}$ does both unless $M = N$. Which of
+# the two must be given up, and what could be meant by the other?
 
 # %% [markdown] answer="12.5" points=2
-# The first says $\mathbf{G}\mathbf{1}_M = \mathbf{1}_N$, the second $\mathbf{1}_N^T\mathbf{G} = \mathbf{1}_M^T$. Then $N = \mathbf{1}_N^T\mathbf{1}_N = \mathbf{1}_N^T\mathbf{G}\mathbf{1}_M = \mathbf{1}_M^T\mathbf{1}_M = M$. So forty forces of one, with the sum forty, would become twelve of one, with the sum twelve. The total force is physics and must
-# stay. A single force has no meaning without the piece of skin on which it acts: finer meshes have smaller forces. What can be constant is a *density*, force per area, and densities can come back as the same constant while their integrals agree.
+# The first says $\mathbf{G}\mathbf{1}_M = \mathbf{1}_N$, the second $\mathbf{1}_N^T\mathbf{G} =
+# \mathbf{1}_M^T$. Then $N = \mathbf{1}_N^T\mathbf{1}_N = \mathbf{1}_N^T\mathbf{G}\mathbf{1}_M =
+# \mathbf{1}_M^T\mathbf{1}_M = M$. So forty forces of one, with the sum forty, would become twelve
+# of one, with the sum twelve. The total force is physics and must stay. A single force has no
+# meaning without the piece of skin on which it acts: finer meshes have smaller forces. What can be
+# constant is a *density*, force per area, and densities can come back as the same constant while
+# their integrals agree.
 
 # %% [markdown] rubric="12.5"
-# One point for the contradiction, also by an example. One for keeping the total and for densities, force per area, as what may be constant.
+# One point for the contradiction, also by an example. One for keeping the total and for densities,
+# force per area, as what may be constant.
 
 # %% [markdown]
 # ## Densities
 #
-# Let $m_i$ be the area of the point $\mathbf{y}_i$ and $p_i$ the pressure there, so that $m_i p_i$ is a force. The node $\mathbf{x}_j$ is handed the area $m'_j$ in the same way as
-# it is handed forces, and its pressure is force by area:
+# Let $m_i$ be the area of the point $\mathbf{y}_i$ and $p_i$ the pressure there, so that $m_i p_i$
+# is a force. The node $\mathbf{x}_j$ is handed the area $m'_j$ in the same way as it is handed
+# forces, and its pressure is force by area:
 #
-# $$ m'_j = \sum_{i=1}^M H_{ij}\, m_i, \qquad p'_j = \frac{1}{m'_j} \sum_{i=1}^M H_{ij}\, m_i\, p_i . \tag{12.6} $$
+# $$ m'_j = \sum_{i=1}^M H_{ij}\, m_i, \qquad p'_j = \frac{1}{m'_j} \sum_{i=1}^M H_{ij}\, m_i\, p_i
+#    . \tag{12.6} $$
 #
 # ### 12.6 Pressures on the structure
 
@@ -363,20 +406,26 @@ check("12.6")
 # %% [markdown]
 # ## A structure without thickness
 #
-# A simple model of a wing is a plate: nodes in one plane of space. Try `weights` on such nodes, and `np.linalg.solve` says that the matrix is singular, or returns numbers without meaning.
+# A simple model of a wing is a plate: nodes in one plane of space. Try `weights` on such nodes, and
+# `np.linalg.solve` says that the matrix is singular, or returns numbers without meaning.
 #
-# The remedy takes what we know of plates: *the normal of the plate stays a normal*. Let the plate be $x_3 = 0$, and let $\mathbf{y} = (\mathbf{p}, \zeta)$ stand at the height $\zeta$ above the point $\mathbf{p}$ of
-# the plane. With $\mathbf{H}$ and its slopes $\mathbf{G}^k$ in the *plane*,
+# The remedy takes what we know of plates: *the normal of the plate stays a normal*. Let the plate
+# be $x_3 = 0$, and let $\mathbf{y} = (\mathbf{p}, \zeta)$ stand at the height $\zeta$ above the
+# point $\mathbf{p}$ of the plane. With $\mathbf{H}$ and its slopes $\mathbf{G}^k$ in the *plane*,
 #
-# $$ (H\mathbf{u})_i = s_{\mathbf{u}}(\mathbf{p}_i), \qquad G^k_{ij} = \frac{\partial H_{ij}}{\partial p_k}, \qquad
-#    \mathbf{v}_i = \sum_j H_{ij}\, \mathbf{u}_j - \zeta_i \sum_j u_{j3} \begin{pmatrix} G^1_{ij} \\ G^2_{ij} \\ 0 \end{pmatrix} . \tag{12.7} $$
+# $$ (H\mathbf{u})_i = s_{\mathbf{u}}(\mathbf{p}_i), \qquad G^k_{ij} = \frac{\partial
+#    H_{ij}}{\partial p_k}, \qquad
+#    \mathbf{v}_i = \sum_j H_{ij}\, \mathbf{u}_j - \zeta_i \sum_j u_{j3} \begin{pmatrix} G^1_{ij} \\
+#    G^2_{ij} \\ 0 \end{pmatrix} . \tag{12.7} $$
 #
-# Here $\mathbf{v}_i$ is the displacement of the skin: that of the plate below it, and what the arm of the length $\zeta_i$ adds as the plate tilts.
+# Here $\mathbf{v}_i$ is the displacement of the skin: that of the plate below it, and what the arm
+# of the length $\zeta_i$ adds as the plate tilts.
 #
 # ### 12.7 The slopes
 #
-# Only $\mathbf{b}$ of (12.2) depends on the place. Its derivative with respect to the coordinate $k$ has the entries $3 \lVert \mathbf{y} - \mathbf{x}_j \rVert\, (y_k - x_{jk})$, then a zero for the one, then
-# the unit vector of that coordinate. Write the slopes in any dimension.
+# Only $\mathbf{b}$ of (12.2) depends on the place. Its derivative with respect to the coordinate
+# $k$ has the entries $3 \lVert \mathbf{y} - \mathbf{x}_j \rVert\, (y_k - x_{jk})$, then a zero for
+# the one, then the unit vector of that coordinate. Write the slopes in any dimension.
 
 
 # %% question="12.7"
@@ -403,12 +452,14 @@ check("12.7")
 # %% [markdown]
 # ### 12.8 Loads on a plate
 #
-# The loads are again the transpose: $\mathbf{g}$ must do the work $\sum_i \mathbf{v}_i^T\mathbf{f}_i$ in every displacement. Collect in (12.7) all that is multiplied by $\mathbf{u}_j$. Which components of
-# $\mathbf{g}_j$ differ from those of $\mathbf{H}^T\mathbf{f}$?
+# The loads are again the transpose: $\mathbf{g}$ must do the work $\sum_i
+# \mathbf{v}_i^T\mathbf{f}_i$ in every displacement. Collect in (12.7) all that is multiplied by
+# $\mathbf{u}_j$. Which components of $\mathbf{g}_j$ differ from those of $\mathbf{H}^T\mathbf{f}$?
 #
 # <details><summary>Hint</summary>
 #
-# Only $u_{j3}$ is multiplied by slopes, so only $g_{j3}$ has more than $\mathbf{H}^T\mathbf{f}$. What of $\mathbf{f}_i$ stands beside them?
+# Only $u_{j3}$ is multiplied by slopes, so only $g_{j3}$ has more than $\mathbf{H}^T\mathbf{f}$.
+# What of $\mathbf{f}_i$ stands beside them?
 #
 # </details>
 
@@ -429,7 +480,8 @@ def flat_loads(nodes, places, f):
 check("12.8")
 
 # %% [markdown]
-# Your own plate of nine nodes. A force of one pulls along it, at a height: an engine above the wing. The arrows are what the nodes get across the plate.
+# Your own plate of nine nodes. A force of one pulls along it, at a height: an engine above the
+# wing. The arrows are what the nodes get across the plate.
 
 
 # %%
@@ -484,35 +536,54 @@ def pulled_along(height):
 
 
 # %% [markdown]
-# **12.9** (a) Which polynomial $c_0 + \mathbf{c}^T\mathbf{y}$ makes the matrix of (12.1) singular if all nodes lie in the plane $x_3 = 0$? (b) What is it that displacements of nodes in one plane do not tell, and what does (12.7) assume instead? (c) Show that with (12.7)
-# the rotation $\mathbf{u}_j = \boldsymbol\omega \times \mathbf{x}_j$ moves every point of the skin by $\boldsymbol\omega \times \mathbf{y}_i$. Why does that settle the total moment?
+# **12.9** (a) Which polynomial $c_0 + \mathbf{c}^T\mathbf{y}$ makes the matrix of (12.1) singular
+# if all nodes lie in the plane $x_3 = 0$? (b) What is it that displacements of nodes in one plane
+# do not tell, and what does (12.7) assume instead? (c) Show that with (12.7) the rotation
+# $\mathbf{u}_j = \boldsymbol\omega \times \mathbf{x}_j$ moves every point of the skin by
+# $\boldsymbol\omega \times \mathbf{y}_i$. Why does that settle the total moment?
 #
 # <details><summary>Hint</summary>
 #
-# For (c): a rotation is a linear field in the plane, which $\mathbf{H}$ and $\mathbf{G}^k$ treat exactly. What is its third component, and what are the slopes of that?
+# For (c): a rotation is a linear field in the plane, which $\mathbf{H}$ and $\mathbf{G}^k$ treat
+# exactly. What is its third component, and what are the slopes of that?
 #
 # </details>
 
 # %% [markdown] answer="12.9" points=3
-# (a) $y_3$: it vanishes at all nodes, so $\boldsymbol\lambda = \mathbf{0}$, $c_0 = 0$, $\mathbf{c} = (0, 0, 1)^T$ solves the homogeneous system. (b) They do not tell how a field changes *across* the plane: any multiple of $y_3$ may be added. (12.7) assumes that
-# the normal stays straight and normal to the plate, as in the theory of thin plates. (c) With $\mathbf{x} = (x_1, x_2, 0)$ the rotation is $\boldsymbol\omega\times\mathbf{x} = (-\omega_3 x_2,\ \omega_3 x_1,\ \omega_1 x_2 - \omega_2 x_1)$, linear in the plane, so the first sum of (12.7) is its value at $\mathbf{p}_i$. The third component has the slopes $-\omega_2$ and
-# $\omega_1$, so the second term is $\zeta_i(\omega_2, -\omega_1, 0) = \boldsymbol\omega \times (0, 0, \zeta_i)$. The sum is $\boldsymbol\omega\times\mathbf{y}_i$. The total moment is the work in rotations; they come back, and the loads are the transpose, so it is kept.
+# (a) $y_3$: it vanishes at all nodes, so $\boldsymbol\lambda = \mathbf{0}$, $c_0 = 0$,
+# $\mathbf{c} = (0, 0, 1)^T$ solves the homogeneous system. (b) They do not tell how a field
+# changes *across* the plane: any multiple of $y_3$ may be added. (12.7) assumes that the normal
+# stays straight and normal to the plate, as in the theory of thin plates. (c) With $\mathbf{x} =
+# (x_1, x_2, 0)$ the rotation is $\boldsymbol\omega\times\mathbf{x} = (-\omega_3 x_2,\ \omega_3
+# x_1,\ \omega_1 x_2 - \omega_2 x_1)$, linear in the plane, so the first sum of (12.7) is its value
+# at $\mathbf{p}_i$. The third component has the slopes $-\omega_2$ and $\omega_1$, so the second
+# term is $\zeta_i(\omega_2, -\omega_1, 0) = \boldsymbol\omega \times (0, 0, \zeta_i)$. The sum is
+# $\boldsymbol\omega\times\mathbf{y}_i$. The total moment is the work in rotations; they come back,
+# and the loads are the transpose, so it is kept.
 
 # %% [markdown] rubric="12.9"
-# One point for the polynomial that vanishes on the nodes. One for what is unknown across the plane, and the normal as the remedy. One for the rotation, with work as the reason for the moment.
+# One point for the polynomial that vanishes on the nodes. One for what is unknown across the plane,
+# and the normal as the remedy. One for the rotation, with work as the reason for the moment.
 
 # %% [markdown]
 # ## The loop
 #
-# Now both programs together. Let only displacements upwards count, so that $\mathbf{u} \in \mathbb{R}^N$. The structure has the stiffness $\mathbf{K}$, and the loads on the skin are $\mathbf{f}_0$ at rest and change as the skin moves, $\mathbf{f} = \mathbf{f}_0 + \mathbf{A}\mathbf{w}$ with $\mathbf{w} = \mathbf{H}\mathbf{u}$.
-# The steady state is where neither has anything to tell the other:
+# Now both programs together. Let only displacements upwards count, so that $\mathbf{u} \in
+# \mathbb{R}^N$. The structure has the stiffness $\mathbf{K}$, and the loads on the skin are
+# $\mathbf{f}_0$ at rest and change as the skin moves, $\mathbf{f} = \mathbf{f}_0 +
+# \mathbf{A}\mathbf{w}$ with $\mathbf{w} = \mathbf{H}\mathbf{u}$. The steady state is where neither
+# has anything to tell the other:
 #
-# $$ \mathbf{K}\mathbf{u} = \mathbf{H}^T \mathbf{f}, \qquad \mathbf{f} = \mathbf{f}_0 + \mathbf{A}\mathbf{H}\mathbf{u} . \tag{12.8} $$
+# $$ \mathbf{K}\mathbf{u} = \mathbf{H}^T \mathbf{f}, \qquad \mathbf{f} = \mathbf{f}_0 +
+#    \mathbf{A}\mathbf{H}\mathbf{u} . \tag{12.8} $$
 #
-# The programs take turns. Each time the structure answers with $\mathbf{K}^{-1}\mathbf{H}^T\mathbf{f}$, and of the way from the last displacement to that answer one goes the part $\omega$, the *relaxation*:
+# The programs take turns. Each time the structure answers with
+# $\mathbf{K}^{-1}\mathbf{H}^T\mathbf{f}$, and of the way from the last displacement to that answer
+# one goes the part $\omega$, the *relaxation*:
 #
 # $$ \mathbf{u}^0 = \mathbf{0}, \qquad
-#    \mathbf{u}^{n+1} = (1 - \omega)\,\mathbf{u}^n + \omega\, \mathbf{K}^{-1} \mathbf{H}^T (\mathbf{f}_0 + \mathbf{A}\mathbf{H}\mathbf{u}^n) . \tag{12.9} $$
+#    \mathbf{u}^{n+1} = (1 - \omega)\,\mathbf{u}^n + \omega\, \mathbf{K}^{-1} \mathbf{H}^T
+#    (\mathbf{f}_0 + \mathbf{A}\mathbf{H}\mathbf{u}^n) . \tag{12.9} $$
 #
 # ### 12.10 The iterates
 
@@ -538,18 +609,22 @@ check("12.10")
 # %% [markdown]
 # ## The typical section
 #
-# The smallest wing of all: a slice on a torsion spring $k$, free to turn by the angle $\theta$. The lift $q S a (\alpha_0 + \theta)$ grows with the angle to the wind and with the dynamic pressure $q$, and acts at a distance $e$ before the
-# spring. So (12.8) is one equation,
+# The smallest wing of all: a slice on a torsion spring $k$, free to turn by the angle $\theta$. The
+# lift $q S a (\alpha_0 + \theta)$ grows with the angle to the wind and with the dynamic pressure
+# $q$, and acts at a distance $e$ before the spring. So (12.8) is one equation,
 #
-# $$ k\,\theta = e\, q S a\, (\alpha_0 + \theta), \qquad \theta = \frac{\lambda}{1 - \lambda}\, \alpha_0, \qquad
+# $$ k\,\theta = e\, q S a\, (\alpha_0 + \theta), \qquad \theta = \frac{\lambda}{1 - \lambda}\,
+#    \alpha_0, \qquad
 #    \lambda = \frac{q}{q_D}, \quad q_D = \frac{k}{e S a} . \tag{12.10} $$
 #
-# At $q = q_D$ the spring can no longer hold: the *divergence* of the wing. The picture is made by your `iterates`. A negative $\lambda$ belongs to a lift that acts behind the spring ($e < 0$). Where do the iterates settle, and where should they?
+# At $q = q_D$ the spring can no longer hold: the *divergence* of the wing. The picture is made by
+# your `iterates`. A negative $\lambda$ belongs to a lift that acts behind the spring ($e < 0$).
+# Where do the iterates settle, and where should they?
 
 
 # %%
 def airfoil(theta):
-    """Return the outline of a slice of a wing with the chord one, its nose up by the angle theta."""
+    """Return the outline of a slice of a wing of chord one, its nose up by the angle theta."""
     s = (1 - np.cos(np.linspace(0, np.pi, 40))) / 2
     half = 0.6 * (0.2969 * np.sqrt(s) - 0.126 * s - 0.3516 * s**2 + 0.2843 * s**3 - 0.1015 * s**4)
     line = np.append(s, s[::-1]) - 0.5 + 1j * np.append(half, -half[::-1])
@@ -582,7 +657,8 @@ def typical_section(lam, omega):
         right.set(xlabel="step", ylabel=r"$\theta / \alpha_0$", ylim=(-7, 9))
         right.legend(loc="upper right")
         page.suptitle(
-            rf"each step takes $1 - \omega(1 - \lambda) = {1 - omega * (1 - lam):.2f}$ of the one before"
+            rf"each step takes $1 - \omega(1 - \lambda) = {1 - omega * (1 - lam):.2f}$ "
+            "of the one before"
         )
     return page
 
@@ -590,7 +666,8 @@ def typical_section(lam, omega):
 # %% [markdown]
 # ### 12.11 The divergence of any wing
 #
-# With $q$ taken out, the loads are $q(\mathbf{f}_0 + \mathbf{A}\mathbf{w})$, and the wing diverges at the smallest $q > 0$ at which
+# With $q$ taken out, the loads are $q(\mathbf{f}_0 + \mathbf{A}\mathbf{w})$, and the wing diverges
+# at the smallest $q > 0$ at which
 #
 # $$ \det(\mathbf{K} - q\, \mathbf{H}^T\mathbf{A}\mathbf{H}) = 0 . \tag{12.11} $$
 #
@@ -598,7 +675,8 @@ def typical_section(lam, omega):
 #
 # <details><summary>Hint</summary>
 #
-# If $\mathbf{K}\mathbf{u} = q\,\mathbf{H}^T\mathbf{A}\mathbf{H}\,\mathbf{u}$, of which matrix is $1/q$ an eigenvalue? Not all of them need be real (`np.isreal`), or positive.
+# If $\mathbf{K}\mathbf{u} = q\,\mathbf{H}^T\mathbf{A}\mathbf{H}\,\mathbf{u}$, of which matrix is
+# $1/q$ an eigenvalue? Not all of them need be real (`np.isreal`), or positive.
 #
 # </details>
 
@@ -616,26 +694,39 @@ def divergence(K, H, A):
 check("12.11")
 
 # %% [markdown]
-# **12.12** (a) For which $\omega > 0$ do the iterates of the typical section converge? Distinguish $\lambda < 1$ and $\lambda > 1$. (b) Two things are called divergence here, that of the wing and that of the iteration. Find in the picture a $\lambda$ at which the wing is
-# stable and the iteration with $\omega = 1$ is not. Which $\omega$ reaches the steady state in one step? (c) For $\lambda > 1$, (12.10) still gives a $\theta$. What is it worth?
+# **12.12** (a) For which $\omega > 0$ do the iterates of the typical section converge? Distinguish
+# $\lambda < 1$ and $\lambda > 1$. (b) Two things are called divergence here, that of the wing and
+# that of the iteration. Find in the picture a $\lambda$ at which the wing is stable and the
+# iteration with $\omega = 1$ is not. Which $\omega$ reaches the steady state in one step? (c) For
+# $\lambda > 1$, (12.10) still gives a $\theta$. What is it worth?
 
 # %% [markdown] answer="12.12" points=3
-# (a) By (12.9) and (12.10), $\theta^{n+1} = (1-\omega)\theta^n + \omega\lambda(\alpha_0 + \theta^n)$, so the error is multiplied by $1 - \omega(1-\lambda)$ in each step. For $\lambda < 1$ its modulus is less than one exactly if $0 < \omega < 2/(1-\lambda)$. For $\lambda > 1$ the factor
-# exceeds one for all $\omega > 0$: no relaxation helps. (b) Any $\lambda < -1$, as $\lambda = -2$: lift behind the spring turns the nose back, the wing is stable, but with $\omega = 1$ the factor is $\lambda$, and the iterates swing wider and wider. $\omega = 1/(1-\lambda)$ makes it zero, so
-# that one step suffices; here a third. (c) It is an equilibrium, with the nose down, in which any small turn grows: the moment of the lift increases faster than that of the spring. No wing stays there.
+# (a) By (12.9) and (12.10), $\theta^{n+1} = (1-\omega)\theta^n + \omega\lambda(\alpha_0 +
+# \theta^n)$, so the error is multiplied by $1 - \omega(1-\lambda)$ in each step. For $\lambda < 1$
+# its modulus is less than one exactly if $0 < \omega < 2/(1-\lambda)$. For $\lambda > 1$ the factor
+# exceeds one for all $\omega > 0$: no relaxation helps. (b) Any $\lambda < -1$, as $\lambda = -2$:
+# lift behind the spring turns the nose back, the wing is stable, but with $\omega = 1$ the factor
+# is $\lambda$, and the iterates swing wider and wider. $\omega = 1/(1-\lambda)$ makes it zero, so
+# that one step suffices; here a third. (c) It is an equilibrium, with the nose down, in which any
+# small turn grows: the moment of the lift increases faster than that of the spring. No wing stays
+# there.
 
 # %% [markdown] rubric="12.12"
-# One point for the factor and both cases. One for an example with $\lambda < -1$ (or $\omega$ too large) and the best $\omega$. One for an equilibrium that is unstable.
+# One point for the factor and both cases. One for an example with $\lambda < -1$ (or $\omega$ too
+# large) and the best $\omega$. One for an equilibrium that is unstable.
 
 # %% [markdown]
 # ## A wing in the wind
 #
-# Last, a wing of half span one and constant chord, drawn with its deflection enlarged: a beam that bends and twists, two spars of nodes, and strips of air whose lift depends on their angle *in the direction of the wind*. The pressure is told as a part of the closed form for
-# a straight wing that twists only,
+# Last, a wing of half span one and constant chord, drawn with its deflection enlarged: a beam that
+# bends and twists, two spars of nodes, and strips of air whose lift depends on their angle *in the
+# direction of the wind*. The pressure is told as a part of the closed form for a straight wing that
+# twists only,
 #
 # $$ q_D = \Bigl(\frac{\pi}{2 l}\Bigr)^2 \frac{GJ}{c\, e\, a}, \tag{12.12} $$
 #
-# with the torsional stiffness $GJ$, half span $l$, chord $c$, the arm $e$ and the lift slope $a$. Raise the pressure first. Then sweep the wing back, and forward.
+# with the torsional stiffness $GJ$, half span $l$, chord $c$, the arm $e$ and the lift slope $a$.
+# Raise the pressure first. Then sweep the wing back, and forward.
 
 
 # %%
@@ -696,14 +787,25 @@ def in_the_wind(q, sweep):
 
 
 # %% [markdown]
-# **What to look at.** Straight, the wing diverges near the pressure one of the closed form, although the loop knows nothing of it: not of the formula, and of the structure only what $\mathbf{H}$ and $\mathbf{H}^T$ carry. Near that pressure the tip takes a lift
-# far above that of a stiff wing. Swept back, bending turns the tip out of the wind; lift is *lost* to elasticity, as it is in an airliner, and the wing hardly ever diverges. Swept forward, bending turns the tip into the wind.
+# **What to look at.** Straight, the wing diverges near the pressure one of the closed form,
+# although the loop knows nothing of it: not of the formula, and of the structure only what
+# $\mathbf{H}$ and $\mathbf{H}^T$ carry. Near that pressure the tip takes a lift far above that of a
+# stiff wing. Swept back, bending turns the tip out of the wind; lift is *lost* to elasticity, as it
+# is in an airliner, and the wing hardly ever diverges. Swept forward, bending turns the tip into
+# the wind.
 #
 # ## Dig deeper
 #
-# - Leave the polynomial out of (12.1), or take a constant only. Which of the three errors in *What goes wrong* stay at rounding?
-# - A method that does not interpolate: fit one plane to all nodes by least squares, and let $\mathbf{H}$ be the weights of that. Does it keep work, force and moment? What would a bent wing say to it?
-# - Aitken's relaxation chooses $\omega$ anew in each step from the last two answers, $\omega_{n} = -\omega_{n-1}\, \mathbf{r}_{n-1}^T(\mathbf{r}_n - \mathbf{r}_{n-1}) / \lVert\mathbf{r}_n - \mathbf{r}_{n-1}\rVert^2$ with $\mathbf{r}_n$ the answer of the structure less $\mathbf{u}^n$. Why does it need two steps for the typical section, whatever $\lambda \ne 1$?
+# - Leave the polynomial out of (12.1), or take a constant only. Which of the three errors in *What
+#   goes wrong* stay at rounding?
+# - A method that does not interpolate: fit one plane to all nodes by least squares, and let
+#   $\mathbf{H}$ be the weights of that. Does it keep work, force and moment? What would a bent wing
+#   say to it?
+# - Aitken's relaxation chooses $\omega$ anew in each step from the last two answers,
+#   $\omega_{n} = -\omega_{n-1}\, \mathbf{r}_{n-1}^T(\mathbf{r}_n - \mathbf{r}_{n-1}) /
+#   \lVert\mathbf{r}_n - \mathbf{r}_{n-1}\rVert^2$ with $\mathbf{r}_n$ the answer of the structure
+#   less $\mathbf{u}^n$. Why does it need two steps for the typical section, whatever $\lambda \ne
+#   1$?
 # - What happens at $\lambda > 1$ then, and is that good news?
 
 # %%

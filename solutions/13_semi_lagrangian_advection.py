@@ -13,14 +13,19 @@
 # %% [markdown]
 # # Fields that move with the flow
 #
-# Smoke in the wind, salt in the sea: what is carried along changes its place and not its value. So the value here and now is the value a moment ago at the place from which
-# the particle came. That place is hardly ever one at which the value is known, and finding the value there is what field reconstruction is for.
+# Smoke in the wind, salt in the sea: what is carried along changes its place and not its value. So
+# the value here and now is the value a moment ago at the place from which the particle came. That
+# place is hardly ever one at which the value is known, and finding the value there is what field
+# reconstruction is for.
 #
-# By the end of this notebook you have written the whole method for points without any mesh: feet of characteristics by three schemes, a step as a matrix, bounds and mass that are kept, and a flow that carries itself.
-# You know why a step may be much longer than the way to the next point, and why the shortest steps are not the best.
+# By the end of this notebook you have written the whole method for points without any mesh: feet of
+# characteristics by three schemes, a step as a matrix, bounds and mass that are kept, and a flow
+# that carries itself. You know why a step may be much longer than the way to the next point, and
+# why the shortest steps are not the best.
 #
-# There are eight short functions and four questions in words. You need nothing from other notebooks. Numbers in brackets, such as (13.1),
-# are those of formulas; numbers without are those of questions.
+# There are eight short functions and four questions in words. You need nothing from other
+# notebooks. Numbers in brackets, such as (13.1), are those of formulas; numbers without are those
+# of questions.
 
 # %% tags=["setup"]
 import numpy as np
@@ -43,7 +48,9 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# A vortex carries a hill. Values are known at the dots. The orange dot on the right asks for the value now; a step $\Delta t$ ago its particle was at the orange cross on the left, and there is no dot.
+# A vortex carries a hill. Values are known at the dots. The orange dot on the right asks for the
+# value now; a step $\Delta t$ ago its particle was at the orange cross on the left, and there is no
+# dot.
 
 
 # %%
@@ -94,16 +101,22 @@ def the_problem(dt):
 # %% [markdown]
 # ## The idea
 #
-# Let $\mathbf{a}(\mathbf{y}, t)$ be the velocity of the flow. A field $u$ that is carried along obeys
+# Let $\mathbf{a}(\mathbf{y}, t)$ be the velocity of the flow. A field $u$ that is carried along
+# obeys
 #
 # $$ \frac{\partial u}{\partial t} + \mathbf{a} \cdot \nabla u = 0 . \tag{13.1} $$
 #
-# The path of a particle, $\dot{\mathbf{y}} = \mathbf{a}(\mathbf{y}, \tau)$, is called a *characteristic*, and along it nothing changes. Follow the one through $\mathbf{x}$ at the time $t$ back for a while $\Delta t$, to its *foot*:
+# The path of a particle, $\dot{\mathbf{y}} = \mathbf{a}(\mathbf{y}, \tau)$, is called
+# a *characteristic*, and along it nothing changes. Follow the one through $\mathbf{x}$ at the time
+# $t$ back for a while $\Delta t$, to its *foot*:
 #
 # $$ u(\mathbf{x}, t) = u\bigl(\mathbf{y}(t - \Delta t),\, t - \Delta t\bigr), \qquad
-#    \dot{\mathbf{y}}(\tau) = \mathbf{a}(\mathbf{y}(\tau), \tau), \quad \mathbf{y}(t) = \mathbf{x} . \tag{13.2} $$
+#    \dot{\mathbf{y}}(\tau) = \mathbf{a}(\mathbf{y}(\tau), \tau), \quad \mathbf{y}(t) = \mathbf{x} .
+#    \tag{13.2} $$
 #
-# Three flows are given, by number. Number 0 turns as a whole, once in the time one. Number 1 is a vortex, slower outside, that gets faster with time. Number 2, on the square from $-1$ to $1$, stretches what it carries, and reverses: at the time one all is back.
+# Three flows are given, by number. Number 0 turns as a whole, once in the time one. Number 1 is a
+# vortex, slower outside, that gets faster with time. Number 2, on the square from $-1$ to $1$,
+# stretches what it carries, and reverses: at the time one all is back.
 
 
 # %% tags=["setup"]
@@ -121,7 +134,8 @@ def velocity(y, t, flow):
 # %% [markdown]
 # ## Feet
 #
-# The foot is found by one step of a scheme for ordinary differential equations, *backward* in time. The simplest is Euler's: go straight back with the velocity of here and now,
+# The foot is found by one step of a scheme for ordinary differential equations, *backward* in time.
+# The simplest is Euler's: go straight back with the velocity of here and now,
 #
 # $$ \mathbf{y} = \mathbf{x} - \Delta t\, \mathbf{a}(\mathbf{x}, t) . \tag{13.3} $$
 #
@@ -142,7 +156,8 @@ check("13.1")
 # %% [markdown]
 # Better: go half-way, and take the velocity of that place *at that time* for the whole step,
 #
-# $$ \mathbf{y} = \mathbf{x} - \Delta t\, \mathbf{a}\bigl(\mathbf{x} - \tfrac12 \Delta t\, \mathbf{a}(\mathbf{x}, t),\; t - \tfrac12 \Delta t\bigr) . \tag{13.4} $$
+# $$ \mathbf{y} = \mathbf{x} - \Delta t\, \mathbf{a}\bigl(\mathbf{x} - \tfrac12 \Delta t\,
+#    \mathbf{a}(\mathbf{x}, t),\; t - \tfrac12 \Delta t\bigr) . \tag{13.4} $$
 #
 # ### 13.2 The midpoint rule
 
@@ -164,10 +179,13 @@ check("13.2")
 #
 # $$ \begin{aligned}
 #    \mathbf{a}_1 &= \mathbf{a}(\mathbf{x},\ t), \\
-#    \mathbf{a}_2 &= \mathbf{a}(\mathbf{x} - \tfrac12\Delta t\, \mathbf{a}_1,\ t - \tfrac12\Delta t), \\
-#    \mathbf{a}_3 &= \mathbf{a}(\mathbf{x} - \tfrac12\Delta t\, \mathbf{a}_2,\ t - \tfrac12\Delta t), \\
+#    \mathbf{a}_2 &= \mathbf{a}(\mathbf{x} - \tfrac12\Delta t\, \mathbf{a}_1,\ t - \tfrac12\Delta
+#    t), \\
+#    \mathbf{a}_3 &= \mathbf{a}(\mathbf{x} - \tfrac12\Delta t\, \mathbf{a}_2,\ t - \tfrac12\Delta
+#    t), \\
 #    \mathbf{a}_4 &= \mathbf{a}(\mathbf{x} - \Delta t\, \mathbf{a}_3,\ t - \Delta t), \\
-#    \mathbf{y} &= \mathbf{x} - \tfrac16 \Delta t\, (\mathbf{a}_1 + 2\mathbf{a}_2 + 2\mathbf{a}_3 + \mathbf{a}_4) .
+#    \mathbf{y} &= \mathbf{x} - \tfrac16 \Delta t\, (\mathbf{a}_1 + 2\mathbf{a}_2 + 2\mathbf{a}_3 +
+#    \mathbf{a}_4) .
 #    \end{aligned} \tag{13.5} $$
 #
 # ### 13.3 Runge and Kutta
@@ -189,7 +207,9 @@ def rk4(x, t, dt, flow):
 check("13.3")
 
 # %% [markdown]
-# Your own eight places in the vortex, their true paths back in time, and your three kinds of feet after *one* step. The black rings are where the particles were. Lengthen the step: which feet leave their path first, and to which side?
+# Your own eight places in the vortex, their true paths back in time, and your three kinds of feet
+# after *one* step. The black rings are where the particles were. Lengthen the step: which feet
+# leave their path first, and to which side?
 
 
 # %%
@@ -212,7 +232,8 @@ def three_feet(dt):
 
 
 # %% [markdown]
-# How fast the errors fall is the *order*. Below, particles are traced from the time one to the time zero in more and more steps. The numbers are the slopes between the last two marks.
+# How fast the errors fall is the *order*. Below, particles are traced from the time one to the time
+# zero in more and more steps. The numbers are the slopes between the last two marks.
 
 
 # %%
@@ -246,36 +267,56 @@ def orders():
 
 
 # %% [markdown]
-# **13.4** (a) Prove: if $u$ obeys (13.1), then $u$ is constant along characteristics. (b) "A curve along which $u$ is constant is a characteristic." Find a counterexample. (c) A scheme that computes the new value at a point of a grid from those of its direct
-# neighbours needs $\lvert\mathbf{a}\rvert\, \Delta t \le h$, with $h$ the spacing. Why? Why does nothing of the kind limit (13.2), and what limits $\Delta t$ then?
+# **13.4** (a) Prove: if $u$ obeys (13.1), then $u$ is constant along characteristics. (b) "A curve
+# along which $u$ is constant is a characteristic." Find a counterexample. (c) A scheme that
+# computes the new value at a point of a grid from those of its direct neighbours needs
+# $\lvert\mathbf{a}\rvert\, \Delta t \le h$, with $h$ the spacing. Why? Why does nothing of the kind
+# limit (13.2), and what limits $\Delta t$ then?
 #
 # <details><summary>Hint</summary>
 #
-# For (b) take $\mathbf{a} = (1, 0)$ and a field that does not depend on $y_2$. For (c) ask from where the information comes that decides the new value.
+# For (b) take $\mathbf{a} = (1, 0)$ and a field that does not depend on $y_2$. For (c) ask from
+# where the information comes that decides the new value.
 #
 # </details>
 
 # %% [markdown] answer="13.4" points=3
-# (a) By the chain rule $\frac{d}{d\tau} u(\mathbf{y}(\tau), \tau) = u_t + \dot{\mathbf{y}} \cdot \nabla u = u_t + \mathbf{a}\cdot\nabla u = 0$. (b) With $\mathbf{a} = (1, 0)$ and $u = g(y_1 - t)$ the curve $\mathbf{y}(t) = (t, \sin t)$ has $u = g(0)$ throughout, but its velocity is $(1, \cos t)$, not $\mathbf{a}$. (In the
-# extreme, a constant field is constant along every curve.) (c) The true value is decided at the foot. If the particle comes from farther than the direct neighbours, their values do not contain it, and no formula that uses only them can be right. (13.2) looks up the value *at* the foot, however far that is. Only the foot itself must be right: the step
-# is limited by how much the velocity changes along it, $\Delta t\, \lVert\nabla\mathbf{a}\rVert$, and not by the spacing of the points.
+# (a) By the chain rule $\frac{d}{d\tau} u(\mathbf{y}(\tau), \tau) = u_t + \dot{\mathbf{y}} \cdot
+# \nabla u = u_t + \mathbf{a}\cdot\nabla u = 0$. (b) With $\mathbf{a} = (1, 0)$ and $u = g(y_1 - t)$
+# the curve $\mathbf{y}(t) = (t, \sin t)$ has $u = g(0)$ throughout, but its velocity is $(1, \cos
+# t)$, not $\mathbf{a}$. (In the extreme, a constant field is constant along every curve.) (c) The
+# true value is decided at the foot. If the particle comes from farther than the direct neighbours,
+# their values do not contain it, and no formula that uses only them can be right. (13.2) looks up
+# the value *at* the foot, however far that is. Only the foot itself must be right: the step is
+# limited by how much the velocity changes along it, $\Delta t\, \lVert\nabla\mathbf{a}\rVert$, and
+# not by the spacing of the points.
 
 # %% [markdown] rubric="13.4"
-# One point for the chain rule. One for a counterexample with a curve and its velocity. One for the foot as what decides the value, and the change of the velocity as what limits the step.
+# One point for the chain rule. One for a counterexample with a curve and its velocity. One for the
+# foot as what decides the value, and the change of the velocity as what limits the step.
 
 # %% [markdown]
 # ## One step is a matrix
 #
-# Let $\mathbf{x}_1, \dots, \mathbf{x}_N$ be the sites, scattered as they are, $\mathbf{u}^n$ the values at the time $t_n$, and $\mathbf{y}_i$ the foot of $\mathbf{x}_i$ after the step to $t_{n+1}$. Some method makes a field $s$ of the values; then the new value is $u_i^{n+1} = s_{\mathbf{u}^n}(\mathbf{y}_i)$. If the method is linear,
+# Let $\mathbf{x}_1, \dots, \mathbf{x}_N$ be the sites, scattered as they are, $\mathbf{u}^n$ the
+# values at the time $t_n$, and $\mathbf{y}_i$ the foot of $\mathbf{x}_i$ after the step to
+# $t_{n+1}$. Some method makes a field $s$ of the values; then the new value is $u_i^{n+1} =
+# s_{\mathbf{u}^n}(\mathbf{y}_i)$. If the method is linear,
 #
 # $$ \mathbf{u}^{n+1} = \mathbf{H}\, \mathbf{u}^n , \tag{13.6} $$
 #
-# and row $i$ of $\mathbf{H}$ holds the weights of the sites for the place $\mathbf{y}_i$. We take the field that bends least through the $k$ sites nearest to $\mathbf{y}$, in any dimension $D$. Call these sites $\mathbf{z}_1, \dots, \mathbf{z}_k$. Their weights are the first $k$ entries of $\mathbf{w}$ in
+# and row $i$ of $\mathbf{H}$ holds the weights of the sites for the place $\mathbf{y}_i$. We take
+# the field that bends least through the $k$ sites nearest to $\mathbf{y}$, in any dimension $D$.
+# Call these sites $\mathbf{z}_1, \dots, \mathbf{z}_k$. Their weights are the first $k$ entries of
+# $\mathbf{w}$ in
 #
-# $$ \begin{bmatrix} \boldsymbol{\Phi} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix} \mathbf{w} =
-#    \bigl(\lVert \mathbf{y} - \mathbf{z}_1 \rVert^3, \dots, \lVert \mathbf{y} - \mathbf{z}_k \rVert^3, 1, \mathbf{y}^T\bigr)^T, \tag{13.7} $$
+# $$ \begin{bmatrix} \boldsymbol{\Phi} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
+#    \mathbf{w} =
+#    \bigl(\lVert \mathbf{y} - \mathbf{z}_1 \rVert^3, \dots, \lVert \mathbf{y} - \mathbf{z}_k
+#    \rVert^3, 1, \mathbf{y}^T\bigr)^T, \tag{13.7} $$
 #
-# with $\Phi_{ab} = \lVert \mathbf{z}_a - \mathbf{z}_b \rVert^3$ and the rows $(1, \mathbf{z}_a^T)$ of $\mathbf{P}$. All other weights are zero. The matrix of (13.7) is given:
+# with $\Phi_{ab} = \lVert \mathbf{z}_a - \mathbf{z}_b \rVert^3$ and the rows $(1, \mathbf{z}_a^T)$
+# of $\mathbf{P}$. All other weights are zero. The matrix of (13.7) is given:
 
 
 # %% tags=["setup"]
@@ -294,7 +335,8 @@ def system(z):
 #
 # <details><summary>Hint</summary>
 #
-# Begin with zeros and fill one row after the other. `np.argsort` of distances tells which sites are near; an array of numbers of columns may stand on the left of `=`.
+# Begin with zeros and fill one row after the other. `np.argsort` of distances tells which sites are
+# near; an array of numbers of columns may stand on the left of `=`.
 #
 # </details>
 
@@ -319,7 +361,9 @@ check("13.5")
 # %% [markdown]
 # ### 13.6 Many steps
 #
-# Begin at the time zero and make steps of the length $\Delta t$. The feet, by your `rk4`, are those of the sites at the time of *arrival*, $t_{n+1} = (n + 1)\Delta t$; if the velocity depends on time, they and $\mathbf{H}$ are other ones in each step.
+# Begin at the time zero and make steps of the length $\Delta t$. The feet, by your `rk4`, are those
+# of the sites at the time of *arrival*, $t_{n+1} = (n + 1)\Delta t$; if the velocity depends on
+# time, they and $\mathbf{H}$ are other ones in each step.
 
 
 # %% question="13.6"
@@ -343,7 +387,8 @@ check("13.6")
 # %% [markdown]
 # ## Once round
 #
-# A hill and a slotted disc on 400 sites that turn once as a whole. The end should be the beginning. Begin with few steps: between two of them the particles fly over many sites. Then take many.
+# A hill and a slotted disc on 400 sites that turn once as a whole. The end should be the beginning.
+# Begin with few steps: between two of them the particles fly over many sites. Then take many.
 
 
 # %%
@@ -387,11 +432,14 @@ def once_round(steps, k):
 
 
 # %% [markdown]
-# **What to look at.** With ten steps the rim flies over about seven sites in each, and nothing goes wrong. The edge of the disc, which no sites resolve, is blurred, and near it values leave the range from zero to one.
+# **What to look at.** With ten steps the rim flies over about seven sites in each, and nothing goes
+# wrong. The edge of the disc, which no sites resolve, is blurred, and near it values leave the
+# range from zero to one.
 #
 # ## How many steps?
 #
-# Now a smooth hill alone, so that errors can be told apart. On your three schemes, the error after one turn against the number of steps:
+# Now a smooth hill alone, so that errors can be told apart. On your three schemes, the error after
+# one turn against the number of steps:
 
 
 # %%
@@ -420,32 +468,46 @@ def how_many_steps(sites):
 
 
 # %% [markdown]
-# **13.7** (a) The curve of `rk4` falls and then rises. Explain both, with errors $C_1 \Delta t^{p}$ of the feet after the whole time $T$ and $C_2 h^q$ of a single reconstruction, $h$ being the spacing. Which $\Delta t$ is best, and how does it change with $h$? (b) Why is there no error of reconstruction at all for an
-# affine field in the flow number 0? (c) What would $\mathbf{H}$ be if each foot were a site? Why not let the sites go along with the flow, always?
+# **13.7** (a) The curve of `rk4` falls and then rises. Explain both, with errors $C_1 \Delta t^{p}$
+# of the feet after the whole time $T$ and $C_2 h^q$ of a single reconstruction, $h$ being the
+# spacing. Which $\Delta t$ is best, and how does it change with $h$? (b) Why is there no error of
+# reconstruction at all for an affine field in the flow number 0? (c) What would $\mathbf{H}$ be if
+# each foot were a site? Why not let the sites go along with the flow, always?
 
 # %% [markdown] answer="13.7" points=3
-# (a) There are $T/\Delta t$ steps, and each reconstructs once, so the whole error is about $C_1\Delta t^p + (T/\Delta t)\, C_2 h^q$. The first part falls as steps get shorter, the second grows: every reconstruction blurs a little. The derivative vanishes at $p\, C_1 \Delta t^{p+1} = T C_2 h^q$, so the best step is proportional to $h^{q/(p+1)}$: with finer sites more steps pay. Euler is on its falling part throughout. (b) The
-# flow is linear in space, so `rk4` maps places linearly, and an affine field of the feet is an affine field of the sites. (13.7) brings affine fields back exactly. What is left is the error of the feet. (c) The identity up to the order of the sites: nothing is reconstructed and nothing blurred. But the flow crowds sites in some places and leaves others without any, so that after a
-# while the field is no longer known everywhere, and new sites need a reconstruction after all.
+# (a) There are $T/\Delta t$ steps, and each reconstructs once, so the whole error is about
+# $C_1\Delta t^p + (T/\Delta t)\, C_2 h^q$. The first part falls as steps get shorter, the second
+# grows: every reconstruction blurs a little. The derivative vanishes at $p\, C_1 \Delta t^{p+1} = T
+# C_2 h^q$, so the best step is proportional to $h^{q/(p+1)}$: with finer sites more steps pay.
+# Euler is on its falling part throughout. (b) The flow is linear in space, so `rk4` maps places
+# linearly, and an affine field of the feet is an affine field of the sites. (13.7) brings affine
+# fields back exactly. What is left is the error of the feet. (c) The identity up to the order of
+# the sites: nothing is reconstructed and nothing blurred. But the flow crowds sites in some places
+# and leaves others without any, so that after a while the field is no longer known everywhere, and
+# new sites need a reconstruction after all.
 
 # %% [markdown] rubric="13.7"
-# One point for the two parts and the number of steps; the best step may be given by a formula or in words. One for affine fields. One for the identity, with what is against sites that go along.
+# One point for the two parts and the number of steps; the best step may be given by a formula or in
+# words. One for affine fields. One for the identity, with what is against sites that go along.
 
 # %% [markdown]
 # ## Bounds
 #
-# A value that is only carried along is never larger than it was. The new one should lie between the values round the foot:
+# A value that is only carried along is never larger than it was. The new one should lie between the
+# values round the foot:
 #
-# $$ l_i = \min_{j \in \mathcal{N}_i} u_j^n, \qquad h_i = \max_{j \in \mathcal{N}_i} u_j^n , \tag{13.8} $$
+# $$ l_i = \min_{j \in \mathcal{N}_i} u_j^n, \qquad h_i = \max_{j \in \mathcal{N}_i} u_j^n ,
+#    \tag{13.8} $$
 #
-# with $\mathcal{N}_i$ the four sites that are nearest to the foot $\mathbf{y}_i$. `np.clip(moved, low, high)` then puts values between their bounds.
+# with $\mathcal{N}_i$ the four sites that are nearest to the foot $\mathbf{y}_i$. `np.clip(moved,
+# low, high)` then puts values between their bounds.
 #
 # ### 13.8 The bounds
 
 
 # %% question="13.8"
 def bounds(sites, u, feet):
-    """Return l and h of (13.8), each of shape (M,), for sites (N, 2), values u (N,), feet (M, 2)."""
+    """Return l and h of (13.8), of shape (M,), for sites (N, 2), values u (N,), feet (M, 2)."""
     # BEGIN SOLUTION
     r = np.linalg.norm(feet[:, None] - sites, axis=2)
     around = u[np.argsort(r)[:, :4]]
@@ -459,17 +521,24 @@ check("13.8")
 # %% [markdown]
 # ## Mass
 #
-# If the flow has no divergence and nothing enters, the integral of $u$ stays. Let $m_j$ be the area of site $j$, and $M$ the mass $\sum_j m_j u_j$ that there should be. Of all values within their bounds that have this mass we take those that change least, in the mean square with the weights $m_j$. They are
+# If the flow has no divergence and nothing enters, the integral of $u$ stays. Let $m_j$ be the area
+# of site $j$, and $M$ the mass $\sum_j m_j u_j$ that there should be. Of all values within their
+# bounds that have this mass we take those that change least, in the mean square with the weights
+# $m_j$. They are
 #
-# $$ v_j = \min\bigl(\max(u_j + \lambda,\ l_j),\ h_j\bigr), \qquad \sum_j m_j v_j = M , \tag{13.9} $$
+# $$ v_j = \min\bigl(\max(u_j + \lambda,\ l_j),\ h_j\bigr), \qquad \sum_j m_j v_j = M , \tag{13.9}
+#    $$
 #
-# with one number $\lambda$ for all sites. The mass as a function of $\lambda$ never falls, and is made of straight pieces.
+# with one number $\lambda$ for all sites. The mass as a function of $\lambda$ never falls, and is
+# made of straight pieces.
 #
 # ### 13.9 The mass
 #
 # <details><summary>Hint</summary>
 #
-# There are two ways. Between $\min_j (l_j - u_j)$ and $\max_j (h_j - u_j)$ one finds $\lambda$ by halving an interval sixty times. Or: where are the corners between the straight pieces? With the masses there, `np.interp` finishes.
+# There are two ways. Between $\min_j (l_j - u_j)$ and $\max_j (h_j - u_j)$ one finds $\lambda$ by
+# halving an interval sixty times. Or: where are the corners between the straight pieces? With the
+# masses there, `np.interp` finishes.
 #
 # </details>
 
@@ -492,7 +561,8 @@ def with_mass(u, low, high, m, total):
 check("13.9")
 
 # %% [markdown]
-# The slotted disc again, on 500 sites and in 24 steps: as it comes, within bounds, and with bounds and mass.
+# The slotted disc again, on 500 sites and in 24 steps: as it comes, within bounds, and with bounds
+# and mass.
 
 
 # %%
@@ -538,23 +608,39 @@ def what_is_kept():
 
 
 # %% [markdown]
-# **What to look at.** Unbounded, values leave the range from zero to one at once, and the mass wanders by a per cent or two. Bounds alone mend the first, and keeping the mass besides changes hardly anything more. What do they cost? Look at the hill.
+# **What to look at.** Unbounded, values leave the range from zero to one at once, and the mass
+# wanders by a per cent or two. Bounds alone mend the first, and keeping the mass besides changes
+# hardly anything more. What do they cost? Look at the hill.
 #
-# **13.10** (a) Why is there exactly one field $\mathbf{v}$ of the form (13.9) if $M$ lies between $\sum_j m_j l_j$ and $\sum_j m_j h_j$, and none otherwise? (b) Which condition on $\mathbf{H}$ keeps the mass of *every* field without any correction, which one keeps constants? Which of the two does (13.7) obey? (c) A smooth hill has its top between the sites. What do
-# bounds do to it, in one step and in many?
+# **13.10** (a) Why is there exactly one field $\mathbf{v}$ of the form (13.9) if $M$ lies between
+# $\sum_j m_j l_j$ and $\sum_j m_j h_j$, and none otherwise? (b) Which condition on $\mathbf{H}$
+# keeps the mass of *every* field without any correction, which one keeps constants? Which of the
+# two does (13.7) obey? (c) A smooth hill has its top between the sites. What do bounds do to it, in
+# one step and in many?
 
 # %% [markdown] answer="13.10" points=3
-# (a) Each $v_j$ is a continuous function of $\lambda$ that never falls, and so is the mass. For $\lambda$ small enough all are at $l_j$, for $\lambda$ large enough at $h_j$, so every mass between is reached. Where the mass stays the same over a whole interval of $\lambda$, no $v_j$ changes there, since none falls and the $m_j$ are positive: the field is unique even if $\lambda$ is not. Outside, bounds are in
-# contradiction with the mass. (b) The mass after a step is $\mathbf{m}^T\mathbf{H}\mathbf{u}$; it is that before for every $\mathbf{u}$ exactly if $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$, a condition on columns. Constants stay if $\mathbf{H}\mathbf{1} = \mathbf{1}$, a condition on rows. (13.7) obeys the second, since the polynomial is in it, not the first. (c) At the top the
-# interpolant is higher than all sites around; the bound cuts that off, though it was right. In every step a little is cut, and the hill gets lower and lower.
+# (a) Each $v_j$ is a continuous function of $\lambda$ that never falls, and so is the mass. For
+# $\lambda$ small enough all are at $l_j$, for $\lambda$ large enough at $h_j$, so every mass
+# between is reached. Where the mass stays the same over a whole interval of $\lambda$, no $v_j$
+# changes there, since none falls and the $m_j$ are positive: the field is unique even if $\lambda$
+# is not. Outside, bounds are in contradiction with the mass. (b) The mass after a step is
+# $\mathbf{m}^T\mathbf{H}\mathbf{u}$; it is that before for every $\mathbf{u}$ exactly if
+# $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$, a condition on columns. Constants stay if
+# $\mathbf{H}\mathbf{1} = \mathbf{1}$, a condition on rows. (13.7) obeys the second, since the
+# polynomial is in it, not the first. (c) At the top the interpolant is higher than all sites
+# around; the bound cuts that off, though it was right. In every step a little is cut, and the hill
+# gets lower and lower.
 
 # %% [markdown] rubric="13.10"
-# One point for monotone and continuous with the two extremes. One for $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$ against $\mathbf{H}\mathbf{1} = \mathbf{1}$, and which holds. One for the top that is cut, in each step again.
+# One point for monotone and continuous with the two extremes. One for $\mathbf{m}^T\mathbf{H} =
+# \mathbf{m}^T$ against $\mathbf{H}\mathbf{1} = \mathbf{1}$, and which holds. One for the top that
+# is cut, in each step again.
 
 # %% [markdown]
 # ## Out and back
 #
-# The flow number 2 draws a hill out to a thread until the time one half, and then winds it back. Your `advect` does it on 400 sites of the square; feet and matrix are made anew in each step.
+# The flow number 2 draws a hill out to a thread until the time one half, and then winds it back.
+# Your `advect` does it on 400 sites of the square; feet and matrix are made anew in each step.
 
 
 # %%
@@ -580,9 +666,12 @@ def out_and_back(steps):
 # %% [markdown]
 # ## A flow that carries itself
 #
-# In $u_t + u\, u_x = 0$, the equation of Burgers, the velocity is what is carried. On the line a particle keeps its velocity $u$, so its path is straight, and the foot of $x$ after a step is a solution of
+# In $u_t + u\, u_x = 0$, the equation of Burgers, the velocity is what is carried. On the line a
+# particle keeps its velocity $u$, so its path is straight, and the foot of $x$ after a step is a
+# solution of
 #
-# $$ y = x - \Delta t\; s_{\mathbf{u}}(y), \qquad\text{found by}\qquad y^0 = x, \quad y^{m+1} = x - \Delta t\; s_{\mathbf{u}}(y^m), \tag{13.10} $$
+# $$ y = x - \Delta t\; s_{\mathbf{u}}(y), \qquad\text{found by}\qquad y^0 = x, \quad y^{m+1} = x -
+#    \Delta t\; s_{\mathbf{u}}(y^m), \tag{13.10} $$
 #
 # where $s_{\mathbf{u}}$ is the field through the values at the sites, by your `step_matrix`.
 #
@@ -604,7 +693,9 @@ def burgers_feet(sites, u, dt, rounds, k):
 check("13.11")
 
 # %% [markdown]
-# One single step, of any length, from a smooth wave. The grey curve is exact: every point of the wave at the beginning, moved by $\Delta t$ times its own height. At $\Delta t = 1$ in units of the slider the wave breaks.
+# One single step, of any length, from a smooth wave. The grey curve is exact: every point of the
+# wave at the beginning, moved by $\Delta t$ times its own height. At $\Delta t = 1$ in units of the
+# slider the wave breaks.
 
 
 # %%
@@ -628,7 +719,9 @@ def one_step_of_a_wave(dt):
 
 
 # %% [markdown]
-# **13.12** (a) When does (13.10) converge, and how fast? (b) The wave breaks at the time $t^* = 1/\max(-u_x)$. What happens then to the characteristics, and what has this to do with (a)? (c) So up to which length is one step exact but for reconstruction?
+# **13.12** (a) When does (13.10) converge, and how fast? (b) The wave breaks at the time $t^* =
+# 1/\max(-u_x)$. What happens then to the characteristics, and what has this to do with (a)? (c) So
+# up to which length is one step exact but for reconstruction?
 #
 # <details><summary>Hint</summary>
 #
@@ -637,19 +730,32 @@ def one_step_of_a_wave(dt):
 # </details>
 
 # %% [markdown] answer="13.12" points=2
-# (a) The difference of two rounds is $-\Delta t\,(s(y^m) - s(y^{m-1}))$, at most $\Delta t \max\lvert s'\rvert$ times the one before; if that factor is less than one, the rounds converge at least as fast as its powers. (b) The particle from $x_0$ is at $x_0 + t\,u(x_0)$; this map has the derivative $1 + t\,u_x$, which first vanishes at $t^*$, where particles overtake
-# each other. From then on some places have several feet, and (13.10) has several solutions. Where the velocity falls most, $\Delta t\,\lvert s' \rvert$ reaches one at the same moment. (After that the rounds fail also where the velocity rises as steeply, although there is one foot only: this is a fault of the rounds, not of the wave.) (c) Up to $\Delta t < t^*$, as far as the rounds converge: paths are straight, so no error of time is made at all, however many sites are passed.
+# (a) The difference of two rounds is $-\Delta t\,(s(y^m) - s(y^{m-1}))$, at most $\Delta t
+# \max\lvert s'\rvert$ times the one before; if that factor is less than one, the rounds converge at
+# least as fast as its powers. (b) The particle from $x_0$ is at $x_0 + t\,u(x_0)$; this map has the
+# derivative $1 + t\,u_x$, which first vanishes at $t^*$, where particles overtake each other. From
+# then on some places have several feet, and (13.10) has several solutions. Where the velocity falls
+# most, $\Delta t\,\lvert s' \rvert$ reaches one at the same moment. (After that the rounds fail
+# also where the velocity rises as steeply, although there is one foot only: this is a fault of the
+# rounds, not of the wave.) (c) Up to $\Delta t < t^*$, as far as the rounds converge: paths are
+# straight, so no error of time is made at all, however many sites are passed.
 
 # %% [markdown] rubric="13.12"
-# One point for the factor $\Delta t\,\lvert u_x\rvert < 1$. One for feet that are no longer unique after $t^*$, or for straight paths, so that the step is exact before.
+# One point for the factor $\Delta t\,\lvert u_x\rvert < 1$. One for feet that are no longer unique
+# after $t^*$, or for straight paths, so that the step is exact before.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - What decides whether many turns go well are the powers of $\mathbf{H}$. Compute its eigenvalues for the flow 0 on sites in the disc, with 21 sites that count and with all of them. Which has a modulus above one? How many turns does it take until one sees it?
-# - Sites in a square and the flow 0: the corners come from outside. What does (13.7) do there, and what do the eigenvalues say? What would the equation need to be told at such a boundary?
-# - Let the sites go along: put each site of the next step where the flow takes a site of this one. What is left of the error after one turn? When do you need new sites?
-# - A velocity that is itself known only at sites has to be reconstructed inside every stage of (13.5). Which order do the feet keep then?
+# - What decides whether many turns go well are the powers of $\mathbf{H}$. Compute its eigenvalues
+#   for the flow 0 on sites in the disc, with 21 sites that count and with all of them. Which has a
+#   modulus above one? How many turns does it take until one sees it?
+# - Sites in a square and the flow 0: the corners come from outside. What does (13.7) do there, and
+#   what do the eigenvalues say? What would the equation need to be told at such a boundary?
+# - Let the sites go along: put each site of the next step where the flow takes a site of this one.
+#   What is left of the error after one turn? When do you need new sites?
+# - A velocity that is itself known only at sites has to be reconstructed inside every stage of
+#   (13.5). Which order do the feet keep then?
 
 # %%
 progress()

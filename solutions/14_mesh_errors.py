@@ -13,9 +13,10 @@
 # %% [markdown]
 # # The errors of a mesh
 #
-# A surface in a file is a list of points and a list of triangles. Nothing in the file says that the triangles make
-# a surface. A picture will look right with triangles missing, doubled or turned over; a printer, or the computation of
-# a volume, will fail. By the end of this notebook you find such errors, and you can say of each what it violates.
+# A surface in a file is a list of points and a list of triangles. Nothing in the file says that the
+# triangles make a surface. A picture will look right with triangles missing, doubled or turned
+# over; a printer, or the computation of a volume, will fail. By the end of this notebook you find
+# such errors, and you can say of each what it violates.
 #
 # Eight functions, most of them of three or four lines.
 
@@ -131,8 +132,8 @@ def many(n, thing):
 # %% [markdown]
 # ## The problem in a picture
 #
-# Three files with a sphere in them. Pull: every part that hangs together in the *list* of triangles moves away from
-# the middle.
+# Three files with a sphere in them. Pull: every part that hangs together in the *list* of triangles
+# moves away from the middle.
 
 
 # %%
@@ -160,24 +161,27 @@ def three_files(pull):
 
 
 # %% [markdown]
-# **What to look at.** Put the slider to zero: no eye can tell the three apart. The one on the right is what the most
-# common format for printing, STL, holds: every triangle brings three points of its own along. In the middle, a seam
-# that was never sewn: along it every point is in the list twice.
+# **What to look at.** Put the slider to zero: no eye can tell the three apart. The one on the right
+# is what the most common format for printing, STL, holds: every triangle brings three points of its
+# own along. In the middle, a seam that was never sewn: along it every point is in the list twice.
 #
 # ## One place, one vertex
 #
-# Let $\mathbf{p}_1, \dots, \mathbf{p}_N$ be the points, in space or in the plane. To *weld* is to let one vertex stand for all that are in the same
-# place. The same means: no farther apart than a tolerance $\tau \ge 0$, since files round. Take the first one:
+# Let $\mathbf{p}_1, \dots, \mathbf{p}_N$ be the points, in space or in the plane. To *weld* is to
+# let one vertex stand for all that are in the same place. The same means: no farther apart than a
+# tolerance $\tau \ge 0$, since files round. Take the first one:
 #
 # $$ w_i = \min\{\, j : \lVert \mathbf{p}_j - \mathbf{p}_i \rVert \le \tau \,\} . \tag{14.1} $$
 #
 # ### 14.1 Weld
 #
-# Return $w_i$ for each vertex. Python counts from 0: a vertex that has no earlier one in its place stands for itself.
+# Return $w_i$ for each vertex. Python counts from 0: a vertex that has no earlier one in its place
+# stands for itself.
 #
 # <details><summary>Hint</summary>
 #
-# `points[:, None] - points` holds all differences. Of an array of True and False, `np.argmax` finds the first True: along which axis?
+# `points[:, None] - points` holds all differences. Of an array of True and False, `np.argmax` finds
+# the first True: along which axis?
 #
 # </details>
 
@@ -195,13 +199,14 @@ def weld(points, tolerance):
 check("14.1")
 
 # %% [markdown]
-# From now on a surface is a list of triangles: each a row of three numbers of vertices. `sides(triangles)` is written
-# for you. It has the shape $(3M, 2)$: three sides of each triangle, one after the other, and of each side both ends, in the
-# direction in which the triangle runs.
+# From now on a surface is a list of triangles: each a row of three numbers of vertices.
+# `sides(triangles)` is written for you. It has the shape $(3M, 2)$: three sides of each triangle,
+# one after the other, and of each side both ends, in the direction in which the triangle runs.
 #
 # ## How many triangles at an edge?
 #
-# Sides with the same two ends are one *edge*, whichever way they run. Count for each edge the triangles that have it:
+# Sides with the same two ends are one *edge*, whichever way they run. Count for each edge the
+# triangles that have it:
 #
 # - **one**: the edge is at the *boundary*, the rim of the surface or of a hole;
 # - **two**: so should it be inside of a surface;
@@ -213,8 +218,8 @@ check("14.1")
 #
 # <details><summary>Hint</summary>
 #
-# Make the two ends comparable first: sort them. Then `np.unique` with `axis=0` finds the different edges, and can return
-# how often each occurs, and which of them every row is.
+# Make the two ends comparable first: sort them. Then `np.unique` with `axis=0` finds the different
+# edges, and can return how often each occurs, and which of them every row is.
 #
 # </details>
 
@@ -257,24 +262,28 @@ def edges_in_colour():
 
 
 # %% [markdown]
-# **What to look at.** Blue edges have one triangle, orange ones more than two. The fin has an orange edge with a
-# blue boundary beside it: the two ideas are independent. Seen from inside a surface is dark.
+# **What to look at.** Blue edges have one triangle, orange ones more than two. The fin has an
+# orange edge with a blue boundary beside it: the two ideas are independent. Seen from inside a
+# surface is dark.
 #
 # ## Euler's count
 #
-# Let $V$ be the number of vertices *that triangles have*, $E$ that of the edges, $F$ that of the triangles. Then
+# Let $V$ be the number of vertices *that triangles have*, $E$ that of the edges, $F$ that of the
+# triangles. Then
 #
 # $$ \chi = V - E + F \tag{14.2} $$
 #
-# does not change when triangles are cut into smaller ones: it is a property of the surface, its *Euler
-# characteristic*. A closed surface in one piece, with two sides and $g$ handles, has $\chi = 2 - 2g$; every hole that is cut into it
-# takes one away; and of several parts the characteristics add up.
+# does not change when triangles are cut into smaller ones: it is a property of the surface,
+# its *Euler characteristic*. A closed surface in one piece, with two sides and $g$ handles, has
+# $\chi = 2 - 2g$; every hole that is cut into it takes one away; and of several parts the
+# characteristics add up.
 #
 # ### 14.3 Vertices minus edges plus triangles
 #
 # <details><summary>Hint</summary>
 #
-# A file may hold points that no triangle has. They are not vertices of the surface: look only into the list of triangles. Each edge counts once.
+# A file may hold points that no triangle has. They are not vertices of the surface: look only into
+# the list of triangles. Each edge counts once.
 #
 # </details>
 
@@ -292,8 +301,8 @@ def euler_characteristic(triangles):
 check("14.3")
 
 # %% [markdown]
-# Now the soup of the first picture can be welded. Its points have been written with an error of $10^{-5}$ or so, as a file with
-# few digits has. Which tolerance is right?
+# Now the soup of the first picture can be welded. Its points have been written with an error of
+# $10^{-5}$ or so, as a file with few digits has. Which tolerance is right?
 
 
 # %%
@@ -338,26 +347,30 @@ def welding(exponent):
 
 
 # %% [markdown]
-# **What to look at.** On the left, blue edges are open. Between the error of the file and the size of the triangles
-# there is a wide range where the answer is the same, and χ is 2: a sphere. Below it there are cracks, above it the
-# surface collapses.
+# **What to look at.** On the left, blue edges are open. Between the error of the file and the size
+# of the triangles there is a wide range where the answer is the same, and χ is 2: a sphere. Below
+# it there are cracks, above it the surface collapses.
 #
 # ## Round the holes
 #
-# Boundary edges that hang together make a *loop*: the rim of one hole. Let us call a loop by the least of its vertices.
+# Boundary edges that hang together make a *loop*: the rim of one hole. Let us call a loop by the
+# least of its vertices.
 #
-# `connected(n, links)` is written for you. It finds what hangs together among $n$ things, given pairs of them, and returns
-# for each thing the least one of its part.
+# `connected(n, links)` is written for you. It finds what hangs together among $n$ things, given
+# pairs of them, and returns for each thing the least one of its part.
 #
 # ### 14.4 Loops
 #
-# Return for each of $N$ vertices the name of the loop it is on, and $-1$ if it is on none. No two loops touch. But some
-# triangles may be turned over: do not count on all sides to run the same way round.
+# Return for each of $N$ vertices the name of the loop it is on, and $-1$ if it is on none. No two
+# loops touch. But some triangles may be turned over: do not count on all sides to run the same way
+# round.
 
 
 # %% question="14.4"
 def boundary_loops(n, triangles):
-    """Return the least vertex on the loop of each vertex, or -1, of shape (n,), for triangles (M, 3)."""
+    """Return the least vertex on the loop of each vertex, or -1, of shape (n,), for triangles (M,
+    3).
+    """
     # BEGIN SOLUTION
     free = sides(triangles)[triangles_at_sides(triangles) == 1]
     loop = connected(n, free)
@@ -372,9 +385,10 @@ check("14.4")
 # %% [markdown]
 # ## One fan at each vertex
 #
-# A surface can fail to be a manifold although every edge has two triangles. Let two tetrahedra touch in one vertex, and weld there:
-# two cones, tip to tip, a *bow-tie*. Round an inner vertex of a manifold you come from any of its triangles to any other, across
-# edges that end there. Such a set of triangles is a *fan*. A vertex should have one.
+# A surface can fail to be a manifold although every edge has two triangles. Let two tetrahedra
+# touch in one vertex, and weld there: two cones, tip to tip, a *bow-tie*. Round an inner vertex of
+# a manifold you come from any of its triangles to any other, across edges that end there. Such a
+# set of triangles is a *fan*. A vertex should have one.
 #
 # ### 14.5 Fans
 #
@@ -382,14 +396,15 @@ check("14.4")
 #
 # <details><summary>Hint 1</summary>
 #
-# A triangle $(v, a, b)$ at the vertex $v$ has opposite to $v$ the side from $a$ to $b$. Two triangles at $v$ have a
-# common edge there if their opposite sides have a common end. So a fan hangs together along its rim.
+# A triangle $(v, a, b)$ at the vertex $v$ has opposite to $v$ the side from $a$ to $b$. Two
+# triangles at $v$ have a common edge there if their opposite sides have a common end. So a fan
+# hangs together along its rim.
 #
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Vertex by vertex: choose the triangles that have it, and take from them the two other vertices, as links for `connected`. How many parts do
-# *these* vertices make?
+# Vertex by vertex: choose the triangles that have it, and take from them the two other vertices, as
+# links for `connected`. How many parts do *these* vertices make?
 #
 # </details>
 
@@ -439,33 +454,38 @@ def loops_and_fans():
 
 
 # %% [markdown]
-# **What to look at.** Each loop has its colour; a ring marks a vertex with more than one fan. In both pictures on the right every edge has two
-# triangles, and neither surface is a manifold. With the pages of a book, further up, it is the other way round: no bow-tie, and an edge of many
+# **What to look at.** Each loop has its colour; a ring marks a vertex with more than one fan. In
+# both pictures on the right every edge has two triangles, and neither surface is a manifold. With
+# the pages of a book, further up, it is the other way round: no bow-tie, and an edge of many
 # triangles. Both have to be looked for.
 #
 # ## The same way round
 #
-# A triangle runs round its border in the order of its vertices, and seen from where it runs to the left, you look at its outer side.
-# Two neighbours agree if they run along their common edge in *opposite* directions. If they run along it in the same direction, one of
-# them has to be turned over. A surface is *oriented* if all neighbours agree, and *orientable* if triangles can be turned so that they do.
+# A triangle runs round its border in the order of its vertices, and seen from where it runs to the
+# left, you look at its outer side. Two neighbours agree if they run along their common edge
+# in *opposite* directions. If they run along it in the same direction, one of them has to be turned
+# over. A surface is *oriented* if all neighbours agree, and *orientable* if triangles can be turned
+# so that they do.
 #
 # ### 14.6 Turn them over
 #
-# Return for each triangle $+1$ if it stays, $-1$ if it has to be turned over, so that all neighbours agree. The first triangle of each part
-# stays. Some parts can not be oriented however you turn: return 0 for all triangles of such a part. No edge has more than two triangles.
-# You get the points as well. Do you need them?
+# Return for each triangle $+1$ if it stays, $-1$ if it has to be turned over, so that all
+# neighbours agree. The first triangle of each part stays. Some parts can not be oriented however
+# you turn: return 0 for all triangles of such a part. No edge has more than two triangles. You get
+# the points as well. Do you need them?
 #
 # <details><summary>Hint 1</summary>
 #
-# Go from triangle to triangle, across edges: a neighbour that disagrees gets the opposite sign. If you come to a triangle that has a sign
-# already, and the other one, the part has one side.
+# Go from triangle to triangle, across edges: a neighbour that disagrees gets the opposite sign. If
+# you come to a triangle that has a sign already, and the other one, the part has one side.
 #
 # </details>
 # <details><summary>Hint 2, without a walk</summary>
 #
-# Take $2M$ things: triangle $t$ as it is, number $t$, and turned over, number $M + t$. Link what fits together: two neighbours as they are,
-# if they agree, and both turned over as well. What fits if they do not? `connected` then finds the least of each part. What does it mean if $t$ and $M+t$ are in one
-# part? And otherwise, which of the two is in the part of the first triangle?
+# Take $2M$ things: triangle $t$ as it is, number $t$, and turned over, number $M + t$. Link what
+# fits together: two neighbours as they are, if they agree, and both turned over as well. What fits
+# if they do not? `connected` then finds the least of each part. What does it mean if $t$ and $M+t$
+# are in one part? And otherwise, which of the two is in the part of the first triangle?
 #
 # </details>
 
@@ -510,7 +530,8 @@ def your_sphere():
 
 
 # %% [markdown]
-# Was the result dark on your screen, not pale? Then the first triangle, which stays, was one of the wrong ones. Neighbours know nothing of inside and outside.
+# Was the result dark on your screen, not pale? Then the first triangle, which stays, was one of the
+# wrong ones. Neighbours know nothing of inside and outside.
 #
 # Now twist a strip of paper, and close it to a ring. Some triangles are turned over, at random.
 
@@ -539,22 +560,25 @@ def strips(twists):
 
 
 # %% [markdown]
-# **What to look at.** On the left, dark triangles are seen from inside. On the right your function has turned them. Even numbers of half turns
-# have two sides, and two rims. After an odd number both are one. A flipped triangle is a mistake in the *list*, and is
-# mended there; a single side is a property of the *surface*, and cannot be mended.
+# **What to look at.** On the left, dark triangles are seen from inside. On the right your function
+# has turned them. Even numbers of half turns have two sides, and two rims. After an odd number both
+# are one. A flipped triangle is a mistake in the *list*, and is mended there; a single side is a
+# property of the *surface*, and cannot be mended.
 #
 # ## Where the points are
 #
 # So far the places of the points have not mattered, but for welding. Two errors are geometry.
 #
-# A triangle without area has no normal. Files have not only those with two corners in one place (*needles*), but also those with a corner on the opposite side
-# (*caps*), whose sides are all long. What makes a triangle *flat* is its least height:
+# A triangle without area has no normal. Files have not only those with two corners in one place
+# (*needles*), but also those with a corner on the opposite side (*caps*), whose sides are all long.
+# What makes a triangle *flat* is its least height:
 #
 # $$ h = \frac{2A}{\text{its longest side}} \le \tau . \tag{14.3} $$
 #
 # ### 14.7 Flat triangles
 #
-# Return whether each triangle is flat. Some have corners that are equal, by name or by place; they are flat too, and nothing may be divided by zero.
+# Return whether each triangle is flat. Some have corners that are equal, by name or by place; they
+# are flat too, and nothing may be divided by zero.
 
 
 # %% question="14.7"
@@ -572,18 +596,24 @@ def flat(points, triangles, tolerance):
 check("14.7")
 
 # %% [markdown]
-# A surface is *embedded* if its triangles share nothing but the corners and edges that they have in common by name. If two triangles cross, an edge of
-# one passes through the other, as a rule. Whether the line from $\mathbf{p}$ to $\mathbf{q}$ passes through the triangle $\mathbf{a}, \mathbf{b}, \mathbf{c}$ is decided by signs
-# of volumes alone. Let
+# A surface is *embedded* if its triangles share nothing but the corners and edges that they have in
+# common by name. If two triangles cross, an edge of one passes through the other, as a rule.
+# Whether the line from $\mathbf{p}$ to $\mathbf{q}$ passes through the triangle $\mathbf{a},
+# \mathbf{b}, \mathbf{c}$ is decided by signs of volumes alone. Let
 #
-# $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{x}] = \operatorname{sign} \big( (\mathbf{b} - \mathbf{a}) \times (\mathbf{c} - \mathbf{a}) \big)^T (\mathbf{x} - \mathbf{a}), \tag{14.4} $$
+# $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{x}] = \operatorname{sign} \big( (\mathbf{b} -
+#    \mathbf{a}) \times (\mathbf{c} - \mathbf{a}) \big)^T (\mathbf{x} - \mathbf{a}), \tag{14.4} $$
 #
-# which says on which side of the plane of three points the fourth one lies; without the sign it is six times the volume of their tetrahedron. The line passes through the inside of the triangle if
+# which says on which side of the plane of three points the fourth one lies; without the sign it is
+# six times the volume of their tetrahedron. The line passes through the inside of the triangle if
 #
-# $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{p}] = -[\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{q}] \neq 0, \qquad
-#    [\mathbf{p}, \mathbf{q}, \mathbf{a}, \mathbf{b}] = [\mathbf{p}, \mathbf{q}, \mathbf{b}, \mathbf{c}] = [\mathbf{p}, \mathbf{q}, \mathbf{c}, \mathbf{a}] . \tag{14.5} $$
+# $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{p}] = -[\mathbf{a}, \mathbf{b}, \mathbf{c},
+#    \mathbf{q}] \neq 0, \qquad
+#    [\mathbf{p}, \mathbf{q}, \mathbf{a}, \mathbf{b}] = [\mathbf{p}, \mathbf{q}, \mathbf{b},
+#    \mathbf{c}] = [\mathbf{p}, \mathbf{q}, \mathbf{c}, \mathbf{a}] . \tag{14.5} $$
 #
-# The first part: both ends are on different sides of the plane. The second: seen along the line, it lies to the same side of all three sides.
+# The first part: both ends are on different sides of the plane. The second: seen along the line, it
+# lies to the same side of all three sides.
 #
 # ### 14.8 Pierced
 #
@@ -591,7 +621,8 @@ check("14.7")
 #
 # <details><summary>Hint</summary>
 #
-# A function inside of your function, for (14.4), saves you from writing it five times. `np.cross` takes arrays $(K, 3)$, row by row.
+# A function inside of your function, for (14.4), saves you from writing it five times. `np.cross`
+# takes arrays $(K, 3)$, row by row.
 #
 # </details>
 
@@ -617,7 +648,8 @@ check("14.8")
 # %% [markdown]
 # ## The whole audit
 #
-# All of your functions, on one sphere with one error. Choose the error, and turn the sphere; think first what the audit will say.
+# All of your functions, on one sphere with one error. Choose the error, and turn the sphere; think
+# first what the audit will say.
 
 
 # %%
@@ -707,69 +739,94 @@ def audit(error, turn):
 
 
 # %% [markdown]
-# **What to look at.** One error has several signs: to list a triangle twice makes three edges of three triangles, and a
-# seam makes two loops in one place. A vertex in an edge (it is called a *T-junction*) leaves a slit without width: a loop of
-# three edges, where the eye sees none. Close it with a triangle, and that has no area.
+# **What to look at.** One error has several signs: to list a triangle twice makes three edges of
+# three triangles, and a seam makes two loops in one place. A vertex in an edge (it is called
+# a *T-junction*) leaves a slit without width: a loop of three edges, where the eye sees none. Close
+# it with a triangle, and that has no area.
 #
 # ## In words
 #
-# **14.9** A textbook lists, under the heading "non-manifold errors of meshes": duplicate vertices, edges and triangles; a surface with a
-# boundary; flipped triangles; self-intersections. Which of these make a surface no manifold? What do the others concern: the *boundary*, the *orientation*, the
-# *embedding*, or only how the surface is *written down*? Which two errors of manifoldness are missing? And in a list of triangles: what could a duplicate edge be?
+# **14.9** A textbook lists, under the heading "non-manifold errors of meshes": duplicate vertices,
+# edges and triangles; a surface with a boundary; flipped triangles; self-intersections. Which of
+# these make a surface no manifold? What do the others concern: the *boundary*, the *orientation*,
+# the *embedding*, or only how the surface is *written down*? Which two errors of manifoldness are
+# missing? And in a list of triangles: what could a duplicate edge be?
 #
 # <details><summary>Hint</summary>
 #
-# Try each of them with the picture above. Ask of each: would it still be there if all points moved somewhere else? If the order of the vertices in a triangle did not matter?
+# Try each of them with the picture above. Ask of each: would it still be there if all points moved
+# somewhere else? If the order of the vertices in a triangle did not matter?
 #
 # </details>
 
 # %% [markdown] answer="14.9" points=4
-# None of them as such. A manifold needs at most two triangles at each edge and a single fan at each vertex. A manifold may have a boundary (a sheet of paper), that concerns
-# whether it is closed. Flipped triangles concern the orientation: the order within a triangle, while the surface as a set of triangles stays the same manifold.
-# Self-intersections concern the embedding: where the points lie; moved elsewhere, the same list has none. Duplicate vertices and triangles are matters of how the surface is
-# written. They have consequences in the counts: vertices that are there twice make a boundary where there is none to the eye, and a triangle that is listed
-# twice in a closed mesh makes three edges of three triangles, so this one does violate the conditions of a manifold, though by repetition only.
+# None of them as such. A manifold needs at most two triangles at each edge and a single fan at each
+# vertex. A manifold may have a boundary (a sheet of paper), that concerns whether it is closed.
+# Flipped triangles concern the orientation: the order within a triangle, while the surface as a set
+# of triangles stays the same manifold. Self-intersections concern the embedding: where the points
+# lie; moved elsewhere, the same list has none. Duplicate vertices and triangles are matters of how
+# the surface is written. They have consequences in the counts: vertices that are there twice make a
+# boundary where there is none to the eye, and a triangle that is listed twice in a closed mesh
+# makes three edges of three triangles, so this one does violate the conditions of a manifold,
+# though by repetition only.
 #
-# Missing are edges of three triangles or more that are no repetition, and bow-ties: vertices with several fans. (T-junctions and triangles without area are missing too.)
+# Missing are edges of three triangles or more that are no repetition, and bow-ties: vertices with
+# several fans. (T-junctions and triangles without area are missing too.)
 #
-# A list of triangles has no list of edges, so no edge can be there twice. What may be meant: an edge of more than two triangles, or two edges of the boundary in one
-# place, between vertices that are duplicates: a seam.
+# A list of triangles has no list of edges, so no edge can be there twice. What may be meant: an
+# edge of more than two triangles, or two edges of the boundary in one place, between vertices that
+# are duplicates: a seam.
 
 # %% [markdown] rubric="14.9"
-# One point for boundary, orientation and embedding, each with the right error. One for duplicates as a matter of representation, with one of their consequences. One for both missing errors,
-# crowded edges and bow-ties. One for the duplicate edge: either reading, with the remark that the list has no edges.
+# One point for boundary, orientation and embedding, each with the right error. One for duplicates
+# as a matter of representation, with one of their consequences. One for both missing errors,
+# crowded edges and bow-ties. One for the duplicate edge: either reading, with the remark that the
+# list has no edges.
 
 # %% [markdown]
-# **14.10** "The characteristic of the file is 2, so it is a sphere." Give two different reasons why this does not follow, each with an example. What is the characteristic of a soup of $M$
-# triangles? Which checks must a list of triangles pass before (14.2) tells the number of handles?
+# **14.10** "The characteristic of the file is 2, so it is a sphere." Give two different reasons why
+# this does not follow, each with an example. What is the characteristic of a soup of $M$ triangles?
+# Which checks must a list of triangles pass before (14.2) tells the number of handles?
 #
 # <details><summary>Hint</summary>
 #
-# The characteristics of parts add up. What do holes and handles take away? And which surfaces are not covered by the formula with $g$ at all?
+# The characteristics of parts add up. What do holes and handles take away? And which surfaces are
+# not covered by the formula with $g$ at all?
 #
 # </details>
 
 # %% [markdown] answer="14.10" points=3
-# Parts add up: a sphere and any number of tori have 2 as well, and so have two sheets of paper, with 1 each. Nor need it be a manifold: a fin on a sphere adds one vertex, two edges and
-# one triangle, which leaves 2; and two spheres and a torus, all welded in one vertex, have $2 + 2 + 0 - 2 = 2$.
+# Parts add up: a sphere and any number of tori have 2 as well, and so have two sheets of paper,
+# with 1 each. Nor need it be a manifold: a fin on a sphere adds one vertex, two edges and one
+# triangle, which leaves 2; and two spheres and a torus, all welded in one vertex, have $2 + 2 + 0 -
+# 2 = 2$.
 #
 # In a soup no vertex and no edge is shared: $3M - 3M + M = M$.
 #
-# The list must be welded, without repeated triangles; each part must be taken by itself; it must be a manifold, with at most two triangles at each edge and one fan at each
-# vertex; its loops must be counted, $b$ of them; and it must be orientable. Then $g = (2 - b - \chi)/2$. For the strip of Möbius with $\chi = 0$ and $b = 1$ this would be half a handle.
+# The list must be welded, without repeated triangles; each part must be taken by itself; it must be
+# a manifold, with at most two triangles at each edge and one fan at each vertex; its loops must be
+# counted, $b$ of them; and it must be orientable. Then $g = (2 - b - \chi)/2$. For the strip of
+# Möbius with $\chi = 0$ and $b = 1$ this would be half a handle.
 
 # %% [markdown] rubric="14.10"
-# One point for two reasons with examples (several parts; boundary; no manifold). One for the soup, $M$. One for the checks: connected, manifold, loops counted, orientable; one of them may be missing.
+# One point for two reasons with examples (several parts; boundary; no manifold). One for the soup,
+# $M$. One for the checks: connected, manifold, loops counted, orientable; one of them may be
+# missing.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - Three points in a row, each within the tolerance of the next, the first and the last not. What does (14.1) return? What should be done: weld all, some, none?
-# - A closed part can be oriented in two ways. Show that $\frac16 \sum \det(\mathbf{a}, \mathbf{b}, \mathbf{c})$ over its triangles is the volume, with a sign that tells which way the normals point.
-#   Why does it not matter where the origin is? What if one triangle is turned over?
-# - Round the coordinates in (14.4) to the precision of the computer, and put $\mathbf{p}$ very near to the plane. When is the sign wrong? How could a program know?
-# - To look at all pairs of edges and triangles takes hours for a million triangles. Sort boxes round the triangles first. Which pairs are left?
-# - Repair: which of the errors of the last picture could a program mend without asking, and where would it have to guess?
+# - Three points in a row, each within the tolerance of the next, the first and the last not. What
+#   does (14.1) return? What should be done: weld all, some, none?
+# - A closed part can be oriented in two ways. Show that $\frac16 \sum \det(\mathbf{a}, \mathbf{b},
+#   \mathbf{c})$ over its triangles is the volume, with a sign that tells which way the normals
+#   point. Why does it not matter where the origin is? What if one triangle is turned over?
+# - Round the coordinates in (14.4) to the precision of the computer, and put $\mathbf{p}$ very near
+#   to the plane. When is the sign wrong? How could a program know?
+# - To look at all pairs of edges and triangles takes hours for a million triangles. Sort boxes
+#   round the triangles first. Which pairs are left?
+# - Repair: which of the errors of the last picture could a program mend without asking, and where
+#   would it have to guess?
 
 # %%
 progress()

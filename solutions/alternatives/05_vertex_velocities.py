@@ -238,7 +238,9 @@ def evaluated_at_the_vertex(midpoints, normals, v, x, w):
 
 
 def parts(points, triangles, rings):
-    """Edges around each vertex, as midpoints from the vertex in units of the largest distance, and normals."""
+    """Edges around each vertex, as midpoints from the vertex in units of the largest distance,
+    and normals.
+    """
     for i, x in enumerate(points):
         corners = {i}
         for _ in range(rings):

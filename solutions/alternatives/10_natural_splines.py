@@ -17,7 +17,9 @@ def by_the_third_moments(sites, alpha, beta):
 
 @answers("10.1")
 def by_two_values_on_the_left(sites, alpha, beta):
-    """Left of all sites the curve is β₀ + β₁x; what the cubes of distances give there has to be taken away."""
+    """Left of all sites the curve is β₀ + β₁x; what the cubes of distances give there has to be
+    taken away.
+    """
     x = sites.min() - np.array([1.0, 2.0])
     rest = beta[0] + beta[1] * x - np.abs(x[:, None] - sites) ** 3 @ (alpha / 2)
     slope = (rest[0] - rest[1]) / (x[0] - x[1])

@@ -7,7 +7,7 @@ from fieldrecon.course.hidden import hidden
 
 
 def fan(random, number):
-    """Return a vertex with so many triangles around it, numbered at random, in random directions."""
+    """Return a vertex with as many triangles around it, in random order and random directions."""
     angle = 2 * np.pi * (np.arange(number) + random.uniform(-0.3, 0.3, number)) / number
     rim = random.uniform(0.7, 1.1, (number, 1)) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     place = random.permutation(number + 1)

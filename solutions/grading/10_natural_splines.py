@@ -60,7 +60,7 @@ def two_sites_or_many(seed):
     random = np.random.default_rng(seed + 5)
     many, two, bends = line(random, 10), line(random, 2), random.normal(size=10)
     bends[[0, -1]] = 0
-    # Only moments that belong to values leave an interpolating curve, but the formulas hold for all.
+    # Only moments that belong to values give an interpolating curve; the formulas hold for all.
     z = np.subtract.outer(many[1:], many[:-1]).clip(min=0)
     alpha = np.linalg.solve(6 * z, bends[1:])
     values = (

@@ -90,16 +90,16 @@ def slopes_only(coefficients, x):
 
 @answers("01.3")
 def constant_subtracted(coefficients, x):
-    """The constant c₀ enters with the wrong sign: the field is shifted by twice its value. What does
-    (1.1) give at the origin?
+    """The constant c₀ enters with the wrong sign: the field is shifted by twice its value. What
+    does (1.1) give at the origin?
     """
     return x @ coefficients[1:] - coefficients[0]
 
 
 @answers("01.3")
 def constant_taken_last(coefficients, x):
-    """The last coefficient is taken for the constant and the first for a slope. By (1.1) the constant
-    is the first.
+    """The last coefficient is taken for the constant and the first for a slope. By (1.1) the
+    constant is the first.
     """
     return x @ coefficients[:-1] + coefficients[-1]
 
@@ -180,8 +180,8 @@ def mean_instead_of_sum(points, values, coefficients):
 
 @answers("01.6")
 def not_squared(points, values, coefficients):
-    """This is half of the length of the residual. In (1.3) the length is squared, which is what makes
-    the equations for c linear.
+    """This is half of the length of the residual. In (1.3) the length is squared, which is what
+    makes the equations for c linear.
     """
     return 0.5 * np.linalg.norm(basis(points) @ coefficients - values)
 

@@ -199,8 +199,8 @@ def constant_not_weighted(points, values, w):
 
 @answers("02.2")
 def values_weighted_alone(points, values, w):
-    """The values are multiplied by the weights, and the rows of B are not: each equation of (2.4) has
-    its weight on both sides. As it is, no equation holds even where the field is affine.
+    """The values are multiplied by the weights, and the rows of B are not: each equation of (2.4)
+    has its weight on both sides. As it is, no equation holds even where the field is affine.
     """
     return np.linalg.lstsq(basis(points), w * values)[0]
 
@@ -245,8 +245,8 @@ def evaluated_at_the_points(points, values, x, epsilon):
 
 @answers("02.4")
 def constant_forgotten(points, values, x, epsilon):
-    """The slopes of each local plane are used, and its constant is not: even values that are all one
-    give zero. The first entry of b in (2.1) belongs to it.
+    """The slopes of each local plane are used, and its constant is not: even values that are all
+    one give zero. The first entry of b in (2.1) belongs to it.
     """
     return np.array([place @ local(points, values, place, epsilon)[1:] for place in x])
 
@@ -428,9 +428,9 @@ def squared_weight_twice_in_the_chain_rule(points, values, x, epsilon):
 
 @answers("02.7")
 def right_side_alone_differentiated(points, values, x, epsilon):
-    """Only the right side of (2.5) has been differentiated. The matrix H on the left depends on x as
-    well, and the product rule has a term for it. A sign that it is missing: even an affine field
-    would have the wrong slope.
+    """Only the right side of (2.5) has been differentiated. The matrix H on the left depends on x
+    as well, and the product rule has a term for it. A sign that it is missing: even an affine
+    field would have the wrong slope.
     """
 
     def data(w, away, c):
@@ -572,9 +572,9 @@ def unseen(points, values, epsilon):
 
 @answers("02.9")
 def nothing_left_out(points, values, epsilon):
-    """These are the residuals at the measured points: no measurement has been left out. The field has
-    seen each value that it is compared with, and a small ε makes it agree with all of them, right
-    or wrong.
+    """These are the residuals at the measured points: no measurement has been left out. The field
+    has seen each value that it is compared with, and a small ε makes it agree with all of them,
+    right or wrong.
     """
     return values - seen(points, values, epsilon)
 
@@ -618,8 +618,9 @@ def one_number_for_all(points, values, epsilon):
 
 @answers("02.9")
 def plain_least_squares_left_out(points, values, epsilon):
-    """A measurement is left out, but the rest is fitted with equal weights, by one plane. So ε has no
-    effect, and there is nothing to choose by. Which weights belong to the place that is asked for?
+    """A measurement is left out, but the rest is fitted with equal weights, by one plane. So ε
+    has no effect, and there is nothing to choose by. Which weights belong to the place that is
+    asked for?
     """
     rows = []
     for i in range(len(points)):

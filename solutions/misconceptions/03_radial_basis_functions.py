@@ -45,8 +45,9 @@ def length_not_squared(y):
 
 @answers("03.1")
 def logarithm_of_the_length(y):
-    """This is half of the kernel: r² log r. Books write it so, and the field would come out the same,
-    with λ twice as large; but in (3.1) the logarithm is taken of something else than the length.
+    """This is half of the kernel: r² log r. Books write it so, and the field would come out the
+    same, with λ twice as large; but in (3.1) the logarithm is taken of something else than the
+    length.
     """
     return w(y) / 2
 
@@ -54,7 +55,8 @@ def logarithm_of_the_length(y):
 @answers("03.1")
 def undefined_at_zero(y):
     """For the vector zero this is zero times minus infinity, which is no number. One NaN in the
-    matrix, and there is one for each point, makes all coefficients NaN. What does (3.1) say of zero?
+    matrix, and there is one for each point, makes all coefficients NaN. What does (3.1) say of
+    zero?
     """
     return squares(y) * np.log(squares(y))
 
@@ -150,8 +152,8 @@ def constant_last(points):
 
 @answers("03.2")
 def ones_on_the_diagonal(points):
-    """The diagonal of A is one. Many kernels have the value one at zero, which would make A positive
-    definite; what is w(0) for this one?
+    """The diagonal of A is one. Many kernels have the value one at zero, which would make A
+    positive definite; what is w(0) for this one?
     """
     a = w(offsets(points, points)) + np.eye(len(points))
     return bordered(a, basis(points))
@@ -170,8 +172,8 @@ def identity_in_the_corner(points):
 
 @answers("03.2")
 def undefined_on_the_diagonal(points):
-    """The diagonal of A is no number: it was computed as zero times minus infinity, and it makes all
-    coefficients NaN. What is the difference of a point and itself, and what is w of it?
+    """The diagonal of A is no number: it was computed as zero times minus infinity, and it makes
+    all coefficients NaN. What is the difference of a point and itself, and what is w of it?
     """
     s = squares(offsets(points, points))
     return bordered(s * np.log(s), basis(points))
@@ -179,8 +181,8 @@ def undefined_on_the_diagonal(points):
 
 @answers("03.2")
 def distances_for_the_kernel(points):
-    """The block A holds the distances of the points and not the kernel of them. Each entry is w of a
-    difference of two points.
+    """The block A holds the distances of the points and not the kernel of them. Each entry is w
+    of a difference of two points.
     """
     return bordered(np.sqrt(squares(offsets(points, points))), basis(points))
 
@@ -190,8 +192,8 @@ def distances_for_the_kernel(points):
 
 @answers("03.3")
 def constraints_left_out(points, values):
-    """Only A λ = φ was solved, and c set to zero. The field goes through the values, but the λ do not
-    satisfy (3.4), so an affine field is not reproduced and the field grows far away.
+    """Only A λ = φ was solved, and c set to zero. The field goes through the values, but the λ do
+    not satisfy (3.4), so an affine field is not reproduced and the field grows far away.
     """
     return np.linalg.solve(w(offsets(points, points)), values), np.zeros(points.shape[1] + 1)
 
@@ -246,8 +248,8 @@ def only_the_sum_constrained(points, values):
 
 @answers("03.3")
 def for_half_of_the_kernel(points, values):
-    """The λ are twice as large as they should be: these belong to r² log r, which is half of w. With
-    that kernel they give the same field, but 03.4 multiplies them by the w of (3.1).
+    """The λ are twice as large as they should be: these belong to r² log r, which is half of w.
+    With that kernel they give the same field, but 03.4 multiplies them by the w of (3.1).
     """
     lam, c = solved(w(offsets(points, points)), basis(points), values)
     return 2 * lam, c
@@ -282,24 +284,24 @@ def constant_left_out(points, lam, c, x):
 
 @answers("03.4")
 def bumps_forgotten(points, lam, c, x):
-    """This is the affine part alone. Of the λ and the points nothing is used; where in (3.2) do they
-    stand?
+    """This is the affine part alone. Of the λ and the points nothing is used; where in (3.2) do
+    they stand?
     """
     return basis(x) @ c
 
 
 @answers("03.4")
 def factors_forgotten(points, lam, c, x):
-    """All bumps are added with the factor one. Each has a λ of its own, which is what makes the field
-    go through the values.
+    """All bumps are added with the factor one. Each has a λ of its own, which is what makes the
+    field go through the values.
     """
     return basis(x) @ c + w(offsets(x, points)).sum(axis=1)
 
 
 @answers("03.4")
 def constant_taken_last(points, lam, c, x):
-    """The last coefficient is taken for the constant and the first for a slope. In (3.2) the constant
-    stands first.
+    """The last coefficient is taken for the constant and the first for a slope. In (3.2) the
+    constant stands first.
     """
     return x @ c[:-1] + c[-1] + w(offsets(x, points)) @ lam
 
@@ -315,8 +317,8 @@ def undefined_at_the_points(points, lam, c, x):
 
 @answers("03.4")
 def half_of_the_kernel(points, lam, c, x):
-    """The bumps are half as high as they should be: the logarithm was taken of the length instead of
-    its square. The λ of 03.3 belong to the w of (3.1).
+    """The bumps are half as high as they should be: the logarithm was taken of the length instead
+    of its square. The λ of 03.3 belong to the w of (3.1).
     """
     return basis(x) @ c + w(offsets(x, points)) @ lam / 2
 
@@ -326,8 +328,8 @@ def half_of_the_kernel(points, lam, c, x):
 
 @answers("03.5")
 def as_one_reads(points):
-    """All positive: that is the claim, not a count. The diagonal of the matrix is zero, so the sum of
-    its eigenvalues is zero too. Compute them, and look at their signs.
+    """All positive: that is the claim, not a count. The diagonal of the matrix is zero, so the
+    sum of its eigenvalues is zero too. Compute them, and look at their signs.
     """
     return sum(points.shape) + 1, 0, 0
 
@@ -347,7 +349,9 @@ def of_the_block(points):
 
 @answers("03.5")
 def signs_exchanged(points):
-    """Positive and negative are exchanged. Is the order of the three numbers that which is asked for?"""
+    """Positive and negative are exchanged. Is the order of the three numbers that which is asked
+    for?
+    """
     eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
     return (
         np.sum(eigenvalues < -1e-9),
@@ -358,9 +362,9 @@ def signs_exchanged(points):
 
 @answers("03.5")
 def none_found_zero(points):
-    """No eigenvalue is counted as zero. Points on one line, or two at the same place, make one zero,
-    and then (3.5) has many solutions, or none. Computed, it is a tiny number of either sign: was it
-    compared with zero exactly?
+    """No eigenvalue is counted as zero. Points on one line, or two at the same place, make one
+    zero, and then (3.5) has many solutions, or none. Computed, it is a tiny number of either
+    sign: was it compared with zero exactly?
     """
     n, d = points.shape
     return n, d + 1, 0
@@ -368,8 +372,9 @@ def none_found_zero(points):
 
 @answers("03.5")
 def all_zeros_taken_for_negative(points):
-    """An eigenvalue that should be zero was counted as negative. Whoever divides values into positive
-    ones and the rest does not see that the matrix is singular. Which size does rounding explain?
+    """An eigenvalue that should be zero was counted as negative. Whoever divides values into
+    positive ones and the rest does not see that the matrix is singular. Which size does rounding
+    explain?
     """
     eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
     positive = np.sum(eigenvalues > 1e-9)
@@ -407,8 +412,8 @@ def logarithm_not_differentiated(points, lam, c, x):
 
 @answers("03.6")
 def square_not_differentiated(points, lam, c, x):
-    """The logarithm was differentiated and the square in front of it was not: one of the two terms of
-    the product rule is missing, the one that has a logarithm.
+    """The logarithm was differentiated and the square in front of it was not: one of the two
+    terms of the product rule is missing, the one that has a logarithm.
     """
     y = offsets(x, points)
     return summed(2 * np.ones(y.shape[:2]), lam, c, y)
@@ -449,8 +454,8 @@ def slopes_forgotten(points, lam, c, x):
 
 @answers("03.6")
 def pointing_to_the_pins(points, lam, c, x):
-    """The bumps push the wrong way: y points from the place to the data point. In (3.6) w is taken of
-    x - p, and its gradient by x keeps that sign.
+    """The bumps push the wrong way: y points from the place to the data point. In (3.6) w is
+    taken of x - p, and its gradient by x keeps that sign.
     """
     y = offsets(x, points)
     return summed(-2 * (1 + logarithm(y)), lam, c, y)
@@ -495,16 +500,16 @@ def factor_of_the_half_kernel(points, values):
 
 @answers("03.7")
 def form_of_the_values(points, values):
-    """The values were put into the quadratic form. It is that of the coefficients: by (3.7) the energy
-    is that of λ, and an affine field, whose values are not zero, has none.
+    """The values were put into the quadratic form. It is that of the coefficients: by (3.7) the
+    energy is that of λ, and an affine field, whose values are not zero, has none.
     """
     return 16 * np.pi * values @ w(offsets(points, points)) @ values
 
 
 @answers("03.7")
 def squares_of_the_coefficients(points, values):
-    """This is the sum of the squares of λ. Bumps that are close together bend the sheet jointly: the
-    matrix A between the two vectors tells how.
+    """This is the sum of the squares of λ. Bumps that are close together bend the sheet jointly:
+    the matrix A between the two vectors tells how.
     """
     lam, _ = solved(w(offsets(points, points)), basis(points), values)
     return 16 * np.pi * lam @ lam

@@ -53,46 +53,50 @@ def raviart(q, v, x):
 
 @answers("06.1")
 def inward(q):
-    """All normals point inwards. Then v would be what flows *in*, and every velocity has the wrong sign. On which side of a
-    side is the opposite corner?
+    """All normals point inwards. Then v would be what flows *in*, and every velocity has the
+    wrong sign. On which side of a side is the opposite corner?
     """
     return -outward(q)
 
 
 @answers("06.1")
 def outward_in_one_order_only(q):
-    """Outward for triangles whose corners are listed anticlockwise, and inward for the others. Meshes come with
-    both. What tells you, for a given triangle, which side is outside?
+    """Outward for triangles whose corners are listed anticlockwise, and inward for the others.
+    Meshes come with both. What tells you, for a given triangle, which side is outside?
     """
     return clockwise_turn(sides(q)) / lengths(q)[:, None]
 
 
 @answers("06.1")
 def as_long_as_the_sides(q):
-    """The directions are right, but each normal is as long as its side. Then N u is no velocity but a flow, and long sides
-    count more. What does *unit* normal mean?
+    """The directions are right, but each normal is as long as its side. Then N u is no velocity
+    but a flow, and long sides count more. What does *unit* normal mean?
     """
     return np.sign(signed_area(q)) * clockwise_turn(sides(q))
 
 
 @answers("06.1")
 def along_the_sides(q):
-    """These are unit vectors along the sides. What flows along a side does not cross it: turn them by a right angle."""
+    """These are unit vectors along the sides. What flows along a side does not cross it: turn
+    them by a right angle.
+    """
     return sides(q) / lengths(q)[:, None]
 
 
 @answers("06.1")
 def in_another_order(q):
-    """The normals are right, in another order: row a has the normal of a side that *begins* at corner a, and should have that
-    of the side opposite. Which two corners does side a not leave out?
+    """The normals are right, in another order: row a has the normal of a side that *begins* at
+    corner a, and should have that of the side opposite. Which two corners does side a not leave
+    out?
     """
     return np.roll(outward(q), -2, axis=0)
 
 
 @answers("06.1")
 def of_the_side_that_begins_here(q):
-    """Two things at once: row a has the normal of the side that begins at corner a instead of the one opposite, and it is outward only if the corners are
-    listed anticlockwise. Begin with the first row, and name its side by its two ends.
+    """Two things at once: row a has the normal of the side that begins at corner a instead of the
+    one opposite, and it is outward only if the corners are listed anticlockwise. Begin with the
+    first row, and name its side by its two ends.
     """
     along = np.roll(q, -1, axis=0) - q
     return clockwise_turn(along) / np.hypot(*along.T)[:, None]
@@ -100,8 +104,9 @@ def of_the_side_that_begins_here(q):
 
 @answers("06.1")
 def from_the_centre(q):
-    """These unit vectors point from the centroid to the middles of the sides. They are perpendicular to the sides only in an
-    equilateral triangle. Check the scalar product with a side.
+    """These unit vectors point from the centroid to the middles of the sides. They are
+    perpendicular to the sides only in an equilateral triangle. Check the scalar product with a
+    side.
     """
     away = q.mean(axis=0) - q
     return away / np.hypot(*away.T)[:, None]
@@ -109,7 +114,9 @@ def from_the_centre(q):
 
 @answers("06.1")
 def divided_by_one_length(q):
-    """All three normals are divided by the same number, the length of the whole array. Each has a length of its own."""
+    """All three normals are divided by the same number, the length of the whole array. Each has a
+    length of its own.
+    """
     n = np.sign(signed_area(q)) * clockwise_turn(sides(q))
     return n / np.linalg.norm(n)
 
@@ -119,46 +126,50 @@ def divided_by_one_length(q):
 
 @answers("06.2")
 def mean_of_the_shadows(q, v):
-    """This is a third of the sum of the vectors v n. Each is only the part of the velocity across one side, so the result is too
-    short, about half of what it should be. The equations must be solved together.
+    """This is a third of the sum of the vectors v n. Each is only the part of the velocity across
+    one side, so the result is too short, about half of what it should be. The equations must be
+    solved together.
     """
     return v @ outward(q) / 3
 
 
 @answers("06.2")
 def right_in_equilateral_triangles(q, v):
-    """Two thirds of the sum of the vectors v n: that is right in an equilateral triangle and in no other, as the matrix of the
-    normal equations is a multiple of the identity there only. Which system has to be solved?
+    """Two thirds of the sum of the vectors v n: that is right in an equilateral triangle and in
+    no other, as the matrix of the normal equations is a multiple of the identity there only.
+    Which system has to be solved?
     """
     return 2 * v @ outward(q) / 3
 
 
 @answers("06.2")
 def first_two_equations(q, v):
-    """This velocity satisfies the first two equations and ignores the third. With the corners in another order another
-    velocity would come out. Least squares treats all three alike.
+    """This velocity satisfies the first two equations and ignores the third. With the corners in
+    another order another velocity would come out. Least squares treats all three alike.
     """
     return np.linalg.solve(outward(q)[:2], v[:2])
 
 
 @answers("06.2")
 def last_two_equations(q, v):
-    """This velocity satisfies the last two equations and ignores the first. Which two are used is an accident of the
-    numbering. Least squares treats all three alike.
+    """This velocity satisfies the last two equations and ignores the first. Which two are used is
+    an accident of the numbering. Least squares treats all three alike.
     """
     return np.linalg.solve(outward(q)[1:], v[1:])
 
 
 @answers("06.2")
 def normals_inward(q, v):
-    """The velocity has the opposite sign: v is what flows *out*, and you have solved with normals that point in."""
+    """The velocity has the opposite sign: v is what flows *out*, and you have solved with normals
+    that point in.
+    """
     return -solved(outward(q), v)
 
 
 @answers("06.2")
 def weighted_by_the_lengths(q, v):
-    """Each equation has been multiplied by the length of its side, so that long sides count more. That is a method, but another one:
-    in (6.2) the three sides count alike.
+    """Each equation has been multiplied by the length of its side, so that long sides count more.
+    That is a method, but another one: in (6.2) the three sides count alike.
     """
     size = lengths(q)
     return solved(size[:, None] * outward(q), size * v)
@@ -166,16 +177,17 @@ def weighted_by_the_lengths(q, v):
 
 @answers("06.2")
 def normals_not_of_unit_length(q, v):
-    """The normals are as long as the sides, while v is a velocity and not yet multiplied by the length. So the two sides of (6.1)
-    do not belong together: a wind does not come back.
+    """The normals are as long as the sides, while v is a velocity and not yet multiplied by the
+    length. So the two sides of (6.1) do not belong together: a wind does not come back.
     """
     return solved(lengths(q)[:, None] * outward(q), v)
 
 
 @answers("06.2")
 def normal_equations_without_the_right_side(q, v):
-    """In the normal equations the matrix has been multiplied by its transpose and the inverse forgotten: this is Nᵀv, a sum of
-    vectors and no solution. What is Nᵀ multiplied with on the left?
+    """In the normal equations the matrix has been multiplied by its transpose and the inverse
+    forgotten: this is Nᵀv, a sum of vectors and no solution. What is Nᵀ multiplied with on the
+    left?
     """
     return outward(q).T @ v
 
@@ -185,8 +197,9 @@ def normal_equations_without_the_right_side(q, v):
 
 @answers("06.3")
 def sum_without_lengths(q, v):
-    """The normal velocities are added without the lengths. What flows out through a side is its velocity *times* its length; with the
-    bare sum a wind through a triangle with unequal sides seems to have a source.
+    """The normal velocities are added without the lengths. What flows out through a side is its
+    velocity *times* its length; with the bare sum a wind through a triangle with unequal sides
+    seems to have a source.
     """
     return abs(v.sum()) / np.sqrt(3)
 
@@ -199,46 +212,48 @@ def squared_defect(q, v):
 
 @answers("06.3")
 def with_a_sign(q, v):
-    """The size is right, the sign should not be there: the defect is the length of a vector. That a cell is a sink tells its divergence,
-    not its defect.
+    """The size is right, the sign should not be there: the defect is the length of a vector. That
+    a cell is a sink tells its divergence, not its defect.
     """
     return lengths(q) @ v / np.linalg.norm(lengths(q))
 
 
 @answers("06.3")
 def outflow_not_divided(q, v):
-    """This is all that flows out, a velocity times a length. To make the defect of it, one has to divide by a length; by which one in
-    (6.4)?
+    """This is all that flows out, a velocity times a length. To make the defect of it, one has to
+    divide by a length; by which one in (6.4)?
     """
     return abs(lengths(q) @ v)
 
 
 @answers("06.3")
 def divided_by_the_perimeter(q, v):
-    """The outflow is divided by the sum of the lengths. In (6.4) it is the length of the vector of lengths: the root of the sum of their
-    squares.
+    """The outflow is divided by the sum of the lengths. In (6.4) it is the length of the vector
+    of lengths: the root of the sum of their squares.
     """
     return abs(lengths(q) @ v) / lengths(q).sum()
 
 
 @answers("06.3")
 def divergence(q, v):
-    """This is the outflow divided by the area: the size of the divergence. It says how fast the fluid expands; the defect is a velocity. Which length
-    is in the denominator of (6.4)?
+    """This is the outflow divided by the area: the size of the divergence. It says how fast the
+    fluid expands; the defect is a velocity. Which length is in the denominator of (6.4)?
     """
     return abs(lengths(q) @ v) / abs(signed_area(q))
 
 
 @answers("06.3")
 def largest_residual(q, v):
-    """This is the largest of the three differences. The defect is the length of the vector of all three."""
+    """This is the largest of the three differences. The defect is the length of the vector of all
+    three.
+    """
     return np.abs(outward(q) @ solved(outward(q), v) - v).max()
 
 
 @answers("06.3")
 def residual_as_a_vector(q, v):
-    """These are the three differences of N u and v. Their direction is always that of l; what is asked for is the length of
-    that vector, one number.
+    """These are the three differences of N u and v. Their direction is always that of l; what is
+    asked for is the length of that vector, one number.
     """
     return outward(q) @ solved(outward(q), v) - v
 
@@ -248,31 +263,41 @@ def residual_as_a_vector(q, v):
 
 @answers("06.4")
 def centroid(q):
-    """This is the centroid, the mean of the corners. It is equally far from them only in an equilateral triangle."""
+    """This is the centroid, the mean of the corners. It is equally far from them only in an
+    equilateral triangle.
+    """
     return q.mean(axis=0)
 
 
 @answers("06.4")
 def incentre(q):
-    """This is the centre of the circle that touches the three *sides*. Asked for is that through the three corners."""
+    """This is the centre of the circle that touches the three *sides*. Asked for is that through
+    the three corners.
+    """
     return lengths(q) @ q / lengths(q).sum()
 
 
 @answers("06.4")
 def factor_two_missing(q):
-    """Seen from the first corner the result is twice as far as it should be. Compare the factors on both sides of (6.5)."""
+    """Seen from the first corner the result is twice as far as it should be. Compare the factors
+    on both sides of (6.5).
+    """
     return 2 * center(q) - q[0]
 
 
 @answers("06.4")
 def as_seen_from_the_corner(q):
-    """This is O − q₁, the circumcentre as seen from the first corner. What is left to do to get the place itself?"""
+    """This is O − q₁, the circumcentre as seen from the first corner. What is left to do to get
+    the place itself?
+    """
     return center(q) - q[0]
 
 
 @answers("06.4")
 def orthocentre(q):
-    """This is where the heights meet, not where the perpendicular bisectors do. Which place is equally far from the corners?"""
+    """This is where the heights meet, not where the perpendicular bisectors do. Which place is
+    equally far from the corners?
+    """
     return q.sum(axis=0) - 2 * center(q)
 
 
@@ -284,8 +309,8 @@ def middle_of_the_box(q):
 
 @answers("06.4")
 def lengths_not_squared(q):
-    """The right side of (6.5) has the lengths of the sides as they are. A length on one side and a product of two lengths on the other cannot be
-    equal in every unit. Look at the exponent.
+    """The right side of (6.5) has the lengths of the sides as they are. A length on one side and
+    a product of two lengths on the other cannot be equal in every unit. Look at the exponent.
     """
     d = q[1:] - q[0]
     return q[0] + np.linalg.solve(2 * d, np.hypot(*d.T))
@@ -296,13 +321,17 @@ def lengths_not_squared(q):
 
 @answers("06.5")
 def about_the_origin(x, m, s):
-    """The centre m is not used: this field turns about the origin. Where should the velocity vanish?"""
+    """The centre m is not used: this field turns about the origin. Where should the velocity
+    vanish?
+    """
     return flow(x, 0 * m, s)
 
 
 @answers("06.5")
 def clockwise(x, m, s):
-    """The rotation goes the other way, with the sign of J reversed. Apply J of (6.6) to (1, 0) by hand."""
+    """The rotation goes the other way, with the sign of J reversed. Apply J of (6.6) to (1, 0) by
+    hand.
+    """
     return -turned_left(x - m) + s * (x - m)
 
 
@@ -314,26 +343,32 @@ def rotation_only(x, m, s):
 
 @answers("06.5")
 def expansion_from_the_origin(x, m, s):
-    """The rotation is about m, but the expansion starts from the origin. Both terms of (6.6) have the same vector."""
+    """The rotation is about m, but the expansion starts from the origin. Both terms of (6.6) have
+    the same vector.
+    """
     return turned_left(x - m) + s * x
 
 
 @answers("06.5")
 def everything_times_s(x, m, s):
-    """The whole field has been multiplied by s, the rotation too. For s = 0 the fluid should still turn."""
+    """The whole field has been multiplied by s, the rotation too. For s = 0 the fluid should
+    still turn.
+    """
     return s * (turned_left(x - m) + x - m)
 
 
 @answers("06.5")
 def mirrored(x, m, s):
-    """The components are exchanged without a change of sign: this mirrors and does not turn. Look at the signs in J."""
+    """The components are exchanged without a change of sign: this mirrors and does not turn. Look
+    at the signs in J.
+    """
     return (x - m)[:, ::-1] + s * (x - m)
 
 
 @answers("06.5")
 def about_the_mean_of_the_places(x, m, s):
-    """The field turns about the mean of the places at which it is asked for. Its centre is given, as m: asked for at one
-    place alone, the field must not vanish there.
+    """The field turns about the mean of the places at which it is asked for. Its centre is given,
+    as m: asked for at one place alone, the field must not vanish there.
     """
     return flow(x, x.mean(axis=0), s)
 
@@ -342,7 +377,9 @@ def about_the_mean_of_the_places(x, m, s):
 
 
 def compared(points, triangles, s, data=lambda q, middles: middles):
-    """Squared differences of each cell, of shape (T, 5): circumcentre, centroid, and the three corners."""
+    """Squared differences of each cell, of shape (T, 5): circumcentre, centroid, and the three
+    corners.
+    """
     m = points.mean(axis=0)
     found = []
     for q in points[triangles]:
@@ -359,44 +396,49 @@ def three(squares, join=lambda x: np.sqrt(np.mean(x))):
 
 @answers("06.6")
 def mean_squares(points, triangles, s):
-    """These are the means of the squares: the roots in (6.7) are missing. In a field of centimetres per second they would be square
-    centimetres.
+    """These are the means of the squares: the roots in (6.7) are missing. In a field of
+    centimetres per second they would be square centimetres.
     """
     return three(compared(points, triangles, s), np.mean)
 
 
 @answers("06.6")
 def largest_errors(points, triangles, s):
-    """These are the largest errors. One flat triangle on the boundary decides about them. (6.7) has a mean over all cells."""
+    """These are the largest errors. One flat triangle on the boundary decides about them. (6.7)
+    has a mean over all cells.
+    """
     return three(compared(points, triangles, s), lambda x: np.sqrt(np.max(x)))
 
 
 @answers("06.6")
 def means_of_lengths(points, triangles, s):
-    """These are means of the lengths of the differences. In (6.7) the lengths are squared first, and the root comes last."""
+    """These are means of the lengths of the differences. In (6.7) the lengths are squared first,
+    and the root comes last.
+    """
     return three(compared(points, triangles, s), lambda x: np.mean(np.sqrt(x)))
 
 
 @answers("06.6")
 def mean_over_components_too(points, triangles, s):
-    """These are too small by the root of two: the mean was taken over the two components as well. The square of a length is the
-    *sum* of the squares of the components.
+    """These are too small by the root of two: the mean was taken over the two components as well.
+    The square of a length is the *sum* of the squares of the components.
     """
     return three(compared(points, triangles, s)) / np.sqrt(2)
 
 
 @answers("06.6")
 def sums_instead_of_means(points, triangles, s):
-    """The squares are added and not averaged, so that a finer mesh of the same quality looks worse. How many terms has each
-    sum?
+    """The squares are added and not averaged, so that a finer mesh of the same quality looks
+    worse. How many terms has each sum?
     """
     return three(compared(points, triangles, s), lambda x: np.sqrt(np.sum(x)))
 
 
 @answers("06.6")
 def mean_of_the_vertex_velocities(points, triangles, s):
-    """The third number compares with the *mean* of the velocities at the three corners. For an affine field that is the
-    truth at the centroid, so it repeats the second number. (6.7) compares with each corner.
+    """The third number compares with the *mean* of the velocities at the three corners. For an
+    affine field that is the truth at the centroid, so it repeats the second number. (6.7)
+    compares with each corner.
     """
     squares = compared(points, triangles, s)
     return np.sqrt(squares[:, [0, 1, 1]].mean(axis=0))
@@ -404,24 +446,24 @@ def mean_of_the_vertex_velocities(points, triangles, s):
 
 @answers("06.6")
 def opposite_corner(points, triangles, s):
-    """The normal velocity of side a is taken at corner a, which is opposite to it. Row a of N belongs to the side that does *not* have that
-    corner.
+    """The normal velocity of side a is taken at corner a, which is opposite to it. Row a of N
+    belongs to the side that does *not* have that corner.
     """
     return three(compared(points, triangles, s, data=lambda q, _: q))
 
 
 @answers("06.6")
 def middles_in_another_order(points, triangles, s):
-    """The middles of the sides are right, but not in the order of the normals: each normal meets the velocity at the middle of another side. Side a is opposite
-    to corner a.
+    """The middles of the sides are right, but not in the order of the normals: each normal meets
+    the velocity at the middle of another side. Side a is opposite to corner a.
     """
     return three(compared(points, triangles, s, data=lambda q, p: np.roll(p, 1, axis=0)))
 
 
 @answers("06.6")
 def centroid_for_circumcentre(points, triangles, s):
-    """The first two numbers are equal: the first was taken at the centroids too. A circumcentre is equally far from the three
-    corners.
+    """The first two numbers are equal: the first was taken at the centroids too. A circumcentre
+    is equally far from the three corners.
     """
     squares = compared(points, triangles, s)
     return np.sqrt([squares[:, 1].mean(), squares[:, 1].mean(), squares[:, 2:].mean()])
@@ -438,32 +480,40 @@ def circumcentre_and_centroid_exchanged(points, triangles, s):
 
 @answers("06.8")
 def towards_the_corner(q, v, x):
-    """Everything has the wrong sign: the vectors go from the place to the corners. In (6.8) they go from the corners to the place."""
+    """Everything has the wrong sign: the vectors go from the place to the corners. In (6.8) they
+    go from the corners to the place.
+    """
     return -raviart(q, v, x)
 
 
 @answers("06.8")
 def area_not_doubled(q, v, x):
-    """Twice too large: the height is twice the area over the side. What is the area of a triangle in terms of a side and its height?"""
+    """Twice too large: the height is twice the area over the side. What is the area of a triangle
+    in terms of a side and its height?
+    """
     return 2 * raviart(q, v, x)
 
 
 @answers("06.8")
 def lengths_forgotten(q, v, x):
-    """The lengths of the sides are missing: v has been divided by twice the area instead of by a height. What is h in (6.8)?"""
+    """The lengths of the sides are missing: v has been divided by twice the area instead of by a
+    height. What is h in (6.8)?
+    """
     return raviart(q, v / lengths(q), x)
 
 
 @answers("06.8")
 def area_with_a_sign(q, v, x):
-    """The sign is wrong for triangles whose corners are listed clockwise, as the determinant is negative there. An area has no sign."""
+    """The sign is wrong for triangles whose corners are listed clockwise, as the determinant is
+    negative there. An area has no sign.
+    """
     return np.sign(signed_area(q)) * raviart(q, v, x)
 
 
 @answers("06.8")
 def from_the_middles(q, v, x):
-    """The vectors start at the middles of the sides. (6.8) has the corners opposite: only then does each term leave the two other
-    sides uncrossed.
+    """The vectors start at the middles of the sides. (6.8) has the corners opposite: only then
+    does each term leave the two other sides uncrossed.
     """
     middles = (np.roll(q, -1, axis=0) + np.roll(q, -2, axis=0)) / 2
     return ((v * lengths(q))[:, None] * (x - middles)).sum(axis=0) / (2 * abs(signed_area(q)))
@@ -471,8 +521,8 @@ def from_the_middles(q, v, x):
 
 @answers("06.8")
 def multiplied_by_the_heights(q, v, x):
-    """The velocities are multiplied by the heights instead of divided by them. A velocity times two lengths is no
-    velocity.
+    """The velocities are multiplied by the heights instead of divided by them. A velocity times
+    two lengths is no velocity.
     """
     h = 2 * abs(signed_area(q)) / lengths(q)
     return (v * h) @ (x - q)
@@ -480,15 +530,17 @@ def multiplied_by_the_heights(q, v, x):
 
 @answers("06.8")
 def the_constant_velocity(q, v, x):
-    """This is the constant velocity of question 06.2; the place x has no effect. The field of (6.8) changes from place to
-    place.
+    """This is the constant velocity of question 06.2; the place x has no effect. The field of
+    (6.8) changes from place to place.
     """
     return solved(outward(q), v)
 
 
 @answers("06.8")
 def corners_in_another_order(q, v, x):
-    """Each velocity meets the wrong corner: side a is opposite to corner a, and its term has the vector from *that* corner."""
+    """Each velocity meets the wrong corner: side a is opposite to corner a, and its term has the
+    vector from *that* corner.
+    """
     return ((v * lengths(q))[:, None] * (x - np.roll(q, 1, axis=0))).sum(axis=0) / (
         2 * abs(signed_area(q))
     )

@@ -49,8 +49,8 @@ def angle_in_degrees(center, radius, turn):
 
 @answers("07.1")
 def center_forgotten(center, radius, turn):
-    """This hexagon stands round the origin. Every point of (7.1) begins with the place of the middle
-    vertex; without it all that follows is right for one position only.
+    """This hexagon stands round the origin. Every point of (7.1) begins with the place of the
+    middle vertex; without it all that follows is right for one position only.
     """
     return radius * circle(turn + np.pi / 3 * np.arange(6))
 
@@ -73,8 +73,8 @@ def first_corner_twice(center, radius, turn):
 
 @answers("07.1")
 def clockwise(center, radius, turn):
-    """The corners are those of the hexagon, but they go round clockwise. In (7.1) the angle grows with
-    b; the sign of a sine, or of the step, decides.
+    """The corners are those of the hexagon, but they go round clockwise. In (7.1) the angle grows
+    with b; the sign of a sine, or of the step, decides.
     """
     return center + radius * circle(turn - np.pi / 3 * np.arange(6))
 
@@ -92,9 +92,9 @@ def diameter_for_radius(center, radius, turn):
 
 @answers("07.2")
 def centroid(a, b, c):
-    """This is the centroid, the mean of the corners. It is a centre of the triangle, but not equally
-    far from the corners, and lines between centroids are not perpendicular to the edges. For the
-    regular hexagon nobody would notice. Condition (7.2) speaks of distances.
+    """This is the centroid, the mean of the corners. It is a centre of the triangle, but not
+    equally far from the corners, and lines between centroids are not perpendicular to the edges.
+    For the regular hexagon nobody would notice. Condition (7.2) speaks of distances.
     """
     return (a + b + c) / 3
 
@@ -110,8 +110,8 @@ def half_forgotten(a, b, c):
 
 @answers("07.2")
 def not_moved_back(a, b, c):
-    """This is the way from the first corner to the circumcentre, not the circumcentre. The equations
-    were solved relative to a corner, and the result was left there.
+    """This is the way from the first corner to the circumcentre, not the circumcentre. The
+    equations were solved relative to a corner, and the result was left there.
     """
     edges = np.array([b - a, c - a])
     return np.linalg.solve(edges, np.sum(edges**2, axis=1) / 2)
@@ -128,8 +128,8 @@ def lengths_not_squared(a, b, c):
 
 @answers("07.2")
 def edges_in_columns(a, b, c):
-    """Rows and columns of the system are exchanged. Each equation speaks of one edge, so an edge is a
-    row of the matrix; in the columns stand its coordinates. Write the first equation out.
+    """Rows and columns of the system are exchanged. Each equation speaks of one edge, so an edge
+    is a row of the matrix; in the columns stand its coordinates. Write the first equation out.
     """
     edges = np.column_stack([b - a, c - a])
     return a + np.linalg.solve(edges, np.sum(edges**2, axis=0) / 2)
@@ -146,8 +146,8 @@ def incenter(a, b, c):
 
 @answers("07.2")
 def orthocenter(a, b, c):
-    """This is where the altitudes meet. The perpendiculars were raised through the corners; those of
-    the circumcentre go through the middles of the edges.
+    """This is where the altitudes meet. The perpendiculars were raised through the corners; those
+    of the circumcentre go through the middles of the edges.
     """
     edges = np.array([c - b, c - a])
     return np.linalg.solve(edges, [(c - b) @ a, (c - a) @ b])
@@ -172,24 +172,24 @@ def parallelogram(a, b, c):
 
 @answers("07.3")
 def sine_forgotten(a, b, c):
-    """This takes every triangle for a right-angled one: half of the product of two sides. How wide the
-    angle between them is must matter. Compare (7.4).
+    """This takes every triangle for a right-angled one: half of the product of two sides. How
+    wide the angle between them is must matter. Compare (7.4).
     """
     return np.linalg.norm(b - a) * np.linalg.norm(c - a) / 2
 
 
 @answers("07.3")
 def scalar_for_determinant(a, b, c):
-    """This is half of the scalar product of two edges, which is zero if they are perpendicular, where
-    the area is largest. (7.4) asks for a determinant.
+    """This is half of the scalar product of two edges, which is zero if they are perpendicular,
+    where the area is largest. (7.4) asks for a determinant.
     """
     return abs((b - a) @ (c - a)) / 2
 
 
 @answers("07.3")
 def origin_for_corner(a, b, c):
-    """The determinant is that of two corners, not of two edges: it is the area of a triangle with the
-    origin. Does your result change when all corners move together?
+    """The determinant is that of two corners, not of two edges: it is the area of a triangle with
+    the origin. Does your result change when all corners move together?
     """
     return abs(cross(b, c)) / 2
 
@@ -199,8 +199,9 @@ def origin_for_corner(a, b, c):
 
 @answers("07.4")
 def areas_dropped(center, rim, corners, x):
-    """The areas are missing: above the line there is a one. In the regular hexagon all triangles are
-    equal and nobody would notice; elsewhere linear fields are lost. What stands above in (7.5)?
+    """The areas are missing: above the line there is a one. In the regular hexagon all triangles
+    are equal and nobody would notice; elsewhere linear fields are lost. What stands above in
+    (7.5)?
     """
     j, k = heights(center, rim, corners, x)
     return 1 / (j * k)
@@ -216,16 +217,16 @@ def factor_two_dropped(center, rim, corners, x):
 
 @answers("07.4")
 def areas_squared(center, rim, corners, x):
-    """The area enters squared. Doubling all lengths must leave a quarter of each weight; which powers
-    of a length stand above and below in yours?
+    """The area enters squared. Doubling all lengths must leave a quarter of each weight; which
+    powers of a length stand above and below in yours?
     """
     return double_areas(center, rim) * one_place(center, rim, corners, x)
 
 
 @answers("07.4")
 def normals_of_length_one_below(center, rim, corners, x):
-    """Below the line the normals have length one, as in (7.3), while above stands twice the area, as in
-    (7.5). The lengths cancel only if they are left out of both, or kept in both.
+    """Below the line the normals have length one, as in (7.3), while above stands twice the area,
+    as in (7.5). The lengths cancel only if they are left out of both, or kept in both.
     """
     spokes = np.linalg.norm(rim - center, axis=1)
     return one_place(center, rim, corners, x) * spokes * np.roll(spokes, -1)
@@ -233,8 +234,8 @@ def normals_of_length_one_below(center, rim, corners, x):
 
 @answers("07.4")
 def product_over_all_neighbours(center, rim, corners, x):
-    """The product runs over all neighbours. Only two edges of the cell meet in a corner, and only their
-    two factors belong into (7.5).
+    """The product runs over all neighbours. Only two edges of the cell meet in a corner, and only
+    their two factors belong into (7.5).
     """
     below = [np.prod((rim - center) @ (p - x)) for p in corners]
     return double_areas(center, rim) / below
@@ -242,8 +243,8 @@ def product_over_all_neighbours(center, rim, corners, x):
 
 @answers("07.4")
 def neighbour_before(center, rim, corners, x):
-    """The corner is paired with the wrong triangle: that of the neighbour before, not of the one that
-    follows. The first corner belongs to the first and the second neighbour; see (7.5).
+    """The corner is paired with the wrong triangle: that of the neighbour before, not of the one
+    that follows. The first corner belongs to the first and the second neighbour; see (7.5).
     """
     j = rim - center
     k = np.roll(rim, 1, axis=0) - center
@@ -276,8 +277,8 @@ def spokes_from_the_origin(center, rim, corners, x):
 
 @answers("07.4")
 def spokes_from_the_place(center, rim, corners, x):
-    """The spokes begin at the place x, where they should begin at the vertex: the normals of a cell do
-    not depend on where it is looked at. Compare the two differences in (7.5).
+    """The spokes begin at the place x, where they should begin at the vertex: the normals of a
+    cell do not depend on where it is looked at. Compare the two differences in (7.5).
     """
     j, k = rim - x, np.roll(rim, -1, axis=0) - x
     below = np.sum(j * (corners - x), axis=1) * np.sum(k * (corners - x), axis=1)
@@ -286,8 +287,8 @@ def spokes_from_the_place(center, rim, corners, x):
 
 @answers("07.4")
 def from_the_center_not_the_place(center, rim, corners, x):
-    """These weights do not depend on the place: the way to the corner was taken from the vertex. They
-    are right in the middle of the cell only. Where is x in (7.5)?
+    """These weights do not depend on the place: the way to the corner was taken from the vertex.
+    They are right in the middle of the cell only. Where is x in (7.5)?
     """
     return one_place(center, rim, corners, center)
 
@@ -303,8 +304,8 @@ def sum_below(center, rim, corners, x):
 
 @answers("07.4")
 def divided_by_the_sum(center, rim, corners, x):
-    """These are coordinates already: the weights divided by their sum. That is the next question; here
-    the weights of (7.5) themselves are asked for.
+    """These are coordinates already: the weights divided by their sum. That is the next question;
+    here the weights of (7.5) themselves are asked for.
     """
     w = one_place(center, rim, corners, x)
     return w / w.sum()
@@ -312,8 +313,9 @@ def divided_by_the_sum(center, rim, corners, x):
 
 @answers("07.4")
 def orientation_kept(center, rim, corners, x):
-    """For neighbours listed clockwise the weights are negative: the area carries a sign. If all do, the
-    coordinates survive; with triangles both ways round they would not. See the bars in (7.4).
+    """For neighbours listed clockwise the weights are negative: the area carries a sign. If all
+    do, the coordinates survive; with triangles both ways round they would not. See the bars in
+    (7.4).
     """
     j, k = heights(center, rim, corners, x)
     return cross(rim - center, np.roll(rim, -1, axis=0) - center) / (j * k)
@@ -324,16 +326,16 @@ def orientation_kept(center, rim, corners, x):
 
 @answers("07.5")
 def not_normalised(center, rim, corners, x):
-    """These are the weights, not divided by their sum. A constant field would not come back: what do
-    the coordinates at a place have to add up to?
+    """These are the weights, not divided by their sum. A constant field would not come back: what
+    do the coordinates at a place have to add up to?
     """
     return many_places(center, rim, corners, x)
 
 
 @answers("07.5")
 def normalised_over_the_places(center, rim, corners, x):
-    """The sums run over the places instead of over the corners: columns add up to one, and rows should.
-    Each place has its own six, and must not depend on which others were asked for.
+    """The sums run over the places instead of over the corners: columns add up to one, and rows
+    should. Each place has its own six, and must not depend on which others were asked for.
     """
     w = many_places(center, rim, corners, x)
     return w / w.sum(axis=0)
@@ -341,8 +343,8 @@ def normalised_over_the_places(center, rim, corners, x):
 
 @answers("07.5")
 def divided_by_everything(center, rim, corners, x):
-    """All weights at all places together add up to one. Each place needs a sum of its own: which axis
-    is to be summed?
+    """All weights at all places together add up to one. Each place needs a sum of its own: which
+    axis is to be summed?
     """
     w = many_places(center, rim, corners, x)
     return w / w.sum()
@@ -350,8 +352,8 @@ def divided_by_everything(center, rim, corners, x):
 
 @answers("07.5")
 def divided_by_the_largest(center, rim, corners, x):
-    """The largest entry of each row is one, not the sum. Only division by the sum makes a constant come
-    back; see (7.6).
+    """The largest entry of each row is one, not the sum. Only division by the sum makes a
+    constant come back; see (7.6).
     """
     w = many_places(center, rim, corners, x)
     return w / w.max(axis=1, keepdims=True)
@@ -359,8 +361,8 @@ def divided_by_the_largest(center, rim, corners, x):
 
 @answers("07.5")
 def of_unit_length(center, rim, corners, x):
-    """The rows have length one: they were divided by the root of the sum of squares. Coordinates have
-    the sum one.
+    """The rows have length one: they were divided by the root of the sum of squares. Coordinates
+    have the sum one.
     """
     w = many_places(center, rim, corners, x)
     return w / np.linalg.norm(w, axis=1, keepdims=True)
@@ -368,8 +370,8 @@ def of_unit_length(center, rim, corners, x):
 
 @answers("07.5")
 def inverse_distances(center, rim, corners, x):
-    """The sum is one, but these weights are inverse distances to the corners. They know nothing of the
-    edges, and linear fields are lost. Use the weights of (7.5).
+    """The sum is one, but these weights are inverse distances to the corners. They know nothing
+    of the edges, and linear fields are lost. Use the weights of (7.5).
     """
     return normalised(1 / np.linalg.norm(corners - x[:, None], axis=2))
 
@@ -392,24 +394,24 @@ def spiral(center, r, steps):
 
 @answers("07.6")
 def radius_to_a_corner(center, corners, steps):
-    """r is the distance to a corner here. It should end in the middle of an edge; else the spiral may
-    begin outside the cell.
+    """r is the distance to a corner here. It should end in the middle of an edge; else the spiral
+    may begin outside the cell.
     """
     return spiral(center, np.linalg.norm(corners[0] - center), steps)
 
 
 @answers("07.6")
 def radius_from_the_origin(center, corners, steps):
-    """r is the distance of the middle of the edge from the origin. It should be that from the vertex:
-    there is a difference between the bars of (7.7).
+    """r is the distance of the middle of the edge from the origin. It should be that from the
+    vertex: there is a difference between the bars of (7.7).
     """
     return spiral(center, np.linalg.norm((corners[0] + corners[1]) / 2), steps)
 
 
 @answers("07.6")
 def corners_that_are_no_neighbours(center, corners, steps):
-    """The two corners do not share an edge, so their middle lies inside the cell and the spiral comes
-    out too small. Which two does the docstring name?
+    """The two corners do not share an edge, so their middle lies inside the cell and the spiral
+    comes out too small. Which two does the docstring name?
     """
     return spiral(center, np.linalg.norm((corners[0] + corners[2]) / 2 - center), steps)
 
@@ -432,8 +434,8 @@ def half_the_length_of_the_edge(center, corners, steps):
 
 @answers("07.6")
 def counted_from_zero(center, corners, steps):
-    """n begins at zero: the first point is infinitely far away, and the last one is missing. Where does
-    (7.7) begin to count, and where does it end?
+    """n begins at zero: the first point is infinitely far away, and the last one is missing.
+    Where does (7.7) begin to count, and where does it end?
     """
     n = np.arange(steps)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -443,8 +445,8 @@ def counted_from_zero(center, corners, steps):
 
 @answers("07.6")
 def degrees_in_the_cosine(center, corners, steps):
-    """The angles are degrees, and the cosine takes radians, so the points jump about. In which unit is
-    Δθ of (7.7)?
+    """The angles are degrees, and the cosine takes radians, so the points jump about. In which
+    unit is Δθ of (7.7)?
     """
     n = np.arange(1, steps + 1)
     r = np.linalg.norm((corners[0] + corners[1]) / 2 - center)
@@ -462,8 +464,8 @@ def a_circle(center, corners, steps):
 
 @answers("07.6")
 def shrinking_evenly(center, corners, steps):
-    """The radius falls in equal steps here, like that of a coiled rope. In (7.7) it is divided by n, so
-    the second point is already half as far away.
+    """The radius falls in equal steps here, like that of a coiled rope. In (7.7) it is divided by
+    n, so the second point is already half as far away.
     """
     n = np.arange(1, steps + 1)
     r = np.linalg.norm((corners[0] + corners[1]) / 2 - center) * (1 - (n - 1) / steps)
@@ -472,8 +474,8 @@ def shrinking_evenly(center, corners, steps):
 
 @answers("07.6")
 def one_step_too_few(center, corners, steps):
-    """The angles are too large: the circle was divided into one part fewer than there are points. The
-    last point of (7.7) has gone round once.
+    """The angles are too large: the circle was divided into one part fewer than there are points.
+    The last point of (7.7) has gone round once.
     """
     n = np.arange(1, steps + 1)
     r = np.linalg.norm((corners[0] + corners[1]) / 2 - center)
@@ -485,8 +487,8 @@ def one_step_too_few(center, corners, steps):
 
 @answers("07.7")
 def weights_instead_of_coordinates(center, rim, corners, values, x):
-    """The values are mixed with weights that have not been divided by their sum, so even a constant does
-    not come back. (7.8) has ω, not w.
+    """The values are mixed with weights that have not been divided by their sum, so even a
+    constant does not come back. (7.8) has ω, not w.
     """
     return many_places(center, rim, corners, x) @ values
 
@@ -501,32 +503,32 @@ def nearest_value(center, rim, corners, values, x):
 
 @answers("07.7")
 def plain_mean(center, rim, corners, values, x):
-    """This is the plain mean of the values, the same at every place. It is right for constants only.
-    Each value has a weight of its own in (7.8).
+    """This is the plain mean of the values, the same at every place. It is right for constants
+    only. Each value has a weight of its own in (7.8).
     """
     return np.full(len(x), values.mean())
 
 
 @answers("07.7")
 def by_inverse_distances(center, rim, corners, values, x):
-    """Constants come back and linear fields do not: these are means by inverse distance. The weights in
-    (7.8) are the coordinates you wrote.
+    """Constants come back and linear fields do not: these are means by inverse distance. The
+    weights in (7.8) are the coordinates you wrote.
     """
     return normalised(1 / np.linalg.norm(corners - x[:, None], axis=2)) @ values
 
 
 @answers("07.7")
 def mean_of_products(center, rim, corners, values, x):
-    """The sum was divided by the number of corners a second time: coordinates have the sum one already.
-    What would a constant become?
+    """The sum was divided by the number of corners a second time: coordinates have the sum one
+    already. What would a constant become?
     """
     return (normalised(many_places(center, rim, corners, x)) * values).mean(axis=1)
 
 
 @answers("07.7")
 def values_one_corner_on(center, rim, corners, values, x):
-    """Values and coordinates have slipped by one corner against each other. Value and weight must have
-    the same index in (7.8): which triangle has number 0?
+    """Values and coordinates have slipped by one corner against each other. Value and weight must
+    have the same index in (7.8): which triangle has number 0?
     """
     return normalised(many_places(center, rim, corners, x)) @ np.roll(values, 1)
 
@@ -548,8 +550,8 @@ def distances_to_edges(center, rim, x, half=0.5):
 
 @answers("07.8")
 def quotients_again(center, rim, x):
-    """Inside the cell this is right; on the edges it is zero by zero, because the quotients of (7.5) are
-    still there. In (7.10) nothing is divided but by the sum at the end.
+    """Inside the cell this is right; on the edges it is zero by zero, because the quotients of
+    (7.5) are still there. In (7.10) nothing is divided but by the sum at the end.
     """
     h = distances_to_edges(center, rim, x)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -558,8 +560,8 @@ def quotients_again(center, rim, x):
 
 @answers("07.8")
 def all_factors_kept(center, rim, x):
-    """The product has all factors, so it is the same for all corners, and only the areas are left; on an
-    edge nothing is. Which two factors does (7.10) leave out?
+    """The product has all factors, so it is the same for all corners, and only the areas are
+    left; on an edge nothing is. Which two factors does (7.10) leave out?
     """
     h = distances_to_edges(center, rim, x).prod(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -568,8 +570,8 @@ def all_factors_kept(center, rim, x):
 
 @answers("07.8")
 def own_factors_above(center, rim, x):
-    """The two factors that belong below the line in (7.5) now stand above it. A corner would lose weight
-    as its edges come near. In (7.10) the product is over the others.
+    """The two factors that belong below the line in (7.5) now stand above it. A corner would lose
+    weight as its edges come near. In (7.10) the product is over the others.
     """
     h = distances_to_edges(center, rim, x)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -578,8 +580,8 @@ def own_factors_above(center, rim, x):
 
 @answers("07.8")
 def one_factor_too_many(center, rim, x):
-    """Only one factor is left out for each corner, but two edges meet there, and one of them still makes
-    the corner vanish on it. See the index below the product of (7.10).
+    """Only one factor is left out for each corner, but two edges meet there, and one of them
+    still makes the corner vanish on it. See the index below the product of (7.10).
     """
     h = distances_to_edges(center, rim, x)
     c = [np.delete(h, a, axis=1).prod(axis=1) for a in range(len(rim))]
@@ -589,8 +591,8 @@ def one_factor_too_many(center, rim, x):
 
 @answers("07.8")
 def factors_left_out_before(center, rim, x):
-    """The factors left out are those of the neighbour itself and of the one before. The corner number a
-    lies between the neighbours a and a + 1.
+    """The factors left out are those of the neighbour itself and of the one before. The corner
+    number a lies between the neighbours a and a + 1.
     """
     h = distances_to_edges(center, rim, x)
     n = len(rim)
@@ -600,8 +602,8 @@ def factors_left_out_before(center, rim, x):
 
 @answers("07.8")
 def areas_left_out(center, rim, x):
-    """The areas are missing. In a regular cell they are equal and cancel; in others linear fields are
-    lost. What stands before the product of (7.10)?
+    """The areas are missing. In a regular cell they are equal and cancel; in others linear fields
+    are lost. What stands before the product of (7.10)?
     """
     return normalised(
         products(center, rim, x, distances_to_edges(center, rim, x), np.ones(len(rim)))
@@ -610,16 +612,16 @@ def areas_left_out(center, rim, x):
 
 @answers("07.8")
 def half_left_out(center, rim, x):
-    """h vanishes on a line through the neighbour instead of half-way to it: the half of (7.9) is missing,
-    and the cell comes out too large.
+    """h vanishes on a line through the neighbour instead of half-way to it: the half of (7.9) is
+    missing, and the cell comes out too large.
     """
     return normalised(products(center, rim, x, distances_to_edges(center, rim, x, 1.0)))
 
 
 @answers("07.8")
 def lengths_in_place_of_squares(center, rim, x):
-    """Half of the length of a spoke stands where half of its square belongs. Both terms of (7.9) must be
-    areas; yours change their proportion with the unit of length.
+    """Half of the length of a spoke stands where half of its square belongs. Both terms of (7.9)
+    must be areas; yours change their proportion with the unit of length.
     """
     spokes = rim - center
     h = 0.5 * np.linalg.norm(spokes, axis=1) - (x - center) @ spokes.T
@@ -637,8 +639,8 @@ def true_distances(center, rim, x):
 
 @answers("07.8")
 def place_from_the_origin(center, rim, x):
-    """The place is taken from the origin: right only for a vertex there. (7.9) has two differences, both
-    from the vertex.
+    """The place is taken from the origin: right only for a vertex there. (7.9) has two
+    differences, both from the vertex.
     """
     spokes = rim - center
     h = 0.5 * (spokes**2).sum(axis=1) - x @ spokes.T
@@ -647,7 +649,7 @@ def place_from_the_origin(center, rim, x):
 
 @answers("07.8")
 def sum_forgotten(center, rim, x):
-    """The products have not been divided by their sum, so a constant does not come back. The first half
-    of (7.10) is still to do.
+    """The products have not been divided by their sum, so a constant does not come back. The
+    first half of (7.10) is still to do.
     """
     return products(center, rim, x, distances_to_edges(center, rim, x)) / 2

@@ -37,32 +37,32 @@ def bordered(a, p):
 
 @answers("09.1")
 def degree_of_each_variable(points, degree):
-    """Each exponent goes up to the degree by itself, so that products such as x²y² are among the columns.
-    The degree of a monomial is the sum of its exponents. Compare the number Q in (9.4).
+    """Each exponent goes up to the degree by itself, so that products such as x²y² are among the
+    columns. The degree of a monomial is the sum of its exponents. Compare the number Q in (9.4).
     """
     return basis(points, [(a, b) for a in range(degree + 1) for b in range(degree + 1)])
 
 
 @answers("09.1")
 def constant_forgotten(points, degree):
-    """The column of ones is missing. The constant is a polynomial too, of the degree zero, and for the
-    order one it is the only one that counts. Which exponents does it have in (9.4)?
+    """The column of ones is missing. The constant is a polynomial too, of the degree zero, and
+    for the order one it is the only one that counts. Which exponents does it have in (9.4)?
     """
     return basis(points, [pair for pair in pairs_up_to(degree) if sum(pair) > 0])
 
 
 @answers("09.1")
 def highest_degree_only(points, degree):
-    """Only the monomials whose exponents sum to the degree exactly are there. (9.4) has all of lower
-    degree as well; without them a shift of the origin would change the space.
+    """Only the monomials whose exponents sum to the degree exactly are there. (9.4) has all of
+    lower degree as well; without them a shift of the origin would change the space.
     """
     return basis(points, [pair for pair in pairs_up_to(degree) if sum(pair) == degree])
 
 
 @answers("09.1")
 def degree_below(points, degree):
-    """These are the monomials of degree less than n. The argument is the degree itself, and is reached;
-    "less than" belongs to the order m in (9.5), which is another number.
+    """These are the monomials of degree less than n. The argument is the degree itself, and is
+    reached; "less than" belongs to the order m in (9.5), which is another number.
     """
     return full(points, degree - 1)
 
@@ -77,16 +77,17 @@ def no_mixed_products(points, degree):
 
 @answers("09.1")
 def a_row_for_each_polynomial(points, degree):
-    """The matrix is the transpose of what is asked for: a row for each monomial. In (9.3) P stands to
-    the right of A and has as many rows as there are points. Some texts print it the other way round by mistake.
+    """The matrix is the transpose of what is asked for: a row for each monomial. In (9.3) P
+    stands to the right of A and has as many rows as there are points. Some texts print it the
+    other way round by mistake.
     """
     return full(points, degree).T
 
 
 @answers("09.1")
 def divided_by_factorials(points, degree):
-    """The monomials are divided by factorials, as in a Taylor series. That is a basis as good, but not
-    the one of (9.4): at the point (1, 1) all of its members are one.
+    """The monomials are divided by factorials, as in a Taylor series. That is a basis as good,
+    but not the one of (9.4): at the point (1, 1) all of its members are one.
     """
     scale = [
         np.prod([max(1, i) for i in range(a + 1)]) * np.prod([max(1, i) for i in range(b + 1)])
@@ -106,24 +107,27 @@ def complement(p):
 
 @answers("09.2")
 def conditions_ignored(a, p):
-    """This is the least eigenvalue of A itself. Vectors that do not satisfy the side conditions do not
-    count in (9.6), and for them the form may well be negative. Where does your answer use P?
+    """This is the least eigenvalue of A itself. Vectors that do not satisfy the side conditions
+    do not count in (9.6), and for them the form may well be negative. Where does your answer use
+    P?
     """
     return np.linalg.eigvalsh(a)[0]
 
 
 @answers("09.2")
 def eigenvalue_of_the_whole_system(a, p):
-    """This is the least eigenvalue of the matrix of (9.3). That one always has negative eigenvalues, as
-    many as there are conditions, however good the kernel is. (9.6) is about A on a subspace.
+    """This is the least eigenvalue of the matrix of (9.3). That one always has negative
+    eigenvalues, as many as there are conditions, however good the kernel is. (9.6) is about A on
+    a subspace.
     """
     return np.linalg.eigvalsh(bordered(a, p))[0]
 
 
 @answers("09.2")
 def columns_counted(a, p):
-    """Where the columns of P depend on each other, too many directions were taken away. The subspace has
-    the dimension N less the rank of P, which may be smaller than the number of its columns.
+    """Where the columns of P depend on each other, too many directions were taken away. The
+    subspace has the dimension N less the rank of P, which may be smaller than the number of its
+    columns.
     """
     z = np.linalg.qr(p, mode="complete")[0][:, p.shape[1] :]
     return np.linalg.eigvalsh(z.T @ a @ z)[0]
@@ -140,8 +144,9 @@ def on_the_wrong_subspace(a, p):
 
 @answers("09.2")
 def basis_not_orthonormal(a, p):
-    """The columns of your Z span the right subspace, but they are not orthonormal. Then a vector t of length one
-    does not make a λ of length one, and the sign of the result is right while its size is not.
+    """The columns of your Z span the right subspace, but they are not orthonormal. Then a vector
+    t of length one does not make a λ of length one, and the sign of the result is right while its
+    size is not.
     """
     z = complement(p)[1]
     z = z @ np.triu(np.ones((z.shape[1],) * 2))
@@ -150,8 +155,8 @@ def basis_not_orthonormal(a, p):
 
 @answers("09.2")
 def largest_of_them(a, p):
-    """This is the largest eigenvalue. A form is positive if the smallest one is. In which order does
-    `eigvalsh` return them?
+    """This is the largest eigenvalue. A form is positive if the smallest one is. In which order
+    does `eigvalsh` return them?
     """
     z = complement(p)[1]
     return np.linalg.eigvalsh(z.T @ a @ z)[-1]
@@ -169,9 +174,9 @@ def smallest_in_size(a, p):
 
 @answers("09.2")
 def zeros_of_the_projection(a, p):
-    """The form was projected onto the subspace and kept its size N × N. Such a matrix has a zero eigenvalue for
-    each condition, and the least of all is zero where the form is positive. Those zeros do not belong to
-    vectors of the subspace.
+    """The form was projected onto the subspace and kept its size N × N. Such a matrix has a zero
+    eigenvalue for each condition, and the least of all is zero where the form is positive. Those
+    zeros do not belong to vectors of the subspace.
     """
     z = complement(p)[1]
     k = z @ z.T
@@ -200,8 +205,9 @@ def rank_itself(points, degree):
 
 @answers("09.3")
 def conditions_lacking(points, degree):
-    """Every point was counted as a condition of its own. Points on a line or a conic, and repeated ones, make conditions that depend on
-    each other; count the independent ones. In rounded numbers a singular value that should be zero is merely tiny.
+    """Every point was counted as a condition of its own. Points on a line or a conic, and
+    repeated ones, make conditions that depend on each other; count the independent ones. In
+    rounded numbers a singular value that should be zero is merely tiny.
     """
     return max(0, space(degree) - len(points))
 
@@ -216,24 +222,25 @@ def relations_between_the_points(points, degree):
 
 @answers("09.3")
 def fixed_tolerance(points, degree):
-    """The tolerance is an absolute one. In a small box the squares of coordinates are small numbers
-    though the points are in general position; what is small has to be compared with the largest singular value.
+    """The tolerance is an absolute one. In a small box the squares of coordinates are small
+    numbers though the points are in general position; what is small has to be compared with the
+    largest singular value.
     """
     return space(degree) - int((np.linalg.svd(full(points, degree), compute_uv=False) > 1e-3).sum())
 
 
 @answers("09.3")
 def lines_only(points, degree):
-    """This asks whether the points lie on a line, whatever the degree. A quadratic can also vanish on an
-    ellipse, and a cubic on more. Use the monomials of the given degree.
+    """This asks whether the points lie on a line, whatever the degree. A quadratic can also
+    vanish on an ellipse, and a cubic on more. Use the monomials of the given degree.
     """
     return 3 - rank_of(full(points, 1))
 
 
 @answers("09.3")
 def yes_or_no(points, degree):
-    """This says whether there is one, as zero or one. There may be several independent ones; as many
-    as the rank falls short of the number of monomials.
+    """This says whether there is one, as zero or one. There may be several independent ones; as
+    many as the rank falls short of the number of monomials.
     """
     return int(rank_of(full(points, degree)) < space(degree))
 
@@ -252,40 +259,42 @@ def solved(points, values, k, degree, x, ridge=0.0, corner=0.0):
 
 @answers("09.4")
 def bumps_alone(points, values, k, degree, x):
-    """Only A λ = v was solved: there is no polynomial, and no side condition. For these kernels such a matrix may be singular
-    at distinct points, as in the first picture. Which blocks of (9.3) are missing?
+    """Only A λ = v was solved: there is no polynomial, and no side condition. For these kernels
+    such a matrix may be singular at distinct points, as in the first picture. Which blocks of
+    (9.3) are missing?
     """
     return phi(gaps(x, points), k) @ np.linalg.solve(phi(gaps(points, points), k), values)
 
 
 @answers("09.4")
 def polynomial_not_evaluated(points, values, k, degree, x):
-    """The coefficients are those of (9.3), but only the bumps are added up at x. The polynomial is the
-    second sum in (9.2); without it the values are missed.
+    """The coefficients are those of (9.3), but only the bumps are added up at x. The polynomial
+    is the second sum in (9.2); without it the values are missed.
     """
     return solved(points, values, k, degree, x)[0]
 
 
 @answers("09.4")
 def one_degree_less(points, values, k, degree, x):
-    """The polynomial has one degree less than asked for. The argument is the degree n, not the order m;
-    the smallest n that a kernel needs is m - 1.
+    """The polynomial has one degree less than asked for. The argument is the degree n, not the
+    order m; the smallest n that a kernel needs is m - 1.
     """
     return sum(solved(points, values, k, degree - 1, x))
 
 
 @answers("09.4")
 def always_linear(points, values, k, degree, x):
-    """The polynomial is a linear one whatever degree is asked for. That was the system of notebook 03; here P has
-    the monomials up to the degree n.
+    """The polynomial is a linear one whatever degree is asked for. That was the system of
+    notebook 03; here P has the monomials up to the degree n.
     """
     return sum(solved(points, values, k, 1, x))
 
 
 @answers("09.4")
 def conditions_dropped(points, values, k, degree, x):
-    """The bumps and the polynomial go through the values, but the side conditions are not used: there are more unknowns than
-    equations, and the shortest of many solutions was taken. It depends on the unit of length.
+    """The bumps and the polynomial go through the values, but the side conditions are not used:
+    there are more unknowns than equations, and the shortest of many solutions was taken. It
+    depends on the unit of length.
     """
     a = np.hstack([phi(gaps(points, points), k), full(points, degree)])
     unknown = np.linalg.lstsq(a, values, rcond=None)[0]
@@ -294,8 +303,9 @@ def conditions_dropped(points, values, k, degree, x):
 
 @answers("09.4")
 def polynomial_fitted_first(points, values, k, degree, x):
-    """First the polynomial was fitted by least squares, then bumps went through what it misses. Their factors do not satisfy the
-    side conditions, so nothing protects the second system. Both parts come from one system.
+    """First the polynomial was fitted by least squares, then bumps went through what it misses.
+    Their factors do not satisfy the side conditions, so nothing protects the second system. Both
+    parts come from one system.
     """
     p = full(points, degree)
     c = np.linalg.lstsq(p, values, rcond=None)[0]
@@ -305,16 +315,17 @@ def polynomial_fitted_first(points, values, k, degree, x):
 
 @answers("09.4")
 def made_definite_by_a_ridge(points, values, k, degree, x):
-    """Something was added to the diagonal of A. That makes a system easier to solve and the field miss
-    the values; it smooths, where it should interpolate. With the right order it is not needed.
+    """Something was added to the diagonal of A. That makes a system easier to solve and the field
+    miss the values; it smooths, where it should interpolate. With the right order it is not
+    needed.
     """
     return sum(solved(points, values, k, degree, x, ridge=1e-2))
 
 
 @answers("09.4")
 def identity_in_the_corner(points, values, k, degree, x):
-    """The last block of the matrix is not zero. Then the sums of the side conditions need not vanish,
-    and polynomials are not reproduced. What multiplies c in the second row of (9.3)?
+    """The last block of the matrix is not zero. Then the sums of the side conditions need not
+    vanish, and polynomials are not reproduced. What multiplies c in the second row of (9.3)?
     """
     return sum(solved(points, values, k, degree, x, corner=1.0))
 
@@ -338,8 +349,8 @@ def not_rounded_down(r, d, s):
 
 @answers("09.5")
 def never_cut_off(r, d, s):
-    """Beyond the distance 1 your function goes on, and it should be zero there: that makes the matrix sparse. What does the
-    small plus sign in (9.8) stand for?
+    """Beyond the distance 1 your function goes on, and it should be zero there: that makes the
+    matrix sparse. What does the small plus sign in (9.8) stand for?
     """
     ell = d // 2 + s + 1
     return (1 - r) ** (ell + s) * ((ell + 1) * r + 1 if s else 1)
@@ -347,8 +358,8 @@ def never_cut_off(r, d, s):
 
 @answers("09.5")
 def cut_off_by_size(r, d, s):
-    """The size of 1 - r was taken, not its positive part: the function comes back beyond 1. Look at what
-    happens there for the distance 2.
+    """The size of 1 - r was taken, not its positive part: the function comes back beyond 1. Look
+    at what happens there for the distance 2.
     """
     ell = d // 2 + s + 1
     return np.abs(1 - r) ** (ell + s) * ((ell + 1) * r + 1 if s else 1)
@@ -365,8 +376,8 @@ def smoothness_not_in_ell(r, d, s):
 
 @answers("09.5")
 def dimension_not_halved(r, d, s):
-    """The whole number of variables stands in the exponent, and not half of it. The function is positive definite, in far more
-    variables than asked for, but it is narrower than (9.8).
+    """The whole number of variables stands in the exponent, and not half of it. The function is
+    positive definite, in far more variables than asked for, but it is narrower than (9.8).
     """
     ell = d + s + 1
     return compact(r, ell + s, ell + 1, s)
@@ -374,8 +385,8 @@ def dimension_not_halved(r, d, s):
 
 @answers("09.5")
 def exponent_one_too_small(r, d, s):
-    """The exponent is one too small. A function so wide is not positive definite in this number of variables
-    any more: its limit is sharp. Count the terms of ℓ in (9.8).
+    """The exponent is one too small. A function so wide is not positive definite in this number
+    of variables any more: its limit is sharp. Count the terms of ℓ in (9.8).
     """
     ell = d // 2 + s
     return compact(r, ell + s, ell + 1, s)
@@ -392,8 +403,8 @@ def factor_forgotten(r, d, s):
 
 @answers("09.5")
 def ell_in_the_factor(r, d, s):
-    """In the factor r is multiplied by ℓ and should be by one more. Then the slope at zero is not zero, and the function
-    has a corner there.
+    """In the factor r is multiplied by ℓ and should be by one more. Then the slope at zero is not
+    zero, and the function has a corner there.
     """
     ell = d // 2 + s + 1
     return compact(r, ell + s, ell, s)
@@ -413,48 +424,48 @@ def turned_by(points):
 
 @answers("09.6")
 def in_radians(points):
-    """This is the angle by which the line has turned, in radians. In (9.10) the time 1 belongs to half a turn:
-    how much is that in radians?
+    """This is the angle by which the line has turned, in radians. In (9.10) the time 1 belongs to
+    half a turn: how much is that in radians?
     """
     return turned_by(points) % np.pi
 
 
 @answers("09.6")
 def part_of_a_whole_turn(points):
-    """The angle was divided by a whole turn. In (9.10) the points turn by π until the time 1, which is
-    half of it.
+    """The angle was divided by a whole turn. In (9.10) the points turn by π until the time 1,
+    which is half of it.
     """
     return turned_by(points) % np.pi / (2 * np.pi)
 
 
 @answers("09.6")
 def clockwise(points):
-    """The points travel the wrong way round: this is the time for a clockwise turn. Look at the signs in the
-    matrix of (9.10), or at which angle is subtracted from which.
+    """The points travel the wrong way round: this is the time for a clockwise turn. Look at the
+    signs in the matrix of (9.10), or at which angle is subtracted from which.
     """
     return -turned_by(points) / np.pi % 1
 
 
 @answers("09.6")
 def not_the_same_line(points):
-    """Some of your times are not between 0 and 1. A line that has turned by π more, or less, is the same line; the time belongs to
-    the first time that it comes to the third point.
+    """Some of your times are not between 0 and 1. A line that has turned by π more, or less, is
+    the same line; the time belongs to the first time that it comes to the third point.
     """
     return turned_by(points) / np.pi
 
 
 @answers("09.6")
 def seen_from_the_origin(points):
-    """The directions were taken from the origin of the coordinates. The two points turn around their midpoint m,
-    which may be anywhere.
+    """The directions were taken from the origin of the coordinates. The two points turn around
+    their midpoint m, which may be anywhere.
     """
     return (direction(points[2]) - direction(points[0])) / np.pi % 1
 
 
 @answers("09.6")
 def seen_from_the_first_point(points):
-    """The direction of the third point was taken from the first point. The line through both moving points turns around m; the first point
-    itself moves.
+    """The direction of the third point was taken from the first point. The line through both
+    moving points turns around m; the first point itself moves.
     """
     way = direction(points[2] - points[0]) - direction(points[1] - points[0])
     return way / np.pi % 1
@@ -462,16 +473,16 @@ def seen_from_the_first_point(points):
 
 @answers("09.6")
 def as_near_as_each_other(points):
-    """At this time the third point is equally far from both: the triangle is isosceles, and as far from flat
-    as it can be. Flat it is when the line of the two points at the third.
+    """At this time the third point is equally far from both: the triangle is isosceles, and as
+    far from flat as it can be. Flat it is when the line of the two points at the third.
     """
     return (turned_by(points) / np.pi + 0.5) % 1
 
 
 @answers("09.6")
 def half_time(points):
-    """You return one half for all. At half time the two points stand across where they began; whether the third one
-    is on their line depends on where it is.
+    """You return one half for all. At half time the two points stand across where they began;
+    whether the third one is on their line depends on where it is.
     """
     return 0.5
 
@@ -496,24 +507,24 @@ def sides(x):
 
 @answers("09.7")
 def derivative_by_the_wrong_argument(x):
-    """The bumps of the slopes were derived by x and not by y: the second column of blocks has the wrong sign, and
-    the matrix is not symmetric. In φ(x - y) the derivative by y has a minus.
+    """The bumps of the slopes were derived by x and not by y: the second column of blocks has the
+    wrong sign, and the matrix is not symmetric. In φ(x - y) the derivative by y has a minus.
     """
     return bordered(blocks(x, of_slopes=1.0, second=6.0), sides(x))
 
 
 @answers("09.7")
 def sign_of_the_second_derivative(x):
-    """The block of slopes by slopes has the wrong sign. It is derived twice, once by x and once by y, and the second one
-    changes the sign. With the plus the form is not positive.
+    """The block of slopes by slopes has the wrong sign. It is derived twice, once by x and once
+    by y, and the second one changes the sign. With the plus the form is not positive.
     """
     return bordered(blocks(x, second=6.0), sides(x))
 
 
 @answers("09.7")
 def both_signs_the_same(x):
-    """The two blocks beside the diagonal are equal. φ′ is an odd function, so a symmetric matrix needs opposite signs
-    there. Compare the second column and the second row of (9.12).
+    """The two blocks beside the diagonal are equal. φ′ is an odd function, so a symmetric matrix
+    needs opposite signs there. Compare the second column and the second row of (9.12).
     """
     return bordered(blocks(x, slope_of_values=-1.0), sides(x))
 
@@ -530,8 +541,8 @@ def squares_without_sign(x):
 
 @answers("09.7")
 def cubes_without_size(x):
-    """The first block is z³ and not its size. A kernel is a function of the distance, the same to the left and
-    to the right; z³ is a polynomial, and its matrix has the rank four at most.
+    """The first block is z³ and not its size. A kernel is a function of the distance, the same to
+    the left and to the right; z³ is a polynomial, and its matrix has the rank four at most.
     """
     a = blocks(x)
     n = len(x)
@@ -541,8 +552,9 @@ def cubes_without_size(x):
 
 @answers("09.7")
 def slopes_have_no_polynomial(x):
-    """The rows of the slopes have zeros under the polynomial. But x has a slope, which is one; without it a line
-    through the data would be bent to have the slopes. Look at the second row of (9.12).
+    """The rows of the slopes have zeros under the polynomial. But x has a slope, which is one;
+    without it a line through the data would be bent to have the slopes. Look at the second row of
+    (9.12).
     """
     n = len(x)
     p = sides(x)
@@ -552,8 +564,8 @@ def slopes_have_no_polynomial(x):
 
 @answers("09.7")
 def slopes_treated_as_values(x):
-    """The polynomial has the same rows for slopes as for values. The slope of 1 is zero and that of x is one; the
-    entries are what the measurement says of the polynomial.
+    """The polynomial has the same rows for slopes as for values. The slope of 1 is zero and that
+    of x is one; the entries are what the measurement says of the polynomial.
     """
     p = sides(x)
     n = len(x)
@@ -563,8 +575,9 @@ def slopes_treated_as_values(x):
 
 @answers("09.7")
 def a_polynomial_for_each(x):
-    """There are four side conditions, two for the values and two for the slopes. There is one polynomial c₀ + c₁x only; each of its two
-    members has one condition, in which values and slopes stand together.
+    """There are four side conditions, two for the values and two for the slopes. There is one
+    polynomial c₀ + c₁x only; each of its two members has one condition, in which values and
+    slopes stand together.
     """
     n = len(x)
     one = np.stack([np.ones(n), x], axis=1)
@@ -574,8 +587,9 @@ def a_polynomial_for_each(x):
 
 @answers("09.7")
 def point_by_point(x):
-    """Value and slope of each point stand side by side. That is the same system in another order, but (9.12) has all values
-    first, then all slopes, and who solves it splits the unknowns that way.
+    """Value and slope of each point stand side by side. That is the same system in another order,
+    but (9.12) has all values first, then all slopes, and who solves it splits the unknowns that
+    way.
     """
     n = len(x)
     order = [*np.arange(2 * n).reshape(2, n).T.ravel(), 2 * n, 2 * n + 1]

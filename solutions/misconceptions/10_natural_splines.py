@@ -14,55 +14,57 @@ def converted(sites, alpha, beta, half=0.5, constant=-0.5, slope=1.5):
 
 @answers("10.1")
 def factors_not_halved(sites, alpha, beta):
-    """The line is right and the factors are twice too large. By (10.3) a truncated cube is half of a cube of the
-    distance, and half of a plain one.
+    """The line is right and the factors are twice too large. By (10.3) a truncated cube is half
+    of a cube of the distance, and half of a plain one.
     """
     return converted(sites, alpha, beta, half=1.0)
 
 
 @answers("10.1")
 def line_left_as_it_is(sites, alpha, beta):
-    """The factors are halved and the line was not touched. The halves of the plain cubes do not vanish: their powers three and two
-    drop out by (10.2), and the two others are a line.
+    """The factors are halved and the line was not touched. The halves of the plain cubes do not
+    vanish: their powers three and two drop out by (10.2), and the two others are a line.
     """
     return alpha / 2, beta
 
 
 @answers("10.1")
 def line_not_halved(sites, alpha, beta):
-    """What was added to the line is twice too large: the rest is one half of the sum of the cubes. Look at the factor
-    in front of the bracket in (10.3).
+    """What was added to the line is twice too large: the rest is one half of the sum of the
+    cubes. Look at the factor in front of the bracket in (10.3).
     """
     return converted(sites, alpha, beta, constant=-1.0, slope=3.0)
 
 
 @answers("10.1")
 def binomial_forgotten(sites, alpha, beta):
-    """The slope lacks a factor. In the expansion of a cube the two middle terms have the factor three; the constant
-    is right.
+    """The slope lacks a factor. In the expansion of a cube the two middle terms have the factor
+    three; the constant is right.
     """
     return converted(sites, alpha, beta, slope=0.5)
 
 
 @answers("10.1")
 def signs_of_the_expansion(sites, alpha, beta):
-    """Both terms of the line have the sign of the other direction. In the cube of a difference the signs alternate, and the
-    last term is the cube of what is subtracted.
+    """Both terms of the line have the sign of the other direction. In the cube of a difference
+    the signs alternate, and the last term is the cube of what is subtracted.
     """
     return converted(sites, alpha, beta, constant=0.5, slope=-1.5)
 
 
 @answers("10.1")
 def all_signs_plus(sites, alpha, beta):
-    """The constant has the wrong sign. The expansion of (x - y)³ ends with the third power of y, taken negative; the
-    slope is right.
+    """The constant has the wrong sign. The expansion of (x - y)³ ends with the third power of y,
+    taken negative; the slope is right.
     """
     return converted(sites, alpha, beta, constant=0.5)
 
 
 @answers("10.1")
 def constant_and_slope_exchanged(sites, alpha, beta):
-    """The two numbers of the line stand in the wrong order. In (10.4) the constant comes first, as in β."""
+    """The two numbers of the line stand in the wrong order. In (10.4) the constant comes first,
+    as in β.
+    """
     a, b = converted(sites, alpha, beta)
     return a, b[::-1]
 
@@ -89,8 +91,9 @@ def cube(z):
 
 @answers("10.2")
 def cubes_with_a_sign(sites, values):
-    """The cubes have the sign of x - y: they are polynomials, and a sum of them is one polynomial of degree three. Through more than
-    a few pins it cannot go. What do the bars in (10.5) stand for?
+    """The cubes have the sign of x - y: they are polynomials, and a sum of them is one polynomial
+    of degree three. Through more than a few pins it cannot go. What do the bars in (10.5) stand
+    for?
     """
     n = len(sites)
     h = np.zeros((n + 2, n + 2))
@@ -102,8 +105,8 @@ def cubes_with_a_sign(sites, values):
 
 @answers("10.2")
 def truncated_powers_instead(sites, values):
-    """These are the factors of truncated powers, twice as large, with the line before the first site. They belong to (10.1); asked
-    for are those of (10.4).
+    """These are the factors of truncated powers, twice as large, with the line before the first
+    site. They belong to (10.1); asked for are those of (10.4).
     """
     a, b = bumped(sites, values, cube, lines(sites))
     return 2 * a, np.array([b[0] + a @ sites**3, b[1] - 3 * a @ sites**2])
@@ -111,8 +114,8 @@ def truncated_powers_instead(sites, values):
 
 @answers("10.2")
 def constant_alone(sites, values):
-    """The polynomial is a constant only, and the slope was set to zero. Then the λ sum to zero, but not when weighted by the
-    sites, and outside the curve is a parabola. P has two columns.
+    """The polynomial is a constant only, and the slope was set to zero. Then the λ sum to zero,
+    but not when weighted by the sites, and outside the curve is a parabola. P has two columns.
     """
     a, b = bumped(sites, values, cube, np.ones((len(sites), 1)))
     return a, np.append(b, 0.0)
@@ -120,16 +123,16 @@ def constant_alone(sites, values):
 
 @answers("10.2")
 def no_line_at_all(sites, values):
-    """Only A a = f was solved. The curve goes through the values, but is not straight outside, and bends more than it must. The side
-    conditions are missing, and with them the line.
+    """Only A a = f was solved. The curve goes through the values, but is not straight outside,
+    and bends more than it must. The side conditions are missing, and with them the line.
     """
     return np.linalg.solve(cube(sites[:, None] - sites), values), np.zeros(2)
 
 
 @answers("10.2")
 def distances_not_cubed(sites, values):
-    """The distances enter without the third power. That makes a broken line, which has a kink at each pin.
-    Which power of the distance has two continuous derivatives?
+    """The distances enter without the third power. That makes a broken line, which has a kink at
+    each pin. Which power of the distance has two continuous derivatives?
     """
     return bumped(sites, values, np.abs, lines(sites))
 
@@ -144,8 +147,8 @@ def thin_plate(sites, values):
 
 @answers("10.2")
 def line_fitted_first(sites, values):
-    """First a line was fitted by least squares, then cubes went through what it misses. This meets the values, but not the side
-    conditions: both parts have to come from one system.
+    """First a line was fitted by least squares, then cubes went through what it misses. This
+    meets the values, but not the side conditions: both parts have to come from one system.
     """
     b = np.linalg.lstsq(lines(sites), values, rcond=None)[0]
     return np.linalg.solve(cube(sites[:, None] - sites), values - lines(sites) @ b), b
@@ -153,8 +156,8 @@ def line_fitted_first(sites, values):
 
 @answers("10.2")
 def slope_before_constant(sites, values):
-    """The slope stands before the constant: the columns of your P are in the other order. (10.4) and those who use b
-    have the constant first.
+    """The slope stands before the constant: the columns of your P are in the other order. (10.4)
+    and those who use b have the constant first.
     """
     a, b = bumped(sites, values, cube, lines(sites))
     return a, b[::-1]
@@ -162,8 +165,8 @@ def slope_before_constant(sites, values):
 
 @answers("10.2")
 def sorted_without_the_values(sites, values):
-    """The sites were put in order and the values were not, so they belong to other sites now. If you sort one, sort
-    the other with it; here there is no need to sort at all.
+    """The sites were put in order and the values were not, so they belong to other sites now. If
+    you sort one, sort the other with it; here there is no need to sort at all.
     """
     return bumped(np.sort(sites), values, cube, lines(np.sort(sites)))
 
@@ -189,32 +192,33 @@ def tridiagonal(sites, values, diagonal=1 / 3, side=1 / 6, even=False, right=Non
 
 @answers("10.3")
 def second_differences(sites, values):
-    """These are difference quotients of the values: an estimate of s″ at each site by itself, which is what the right side of
-    (10.7) is for. The moments are coupled: each equation has three of them.
+    """These are difference quotients of the values: an estimate of s″ at each site by itself,
+    which is what the right side of (10.7) is for. The moments are coupled: each equation has
+    three of them.
     """
     return tridiagonal(sites, values, diagonal=0.5, side=0.0)
 
 
 @answers("10.3")
 def steps_taken_as_equal(sites, values):
-    """The steps were taken to be all the same. These sites are not equidistant: every row of (10.7) has
-    its own two lengths.
+    """The steps were taken to be all the same. These sites are not equidistant: every row of
+    (10.7) has its own two lengths.
     """
     return tridiagonal(sites, values, even=True)
 
 
 @answers("10.3")
 def diagonal_halved(sites, values):
-    """The numbers on the diagonal are half of what they should be. With a sixth everywhere the rows do not
-    express that slopes agree. Compare the three denominators in (10.7).
+    """The numbers on the diagonal are half of what they should be. With a sixth everywhere the
+    rows do not express that slopes agree. Compare the three denominators in (10.7).
     """
     return tridiagonal(sites, values, diagonal=1 / 6)
 
 
 @answers("10.3")
 def not_divided_by_the_steps(sites, values):
-    """The right side has differences of values, not of slopes: they are not divided by the lengths of the
-    intervals. Check the units of (10.7).
+    """The right side has differences of values, not of slopes: they are not divided by the
+    lengths of the intervals. Check the units of (10.7).
     """
     second = np.zeros(len(values))
     second[1:-1] = np.diff(values, 2)
@@ -223,32 +227,32 @@ def not_divided_by_the_steps(sites, values):
 
 @answers("10.3")
 def sign_of_the_right_side(sites, values):
-    """All moments have the wrong sign: on the right side the slopes are subtracted the wrong way round. Where
-    the pins form a valley, s″ is positive.
+    """All moments have the wrong sign: on the right side the slopes are subtracted the wrong way
+    round. Where the pins form a valley, s″ is positive.
     """
     return -tridiagonal(sites, values)
 
 
 @answers("10.3")
 def slope_divided_by_two(sites, values):
-    """All moments are half of what they should be. Some books solve for s″/2, the coefficient of the square; M is
-    the second derivative itself.
+    """All moments are half of what they should be. Some books solve for s″/2, the coefficient of
+    the square; M is the second derivative itself.
     """
     return tridiagonal(sites, values) / 2
 
 
 @answers("10.3")
 def ends_left_out(sites, values):
-    """The first and the last moment are missing. They are known to be zero, but they belong to the answer, which has
-    one number for each site.
+    """The first and the last moment are missing. They are known to be zero, but they belong to
+    the answer, which has one number for each site.
     """
     return tridiagonal(sites, values)[1:-1]
 
 
 @answers("10.3")
 def ends_like_their_neighbours(sites, values):
-    """At both ends the moment is that of the neighbour, as if the outer pieces were parabolas. Natural means that
-    nothing bends the rod at its ends.
+    """At both ends the moment is that of the neighbour, as if the outer pieces were parabolas.
+    Natural means that nothing bends the rod at its ends.
     """
     n, h = len(sites), np.diff(sites)
     if n < 3:
@@ -288,16 +292,16 @@ def outside(sites, values, x, inside, slopes):
 
 @answers("10.4")
 def cubics_continued(sites, values, bends, x):
-    """Outside the outer cubics go on. That is what many programs do; there the curve bends more and more, and is no natural spline. Beyond the last pin
-    the rod is straight.
+    """Outside the outer cubics go on. That is what many programs do; there the curve bends more
+    and more, and is no natural spline. Beyond the last pin the rod is straight.
     """
     return cubic(*located(sites, x), values, bends)
 
 
 @answers("10.4")
 def constant_outside(sites, values, bends, x):
-    """Outside the curve keeps the last value. It has a kink at the last pin then: a straight line goes on with the slope
-    of the piece as well.
+    """Outside the curve keeps the last value. It has a kink at the last pin then: a straight line
+    goes on with the slope of the piece as well.
     """
     inside = cubic(*located(sites, x), values, bends)
     return outside(sites, values, x, inside, (0.0, 0.0))
@@ -305,8 +309,8 @@ def constant_outside(sites, values, bends, x):
 
 @answers("10.4")
 def slope_of_the_chord(sites, values, bends, x):
-    """Outside the line has the slope from pin to pin and not that of the curve at its end. So there is a kink.
-    Differentiate (10.6) at the end.
+    """Outside the line has the slope from pin to pin and not that of the curve at its end. So
+    there is a kink. Differentiate (10.6) at the end.
     """
     inside = cubic(*located(sites, x), values, bends)
     chords = np.diff(values) / np.diff(sites)
@@ -315,15 +319,17 @@ def slope_of_the_chord(sites, values, bends, x):
 
 @answers("10.4")
 def moments_not_used(sites, values, bends, x):
-    """This is the broken line through the pins. The large bracket in (10.6) is missing, which bends it."""
+    """This is the broken line through the pins. The large bracket in (10.6) is missing, which
+    bends it.
+    """
     i, _, u = located(sites, x)
     return (1 - u) * values[i] + u * values[i + 1]
 
 
 @answers("10.4")
 def moments_exchanged(sites, values, bends, x):
-    """The moments of the two ends are exchanged: the one at the left site stands with the powers of u. Which bracket
-    in (10.6) has a second derivative at u = 0?
+    """The moments of the two ends are exchanged: the one at the left site stands with the powers
+    of u. Which bracket in (10.6) has a second derivative at u = 0?
     """
     i, h, u = located(sites, x)
     flipped = cubic(i, h, u, values, 0 * bends)
@@ -335,8 +341,8 @@ def moments_exchanged(sites, values, bends, x):
 
 @answers("10.4")
 def length_not_squared(sites, values, bends, x):
-    """The bracket has the factor h and not h². Second derivatives by u are h² times those by x: the chain rule
-    counts twice.
+    """The bracket has the factor h and not h². Second derivatives by u are h² times those by x:
+    the chain rule counts twice.
     """
     i, h, u = located(sites, x)
     flat = (1 - u) * values[i] + u * values[i + 1]
@@ -348,8 +354,8 @@ def length_not_squared(sites, values, bends, x):
 
 @answers("10.4")
 def sixth_forgotten(sites, values, bends, x):
-    """The bracket is not divided by six. The second derivative of u³ is 6u, and at the right end it should be
-    the moment there.
+    """The bracket is not divided by six. The second derivative of u³ is 6u, and at the right end
+    it should be the moment there.
     """
     i, h, u = located(sites, x)
     return outside(
@@ -359,8 +365,8 @@ def sixth_forgotten(sites, values, bends, x):
 
 @answers("10.4")
 def zero_outside(sites, values, bends, x):
-    """Outside you return zero. The curve goes on there as a straight line, with the value and the slope of the
-    last piece.
+    """Outside you return zero. The curve goes on there as a straight line, with the value and the
+    slope of the last piece.
     """
     inside = cubic(*located(sites, x), values, bends)
     return np.where((x < sites[0]) | (x > sites[-1]), 0.0, inside)
@@ -384,8 +390,8 @@ def slope_at_left(sites, values, bends):
 
 @answers("10.5")
 def jump_not_divided(sites, values, bends):
-    """The jumps of the third derivative are right, but a cube has the third derivative six. Divide by it; the
-    line is right.
+    """The jumps of the third derivative are right, but a cube has the third derivative six.
+    Divide by it; the line is right.
     """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     return np.diff(thirds(sites, bends)), line
@@ -393,8 +399,8 @@ def jump_not_divided(sites, values, bends):
 
 @answers("10.5")
 def third_derivative_itself(sites, values, bends):
-    """These are the third derivatives to the right of each site, and not their jumps. In (10.1) what has been added at former sites goes on;
-    each factor is only the change.
+    """These are the third derivatives to the right of each site, and not their jumps. In (10.1)
+    what has been added at former sites goes on; each factor is only the change.
     """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     return thirds(sites, bends)[1:] / 6, line
@@ -402,15 +408,17 @@ def third_derivative_itself(sites, values, bends):
 
 @answers("10.5")
 def jumps_the_wrong_way(sites, values, bends):
-    """The jumps have the wrong sign: left minus right. In (10.8) the limit from the right comes first."""
+    """The jumps have the wrong sign: left minus right. In (10.8) the limit from the right comes
+    first.
+    """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     return -np.diff(thirds(sites, bends)) / 6, line
 
 
 @answers("10.5")
 def factors_of_the_distances(sites, values, bends):
-    """These are the factors of |x - y|³, half of those of truncated powers. The line is that of (10.1). Here each
-    term jumps by six times its factor; a cube of the distance jumps by twelve.
+    """These are the factors of |x - y|³, half of those of truncated powers. The line is that of
+    (10.1). Here each term jumps by six times its factor; a cube of the distance jumps by twelve.
     """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     return np.diff(thirds(sites, bends)) / 12, line
@@ -418,8 +426,8 @@ def factors_of_the_distances(sites, values, bends):
 
 @answers("10.5")
 def chord_for_the_slope(sites, values, bends):
-    """The line has the slope from the first pin to the second. The curve is bent there, and begins with another slope. Which term
-    of (10.6) is missing in your derivative?
+    """The line has the slope from the first pin to the second. The curve is bent there, and
+    begins with another slope. Which term of (10.6) is missing in your derivative?
     """
     slope = (values[1] - values[0]) / (sites[1] - sites[0])
     return np.diff(thirds(sites, bends)) / 6, first_line(sites, values, slope)
@@ -427,8 +435,8 @@ def chord_for_the_slope(sites, values, bends):
 
 @answers("10.5")
 def third_instead_of_a_sixth(sites, values, bends):
-    """In the slope the second moment counts twice as much as it should. Differentiate u³ - u at u = 0, and mind the factor
-    in front of the bracket in (10.6).
+    """In the slope the second moment counts twice as much as it should. Differentiate u³ - u at
+    u = 0, and mind the factor in front of the bracket in (10.6).
     """
     h = sites[1] - sites[0]
     slope = (values[1] - values[0]) / h - h / 3 * bends[1]
@@ -437,8 +445,8 @@ def third_instead_of_a_sixth(sites, values, bends):
 
 @answers("10.5")
 def value_for_the_constant(sites, values, bends):
-    """The constant is the value at the first pin. In (10.1) the line is β₀ + β₁x, so β₀ is its value at x = 0, and the first pin
-    is not there.
+    """The constant is the value at the first pin. In (10.1) the line is β₀ + β₁x, so β₀ is its
+    value at x = 0, and the first pin is not there.
     """
     slope = slope_at_left(sites, values, bends)
     return np.diff(thirds(sites, bends)) / 6, np.array([values[0], slope])
@@ -446,8 +454,8 @@ def value_for_the_constant(sites, values, bends):
 
 @answers("10.5")
 def nothing_happens_at_the_ends(sites, values, bends):
-    """At the first and the last site your factors are zero. The third derivative jumps there too, from zero outside; without that
-    the conditions (10.2) fail.
+    """At the first and the last site your factors are zero. The third derivative jumps there too,
+    from zero outside; without that the conditions (10.2) fail.
     """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     alpha = np.diff(thirds(sites, bends)) / 6
@@ -460,8 +468,9 @@ def nothing_happens_at_the_ends(sites, values, bends):
 
 @answers("10.6")
 def trapezoids(sites, bends):
-    """The square was integrated by the trapezoidal rule, from its values at the sites. Between them it is a parabola below the chord, so this
-    is too large. Which term of the exact integral has both ends in it?
+    """The square was integrated by the trapezoidal rule, from its values at the sites. Between
+    them it is a parabola below the chord, so this is too large. Which term of the exact integral
+    has both ends in it?
     """
     h = np.diff(sites)
     return h @ (bends[:-1] ** 2 + bends[1:] ** 2) / 2
@@ -469,30 +478,32 @@ def trapezoids(sites, bends):
 
 @answers("10.6")
 def middles(sites, bends):
-    """The square was taken in the middle of each interval, which is too small. The integral of a square is not the
-    square of the mean.
+    """The square was taken in the middle of each interval, which is too small. The integral of a
+    square is not the square of the mean.
     """
     return np.diff(sites) @ ((bends[:-1] + bends[1:]) / 2) ** 2
 
 
 @answers("10.6")
 def mixed_term_forgotten(sites, bends):
-    """The product of the two ends is missing. Multiply the square out before you integrate: there are three terms."""
+    """The product of the two ends is missing. Multiply the square out before you integrate: there
+    are three terms.
+    """
     return np.diff(sites) @ (bends[:-1] ** 2 + bends[1:] ** 2) / 3
 
 
 @answers("10.6")
 def mixed_term_doubled(sites, bends):
-    """The mixed term counts twice. The square has a factor two in the middle, but the integral of u(1 - u) is a sixth, half of
-    that of u².
+    """The mixed term counts twice. The square has a factor two in the middle, but the integral of
+    u(1 - u) is a sixth, half of that of u².
     """
     return np.diff(sites) @ (bends[:-1] + bends[1:]) ** 2 / 3
 
 
 @answers("10.6")
 def lengths_ignored(sites, bends):
-    """The lengths of the intervals are missing. A long piece with the same second derivative bends more, and to cut an interval in two must not
-    change the energy.
+    """The lengths of the intervals are missing. A long piece with the same second derivative
+    bends more, and to cut an interval in two must not change the energy.
     """
     p, q = bends[:-1], bends[1:]
     return np.sum(p * p + p * q + q * q) / 3
@@ -500,16 +511,16 @@ def lengths_ignored(sites, bends):
 
 @answers("10.6")
 def not_squared(sites, bends):
-    """This is the integral of s″, the difference of the two slopes, and not of its square. Bends to the left and to the right
-    cancel each other in it.
+    """This is the integral of s″, the difference of the two slopes, and not of its square. Bends
+    to the left and to the right cancel each other in it.
     """
     return np.diff(sites) @ (bends[:-1] + bends[1:]) / 2
 
 
 @answers("10.6")
 def root_taken(sites, bends):
-    """This is the square root of the energy: a norm. By (10.9) three times the bending has nine times the
-    energy.
+    """This is the square root of the energy: a norm. By (10.9) three times the bending has nine
+    times the energy.
     """
     p, q = bends[:-1], bends[1:]
     return np.sqrt(np.diff(sites) @ (p * p + p * q + q * q) / 3)
@@ -541,16 +552,17 @@ def recursion(t, degree, x, b, rising=1.0, falling=1.0):
 
 @answers("10.7")
 def counted_twice_at_knots(knots, degree, x):
-    """At a knot two functions of degree zero are one: your intervals contain both of their ends. Then the sum is two
-    there, and so are the values of higher degree. Which end belongs to an interval in (10.11)?
+    """At a knot two functions of degree zero are one: your intervals contain both of their ends.
+    Then the sum is two there, and so are the values of higher degree. Which end belongs to an
+    interval in (10.11)?
     """
     return recursion(knots, degree, x, steps(knots, x, closed=True))
 
 
 @answers("10.7")
 def divided_by_zero(knots, degree, x):
-    """At a double knot something was divided by zero, and one NaN spoils its neighbours. Such a quotient counts as zero; there is a function for
-    it in the notebook.
+    """At a double knot something was divided by zero, and one NaN spoils its neighbours. Such a
+    quotient counts as zero; there is a function for it in the notebook.
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
@@ -564,16 +576,16 @@ def divided_by_zero(knots, degree, x):
 
 @answers("10.7")
 def rising_part_only(knots, degree, x):
-    """Only the first of the two terms is there. The functions rise and never fall again, and their sum is not one. (10.12) mixes two neighbours of one degree
-    less.
+    """Only the first of the two terms is there. The functions rise and never fall again, and
+    their sum is not one. (10.12) mixes two neighbours of one degree less.
     """
     return recursion(knots, degree, x, steps(knots, x), falling=0.0)
 
 
 @answers("10.7")
 def same_neighbour_twice(knots, degree, x):
-    """Both terms have the same function of one degree less. The falling one belongs to the next: look at the
-    indices of B in (10.12).
+    """Both terms have the same function of one degree less. The falling one belongs to the next:
+    look at the indices of B in (10.12).
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
@@ -587,8 +599,8 @@ def same_neighbour_twice(knots, degree, x):
 
 @answers("10.7")
 def knots_taken_as_whole_numbers(knots, degree, x):
-    """The denominators are k, as for knots that are whole numbers. These knots have any distances; each quotient is divided by the
-    length of the support of its function.
+    """The denominators are k, as for knots that are whole numbers. These knots have any
+    distances; each quotient is divided by the length of the support of its function.
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
@@ -600,8 +612,8 @@ def knots_taken_as_whole_numbers(knots, degree, x):
 
 @answers("10.7")
 def denominators_slipped(knots, degree, x):
-    """The denominators reach one knot too far: they are those of the degree k, and the functions in the recursion
-    have one degree less. How many intervals does B of degree k - 1 live on?
+    """The denominators reach one knot too far: they are those of the degree k, and the functions
+    in the recursion have one degree less. How many intervals does B of degree k - 1 live on?
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
@@ -615,8 +627,8 @@ def denominators_slipped(knots, degree, x):
 
 @answers("10.7")
 def divided_by_the_support(knots, degree, x):
-    """Each function is divided by the length of its support. So they have equal integrals and do not sum to one: this is another
-    normalization, which one finds in books as well.
+    """Each function is divided by the length of its support. So they have equal integrals and do
+    not sum to one: this is another normalization, which one finds in books as well.
     """
     b = recursion(knots, degree, x, steps(knots, x))
     width = knots[degree + 1 :] - knots[: -degree - 1]
@@ -625,15 +637,15 @@ def divided_by_the_support(knots, degree, x):
 
 @answers("10.7")
 def a_row_for_each_function(knots, degree, x):
-    """The matrix is turned round: a row for each function. Asked for is a row for each place, so that the matrix
-    times coefficients is a curve.
+    """The matrix is turned round: a row for each function. Asked for is a row for each place, so
+    that the matrix times coefficients is a curve.
     """
     return recursion(knots, degree, x, steps(knots, x)).T
 
 
 @answers("10.7")
 def one_step_too_few(knots, degree, x):
-    """These are the functions of one degree less, and there is one too many of them. The recursion begins at degree 0,
-    and takes as many steps as the degree.
+    """These are the functions of one degree less, and there is one too many of them. The
+    recursion begins at degree 0, and takes as many steps as the degree.
     """
     return recursion(knots, max(degree - 1, 0), x, steps(knots, x))

@@ -27,31 +27,34 @@ def fitted(points, k, first=0, which=0, centre="mean"):
 
 @answers("11.1")
 def along_the_surface(points, k):
-    """These directions run along the surface: they belong to the largest variance. Across the neighbours there is the
-    least, and NumPy puts the least eigenvalue first.
+    """These directions run along the surface: they belong to the largest variance. Across the
+    neighbours there is the least, and NumPy puts the least eigenvalue first.
     """
     return fitted(points, k, which=-1)
 
 
 @answers("11.1")
 def not_centred(points, k):
-    """The centre of the neighbours was not subtracted. Then the largest variance points from the origin to the cloud, and what is
-    measured depends on where the origin is.
+    """The centre of the neighbours was not subtracted. Then the largest variance points from the
+    origin to the cloud, and what is measured depends on where the origin is.
     """
     return fitted(points, k, centre="")
 
 
 @answers("11.1")
 def centred_at_the_point(points, k):
-    """The offsets are those from the point itself and not from the centre of its neighbours. On a curved surface the
-    neighbours lie to one side of the point, and that offset counts as variance across.
+    """The offsets are those from the point itself and not from the centre of its neighbours. On a
+    curved surface the neighbours lie to one side of the point, and that offset counts as variance
+    across.
     """
     return fitted(points, k, centre="point")
 
 
 @answers("11.1")
 def without_itself(points, k):
-    """The point itself was left out, and one more taken instead. N(i) holds the K nearest points with the point among them."""
+    """The point itself was left out, and one more taken instead. N(i) holds the K nearest points
+    with the point among them.
+    """
     return fitted(points, k, first=1)
 
 
@@ -63,8 +66,8 @@ def one_more_neighbour(points, k):
 
 @answers("11.1")
 def row_for_column(points, k):
-    """A row of the matrix of eigenvectors was taken. `eigh` returns them as columns; where the matrix is a rotation by itself a
-    row looks very much like a direction, and is another one.
+    """A row of the matrix of eigenvectors was taken. `eigh` returns them as columns; where the
+    matrix is a rotation by itself a row looks very much like a direction, and is another one.
     """
     n, q = np.zeros(points.shape), np.zeros(len(points))
     for i, row in enumerate(distances(points)):
@@ -77,8 +80,8 @@ def row_for_column(points, k):
 
 @answers("11.1")
 def planarity_by_the_largest(points, k):
-    """The planarity compares the least variance with the largest. On a thin strip that is small whatever the strip does
-    across: what decides is the gap between the two *smallest*.
+    """The planarity compares the least variance with the largest. On a thin strip that is small
+    whatever the strip does across: what decides is the gap between the two *smallest*.
     """
     n, q = np.zeros(points.shape), np.zeros(len(points))
     for i, row in enumerate(distances(points)):
@@ -91,15 +94,18 @@ def planarity_by_the_largest(points, k):
 
 @answers("11.1")
 def planarity_of_lengths(points, k):
-    """The planarity was taken of the standard deviations, the roots of the eigenvalues. (11.2) has the variances themselves."""
+    """The planarity was taken of the standard deviations, the roots of the eigenvalues. (11.2)
+    has the variances themselves.
+    """
     n, q = fitted(points, k)
     return n, 1 - np.sqrt(np.maximum(1 - q, 0))
 
 
 @answers("11.1")
 def mean_of_squares_less_square_of_mean(points, k):
-    """Near the origin this is right. The matrix was computed as a sum of squares less a square of sums, which cancel far from
-    the origin: at 4e5 eleven digits of sixteen are lost. Subtract the centre first, and square then.
+    """Near the origin this is right. The matrix was computed as a sum of squares less a square of
+    sums, which cancel far from the origin: at 4e5 eleven digits of sixteen are lost. Subtract the
+    centre first, and square then.
     """
     n, q = np.zeros(points.shape), np.zeros(len(points))
     for i, row in enumerate(distances(points)):
@@ -122,16 +128,16 @@ def nearest(points, k, first=1):
 
 @answers("11.2")
 def one_way_only(points, k):
-    """The links go one way: i has j among its nearest, and j has not i. A sign could be handed on from i to j and not back. One of
-    both is enough for a link.
+    """The links go one way: i has j among its nearest, and j has not i. A sign could be handed on
+    from i to j and not back. One of both is enough for a link.
     """
     return nearest(points, k)
 
 
 @answers("11.2")
 def both_ways_required(points, k):
-    """Points were linked only if each is among the nearest of the other. (11.3) says *or*: with *and*, lonely points lose their links, and the
-    graph falls into parts.
+    """Points were linked only if each is among the nearest of the other. (11.3) says *or*:
+    with *and*, lonely points lose their links, and the graph falls into parts.
     """
     g = nearest(points, k)
     return g * g.T
@@ -139,7 +145,9 @@ def both_ways_required(points, k):
 
 @answers("11.2")
 def linked_to_itself(points, k):
-    """The points are linked to themselves. The nearest point is the point itself, which is no link."""
+    """The points are linked to themselves. The nearest point is the point itself, which is no
+    link.
+    """
     g = nearest(points, k, 0)
     return np.maximum(g, g.T)
 
@@ -169,7 +177,9 @@ def farthest_points(points, k):
 
 @answers("11.2")
 def lengths_for_links(points, k):
-    """The links carry their lengths. Asked for are zeros and ones: what a link costs is decided later, by the normals."""
+    """The links carry their lengths. Asked for are zeros and ones: what a link costs is decided
+    later, by the normals.
+    """
     g = nearest(points, k)
     return np.maximum(g, g.T) * distances(points)
 
@@ -208,8 +218,8 @@ def by_angle(n, a, b):
 
 @answers("11.3")
 def away_from_the_middle(points, normals, linked):
-    """The normals were turned away from the middle of the cloud. That works for convex bodies. On the inner side of the horseshoe
-    the outside is towards the middle.
+    """The normals were turned away from the middle of the cloud. That works for convex bodies. On
+    the inner side of the horseshoe the outside is towards the middle.
     """
     away = np.sum((points - points.mean(axis=0)) * normals, axis=1)
     return np.where(away < 0, -1, 1)[:, None] * normals
@@ -217,60 +227,66 @@ def away_from_the_middle(points, normals, linked):
 
 @answers("11.3")
 def all_upward(points, normals, linked):
-    """Every normal was made to point upward. This is the rule for the first point of the tree only; below, the outside is
-    downward.
+    """Every normal was made to point upward. This is the rule for the first point of the tree
+    only; below, the outside is downward.
     """
     return np.where(normals[:, -1:] < 0, -normals, normals)
 
 
 @answers("11.3")
 def first_sign_kept(points, normals, linked):
-    """All normals agree, but with a first one of arbitrary sign. If it points inward all others do too. Which rule is there for the highest point?"""
+    """All normals agree, but with a first one of arbitrary sign. If it points inward all others
+    do too. Which rule is there for the highest point?
+    """
     return grown(points, normals, linked, by_angle, upward=False)
 
 
 @answers("11.3")
 def begun_anywhere(points, normals, linked):
-    """The tree was begun at the first point of the list, and its normal was made to point upward. Only at the highest point of a
-    body is the outside above.
+    """The tree was begun at the first point of the list, and its normal was made to point upward.
+    Only at the highest point of a body is the outside above.
     """
     return grown(points, normals, linked, by_angle, root="first")
 
 
 @answers("11.3")
 def first_part_only(points, normals, linked):
-    """Only the part with the highest point of all was oriented. The links do not reach the others, and each needs a beginning of its
-    own.
+    """Only the part with the highest point of all was oriented. The links do not reach the
+    others, and each needs a beginning of its own.
     """
     return grown(points, normals, linked, by_angle, parts=1)
 
 
 @answers("11.3")
 def shortest_links_first(points, normals, linked):
-    """The signs were handed on over the shortest links. Near a sharp tip points are near each other, and their normals are not: the sign that
-    comes over such a link is wrong. (11.4) makes it expensive.
+    """The signs were handed on over the shortest links. Near a sharp tip points are near each
+    other, and their normals are not: the sign that comes over such a link is wrong. (11.4) makes
+    it expensive.
     """
     return grown(points, normals, linked, lambda n, a, b: np.linalg.norm(points[a] - points[b]))
 
 
 @answers("11.3")
 def right_angles_first(points, normals, linked):
-    """The costs are the wrong way round: links between normals at right angles were taken first, where the sign is a guess. Parallel normals, of whatever
-    sign, leave no doubt.
+    """The costs are the wrong way round: links between normals at right angles were taken first,
+    where the sign is a guess. Parallel normals, of whatever sign, leave no doubt.
     """
     return grown(points, normals, linked, lambda n, a, b: abs(n[a] @ n[b]))
 
 
 @answers("11.3")
 def neighbours_turned_apart(points, normals, linked):
-    """Along the tree normals were turned so that they *disagree*: the sign of the product was asked the wrong way round."""
+    """Along the tree normals were turned so that they *disagree*: the sign of the product was
+    asked the wrong way round.
+    """
     return grown(points, normals, linked, by_angle, parent_sign=-1.0)
 
 
 @answers("11.3")
 def compared_with_the_first(points, normals, linked):
-    """Each normal was compared with that of the highest point, not with the neighbour from which its sign comes. Farther away a surface has
-    turned round, and two right normals point in opposite directions.
+    """Each normal was compared with that of the highest point, not with the neighbour from which
+    its sign comes. Farther away a surface has turned round, and two right normals point in
+    opposite directions.
     """
     n = normals.copy()
     top = n[np.argmax(points[:, -1])]
@@ -298,15 +314,17 @@ def own(points):
 
 @answers("11.4")
 def not_tested(points, normals, distance):
-    """All lengths are the full distance. Where the body is thin, or bent, points lie on the wrong side of another part of it: the test is
-    missing.
+    """All lengths are the full distance. Where the body is thin, or bent, points lie on the wrong
+    side of another part of it: the test is missing.
     """
     return np.full((len(points), 2), float(distance))
 
 
 @answers("11.4")
 def halved_once(points, normals, distance):
-    """The length was halved at most once. Half of it may still be too far: test again, until the test is passed."""
+    """The length was halved at most once. Half of it may still be too far: test again, until the
+    test is passed.
+    """
     ok = own(points)
     return np.array(
         [
@@ -318,8 +336,8 @@ def halved_once(points, normals, distance):
 
 @answers("11.4")
 def one_length_for_both_sides(points, normals, distance):
-    """Both sides got the same length, the shorter one. Outside there may be room where inside there is none: each point has a
-    test of its own.
+    """Both sides got the same length, the shorter one. Outside there may be room where inside
+    there is none: each point has a test of its own.
     """
     lengths = halved(points, normals, distance, own(points))
     return np.tile(lengths.min(axis=1)[:, None], 2)
@@ -327,15 +345,17 @@ def one_length_for_both_sides(points, normals, distance):
 
 @answers("11.4")
 def one_length_for_all(points, normals, distance):
-    """All points got one length, the least that any of them needs. In one narrow place the body decides for all others, and their points lie
-    nearer than they need.
+    """All points got one length, the least that any of them needs. In one narrow place the body
+    decides for all others, and their points lie nearer than they need.
     """
     return np.full((len(points), 2), halved(points, normals, distance, own(points)).min())
 
 
 @answers("11.4")
 def inside_first(points, normals, distance):
-    """The columns are exchanged: asked for is the length outside, along the normal, and then that inside."""
+    """The columns are exchanged: asked for is the length outside, along the normal, and then that
+    inside.
+    """
     return halved(points, normals, distance, own(points))[:, ::-1]
 
 
@@ -347,8 +367,8 @@ def both_outside(points, normals, distance):
 
 @answers("11.4")
 def distance_to_others_only(points, normals, distance):
-    """The length was compared with the distance of the *point* to its next neighbour. Whether there is room beside it is a matter of the place where the
-    added point would lie.
+    """The length was compared with the distance of the *point* to its next neighbour. Whether
+    there is room beside it is a matter of the place where the added point would lie.
     """
     gaps = distances(points) + 1e9 * np.eye(len(points))
     return halved(points, normals, distance, lambda i, x, length: length < gaps[i].min())
@@ -356,7 +376,9 @@ def distance_to_others_only(points, normals, distance):
 
 @answers("11.4")
 def as_far_as_possible(points, normals, distance):
-    """The greatest length that passes the test was looked for, and not the greatest of Δ, Δ/2, Δ/4, … as in (11.6)."""
+    """The greatest length that passes the test was looked for, and not the greatest of Δ, Δ/2,
+    Δ/4, … as in (11.6).
+    """
     lengths = halved(points, normals, distance, own(points))
     ok = own(points)
     for i, p in enumerate(points):
@@ -386,29 +408,33 @@ def solved(sites, values, power=3, corner=0.0, border=1.0, ridge=0.0):
 
 @answers("11.5")
 def distance_itself(sites, values):
-    """The distance itself was used for the kernel and not its cube. Its gradient jumps at every site, where the surface is to have its
-    normals.
+    """The distance itself was used for the kernel and not its cube. Its gradient jumps at every
+    site, where the surface is to have its normals.
     """
     return solved(sites, values, 1)
 
 
 @answers("11.5")
 def squared_distance(sites, values):
-    """The squares of the distances were used. They are polynomials: sums of them are of degree two, whatever the number of sites, and cannot take so many values."""
+    """The squares of the distances were used. They are polynomials: sums of them are of degree
+    two, whatever the number of sites, and cannot take so many values.
+    """
     return solved(sites, values, 2)
 
 
 @answers("11.5")
 def without_the_linear_part(sites, values):
-    """The linear part is missing. The matrix of cubes alone is neither positive nor sure to be regular, and F grows like the cube of the distance far
-    away.
+    """The linear part is missing. The matrix of cubes alone is neither positive nor sure to be
+    regular, and F grows like the cube of the distance far away.
     """
     return np.linalg.solve(distances(sites) ** 3, values), np.zeros(sites.shape[1] + 1)
 
 
 @answers("11.5")
 def only_a_constant(sites, values):
-    """There is a constant but no linear function. The cube of the distance needs side conditions against all polynomials of degree one."""
+    """There is a constant but no linear function. The cube of the distance needs side conditions
+    against all polynomials of degree one.
+    """
     n, d = sites.shape
     matrix = np.ones((n + 1, n + 1))
     matrix[:n, :n], matrix[n, n] = distances(sites) ** 3, 0
@@ -418,8 +444,8 @@ def only_a_constant(sites, values):
 
 @answers("11.5")
 def side_conditions_missing(sites, values):
-    """The side conditions, the second row of (11.8), are missing: there are fewer equations than unknowns, and a solver of least squares
-    returned the shortest of all solutions.
+    """The side conditions, the second row of (11.8), are missing: there are fewer equations than
+    unknowns, and a solver of least squares returned the shortest of all solutions.
     """
     n = len(sites)
     whole = np.hstack([distances(sites) ** 3, np.insert(sites, 0, 1.0, axis=1)])
@@ -429,8 +455,8 @@ def side_conditions_missing(sites, values):
 
 @answers("11.5")
 def linear_part_fitted_first(sites, values):
-    """A linear function was fitted first, and the cubes to what was left. Both belong together: taken one after the other they miss the side
-    conditions.
+    """A linear function was fitted first, and the cubes to what was left. Both belong together:
+    taken one after the other they miss the side conditions.
     """
     p = np.insert(sites, 0, 1.0, axis=1)
     c = np.linalg.lstsq(p, values, rcond=None)[0]
@@ -446,7 +472,9 @@ def constant_last(sites, values):
 
 @answers("11.5")
 def ones_in_the_corner(sites, values):
-    """The block in the corner of (11.8) is not zero. The sums of λ and of λ times the sites are to be zero, without c in these equations."""
+    """The block in the corner of (11.8) is not zero. The sums of λ and of λ times the sites are
+    to be zero, without c in these equations.
+    """
     return solved(sites, values, corner=1.0)
 
 
@@ -468,8 +496,8 @@ def gradient_without_the_linear_part(x, sites, lam, c):
 
 @answers("11.6")
 def derivative_without_the_chain(x, sites, lam, c):
-    """The derivative of the cube was taken as 3r² along the offset, and the offset has the length r. By the chain rule the direction has the length one:
-    one r too many.
+    """The derivative of the cube was taken as 3r² along the offset, and the offset has the length
+    r. By the chain rule the direction has the length one: one r too many.
     """
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r**2 * lam, offset) + c[1:]
@@ -478,7 +506,9 @@ def derivative_without_the_chain(x, sites, lam, c):
 
 @answers("11.6")
 def towards_the_sites(x, sites, lam, c):
-    """The gradient of the cubes has the wrong sign: the offset runs from the place to the site. A distance grows *away* from the site."""
+    """The gradient of the cubes has the wrong sign: the offset runs from the place to the site. A
+    distance grows *away* from the site.
+    """
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", -3 * r * lam, offset) + c[1:]
     return r**3 @ lam + c[0] + x @ c[1:], g
@@ -494,7 +524,9 @@ def three_forgotten(x, sites, lam, c):
 
 @answers("11.6")
 def divided_by_the_distance(x, sites, lam, c):
-    """There is a division by the distance, and one of the places is a site: zero by zero. The factor cancels; write what is left."""
+    """There is a division by the distance, and one of the places is a site: zero by zero. The
+    factor cancels; write what is left.
+    """
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r**2 / r * lam, offset / r[:, :, None] * r[:, :, None]) + c[1:]
     return r**3 @ lam + c[0] + x @ c[1:], g
@@ -518,8 +550,8 @@ def constant_taken_last(x, sites, lam, c):
 
 @answers("11.6")
 def unit_gradient(x, sites, lam, c):
-    """The gradients were divided by their lengths. These are the directions of the normals, up to the sign; asked for is the gradient itself, with the
-    slope as its length.
+    """The gradients were divided by their lengths. These are the directions of the normals, up to
+    the sign; asked for is the gradient itself, with the slope as its length.
     """
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r * lam, offset) + c[1:]
@@ -546,15 +578,17 @@ def squares(g):
 
 @answers("11.7")
 def divided_by_the_slope_once(x, sites, lam, c, steps):
-    """The step is F times the unit gradient: it is divided by the length of the gradient once. The gradient in the numerator has that length as well,
-    so it has to be divided twice.
+    """The step is F times the unit gradient: it is divided by the length of the gradient once.
+    The gradient in the numerator has that length as well, so it has to be divided twice.
     """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g / np.sqrt(squares(g)))
 
 
 @answers("11.7")
 def not_divided(x, sites, lam, c, steps):
-    """The step is F times the gradient, not divided by anything: a descent with a step of its own length, and not Newton's method."""
+    """The step is F times the gradient, not divided by anything: a descent with a step of its own
+    length, and not Newton's method.
+    """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g)
 
 
@@ -566,8 +600,8 @@ def to_the_other_side(x, sites, lam, c, steps):
 
 @answers("11.7")
 def coordinate_by_coordinate(x, sites, lam, c, steps):
-    """Newton's method was used in each coordinate by itself, F divided by each derivative. Every one of these steps alone would lead to the tangent's
-    zero: together they go too far.
+    """Newton's method was used in each coordinate by itself, F divided by each derivative. Every
+    one of these steps alone would lead to the tangent's zero: together they go too far.
     """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] / g)
 
@@ -580,15 +614,17 @@ def one_step_only(x, sites, lam, c, steps):
 
 @answers("11.7")
 def first_gradient_kept(x, sites, lam, c, steps):
-    """F and its gradient were computed once, and all steps taken with them. After a step both are others."""
+    """F and its gradient were computed once, and all steps taken with them. After a step both are
+    others.
+    """
     f, g = slope(x, sites, lam, c)
     return x - steps * f[:, None] * g / squares(g)
 
 
 @answers("11.7")
 def scaled_together(x, sites, lam, c, steps):
-    """All gradients were divided by one number, the sum of squares over the whole array. Each place has a slope of its own: along
-    which axis is summed?
+    """All gradients were divided by one number, the sum of squares over the whole array. Each
+    place has a slope of its own: along which axis is summed?
     """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g / (g * g).sum())
 
@@ -616,19 +652,25 @@ def linear(a, b):
 
 @answers("11.8")
 def middles_of_the_sides(values):
-    """The ends are in the middle of the sides. The values tell more: nearer to zero is nearer to the level."""
+    """The ends are in the middle of the sides. The values tell more: nearer to zero is nearer to
+    the level.
+    """
     return marched(values, lambda a, b: 0.5)
 
 
 @answers("11.8")
 def from_the_wrong_end(values):
-    """The share belongs to the other end of the side: where the value at the first end is small, the crossing is near to *it*."""
+    """The share belongs to the other end of the side: where the value at the first end is small,
+    the crossing is near to *it*.
+    """
     return marched(values, lambda a, b: b / (b - a))
 
 
 @answers("11.8")
 def by_sizes_of_both(values):
-    """The share is a/(a + b) with the signs in it, and the ends lie outside of the square. Both values have different signs: what is their difference?"""
+    """The share is a/(a + b) with the signs in it, and the ends lie outside of the square. Both
+    values have different signs: what is their difference?
+    """
     return marched(values, lambda a, b: a / (a + b))
 
 
@@ -640,8 +682,8 @@ def run_backwards(values):
 
 @answers("11.8")
 def in_the_order_of_the_sides(values):
-    """The ends are in the order in which they were found, so that what is positive lies now to the left, now to the right. Which of the two changes of sign is the
-    start?
+    """The ends are in the order in which they were found, so that what is positive lies now to
+    the left, now to the right. Which of the two changes of sign is the start?
     """
     ends = np.zeros((len(values), 2, 2))
     for e, f in zip(ends, values):
@@ -656,19 +698,25 @@ def in_the_order_of_the_sides(values):
 
 @answers("11.8")
 def corners_row_by_row(values):
-    """The corners were taken row by row, as (0,0), (1,0), (0,1), (1,1). They are given *round* the square: from one to the next there is a side, not a diagonal."""
+    """The corners were taken row by row, as (0,0), (1,0), (0,1), (1,1). They are given *round*
+    the square: from one to the next there is a side, not a diagonal.
+    """
     return marched(values, linear, corners=CORNERS[[0, 1, 3, 2]])
 
 
 @answers("11.8")
 def coordinates_exchanged(values):
-    """The two coordinates are exchanged: the second corner is (1, 0). The square is seen in a mirror, and what was to the left is to the right."""
+    """The two coordinates are exchanged: the second corner is (1, 0). The square is seen in a
+    mirror, and what was to the left is to the right.
+    """
     return marched(values, linear, corners=CORNERS[:, ::-1])
 
 
 @answers("11.8")
 def last_side_forgotten(values):
-    """The side from the last corner back to the first was not looked at. Pieces that cross it have an end at (0, 0)."""
+    """The side from the last corner back to the first was not looked at. Pieces that cross it
+    have an end at (0, 0).
+    """
     ends = np.zeros((len(values), 2, 2))
     for e, f in zip(ends, values):
         for i in range(3):

@@ -146,7 +146,9 @@ def is_the_same_everywhere(_: Sequence[Call], values: Sequence[Values]) -> float
 
 
 def objective_inputs(seed: int) -> tuple[Call, ...]:
-    """Return coefficients that are not the best, the same with other data, and such as fit exactly."""
+    """Return coefficients that are not the best, the same with other data, and such as fit
+    exactly.
+    """
     random = np.random.default_rng(seed)
     plane, space = cloud(random, 9, 2), cloud(random, 6, 3)
     c, data = random.normal(size=3), random.normal(size=9)
@@ -184,8 +186,8 @@ QUESTIONS = (
         lambda call: ((call.arguments[0].shape[0], call.arguments[0].shape[1] + 1),),
         (
             Law(
-                "Applied to the coefficients of a field, B must give the field at the points, so that "
-                "two rows differ as their points do.",
+                "Applied to the coefficients of a field, B must give the field at the points, so "
+                "that two rows differ as their points do.",
                 spans_affine_fields,
             ),
         ),
@@ -198,8 +200,8 @@ QUESTIONS = (
         lambda call: ((call.arguments[0].shape[1] + 1,),),
         (
             Law(
-                "The residual of the best fit is orthogonal to the columns of B: it sums to zero, also "
-                "when weighted by a coordinate.",
+                "The residual of the best fit is orthogonal to the columns of B: it sums to zero, "
+                "also when weighted by a coordinate.",
                 residual_is_orthogonal,
             ),
         ),
@@ -226,7 +228,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "A rank is a whole number from 1 to the number of rows, or of columns if these are fewer.",
+                "A rank is a whole number from 1 to the number of rows, or of columns if these "
+                "are fewer.",
                 counts_what_can_be_told,
             ),
         ),
@@ -247,8 +250,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "ψ is a square: the same for the opposite residual, nine times as large for three times "
-                "the residual.",
+                "ψ is a square: the same for the opposite residual, nine times as large for three "
+                "times the residual.",
                 is_a_square,
             ),
         ),

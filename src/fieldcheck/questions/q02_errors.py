@@ -87,7 +87,8 @@ QUESTIONS = (
         lambda _: ((2,),),
         (
             Law(
-                "In a square twice as large (x₁ + x₂)² is four times as large, and so must both errors be.",
+                "In a square twice as large (x₁ + x₂)² is four times as large, and so must both "
+                "errors be.",
                 grows_with_the_field,
                 LOCAL,
             ),
@@ -103,13 +104,14 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[0]),),),
         (
             Law(
-                "Raising a value by one must raise its own error by one: the field that it is compared with "
-                "has not seen it.",
+                "Raising a value by one must raise its own error by one: the field that it is "
+                "compared with has not seen it.",
                 has_not_seen_the_value,
                 LOCAL,
             ),
             Law(
-                "An affine field is reproduced by any of the others, so adding it must change no error.",
+                "An affine field is reproduced by any of the others, so adding it must change no "
+                "error.",
                 affine_fields_leave_no_error,
                 LOCAL,
             ),

@@ -234,11 +234,13 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[0]),),),
         (
             Law(
-                "Between two points the reciprocal of the weight must grow by as much as the squared distance.",
+                "Between two points the reciprocal of the weight must grow by as much as the "
+                "squared distance.",
                 weights_differ_like_squared_distances,
             ),
             Law(
-                "Where all lengths, ε among them, are three times as large, each weight must be a ninth.",
+                "Where all lengths, ε among them, are three times as large, each weight must be a "
+                "ninth.",
                 unit_of_length,
             ),
             Law(
@@ -255,8 +257,8 @@ QUESTIONS = (
         lambda call: ((call.arguments[0].shape[1] + 1,),),
         (
             Law(
-                "The residual of the best fit, multiplied by the squared weights, must be orthogonal to the "
-                "columns of B.",
+                "The residual of the best fit, multiplied by the squared weights, must be "
+                "orthogonal to the columns of B.",
                 weighted_residual_is_orthogonal,
             ),
         ),
@@ -272,14 +274,14 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[2]),),),
         (
             Law(
-                "An affine field is one of those that are fitted: adding it to the values must add it to "
-                "the result.",
+                "An affine field is one of those that are fitted: adding it to the values must "
+                "add it to the result.",
                 reproduces_affine_fields,
                 LOCAL,
             ),
             Law(
-                "Moving points and places together, or measuring all lengths in another unit, must not "
-                "change the value.",
+                "Moving points and places together, or measuring all lengths in another unit, "
+                "must not change the value.",
                 only_relative_positions_count,
                 LOCAL,
             ),
@@ -294,13 +296,13 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "ψ is a sum of squares: doubling the values and the coefficients must make it four times "
-                "as large.",
+                "ψ is a sum of squares: doubling the values and the coefficients must make it "
+                "four times as large.",
                 is_quadratic,
             ),
             Law(
-                "Only the difference of Bc and V counts: adding the same affine field to both must change "
-                "nothing.",
+                "Only the difference of Bc and V counts: adding the same affine field to both "
+                "must change nothing.",
                 sees_only_the_residual,
             ),
         ),
@@ -313,8 +315,8 @@ QUESTIONS = (
         lambda call: (call.arguments[2].shape,),
         (
             Law(
-                "Once round a circle the field is what it was, so the slopes along the way must add up to "
-                "zero. Where they do not, no field has this gradient.",
+                "Once round a circle the field is what it was, so the slopes along the way must "
+                "add up to zero. Where they do not, no field has this gradient.",
                 comes_back_to_the_same_value,
                 LOCAL,
             ),

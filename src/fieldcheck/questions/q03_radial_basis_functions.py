@@ -18,7 +18,9 @@ STEP = 1e-30
 
 
 def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return n points of the unit square, or cube, no two close together: one each in cells of a grid."""
+    """Return n points of the unit square, or cube, no two close together: one each in cells of a
+    grid.
+    """
     side = ceil(n ** (1 / d)) + 1
     cells = random.permutation(side**d)[:n]
     corners = np.stack(np.unravel_index(cells, (side,) * d), axis=1)
@@ -116,7 +118,7 @@ def maps_coefficients_to_data(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def coefficients_inputs(seed: int) -> tuple[Call, ...]:
-    """Return random values in the plane and in space, and an affine field with one value changed."""
+    """Return random values in the plane and in space; an affine field with one value changed."""
     random = np.random.default_rng(seed)
     plane, space, affine = (cloud(random, n, d) for n, d in ((12, 2), (10, 3), (7, 2)))
     almost = 1 - 2 * affine[:, 0] + random.normal() * affine[:, 1]
@@ -199,7 +201,9 @@ def foretells_small_steps(calls: Sequence[Call], values: Sequence[Values]) -> fl
 
 
 def inertia_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, twice at one place; in a small and a large box."""
+    """Return points in general position, on a line, twice at one place; in a small and a large
+    box.
+    """
     random = np.random.default_rng(seed)
     plane, space, twice = cloud(random, 9, 2), cloud(random, 8, 3), cloud(random, 6, 2)
     turn = random.uniform(0, np.pi)
@@ -227,7 +231,9 @@ def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def is_singular_where_it_must(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest difference of the zeros from the changes that the field at the points does not show."""
+    """Return the largest difference of the zeros from the changes that the field at the points
+    does not show.
+    """
     worst = 0.0
     for call, (counts,) in zip(calls, values, strict=True):
         (points,) = call.arguments
@@ -283,8 +289,8 @@ QUESTIONS = (
         (
             Law("The matrix of (3.5) is its own transpose.", is_symmetric),
             Law(
-                "The matrix times λ and c must be the values of that field at the points, and below "
-                "them the sums of (3.4).",
+                "The matrix times λ and c must be the values of that field at the points, and "
+                "below them the sums of (3.4).",
                 maps_coefficients_to_data,
             ),
         ),
@@ -297,8 +303,8 @@ QUESTIONS = (
         coefficients_shapes,
         (
             Law(
-                "The λ must satisfy the orthogonality constraints: they sum to zero, also when weighted "
-                "by a coordinate.",
+                "The λ must satisfy the orthogonality constraints: they sum to zero, also when "
+                "weighted by a coordinate.",
                 has_no_moments,
             ),
             Law(
@@ -323,13 +329,13 @@ QUESTIONS = (
         lambda _: ((3,),),
         (
             Law(
-                "The three numbers add up to the rows of the matrix; and since its diagonal is zero, so "
-                "is the sum of the eigenvalues, and both signs occur.",
+                "The three numbers add up to the rows of the matrix; and since its diagonal is "
+                "zero, so is the sum of the eigenvalues, and both signs occur.",
                 counts_all_and_both_signs,
             ),
             Law(
-                "An eigenvalue is zero for each affine field that vanishes at all points, and for each "
-                "point that comes a second time: then the solution is not unique.",
+                "An eigenvalue is zero for each affine field that vanishes at all points, and for "
+                "each point that comes a second time: then the solution is not unique.",
                 is_singular_where_it_must,
             ),
         ),
@@ -356,8 +362,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "An affine field does not bend, and adds nothing to the energy; three times the values "
-                "have nine times the energy; a sheet twice as wide has a quarter of it.",
+                "An affine field does not bend, and adds nothing to the energy; three times the "
+                "values have nine times the energy; a sheet twice as wide has a quarter of it.",
                 bends_as_a_sheet,
             ),
         ),

@@ -137,9 +137,11 @@ def is_the_rank_of_construction(_: Sequence[Call], values: Sequence[Values]) -> 
 
 
 def flow(random: np.random.Generator) -> np.ndarray:
-    """Return the coefficients of a flow that turns about a place outside the unit square, and is nowhere else zero.
+    """Return the coefficients of a flow that turns about a place outside the unit square, and is
+    nowhere else zero.
 
-    Its gradient stays away from rank one: normals across such a flow are parallel, and hide others too.
+    Its gradient stays away from rank one: normals across such a flow are parallel, and hide
+    others too.
     """
     gradient = random.uniform(-0.9, 0.9, (2, 2)) + 2 * np.array([[0, 1], [-1, 0]])
     return np.concatenate([-np.array([-0.6, 1.7]).dot(gradient), gradient.ravel()])

@@ -95,8 +95,8 @@ QUESTIONS = (
         star_shapes,
         (
             Law(
-                "Points are in the middle of the edges; normals have the length one and stand at right "
-                "angles to the edge.",
+                "Points are in the middle of the edges; normals have the length one and stand at "
+                "right angles to the edge.",
                 belong_to_the_edges,
             ),
         ),

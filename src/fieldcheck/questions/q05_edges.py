@@ -230,7 +230,8 @@ QUESTIONS = (
         lambda call: (call.arguments[1].shape, call.arguments[1].shape),
         (
             Law(
-                "From the one end to the midpoint it must be as far, and the same way, as from there to the other end.",
+                "From the one end to the midpoint it must be as far, and the same way, as from "
+                "there to the other end.",
                 halfway,
             ),
             Law("A unit normal must have length one.", unit_length),
@@ -251,7 +252,8 @@ QUESTIONS = (
                 stays_rigid,
             ),
             Law(
-                "The rotation is about the mean of the points, so the velocities must add up to zero.",
+                "The rotation is about the mean of the points, so the velocities must add up to "
+                "zero.",
                 turns_about_the_mean,
             ),
         ),
@@ -272,7 +274,8 @@ QUESTIONS = (
                 turns_with_the_normal,
             ),
             Law(
-                "Where every velocity is (1, 0), the normal velocity must be the first component of the normal.",
+                "Where every velocity is (1, 0), the normal velocity must be the first component "
+                "of the normal.",
                 wind_along_the_first_axis,
             ),
         ),

@@ -30,7 +30,9 @@ def ring_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def neighbours_of_three(triangles: np.ndarray) -> int:
-    """Return a vertex beside one that has three triangles inside: two of its neighbours are joined."""
+    """Return a vertex beside one that has three triangles inside: two of its neighbours are
+    joined.
+    """
     for t in triangles:
         for middle in t:
             star = np.array([u for u in triangles if middle in u])
@@ -87,7 +89,9 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def gives_normal_velocities(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far Bʹ of a field is from its normal velocities: the field (2 + 3 y₂, −1 + y₁ + 4 y₂)."""
+    """Return how far Bʹ of a field is from its normal velocities: the field (2 + 3 y₂, −1 + y₁ +
+    4 y₂).
+    """
     worst = 0.0
     for call, (b,) in zip(calls, values, strict=True):
         p, n, x = call.arguments
@@ -189,7 +193,8 @@ QUESTIONS = (
         (
             Law("Every edge that ends in the vertex must be in its ring.", holds_the_spokes),
             Law(
-                "The edges are those of whole triangles, so at each end of one of them another must end.",
+                "The edges are those of whole triangles, so at each end of one of them another "
+                "must end.",
                 made_of_triangles,
             ),
             Law("More rings must keep all edges of fewer, and add some.", grows),
@@ -203,7 +208,8 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[0]), 6),),
         (
             Law(
-                "Bʹ times the coefficients of a field must be its normal velocities at the midpoints.",
+                "Bʹ times the coefficients of a field must be its normal velocities at the "
+                "midpoints.",
                 gives_normal_velocities,
             ),
             Law(
@@ -220,8 +226,8 @@ QUESTIONS = (
         lambda _: ((2,),),
         (
             Law(
-                "An affine field is one of those that are fitted: adding its normal velocities to the "
-                "data must add its value at the vertex.",
+                "An affine field is one of those that are fitted: adding its normal velocities to "
+                "the data must add its value at the vertex.",
                 returns_affine_fields,
                 FITTED,
             ),
@@ -246,13 +252,13 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[0]),),),
         (
             Law(
-                "A ring has three edges at least, of one triangle, and Bʹ has six columns: the rank must "
-                "lie between three and six.",
+                "A ring has three edges at least, of one triangle, and Bʹ has six columns: the "
+                "rank must lie between three and six.",
                 rank_between,
             ),
             Law(
-                "A rank must depend on the shape of the mesh only, not on where it lies nor on the unit "
-                "of length.",
+                "A rank must depend on the shape of the mesh only, not on where it lies nor on "
+                "the unit of length.",
                 rank_of_the_shape,
             ),
             Law("A second ring only adds edges: no rank may fall, and some must grow.", rank_grows),

@@ -52,7 +52,9 @@ def of_unit_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the sum of the normals times the lengths of the opposite sides, and how far off they are."""
+    """Return the sum of the normals times the lengths of the opposite sides, and how far off they
+    are.
+    """
     worst = 0.0
     for call, (n,) in zip(calls, values, strict=True):
         for a in (0, 1, 2):
@@ -244,8 +246,8 @@ QUESTIONS = (
                 across_the_sides,
             ),
             Law(
-                "An outward normal must point away from the opposite corner, whichever way round the "
-                "corners are listed.",
+                "An outward normal must point away from the opposite corner, whichever way round "
+                "the corners are listed.",
                 leave_the_triangle,
             ),
         ),
@@ -258,8 +260,8 @@ QUESTIONS = (
         lambda _: ((2,),),
         (
             Law(
-                "A constant velocity satisfies all three equations: adding its normal velocities to the "
-                "data must add it to the result.",
+                "A constant velocity satisfies all three equations: adding its normal velocities "
+                "to the data must add it to the result.",
                 wind_comes_back,
             ),
             Law("Minus two times the data must give minus two times the velocity.", is_linear),
@@ -273,8 +275,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "A constant velocity explains its own normal velocities: adding them must not change the "
-                "defect.",
+                "A constant velocity explains its own normal velocities: adding them must not "
+                "change the defect.",
                 wind_leaves_no_defect,
             ),
             Law(
@@ -291,8 +293,8 @@ QUESTIONS = (
         lambda _: ((2,),),
         (
             Law(
-                "The circumcentre is equally far from all corners. If this fails only far from the origin, digits "
-                "were lost in squares of large coordinates.",
+                "The circumcentre is equally far from all corners. If this fails only far from "
+                "the origin, digits were lost in squares of large coordinates.",
                 equally_far,
                 DIGITS_FAR_AWAY,
             ),
@@ -311,13 +313,14 @@ QUESTIONS = (
         lambda call: (call.arguments[0].shape,),
         (
             Law(
-                "For s = 0 distances must not change: the difference of two velocities is perpendicular to "
-                "the line between the places.",
+                "For s = 0 distances must not change: the difference of two velocities is "
+                "perpendicular to the line between the places.",
                 turns_rigidly,
             ),
             Law("With s the distance of two places must grow at the rate s.", expands),
             Law(
-                "Only the way from the centre counts: moving places and centre together must change nothing.",
+                "Only the way from the centre counts: moving places and centre together must "
+                "change nothing.",
                 knows_only_the_way_from_the_centre,
             ),
         ),
@@ -334,7 +337,8 @@ QUESTIONS = (
                 exact_at_the_circumcentre,
             ),
             Law(
-                "On a mesh twice as large all velocities are twice as large, and so must be the errors.",
+                "On a mesh twice as large all velocities are twice as large, and so must be the "
+                "errors.",
                 grows_with_the_mesh,
             ),
         ),

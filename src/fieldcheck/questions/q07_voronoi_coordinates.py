@@ -28,7 +28,9 @@ def star(random: np.random.Generator, n: int, clockwise: bool = False) -> Star:
 
 
 def mirror_images(center: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Return the images of a point in the lines from each corner of a polygon back to the one before."""
+    """Return the images of a point in the lines from each corner of a polygon back to the one
+    before.
+    """
     back = np.array([corners[-1], *corners[:-1]]) - corners
     across = back @ [[0, -1], [1, 0]]
     part = np.einsum("ak,ak->a", corners - center, across) / np.einsum("ak,ak->a", across, across)
@@ -112,7 +114,9 @@ def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the area is from the same both ways round, from twice its half, from positive."""
+    """Return how far the area is from the same both ways round, from twice its half, from
+    positive.
+    """
     whole, turned, half, other = (float(v) for (v,) in values)
     return max(
         relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -other)
@@ -206,7 +210,7 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def winds_inwards(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far n (s_n − x_i) is from going round once at one distance, ending to the right."""
+    """Return how far n (s_n − x_i) is from one turn at one distance that ends to the right."""
     worst = 0.0
     for call, (s,) in zip(calls, values, strict=True):
         center, _, steps = call.arguments
@@ -266,8 +270,8 @@ QUESTIONS = (
         lambda _: ((6, 2),),
         (
             Law(
-                "All sides and spokes of a regular hexagon are as long as its radius, and it lies evenly "
-                "round its centre.",
+                "All sides and spokes of a regular hexagon are as long as its radius, and it lies "
+                "evenly round its centre.",
                 has_equal_sides,
             ),
         ),
@@ -288,8 +292,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "An area is positive, does not depend on the order of the corners, and a line from a "
-                "corner to the middle of the other side cuts it in half.",
+                "An area is positive, does not depend on the order of the corners, and a line "
+                "from a corner to the middle of the other side cuts it in half.",
                 halves_with_the_triangle,
             ),
         ),
@@ -302,12 +306,13 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[1]),),),
         (
             Law(
-                "If everything is twice as large, (7.5) has four times the area above and sixteen times as "
-                "much below: a quarter is left.",
+                "If everything is twice as large, (7.5) has four times the area above and sixteen "
+                "times as much below: a quarter is left.",
                 scales,
             ),
             Law(
-                "The weights pull the place towards the corners in such a way that it stays where it is.",
+                "The weights pull the place towards the corners in such a way that it stays where "
+                "it is.",
                 balances,
             ),
         ),
@@ -331,8 +336,8 @@ QUESTIONS = (
         lambda call: ((call.arguments[2], 2),),
         (
             Law(
-                "Seen from the centre, n times the way to the nth point goes round once with steps of one "
-                "angle, at one distance, and ends to the right.",
+                "Seen from the centre, n times the way to the nth point goes round once with "
+                "steps of one angle, at one distance, and ends to the right.",
                 winds_inwards,
             ),
         ),

@@ -21,10 +21,11 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
 
 
 def safe_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places inside, the same after a quarter turn, and places on the edges of a square cell.
+    """Return places inside, the same after a quarter turn, and places on the edges of a square
+    cell.
 
-    The square has sides and corners that floating-point numbers hold exactly, so that a quotient is
-    zero by zero there, on every machine.
+    The square has sides and corners that floating-point numbers hold exactly, so that a quotient
+    is zero by zero there, on every machine.
     """
     random = np.random.default_rng(seed)
     center, rim, corners = star(random, 6)
@@ -57,7 +58,9 @@ def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def is_linear_on_edges(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far a quarter of the way along an edge the weights are from three quarters and one."""
+    """Return how far a quarter of the way along an edge the weights are from three quarters and
+    one.
+    """
     wanted = 0.75 * np.eye(4) + 0.25 * np.eye(4)[[1, 2, 3, 0]]
     return relative(values[3][0] - wanted, 1.0)
 

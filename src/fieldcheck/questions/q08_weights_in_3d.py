@@ -1,7 +1,8 @@
 """Questions of notebook 08, the weights in three dimensions.
 
 A star is made from its cell, a pyramid without its top over a convex polygon: the neighbours of a
-point are its mirror images in the faces. So the circumcentres are known, and nothing here computes one.
+point are its mirror images in the faces. So the circumcentres are known, and nothing here
+computes one.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ Star = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 def star(random: np.random.Generator, n: int) -> Star:
-    """Return a vertex, its n + 2 neighbours, the tetrahedra by their numbers, and the circumcentres.
+    """Return a vertex, its n + 2 neighbours, the tetrahedra by their numbers, and the
+    circumcentres.
 
     Tetrahedra are listed in no particular orientation, as in most meshes.
     """
@@ -69,7 +71,9 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
 
 
 def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the volume is from the same in both orders, from twice its half, from positive."""
+    """Return how far the volume is from the same in both orders, from twice its half, from
+    positive.
+    """
     whole, turned, half, flat = (float(v) for (v,) in values)
     return max(
         relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -flat)
@@ -89,7 +93,9 @@ def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return three tips, the same with longer edges and in another order, and perpendicular edges."""
+    """Return three tips, the same with longer edges and in another order, and perpendicular
+    edges.
+    """
     random = np.random.default_rng(seed)
     center = random.normal(size=3)
     edges = np.array([[1.4, 0.2, 0.1], [0.3, 0.9, -0.2], [0.2, 0.4, 1.7]]) + random.uniform(
@@ -110,7 +116,9 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much lengths and orders matter, and how far perpendicular directions are from one."""
+    """Return how much lengths and orders matter, and how far perpendicular directions are from
+    one.
+    """
     here, longer, turned, one = (float(v) for (v,) in values)
     return max(relative(longer - here, here), relative(turned - here, here), abs(one - 1))
 
@@ -183,8 +191,8 @@ def vanishes_half_way(_: Sequence[Call], values: Sequence[Values]) -> float:
 def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     """Return places inside, the same turned over, and the corners and middles of a cubic cell.
 
-    The cube has corners that floating-point numbers hold exactly, so that a quotient is zero by zero
-    there, on every machine.
+    The cube has corners that floating-point numbers hold exactly, so that a quotient is zero by
+    zero there, on every machine.
     """
     random = np.random.default_rng(seed)
     center, neighbors, cells, corners = star(random, 4)
@@ -238,8 +246,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "A volume is positive, does not depend on the order of the corners, and a plane through one "
-                "edge and the middle of the opposite one cuts it in half.",
+                "A volume is positive, does not depend on the order of the corners, and a plane "
+                "through one edge and the middle of the opposite one cuts it in half.",
                 halves_with_the_tetrahedron,
             ),
         ),
@@ -260,8 +268,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "Normals have directions only: the lengths of the edges and their order do not matter, and "
-                "perpendicular normals span the volume one.",
+                "Normals have directions only: the lengths of the edges and their order do not "
+                "matter, and perpendicular normals span the volume one.",
                 depends_on_directions,
             ),
         ),
@@ -274,12 +282,13 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[2]),),),
         (
             Law(
-                "If everything is twice as large, (8.2) has eight times the volume above and 64 times as much "
-                "below: an eighth is left.",
+                "If everything is twice as large, (8.2) has eight times the volume above and 64 "
+                "times as much below: an eighth is left.",
                 scales,
             ),
             Law(
-                "The weights pull the place towards the corners in such a way that it stays where it is.",
+                "The weights pull the place towards the corners in such a way that it stays where "
+                "it is.",
                 balances,
             ),
         ),
@@ -310,7 +319,8 @@ QUESTIONS = (
             ),
             Law("Turning everything changes nothing.", turns_along),
             Law(
-                "At a corner it alone has a weight, and half-way along an edge its two ends have a half each.",
+                "At a corner it alone has a weight, and half-way along an edge its two ends have "
+                "a half each.",
                 is_right_on_the_cube,
             ),
         ),

@@ -18,7 +18,9 @@ def powers(s: np.ndarray, k: int) -> np.ndarray:
 
 
 def ridges(points: np.ndarray, degree: int) -> np.ndarray:
-    """Return a basis of the polynomials that has no monomials: powers of 1 + a·p, for a along a spiral."""
+    """Return a basis of the polynomials that has no monomials: powers of 1 + a·p, for a along a
+    spiral.
+    """
     j = np.arange((degree + 1) * (degree + 2) // 2)
     spiral = np.sqrt(j) / 2 * np.array([np.cos(2.4 * j), np.sin(2.4 * j)])
     return (1 + points.dot(spiral)) ** degree
@@ -54,7 +56,9 @@ def columns_in_order(_: Call, values: Values) -> Values:
 
 
 def stretch_by_powers(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the columns of stretched points are from 1, 2, 3, 4, 6 and 9 times the others."""
+    """Return how far the columns of stretched points are from 1, 2, 3, 4, 6 and 9 times the
+    others.
+    """
     with np.errstate(all="ignore"):
         ratio = np.sort(values[1][0] / values[0][0], axis=1)
     return relative(ratio - [1, 2, 3, 4, 6, 9], 1.0)
@@ -93,7 +97,9 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return one if the form, less the number, is not positive just below it, or is so just above."""
+    """Return one if the form, less the number, is not positive just below it, or is so just
+    above.
+    """
     missed = 0
     for call, (least,) in zip(calls, values, strict=True):
         a, p = call.arguments
@@ -114,7 +120,7 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def vanishing_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, on an ellipse, few, repeated, in a small box."""
+    """Return points in general position, on a line, an ellipse, few, repeated, in a small box."""
     random = np.random.default_rng(seed)
     turn = random.uniform(0.2, 1.3)
     line = np.outer(2 * cloud(random, 6, 1), [np.cos(turn), np.sin(turn)]) + random.normal(size=2)
@@ -185,7 +191,7 @@ def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> 
 
 
 def is_bumps_and_a_polynomial(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the field is from all of the form, and its factors from the side conditions."""
+    """Return how far the field is from the form, and its factors from the side conditions."""
     worst = 0.0
     for call, (f,) in zip(calls, values, strict=True):
         points, wanted, k, degree, place = call.arguments
@@ -213,7 +219,9 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the values for s = 1 are from the integral, by the rule of Gauss, and for s = 0 from a power."""
+    """Return how far the values for s = 1 are from the integral, by the rule of Gauss, and for
+    s = 0 from a power.
+    """
     node, weight = np.polynomial.legendre.leggauss(8)
     worst = 0.0
     for call, (f,) in zip(calls, values, strict=True):
@@ -232,7 +240,9 @@ def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def exchange_inputs(seed: int) -> tuple[Call, ...]:
-    """Return three points, the third on the left, on the right, far away, and nothing near the origin."""
+    """Return three points, the third on the left, on the right, far away, and nothing near the
+    origin.
+    """
     random = np.random.default_rng(seed)
     cases = (
         ("a third point on the left", 0, 1.6),
@@ -285,7 +295,9 @@ def slope_shape(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 def maps_to_values_and_slopes(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far H times some unknowns is from values and central differences of that field, and its moments."""
+    """Return how far H times some unknowns is from values and central differences of that field,
+    and its moments.
+    """
     worst, h = 0.0, 1e-6
     for call, (matrix,) in zip(calls, values, strict=True):
         (x,) = call.arguments
@@ -314,8 +326,8 @@ QUESTIONS = (
         (
             Law("Where both coordinates are one, every monomial is one.", are_one_at_one),
             Law(
-                "If one coordinate is doubled and the other tripled, each monomial grows by a product of twos and "
-                "threes: 1, 2, 3, 4, 6 and 9 for the degree two.",
+                "If one coordinate is doubled and the other tripled, each monomial grows by a "
+                "product of twos and threes: 1, 2, 3, 4, 6 and 9 for the degree two.",
                 stretch_by_powers,
             ),
         ),
@@ -329,8 +341,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "On the vectors that satisfy the conditions, the form less a smaller number is positive, and less a larger "
-                "number it is not.",
+                "On the vectors that satisfy the conditions, the form less a smaller number is "
+                "positive, and less a larger number it is not.",
                 is_where_the_signs_change,
             ),
         ),
@@ -344,8 +356,8 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of points, has a rank; "
-                "the other polynomials vanish at the points.",
+                "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of "
+                "points, has a rank; the other polynomials vanish at the points.",
                 leaves_the_rank_of_another_matrix,
             ),
         ),
@@ -359,8 +371,8 @@ QUESTIONS = (
         (
             Law("The field must go through the values.", goes_through_the_values, 1e-8),
             Law(
-                "The field is made of bumps on the points and a polynomial of the degree asked for, and the factors of the "
-                "bumps satisfy the side conditions.",
+                "The field is made of bumps on the points and a polynomial of the degree asked "
+                "for, and the factors of the bumps satisfy the side conditions.",
                 is_bumps_and_a_polynomial,
                 1e-6,
             ),
@@ -375,8 +387,8 @@ QUESTIONS = (
         lambda call: (call.arguments[0].shape,),
         (
             Law(
-                "The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the integral (9.9) of the one for "
-                "two variables more.",
+                "The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the "
+                "integral (9.9) of the one for two variables more.",
                 are_integrals,
             ),
         ),
@@ -403,12 +415,13 @@ QUESTIONS = (
         slope_shape,
         (
             Law(
-                "The matrix is its own transpose: whatever acts on a row acts on the column of the same number.",
+                "The matrix is its own transpose: whatever acts on a row acts on the column of "
+                "the same number.",
                 is_symmetric,
             ),
             Law(
-                "The matrix times the unknowns must be the values of the field (9.11) at the points, its slopes there, and the "
-                "two side conditions.",
+                "The matrix times the unknowns must be the values of the field (9.11) at the "
+                "points, its slopes there, and the two side conditions.",
                 maps_to_values_and_slopes,
                 1e-6,
             ),

@@ -94,7 +94,9 @@ def radial_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def nothing_for_rounding(call: Call, values: Values) -> Values:
-    """Return the coefficients with factors that are nothing but rounding set to zero: two sites have a straight line."""
+    """Return the coefficients with factors that are nothing but rounding set to zero: two sites
+    have a straight line.
+    """
     a, b = values
     return np.where(np.abs(a) > 1e-12 * np.abs(call.arguments[1]).max(), a, 0.0), b
 
@@ -200,7 +202,9 @@ def back_inputs(seed: int) -> tuple[Call, ...]:
 def _free_powers(
     sites: np.ndarray, bends: np.ndarray, straight: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return factors of truncated cubes whose second derivatives at the sites are these, and the line."""
+    """Return factors of truncated cubes whose second derivatives at the sites are these, and the
+    line.
+    """
     apart = np.subtract.outer(sites[1:], sites[:-1]).clip(min=0)
     factors = np.linalg.solve(6 * apart, bends[1:])
     return np.append(factors, -factors.sum()), straight
@@ -226,7 +230,9 @@ def is_made_of_half_cubes(calls: Sequence[Call], values: Sequence[Values]) -> fl
 
 
 def energy_inputs(seed: int) -> tuple[Call, ...]:
-    """Return moments, three times as large, on intervals cut in two, turned round, and constant ones."""
+    """Return moments, three times as large, on intervals cut in two, turned round, and constant
+    ones.
+    """
     random = np.random.default_rng(seed)
     sites, bends = line(random, 6), random.normal(size=6)
     bends[[0, -1]] = 0
@@ -305,7 +311,8 @@ QUESTIONS = (
         coefficients_shape,
         (
             Law(
-                "With the new coefficients (10.4) must be the same curve as (10.1), inside and outside.",
+                "With the new coefficients (10.4) must be the same curve as (10.1), inside and "
+                "outside.",
                 is_the_same_curve,
             ),
         ),
@@ -318,7 +325,8 @@ QUESTIONS = (
         coefficients_shape,
         (
             Law(
-                "The curve (10.4) must go through the values, and its factors sum to zero, plain and weighted by the sites.",
+                "The curve (10.4) must go through the values, and its factors sum to zero, plain "
+                "and weighted by the sites.",
                 is_natural_and_hits,
             ),
         ),
@@ -333,7 +341,8 @@ QUESTIONS = (
         lambda call: (call.arguments[0].shape,),
         (
             Law(
-                "Neighbouring pieces must have the same slope where they meet, and both ends the moment zero.",
+                "Neighbouring pieces must have the same slope where they meet, and both ends the "
+                "moment zero.",
                 has_no_kink,
             ),
         ),
@@ -346,8 +355,8 @@ QUESTIONS = (
         lambda call: (call.arguments[3].shape,),
         (
             Law(
-                "Each piece has the values and second derivatives of (10.6) at its ends; outside the curve goes on straight, with the "
-                "slope that it has there.",
+                "Each piece has the values and second derivatives of (10.6) at its ends; outside "
+                "the curve goes on straight, with the slope that it has there.",
                 is_cubic_inside_and_straight_outside,
             ),
         ),
@@ -360,7 +369,8 @@ QUESTIONS = (
         coefficients_shape,
         (
             Law(
-                "The curve (10.1) must have the values and the second derivatives at the sites, and satisfy (10.2).",
+                "The curve (10.1) must have the values and the second derivatives at the sites, "
+                "and satisfy (10.2).",
                 is_made_of_half_cubes,
             ),
         ),
@@ -373,8 +383,9 @@ QUESTIONS = (
         lambda _: ((),),
         (
             Law(
-                "The integral of a square: three times s'' gives nine times as much, to cut an interval or to look in a mirror changes nothing, and "
-                "where s'' is 2 it is four times the length.",
+                "The integral of a square: three times s'' gives nine times as much, to cut an "
+                "interval or to look in a mirror changes nothing, and where s'' is 2 it is four "
+                "times the length.",
                 is_an_integral_of_a_square,
             ),
         ),
@@ -387,12 +398,14 @@ QUESTIONS = (
         b_spline_shape,
         (
             Law(
-                "A B-spline is never negative, and zero outside the k + 1 intervals from its first knot to its last.",
+                "A B-spline is never negative, and zero outside the k + 1 intervals from its "
+                "first knot to its last.",
                 lives_where_it_should,
             ),
             Law(
-                "Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times (y - t) for the knots t inside each: Marsden's "
-                "identity, which for the highest power of y says that their sum is one.",
+                "Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times "
+                "(y - t) for the knots t inside each: Marsden's identity, which for the highest "
+                "power of y says that their sum is one.",
                 gives_every_power,
             ),
         ),

@@ -1,7 +1,7 @@
 """Questions of notebook 11, surfaces from point clouds: normals, their orientation, points beside.
 
-Clouds lie at a fixed distance from an arc, in the plane a horseshoe and in space a torus, so that their
-normals are known: they point away from the nearest point of the arc.
+Clouds lie at a fixed distance from an arc, in the plane a horseshoe and in space a torus, so that
+their normals are known: they point away from the nearest point of the arc.
 """
 
 from __future__ import annotations
@@ -146,7 +146,9 @@ def normals_tolerance(call: Call) -> float:
 
 
 def are_across_the_neighbours(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return by how much a direction beside the normal has less variance; how far from length one it is."""
+    """Return by how much a direction beside the normal has less variance; how far from length one
+    it is.
+    """
     worst = 0.0
     for call, (n, planarity) in zip(calls, values, strict=True):
         points, k = call.arguments
@@ -191,7 +193,9 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def links_both_ways(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many points are linked to themselves, or one way only, or to none of the nearest."""
+    """Return how many points are linked to themselves, or one way only, or to none of the
+    nearest.
+    """
     wrong = 0
     for call, (graph,) in zip(calls, values, strict=True):
         points, k = call.arguments
@@ -227,7 +231,9 @@ OUTWARD = {
 
 
 def orient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return normals of either sign on a horseshoe, a torus, a drop and two bodies, and their graphs."""
+    """Return normals of either sign on a horseshoe, a torus, a drop and two bodies, and their
+    graphs.
+    """
     random = np.random.default_rng(seed)
     two = np.vstack([horseshoe(random, 40, 0.1), oval(random, 20) + RIGHT])[random.permutation(60)]
     clouds = (horseshoe(random, 44, 0.1), torus(random, 8, 14), drop(random, 30), two)
@@ -269,7 +275,9 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many lengths are no half of a half, lead to another site, or could be twice as long."""
+    """Return how many lengths are no half of a half, lead to another site, or could be twice as
+    long.
+    """
     wrong = 0
     for call, (lengths,) in zip(calls, values, strict=True):
         points, n, distance = call.arguments
@@ -292,7 +300,8 @@ QUESTIONS = (
         normals_shapes,
         (
             Law(
-                "Normals have the length one, and in no direction beside them have the neighbours less variance.",
+                "Normals have the length one, and in no direction beside them have the neighbours "
+                "less variance.",
                 are_across_the_neighbours,
                 1e-6,
             ),
@@ -308,7 +317,8 @@ QUESTIONS = (
         lambda call: (2 * (len(call.arguments[0]),),),
         (
             Law(
-                "Links go both ways, none leads to the point itself, and all of the nearest are linked.",
+                "Links go both ways, none leads to the point itself, and all of the nearest are "
+                "linked.",
                 links_both_ways,
             ),
         ),
@@ -321,7 +331,8 @@ QUESTIONS = (
         lambda call: (call.arguments[1].shape,),
         (
             Law(
-                "Each normal is the given one or its opposite, and on these bodies it points outward.",
+                "Each normal is the given one or its opposite, and on these bodies it points "
+                "outward.",
                 point_outward,
             ),
         ),
@@ -334,7 +345,8 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[0]), 2),),
         (
             Law(
-                "The nearest point of the cloud is the own one, and with twice the length, if that is not too much, it is not.",
+                "The nearest point of the cloud is the own one, and with twice the length, if "
+                "that is not too much, it is not.",
                 belong_to_their_sites,
             ),
         ),

@@ -70,7 +70,9 @@ def meets_values_and_side_conditions(calls: Sequence[Call], values: Sequence[Val
 def body(
     random: np.random.Generator, d: int, sites: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return sites and coefficients of a function that is positive in a body about the origin only."""
+    """Return sites and coefficients of a function that is positive in a body about the origin
+    only.
+    """
     places = random.uniform(-0.3, 0.3, (sites, d))
     weights = -random.uniform(0.5, 1.5, sites) / sites
     return places, weights, np.append(1.0, random.uniform(-0.1, 0.1, d))
@@ -103,7 +105,9 @@ def field_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the differences of values from (11.6), and of gradients from small steps to both sides."""
+    """Return the differences of values from (11.6), and of gradients from small steps to both
+    sides.
+    """
     worst = 0.0
     for call, (f, gradient) in zip(calls, values, strict=True):
         x, *rest = call.arguments
@@ -154,7 +158,9 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def lie_on_the_border(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far ends are from the border, from a zero of the values on it, and pieces from running with the positive side to the left."""
+    """Return how far ends are from the border, from a zero of the values on it, and pieces from
+    running with the positive side to the left.
+    """
     worst = 0.0
     for call, (ends,) in zip(calls, values, strict=True):
         for (a, b, c, d), (start, end) in zip(call.arguments[0], ends, strict=True):
@@ -221,7 +227,8 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[0]), 2, 2),),
         (
             Law(
-                "Ends lie on the sides of the square, where the values on the side are zero, and what is positive lies to the left.",
+                "Ends lie on the sides of the square, where the values on the side are zero, and "
+                "what is positive lies to the left.",
                 lie_on_the_border,
             ),
         ),

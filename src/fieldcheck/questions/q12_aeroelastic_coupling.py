@@ -1,4 +1,6 @@
-"""Questions of notebook 12, displacements and loads between two meshes; the loop has a module of its own."""
+"""Questions of notebook 12, displacements and loads between two meshes; the loop has a module of
+its own.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ def transfer(random: np.random.Generator, m: int, n: int) -> np.ndarray:
 
 
 def meshes(name: str, seed: int) -> tuple[Call, ...]:
-    """Return nodes and places in the plane, in space, on a line; a triangle; the nodes themselves."""
+    """Return nodes and places in the plane, in space, on a line; a triangle; the nodes
+    themselves.
+    """
     random = np.random.default_rng(seed)
     plane, space, line = grid(random, 4, 3), grid(random, 3, 2, 2), grid(random, 5)
     triangle = np.array([[0.0, 0.0], [2.0, 0.3], [0.4, 1.7]]) + random.uniform(-0.2, 0.2, (3, 2))
@@ -55,7 +59,8 @@ def slopes_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def adds_up(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the integral of slopes from one node to the next is from the change of the weights.
+    """Return how far the integral of slopes from one node to the next is from the change of the
+    weights.
 
     There they are polynomials of degree two, of which Gauss's rule is right.
     """
@@ -94,7 +99,7 @@ def slopes_turn_along(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def slope_of_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far slopes of constants are from zero, and of the coordinates from one and zero."""
+    """Return how far slopes of constants are from zero, those of coordinates from one and zero."""
     worst = 0.0
     for call, (g,) in zip(calls, values, strict=True):
         of_coordinates = np.einsum("kij,jl->ikl", g, call.arguments[0])
@@ -162,7 +167,9 @@ def resultants_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def moves_by_the_total_force(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far moments about two points differ from that of the total force in one at the other."""
+    """Return how far moments about two points differ from that of the total force in one at the
+    other.
+    """
     (one,), (two,), (couple,), (again,), (lever,) = values
     apart = calls[0].arguments[2] - calls[1].arguments[2]
     total = one[:3]
@@ -203,7 +210,9 @@ def constant_comes_back(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def carries_the_whole(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the pressure at the nodes, felt by the skin, differs from the given in total."""
+    """Return how far the pressure at the nodes, felt by the skin, differs from the given in
+    total.
+    """
     worst = 0.0
     for call, (g,) in zip(calls, values, strict=True):
         h, pressures, areas = call.arguments
@@ -257,11 +266,13 @@ QUESTIONS = (
         weights_shape,
         (
             Law(
-                "If all nodes move alike, all places must move with them: the rows of H sum to one.",
+                "If all nodes move alike, all places must move with them: the rows of H sum to "
+                "one.",
                 rows_sum_to_one,
             ),
             Law(
-                "H applied to the coordinates of the nodes must give those of the places: linear displacements come back.",
+                "H applied to the coordinates of the nodes must give those of the places: linear "
+                "displacements come back.",
                 brings_places_back,
             ),
             Law("At a node its own displacement counts, and no other.", is_one_at_its_node),
@@ -276,7 +287,8 @@ QUESTIONS = (
         lambda call: ((call.arguments[0].shape[1], call.arguments[1].shape[1]),),
         (
             Law(
-                "In every displacement of the nodes the loads must do the work that the forces do at the places.",
+                "In every displacement of the nodes the loads must do the work that the forces do "
+                "at the places.",
                 does_the_same_work,
             ),
         ),
@@ -289,8 +301,9 @@ QUESTIONS = (
         lambda _: ((6,),),
         (
             Law(
-                "About another point only the moment changes, and by what the total force does on the way between "
-                "the points: nothing for a couple. And (12.5) can be done by hand for a couple and for one upward force.",
+                "About another point only the moment changes, and by what the total force does on "
+                "the way between the points: nothing for a couple. And (12.5) can be done by hand "
+                "for a couple and for one upward force.",
                 moves_by_the_total_force,
             ),
         ),
@@ -314,13 +327,14 @@ QUESTIONS = (
         lambda call: ((call.arguments[0].shape[1], *weights_shape(call)[0]),),
         (
             Law(
-                "A constant has no slope, and a coordinate has the slope one along its own axis and none along others.",
+                "A constant has no slope, and a coordinate has the slope one along its own axis "
+                "and none along others.",
                 slope_of_linear_fields,
             ),
             Law("Slopes turn along with everything else.", slopes_turn_along),
             Law(
-                "From one node to the next the slopes must add up to the change of the weights: the one's falls from one to zero, "
-                "the other's rises from zero to one.",
+                "From one node to the next the slopes must add up to the change of the weights: "
+                "the one's falls from one to zero, the other's rises from zero to one.",
                 adds_up,
             ),
         ),

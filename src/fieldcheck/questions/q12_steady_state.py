@@ -14,7 +14,8 @@ from fieldcheck.questions.q12_aeroelastic_coupling import transfer
 def section(random: np.random.Generator, share: float) -> tuple[np.ndarray, ...]:
     """Return a section on a torsion spring at the middle of its chord.
 
-    The centre of pressure is at that share of the chord from the nose; the displacement is the angle.
+    The centre of pressure is at that share of the chord from the nose; the displacement is the
+    angle.
     """
     chord, spring = random.uniform(1, 2), random.uniform(3, 4)
     h = np.array([[0.5 * chord], [-0.5 * chord]])
@@ -45,7 +46,9 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def settles_as_a_section(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far angles of a section are from the sums of a geometric series that begins at rest."""
+    """Return how far angles of a section are from the sums of a geometric series that begins at
+    rest.
+    """
     worst = 0.0
     for call, (u,) in zip(calls[:3], values[:3], strict=True):
         k, h, rest, slope, omega, _ = call.arguments
@@ -86,7 +89,9 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def is_just_singular(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the structure in the flow is from singular there, or whether it was so before."""
+    """Return how far the structure in the flow is from singular there, or whether it was so
+    before.
+    """
     worst = 0.0
     for call, (q,) in zip(calls, values, strict=True):
         k, h, slope = call.arguments
@@ -111,8 +116,9 @@ QUESTIONS = (
         lambda call: ((call.arguments[5] + 1, len(call.arguments[0])),),
         (
             Law(
-                "A section on one spring begins at rest, and each of its steps is 1 − ω(1 − λ) times the one before, where λ "
-                "is how much the moment of the lift grows with the angle, divided by how much that of the spring does.",
+                "A section on one spring begins at rest, and each of its steps is 1 − ω(1 − λ) "
+                "times the one before, where λ is how much the moment of the lift grows with the "
+                "angle, divided by how much that of the spring does.",
                 settles_as_a_section,
             ),
         ),

@@ -14,7 +14,9 @@ from fieldcheck.questions.q13_semi_lagrangian_advection import in_disc, in_squar
 
 
 def bounds_inputs(seed: int) -> tuple[Call, ...]:
-    """Return feet among scattered sites, the same with the opposite field, and feet that are sites."""
+    """Return feet among scattered sites, the same with the opposite field, and feet that are
+    sites.
+    """
     random = np.random.default_rng(seed)
     sites, u = in_square(random, 4), random.normal(size=16)
     feet = random.uniform(-1, 1, (7, 2))

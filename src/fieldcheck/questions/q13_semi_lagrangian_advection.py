@@ -1,4 +1,6 @@
-"""Questions of notebook 13, feet of characteristics and steps; what is kept has a module of its own."""
+"""Questions of notebook 13, feet of characteristics and steps; what is kept has a module of its
+own.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +55,9 @@ def vortex_error(call: Call, feet: np.ndarray) -> float:
 
 
 def falls_with_order(order: int) -> Deviation:
-    """Return by how much the observed order of the error of one step is off, but for a fifth of an order."""
+    """Return by how much the observed order of the error of one step is off, but for a fifth of
+    an order.
+    """
 
     def deviation(calls: Sequence[Call], values: Sequence[Values]) -> float:
         whole, half = (vortex_error(c, f) for c, (f,) in zip(calls[:2], values[:2], strict=True))
@@ -65,7 +69,9 @@ def falls_with_order(order: int) -> Deviation:
 
 
 def grows_by(square: Callable[[float], float]) -> Deviation:
-    """Return how far the squares of radii are from what a step of this scheme makes of them in a solid rotation."""
+    """Return how far the squares of radii are from what a step of this scheme makes of them in a
+    solid rotation.
+    """
 
     def deviation(calls: Sequence[Call], values: Sequence[Values]) -> float:
         x, _, dt, _ = calls[2].arguments
@@ -91,7 +97,8 @@ def feet_question(
                 falls_with_order(order),
             ),
             Law(
-                "In a solid rotation the distance from the middle changes by a factor that is known for this scheme.",
+                "In a solid rotation the distance from the middle changes by a factor that is "
+                "known for this scheme.",
                 grows_by(square),
             ),
         ),
@@ -150,7 +157,9 @@ def is_one_at_its_site(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def advect_inputs(seed: int) -> tuple[Call, ...]:
-    """Return an affine field that turns, a constant, and fields in the vortex and in the flow that stretches."""
+    """Return an affine field that turns, a constant, and fields in the vortex and in the flow
+    that stretches.
+    """
     random = np.random.default_rng(seed)
     disc, square, dt = in_disc(random, 24), in_square(random, 4), random.uniform(0.04, 0.06)
     slope = random.normal(size=2)
@@ -172,7 +181,9 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far a constant is from itself, and the first row from the field at the beginning."""
+    """Return how far a constant is from itself, and the first row from the field at the
+    beginning.
+    """
     begins = max(
         relative(u[0] - c.arguments[1], u[0]) for c, (u,) in zip(calls, values, strict=True)
     )
@@ -202,7 +213,8 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[1]), len(call.arguments[0])),),
         (
             Law(
-                "Linear fields come back: rows sum to one, and the weighted mean of the sites is the foot.",
+                "Linear fields come back: rows sum to one, and the weighted mean of the sites is "
+                "the foot.",
                 brings_linear_fields_back,
             ),
             Law("Only the k sites nearest to its foot have weights in a row.", counts_the_nearest),
@@ -221,7 +233,8 @@ QUESTIONS = (
                 constants_stay,
             ),
             Law(
-                "An affine field in a solid rotation only turns: there is no error in space, and in time that of the feet.",
+                "An affine field in a solid rotation only turns: there is no error in space, and "
+                "in time that of the feet.",
                 affine_fields_turn,
             ),
         ),

@@ -20,7 +20,9 @@ Surface = tuple[np.ndarray, np.ndarray]
 
 
 def net(numbers: np.ndarray) -> np.ndarray:
-    """Return the triangles of a net, two for each of its squares, given the vertices at its knots."""
+    """Return the triangles of a net, two for each of its squares, given the vertices at its
+    knots.
+    """
     a, b, c, d = numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, 1:], numbers[1:, :-1]
     return np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
 
@@ -234,7 +236,7 @@ LENGTHS = ((14,), (3, 4), (6, 6), (12,), (), (8, 8))
 
 
 def loops_have_the_known_lengths(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return one if loops are not as long as they were made, or not called by their least vertex."""
+    """Return one if loops have another length than made, or not the name of their least vertex."""
     for (loop,), lengths in zip(values, LENGTHS, strict=True):
         names, times = np.unique(loop[loop != -1], return_counts=True)
         least = [float(np.flatnonzero(loop == name).min()) for name in names]
@@ -265,7 +267,9 @@ FANS = ((2, 20), (4, 33, 0, 1), (3, 18, 1), (3, 15, 1), (2, 6))
 
 
 def fans_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the numbers are from what is known, and how many are less than the boundary asks for."""
+    """Return how far the numbers are from what is known, and how many are less than the boundary
+    asks for.
+    """
     wrong = 0
     for call, (fans,), times in zip(calls, values, FANS, strict=True):
         triangles = call.arguments[1]
@@ -283,7 +287,8 @@ QUESTIONS = (
         lambda call: ((call.arguments[0].size,),),
         (
             Law(
-                "It is known how many edges of each kind these surfaces have, and all sides of an edge have one number.",
+                "It is known how many edges of each kind these surfaces have, and all sides of an "
+                "edge have one number.",
                 counts_are_those_of_the_weave,
             ),
         ),
@@ -309,7 +314,8 @@ QUESTIONS = (
         lambda call: ((call.arguments[0],),),
         (
             Law(
-                "It is known how many loops there are, and how long; a loop is called by the least of its vertices.",
+                "It is known how many loops there are, and how long; a loop is called by the "
+                "least of its vertices.",
                 loops_have_the_known_lengths,
             ),
         ),

@@ -126,7 +126,9 @@ def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def thin(random: np.random.Generator, base: float, height: float, foot: float) -> np.ndarray:
-    """Return the corners of a triangle of that base and height, whose apex stands over that part of it."""
+    """Return the corners of a triangle of that base and height, whose apex stands over that part
+    of it.
+    """
     flat = np.array([[0, 0, 0], [base, 0, 0], [foot * base, height, 0]])
     return flat[random.permutation(3)] @ np.linalg.qr(random.normal(size=(3, 3)))[
         0
@@ -197,7 +199,9 @@ THROUGH = (
 
 
 def pierced_inputs(seed: int) -> tuple[Call, ...]:
-    """Return lines from point to point that go through triangles, past them, or do not reach them."""
+    """Return lines from point to point that go through triangles, past them, or do not reach
+    them.
+    """
     random = np.random.default_rng(seed)
     calls = []
     for case, size, middle in (
@@ -236,7 +240,8 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[0]),),),
         (
             Law(
-                "A vertex and the one that stands for it are no farther apart than the tolerance, and no earlier vertex is so near.",
+                "A vertex and the one that stands for it are no farther apart than the tolerance, "
+                "and no earlier vertex is so near.",
                 is_the_first_in_its_place,
             ),
         ),
@@ -249,7 +254,8 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[1]),),),
         (
             Law(
-                "Once they are turned, no two triangles run along an edge in the same direction; and a part with one side has zeros.",
+                "Once they are turned, no two triangles run along an edge in the same direction; "
+                "and a part with one side has zeros.",
                 makes_them_agree,
             ),
         ),
