@@ -470,7 +470,7 @@ def test_a_wrong_command_is_told_with_its_usage(capsys, arguments, words):
 def test_a_missing_package_is_told_with_the_remedy(capsys, monkeypatch):
     """Without the packages of the report, the command line says what to install."""
     monkeypatch.setitem(sys.modules, "rich.table", None)
-    monkeypatch.delitem(sys.modules, "fieldrecon.reporting.terminal", raising=False)
+    monkeypatch.delitem(sys.modules, "fieldrecon.reporting.console", raising=False)
     assert main(["experiments", "list"]) == 2
     assert "pip install 'fieldrecon[report]'" in capsys.readouterr().err
 

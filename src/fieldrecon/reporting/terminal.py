@@ -1,4 +1,4 @@
-"""What the command line shows: tables, a progress bar, and how each method did on samples."""
+"""What the command line shows: a progress bar, how each method did, what is wrong with a mesh."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.markup import escape
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -23,26 +21,16 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
-from rich.table import Table
 from rich.text import Text
 
-from fieldrecon.experiments import Experiment, Map
+from fieldrecon.experiments.experiment import Experiment, Map
 from fieldrecon.mesh_audit import MeshAudit, in_words
 from fieldrecon.outcome import Outcome, peak_memory
+from fieldrecon.reporting.console import Terminal, print_table
 from fieldrecon.scans import Scan
 
-_WIDEST = 7
-_MOST_ROWS = 40
 _FEW_PLACES = 3
 _LONG_PLACE = 6
-
-
-class Terminal(Console):
-    """A console that leaves it to the program what a closed pipe means."""
-
-    def on_broken_pipe(self) -> None:
-        """Pass it on."""
-        raise BrokenPipeError
 
 
 @contextmanager
@@ -94,32 +82,6 @@ class _Memory(ProgressColumn):
 
     def render(self, _: Task) -> Text:
         return Text(f"{peak_memory() / 1e9:.2f} GB", style="progress.data.speed")
-
-
-def print_table(
-    columns: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "", whole: bool = False
-) -> None:
-    """Print a table; one with many columns lies on its side, so that it fits a terminal.
-
-    Of a long one the first rows are shown, since a file has the others, unless it is to be whole.
-    """
-    most = max(len(rows), len(columns)) if whole else _MOST_ROWS
-    texts = [[escape(_typed(cell)) for cell in row] for row in (columns, *rows)]
-    if len(columns) > _WIDEST >= len(rows) or len(columns) > 2 * _WIDEST:
-        texts = [list(column) for column in zip(*texts, strict=True)]
-    table = Table(*texts[0], title=escape(title) or None, title_justify="left")
-    for row in texts[1 : 1 + most]:
-        table.add_row(*row)
-    Terminal().print(table)
-    if len(texts) - 1 > most:
-        Terminal().print(f"… and {len(texts) - 1 - most} rows more, in the file")
-
-
-def _typed(cell: Any) -> str:
-    """Spell a value for the terminal; a list as it would be typed."""
-    if isinstance(cell, float):
-        return f"{cell:.4g}"
-    return ",".join(map(_typed, cell)) if isinstance(cell, list | tuple) else str(cell)
 
 
 def print_outcome(outcome: Outcome) -> None:
