@@ -11,22 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TaskProgressColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.text import Text
 
+from fieldrecon._extras import PICTURES, absent, remedy
 from fieldrecon.experiments.experiment import Experiment, Map
 from fieldrecon.mesh_audit import MeshAudit, in_words
 from fieldrecon.outcome import Outcome, peak_memory
-from fieldrecon.reporting.console import Terminal, print_table
+from fieldrecon.reporting.console import print_table, say
+from fieldrecon.reporting.progress import Stage, StatusLine
 from fieldrecon.scans import Scan
 
 _FEW_PLACES = 3
@@ -36,16 +27,13 @@ _LONG_PLACE = 6
 @contextmanager
 def progress(mapping: Map, label: str) -> Iterator[Map]:
     """Give the map with a bar that tells, on a terminal, how many of its items are done."""
-    columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    on_terminal = sys.stderr.isatty()
-    errors = Terminal(stderr=True)
-    with Progress(*columns, console=errors, transient=True, disable=not on_terminal) as bar:
+    with StatusLine() as line:
 
         def each(function: Any, items: Iterable[Any]) -> Iterator[Any]:
             items = list(items)
-            task = bar.add_task(label, total=len(items))
-            for done in mapping(function, items):
-                bar.advance(task)
+            show = Stage(line, label)
+            for count, done in enumerate(mapping(function, items), 1):
+                show(count, len(items))
                 yield done
 
         yield each
@@ -55,33 +43,15 @@ def progress(mapping: Map, label: str) -> Iterator[Map]:
 def stages() -> Iterator[Callable[[str], Callable[[int, int], None]]]:
     """Give what opens a stage of long work: a bar with the time left and the memory, on a terminal.
 
-    What it returns is called as progress(done, total); until then the bar only shows that it lives.
+    What it returns is called as progress(done, total); until then only the name is shown.
     """
-    columns = (
-        "{task.description}",
-        BarColumn(20),
-        TaskProgressColumn(),
-        TimeRemainingColumn(),
-        "left,",
-        _Memory(),
-    )
-    errors = Terminal(stderr=True)
-    with Progress(*columns, console=errors, transient=True, disable=not sys.stderr.isatty()) as bar:
+    with StatusLine() as line:
 
         def stage(label: str) -> Callable[[int, int], None]:
-            for earlier in bar.tasks:
-                bar.update(earlier.id, visible=False)
-            task = bar.add_task(label, total=None)
-            return lambda done, total: bar.update(task, completed=done, total=total)
+            show = Stage(line, label)
+            return lambda done, total: show(done, total, f", {peak_memory() / 1e9:.2f} GB")
 
         yield stage
-
-
-class _Memory(ProgressColumn):
-    """The most memory that the program has held."""
-
-    def render(self, _: Task) -> Text:
-        return Text(f"{peak_memory() / 1e9:.2f} GB", style="progress.data.speed")
 
 
 def print_outcome(outcome: Outcome) -> None:
@@ -92,20 +62,18 @@ def print_outcome(outcome: Outcome) -> None:
     if rows:
         title = f"{name} at {count} points: error when each of {outcome.judged} is left out"
         print_table(("method", "what it is", "rms error", "largest error"), rows, title=title)
-    say = Terminal(highlight=False, markup=False).print
     for t in outcome.trials:
         if t.residuals is None:
             say(f"{t.candidate.name}: {t.reason}.")
     for remark in outcome.remarks:
         say(remark)
-    say(f"Drawn: {outcome.method}.")
+    say(f"Evaluated: {outcome.method}.")
     say(f"{outcome.cost}.")
 
 
 def print_audit(path: Path, audit: MeshAudit, done: dict[str, int] | None = None) -> None:
     """Print what was found in a mesh, and, of a repaired one, what was done."""
     parts = "1 part" if audit.parts == 1 else f"{audit.parts:,} parts"
-    say = Terminal(highlight=False, markup=False).print
     say(
         f"{path}: {audit.triangles:,} triangles in {parts}, {audit.vertices:,} "
         f"vertices; tolerance {audit.tolerance:.3g}."
@@ -126,7 +94,6 @@ def print_scan(path: Path, scan: Scan, remarks: Sequence[str], cost: str) -> Non
     """Print how far the points of a scan are from its surface, and what is to be known."""
     title = f"{path.name}: {scan.counted}, and how far they are from the mesh"
     print_table(("points", "distance"), tuple(scan.quality.items()), title=title)
-    say = Terminal(highlight=False, markup=False).print
     for remark in remarks:
         say(remark)
     say(f"{cost}.")
@@ -160,17 +127,24 @@ def print_json(content: dict[str, Any]) -> None:
 
 def print_experiment(experiment: Experiment) -> None:
     """Print what an experiment is about, and its parameters."""
-    say = Terminal(highlight=False, markup=False).print
-    say(f"{experiment.title}\n", style="bold")
+    say(experiment.title)
+    print()
     for paragraph in experiment.description.split("\n\n"):
         listed = "\n---" in paragraph
-        say(paragraph if listed else " ".join(paragraph.split()), end="\n\n")
+        say(paragraph if listed else " ".join(paragraph.split()))
+        print()
     rows = [
         (name, value, experiment.meanings[name])
         for name, value in asdict(experiment.defaults).items()
     ]
     print_table(("parameter", "default", "what it is"), rows)
     say(f"Figures: {', '.join(experiment.plots)}")
+
+
+def print_missing_pictures() -> None:
+    """Say on standard error what is to be installed for pictures, where something is."""
+    if missing := absent(*PICTURES):
+        print(f"fieldrecon: no picture was drawn: {remedy(*missing)}", file=sys.stderr)
 
 
 def print_files(paths: Iterable[Path]) -> None:
