@@ -6,6 +6,7 @@ Sites first, data second, then call: ``RBF(points, thin_plate_spline()).field(va
 from __future__ import annotations
 
 from importlib import import_module
+from importlib.metadata import version
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,8 @@ def __getattr__(name: str) -> Any:
     A module is imported by itself. No module has the name of a public function, since its import
     would put it in the place of that function.
     """
+    if name == "__version__":
+        return version(__name__)
     if find_spec(f"{__name__}.{name}"):
         return import_module(f"{__name__}.{name}")
     public = import_module(f"{__name__}._public")

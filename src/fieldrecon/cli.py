@@ -230,12 +230,21 @@ def _setting(text: str) -> tuple[str, str]:
 
 
 def _audit(options: argparse.Namespace) -> int:
+    from fieldrecon._extras import require
     from fieldrecon.mesh_audit import audit_mesh
     from fieldrecon.mesh_repair import repair_mesh
-    from fieldrecon.reporting.mesh_errors import write_audit
-    from fieldrecon.reporting.terminal import print_audit, print_files, print_json, stages
-    from fieldrecon.triangle_files import read_triangles, write_triangles
+    from fieldrecon.reporting.audit_files import write_audit
+    from fieldrecon.reporting.terminal import (
+        print_audit,
+        print_files,
+        print_json,
+        print_missing_pictures,
+        stages,
+    )
+    from fieldrecon.triangle_files import packages_to_write, read_triangles, write_triangles
 
+    if options.repair:
+        require(*packages_to_write(options.repair))
     points, triangles = read_triangles(options.mesh)
     with stages() as stage:
         progress = stage("looking for self-intersections")
@@ -257,6 +266,7 @@ def _audit(options: argparse.Namespace) -> int:
         if done is not None:
             print_audit(options.repair, last, done)
         print_files(written if done is None else [*written, options.repair])
+    print_missing_pictures()
     boundary = {"boundary_loops"} if options.open else set()
     return int(bool({*last.found} - boundary))
 
@@ -277,7 +287,9 @@ def _pool_map(jobs: int) -> Iterator[Map]:
 
 def _sentence(error: Exception) -> str:
     if isinstance(error, ModuleNotFoundError) and error.name:
-        return f"{error.name} is not installed; pip install 'fieldrecon[report]'"
+        from fieldrecon._extras import remedy
+
+        return remedy(error.name)
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror.lower()}" if error.filename else error.strerror
     return " ".join(str(error).split()) or type(error).__name__
