@@ -5,7 +5,9 @@ import os
 import tempfile
 import threading
 import tracemalloc
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import pytest
@@ -97,34 +99,75 @@ def test_a_given_executor_stays_open():
         assert executor.submit(double, 1).result() == 2
 
 
-@pytest.mark.parametrize("executor", [None, "given"])
-def test_an_error_in_a_chunk_comes_out_and_stops_the_others(executor):
-    """What has not begun does not begin."""
+class Busy(Executor):
+    """One worker that has only come to the first chunk; it does the rest when it is shut down."""
+
+    def __init__(self) -> None:
+        self.submitted = 0
+        self.waiting: list[tuple[Future, Callable[[], object]]] = []
+
+    def submit(self, fn, /, *args, **kwargs) -> Future:
+        self.submitted += 1
+        self.waiting.append((Future(), partial(fn, *args, **kwargs)))
+        future = self.waiting[-1][0]
+        if self.submitted == 1:
+            self._work()
+        return future
+
+    def shutdown(self, wait=True, *, cancel_futures=False) -> None:  # noqa: ARG002
+        while self.waiting:
+            self._work()
+
+    def _work(self) -> None:
+        future, work = self.waiting.pop(0)
+        if future.set_running_or_notify_cancel():
+            try:
+                future.set_result(work())
+            except RuntimeError as error:
+                future.set_exception(error)
+
+
+@pytest.fixture(params=["default", "given"])
+def busy(request, monkeypatch):
+    """A busy worker, made by `chunked` or by its caller, and the executor to call it with."""
+    with Busy() as worker:
+        monkeypatch.setattr(_chunks, "_threads", lambda _chunks: worker)
+        yield worker, worker if request.param == "given" else None
+
+
+def test_an_error_in_a_chunk_comes_out_and_stops_the_others(busy):
+    """Chunks that have not begun never begin."""
+    worker, executor = busy
     begun = []
 
     def fail(x):
         begun.append(x[0, 0])
         raise RuntimeError("no value here")
 
-    with ThreadPoolExecutor(1) as pool, pytest.raises(RuntimeError, match="no value here"):
-        list(chunked(fail, np.zeros((500, 2)), 1, pool if executor else None))
-    assert len(begun) <= _chunks._AHEAD
+    with pytest.raises(RuntimeError, match="no value here"):
+        list(chunked(fail, X, 1, executor))
+    worker.shutdown()
+    assert begun == [0]
+    assert worker.submitted > 1
 
 
-def test_an_interrupt_stops_the_others():
+def test_an_interrupt_stops_the_others(busy):
     """Ctrl-C in the progress of the first chunk."""
+    worker, executor = busy
     begun = []
 
     def note(x):
-        begun.append(1)
+        begun.append(x[0, 0])
         return x
 
     def interrupt(_done, _total):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        list(chunked(note, np.zeros((500, 2)), 1, progress=interrupt))
-    assert len(begun) <= _chunks._AHEAD
+        list(chunked(note, X, 1, executor, progress=interrupt))
+    worker.shutdown()
+    assert begun == [0]
+    assert worker.submitted > 1
 
 
 class Told:

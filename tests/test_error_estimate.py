@@ -46,6 +46,15 @@ def test_the_band_holds_at_held_out_samples(cloud, field, method, noise):
     assert band.covered == pytest.approx(COVERAGE, abs=0.002)
 
 
+@pytest.mark.parametrize("n", [*range(20, 40), 100, 199])
+def test_the_factor_has_the_rank_of_a_sample_to_come(n):
+    """The least rank k of n with k/(n + 1) ≥ 0.95: the next sample is as likely of any rank."""
+    points = fr.datasets.uniform(n, 2, seed=n)
+    residuals = np.random.default_rng(n).standard_normal(n)
+    rank = round(n * ErrorEstimate(points, residuals).covered)
+    assert (rank - 1) / (n + 1) < COVERAGE <= rank / (n + 1)
+
+
 def test_neighbours_that_bear_a_sample_s_own_noise_would_narrow_the_band():
     """Without passing over the nearest, fewer than 94 of 100 noisy samples lie within."""
     covered = {}

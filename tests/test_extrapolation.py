@@ -64,6 +64,16 @@ def test_uneven_clouds_are_not_all_gaps():
     assert np.mean(extrapolated(points, queries) == GAP) < 0.05
 
 
+@pytest.mark.parametrize(("nearer", "meaning"), [(15, AMONG), (16, GAP)])
+def test_sixteen_samples_nearer_than_the_place_make_a_gap(nearer, meaning):
+    """A place one and a half from its nearest sample, and so many others one from that sample."""
+    angle = np.linspace(np.pi / 2, 3 * np.pi / 2, nearer)
+    about = np.column_stack([np.cos(angle), np.sin(angle)])
+    far = [[50.0, -50.0], [50.0, 50.0]]
+    points = np.vstack([np.zeros((1, 2)), about, 2 * about, far])
+    assert extrapolated(points, np.array([[1.5, 0.0]])).tolist() == [meaning]
+
+
 def test_between_tracks_is_a_gap():
     """Samples along lines far apart tell nothing of what is between them."""
     y, x = np.mgrid[0:5, 0:1:0.001]

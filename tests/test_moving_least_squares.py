@@ -12,7 +12,7 @@ from fieldrecon._neighborhoods import gathered, places
 from fieldrecon.datasets import halton
 from fieldrecon.least_squares import LeastSquares
 from fieldrecon.moving_least_squares import MovingLeastSquares
-from fieldrecon.polynomials import dimension, monomials
+from fieldrecon.polynomials import EPS, dimension, monomials
 from fieldrecon.positive_definite import gaussian, wendland
 from fieldrecon.radial import inverse_square, thin_plate_spline
 from laws import assert_close, refused
@@ -275,6 +275,23 @@ def test_values_about_two_sites_1e_11_apart_are_as_good_as_their_data(epsilon, d
     for x in [(points[4] + points[14]) / 2, *(points[4] + f * FEW[7] for f in (1e-9, 1e-6, 0.3))]:
         value = float(digits.moving(points, values, x, weight, degree))
         assert_close(s(x), value, 1e-10 if epsilon < 1e-4 else 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_heavy_sites_on_a_line_leave_the_slope_across_it_to_the_light_ones(seed):
+    """Five collinear sites 1e-13 from the query outweigh twenty others by 1e24.
+
+    Two sites on a line determine all that five do. The rest of the five rows is rounding, and must
+    not outweigh the others.
+    """
+    rng, spacing = np.random.default_rng(seed), 2.0**-44
+    on_line = np.outer(np.arange(1, 6), rng.integers(1, 9, 2)) * spacing
+    sites = np.vstack([on_line, rng.random((20, 2)) - 0.5])
+    affine = np.column_stack([np.ones(len(sites)), sites])
+    s = MovingLeastSquares(sites, inverse_square(0.0), 1).field(affine)
+    gradient = s.gradient(np.zeros(2))
+    assert_close(gradient[0], np.zeros(2), 4 * EPS / spacing)
+    assert_close(gradient[1:], np.eye(2), 1e-14)
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])

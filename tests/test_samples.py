@@ -143,6 +143,15 @@ def test_a_bad_row_is_left_out_and_told(table, row, reason):
         read_samples(table(f"x,y,z\n{row}\n"))
 
 
+def test_a_separator_in_quotes_separates_nothing(table):
+    """A row may have as many commas as the header, and one cell less."""
+    samples = read_samples(table('note,more,x,y,value\n"a,b",1,2,3\nc,d,4,5,6\n'))
+    assert samples.points.tolist() == [[4, 5]]
+    assert [(bad.line, bad.reason) for bad in samples.bad] == [
+        (2, "the header has 5 cells and this row 4")
+    ]
+
+
 def test_a_latitude_beyond_the_pole_is_a_bad_row(table):
     """Only where degrees are meant."""
     path = table("lon,lat,t\n0,0,1\n10,95,1\n")

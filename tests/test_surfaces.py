@@ -370,11 +370,16 @@ def test_points_without_a_surface_near_them_are_told():
     assert mesh.missed.tolist() == [500]
 
 
-def test_specks_are_left_out():
-    """A ball of less than a cell beside a large one."""
-    solid, near = Ball(0.5) | Ball(0.06, [1.0, 0, 0]), [[0.5, 0, 0], [1.0, 0, 0.06]]
-    assert extract_surface(solid, 0.1, near=near).audit.parts == 1
-    assert extract_surface(solid, 0.03, near=near).audit.parts == 2
+def test_specks_are_left_out(monkeypatch):
+    """A ball of two cells beside a large one, which is found, and left out; one of four is kept."""
+    parts = {}
+    for speck in (0, surface_extraction._SPECK):
+        monkeypatch.setattr(surface_extraction, "_SPECK", speck)
+        for cells in (2, 4):
+            small = Ball(0.06 * cells, [1.0, 0, 0])
+            near = [[0.5, 0, 0], [1.0, 0, 0.06 * cells]]
+            parts[speck, cells] = extract_surface(Ball(0.5) | small, 0.1, near=near).audit.parts
+    assert parts == {(0, 2): 2, (0, 4): 2, (3, 2): 1, (3, 4): 2}
 
 
 def test_triangles_stay_good_far_from_the_origin():

@@ -40,7 +40,4 @@ def _column(
     if excess(least) >= 0 or excess(most) <= 0:
         return low if excess(least) >= 0 else high
     shift = brentq(excess, least, most, xtol=1e-15 * max(abs(least), abs(most)))
-    free = (u + shift > low) & (u + shift < high)
-    if free.any():
-        shift -= excess(shift) / masses[free].sum()  # what bracketing leaves is linear
     return np.clip(u + shift, low, high)
