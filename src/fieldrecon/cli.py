@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import re
 import sys
@@ -11,7 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -36,6 +37,7 @@ USER_ERRORS = (
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status: 2 for what the user can put right."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    _replace_what_a_stream_cannot_spell(sys.stdout)
     options = _parser(arguments).parse_args(arguments)
     try:
         return options.command(options) or 0
@@ -51,6 +53,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         print(f"fieldrecon: {_sentence(error)}", file=sys.stderr)
         return 2
+
+
+def _replace_what_a_stream_cannot_spell(stream: TextIO) -> None:
+    """Write a question mark for a character that a Windows code page lacks, as in a redirection."""
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="replace")
 
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:

@@ -26,9 +26,10 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
+from fieldrecon._memory import peak_memory
 from fieldrecon.experiments import Experiment, Map
 from fieldrecon.mesh_audit import MeshAudit, in_words
-from fieldrecon.outcome import Outcome, peak_memory
+from fieldrecon.outcome import Outcome
 from fieldrecon.scans import Scan
 
 _WIDEST = 7
@@ -93,7 +94,9 @@ class _Memory(ProgressColumn):
     """The most memory that the program has held."""
 
     def render(self, _: Task) -> Text:
-        return Text(f"{peak_memory() / 1e9:.2f} GB", style="progress.data.speed")
+        peak = peak_memory()
+        known = "" if peak is None else f"{peak / 1e9:.2f} GB"
+        return Text(known, style="progress.data.speed")
 
 
 def print_table(
