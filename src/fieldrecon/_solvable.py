@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
+from fieldrecon._memory import memory_limit
 from fieldrecon._neighborhoods import places
 from fieldrecon.polynomials import EPS
 from fieldrecon.radial import Radial
@@ -82,14 +81,15 @@ def refuse_duplicates(
 
 
 def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
-    """A matrix of n^2 numbers, or a sparse factor of so many, that this machine cannot hold."""
+    """A matrix of n^2 numbers, or a sparse factor of so many, that memory cannot hold."""
     needed = 8 * n * n if entries is None else 12 * entries
-    available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    available = memory_limit()
     form = "matrix" if entries is None else "sparse factor"
     if needed > 0.8 * available:
         raise MemoryError(
             f"a global fit of {n} points needs a {form} of {needed / 2**30:.0f} GiB, and this "
-            f"machine has {available / 2**30:.0f}; MovingLeastSquares with neighbors is local"
+            f"machine or container has {available / 2**30:.3g}; "
+            "MovingLeastSquares with neighbors is local"
         )
 
 

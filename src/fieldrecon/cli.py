@@ -6,6 +6,7 @@ A command is imported when it is called, since NumPy and SciPy alone take longer
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import re
 import sys
@@ -13,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 if TYPE_CHECKING:
     from fieldrecon.experiments.experiment import Map
@@ -25,6 +26,7 @@ USER_ERRORS = (ValueError, OSError, MemoryError, OverflowError, ImportError)
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status: 2 for what the user can put right."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    _replace_what_a_stream_cannot_spell(sys.stdout)
     options = _parser(arguments).parse_args(arguments)
     try:
         return options.command(options) or 0
@@ -40,6 +42,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         print(f"fieldrecon: {_sentence(error)}", file=sys.stderr)
         return 2
+
+
+def _replace_what_a_stream_cannot_spell(stream: TextIO) -> None:
+    """Write a question mark for a character that a Windows code page lacks, as in a redirection."""
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="replace")
 
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import resource
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fieldrecon._memory import time_and_memory
 from fieldrecon.error_estimate import COVERAGE, ErrorEstimate
 from fieldrecon.extrapolation import GAP, OUTSIDE
 from fieldrecon.judging import Trial
 from fieldrecon.place_files import Result
 from fieldrecon.reconstruction import Field
 from fieldrecon.samples import Samples
-
-
-def peak_memory() -> int:
-    """Most bytes of memory that this process has held."""
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return most if sys.platform == "darwin" else 1024 * most
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +37,8 @@ class Outcome:
     result : Result
     seconds : float
         From the first row to the last value.
-    memory : int
-        Most bytes that the program has held so far.
+    memory : int, optional
+        Most bytes that the program has used so far, where the system reports them.
     """
 
     source: str
@@ -57,7 +50,7 @@ class Outcome:
     band: ErrorEstimate | str
     result: Result
     seconds: float
-    memory: int
+    memory: int | None
 
     @property
     def method(self) -> str:
@@ -102,4 +95,4 @@ class Outcome:
     @property
     def cost(self) -> str:
         """Time and memory."""
-        return f"{self.seconds:.1f} s, {self.memory / 1e9:.2f} GB of memory at most"
+        return time_and_memory(self.seconds, self.memory)

@@ -14,6 +14,7 @@ import numpy as np
 
 from fieldrecon._chunks import Progress
 from fieldrecon._extras import PICTURES, absent
+from fieldrecon._memory import peak_memory
 from fieldrecon._whole_file import whole_file, write_atomically
 from fieldrecon.candidates import CANDIDATES
 from fieldrecon.error_estimate import ErrorEstimate
@@ -21,7 +22,7 @@ from fieldrecon.extrapolation import extrapolated
 from fieldrecon.field_files import load_with_names, save
 from fieldrecon.judging import NO_FIELD, Judge, Trial, best
 from fieldrecon.model_selection import leave_one_out
-from fieldrecon.outcome import Outcome, peak_memory
+from fieldrecon.outcome import Outcome
 from fieldrecon.place_files import FORMATS, Result, as_formats
 from fieldrecon.places import Places, grid_over, points_in, vertices_of
 from fieldrecon.reconstruction import Field, Reconstruction

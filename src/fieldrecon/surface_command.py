@@ -12,10 +12,10 @@ import numpy as np
 
 from fieldrecon._chunks import Progress
 from fieldrecon._extras import PICTURES, absent, require
+from fieldrecon._memory import peak_memory, time_and_memory
 from fieldrecon._validation import as_length
 from fieldrecon._whole_file import whole_file, write_atomically
 from fieldrecon.cloud_files import read_cloud
-from fieldrecon.outcome import peak_memory
 from fieldrecon.scans import Scan, surface_of, surface_of_soup
 from fieldrecon.triangle_files import packages_to_write, write_triangles
 
@@ -156,4 +156,4 @@ def _of_file(scan: Scan, path: Path) -> Iterator[str]:
 
 
 def _cost(began: float) -> str:
-    return f"{perf_counter() - began:.1f} s, {peak_memory() / 1e9:.2f} GB of memory at most"
+    return time_and_memory(perf_counter() - began, peak_memory())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +12,18 @@ def only_build_in(folder: Path, say: Callable[[str], None]) -> Iterator[None]:
     """Hold the folder's lock inside the ``with``; wait for another build, and say so.
 
     The system lets go of the lock when the process ends, killed or not.
+
+    Raises
+    ------
+    OSError
+        The system has no such locks.
     """
+    try:
+        import fcntl
+    except ModuleNotFoundError:
+        raise OSError(
+            "the report is built on Linux and macOS; Windows has no fcntl.flock"
+        ) from None
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("a") as file:
         try:

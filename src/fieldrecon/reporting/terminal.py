@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from fieldrecon._extras import PICTURES, absent, remedy
+from fieldrecon._memory import peak_memory
 from fieldrecon.experiments.experiment import Experiment, Map
 from fieldrecon.mesh_audit import MeshAudit, in_words
-from fieldrecon.outcome import Outcome, peak_memory
+from fieldrecon.outcome import Outcome
 from fieldrecon.reporting.console import print_table, say
 from fieldrecon.reporting.progress import Stage, StatusLine
 from fieldrecon.scans import Scan
