@@ -50,9 +50,14 @@ def stages() -> Iterator[Callable[[str], Callable[[int, int], None]]]:
 
         def stage(label: str) -> Callable[[int, int], None]:
             show = Stage(line, label)
-            return lambda done, total: show(done, total, f", {peak_memory() / 1e9:.2f} GB")
+            return lambda done, total: show(done, total, _memory())
 
         yield stage
+
+
+def _memory() -> str:
+    peak = peak_memory()
+    return "" if peak is None else f", {peak / 1e9:.2f} GB"
 
 
 def print_outcome(outcome: Outcome) -> None:
