@@ -76,11 +76,10 @@ class Box(_Shape):
     """
 
     def __init__(self, size: ArrayLike, center: ArrayLike = _ORIGIN) -> None:
-        half = (
-            np.broadcast_to(valid.as_values(size, np.size(size)), 3) / 2
-            if np.ndim(size)
-            else (np.full(3, valid.as_length(size, "size")) / 2)
-        )  # type: ignore[arg-type]
+        if np.ndim(size):
+            half = np.broadcast_to(valid.as_values(size, np.size(size)), 3) / 2
+        else:
+            half = np.full(3, valid.as_length(size, "size")) / 2  # type: ignore[arg-type]
         if not (half > 0).all():
             raise ValueError(f"size must be positive; got {(2 * half).tolist()}")
         self._half = half

@@ -8,7 +8,7 @@ import time
 from types import TracebackType
 from typing import Self
 
-_CELLS = 20
+_CELLS = 10
 _SECONDS_BETWEEN = 0.1
 
 
@@ -105,8 +105,8 @@ def bar(done: int, total: int) -> str:
 
     Examples
     --------
-    >>> bar(1, 4)
-    '[#####---------------]  25 %'
+    >>> bar(1, 2)
+    '[#####-----]  50 %'
     """
     full = round(_CELLS * done / total)
     return f"[{'#' * full}{'-' * (_CELLS - full)}] {100 * done / total:3.0f} %"
