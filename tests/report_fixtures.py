@@ -4,10 +4,12 @@ import argparse
 import importlib
 import shutil
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 from fieldrecon import experiments
-from fieldrecon.reporting import sources
+from fieldrecon._chunks import Inline
+from fieldrecon.reporting import compute, sources
 from fieldrecon.reporting.build import add_arguments, main
 
 REPORT = Path(__file__).parents[1] / "report"
@@ -95,6 +97,7 @@ class SmallReport:
         for name in ("fake_a", "fake_b"):
             self.write_experiment(name)
         self.write_chapter()
+        monkeypatch.setattr(compute, "workers", lambda count: nullcontext(Inline()))  # noqa: ARG005
         monkeypatch.setattr(experiments, "_HERE", self.code)
         monkeypatch.setattr(experiments, "__path__", [str(self.code), *experiments.__path__])
 

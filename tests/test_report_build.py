@@ -10,7 +10,7 @@ import pytest
 
 from fieldrecon._whole_file import temporary_beside
 from fieldrecon.experiments import files
-from fieldrecon.reporting import build, compute, document, reproducible, steps
+from fieldrecon.reporting import build, compute, document, pins, reproducible, steps
 from fieldrecon.reporting.lock import only_build_in
 from report_fixtures import SmallReport
 
@@ -46,7 +46,7 @@ def whole(tmp_path_factory):
         yield report
 
 
-def test_manifest_tells_versions_parameters_seeds_and_every_output(whole):
+def test_manifest_tells_versions_pins_parameters_seeds_and_every_output(whole):
     """The manifest holds what went in, and the SHA-256 of every file that came out."""
     told = json.loads((whole.out / "manifest.json").read_text())
     outputs = whole.outputs()
@@ -54,6 +54,7 @@ def test_manifest_tells_versions_parameters_seeds_and_every_output(whole):
     assert told["sha256"] == {n: hashlib.sha256(b).hexdigest() for n, b in outputs.items()}
     assert told["experiments"]["fake_a"]["params"]["points"] == 1000
     assert told["experiments"]["fake_a"]["seeds"] == {"seed": 7}
+    assert told["pins"] == pins.pins()
     assert set(told["versions"]) >= {"python", "numpy", "scipy", "typst", "pypandoc_binary"}
 
 
@@ -245,20 +246,34 @@ def test_an_experiment_that_fails_is_named(report, capfd):
     assert re.search(r"experiment fake_b failed(.|\n)*no_such_function", capfd.readouterr().err)
 
 
-def test_facts_within_tolerances():
-    """Another machine may differ in the last digits, in nothing else."""
-    ours = {"experiments": {"a": {"params": {"n": 1}, "facts": {"x": 1.0, "k": 3, "e": 1e-15}}}}
+def test_facts_agree_to_the_digits_stated():
+    """Another machine may differ by a unit of the last digit, in nothing else."""
+    facts = {"x": 1.0, "rough": 1.0, "order": 0.01, "k": 3, "e": 1e-15}
 
-    def theirs(**facts):
-        return {
-            "experiments": {
-                "a": {"params": {"n": 1}, "facts": {"x": 1.0, "k": 3, "e": 1e-15} | facts}
-            }
-        }
+    def digits_of(experiment):
+        assert experiment == "a"
+        return lambda fact: {"rough": 2, "order": 0}.get(fact, 6)
 
-    assert list(reproducible.deviations(ours, theirs(x=1 + 1e-9, e=1e-16), {})) == []
-    assert list(reproducible.deviations(ours, theirs(x=1.01), {"a": {"x": 0.1}})) == []
-    for changed in ({"x": 1.01}, {"k": 4}, {"e": 1e-12}, {"new": 1.0}):
-        assert len(list(reproducible.deviations(ours, theirs(**changed), {}))) == 1
+    def manifest(**changed):
+        return {"experiments": {"a": {"params": {"n": 1}, "facts": facts | changed}}}
+
+    def deviations(**changed):
+        return list(reproducible.deviations(manifest(), manifest(**changed), digits_of))
+
+    for near in ({"x": 1.00001}, {"rough": 1.1}, {"order": 0.1}, {"e": 1e-16}, {"e": 1.2e-15}):
+        assert deviations(**near) == []
+    for far in (
+        *({"x": 1.0001}, {"rough": 1.3}, {"order": 1.0}, {"k": 4}, {"e": 1e-12}, {"new": 1.0}),
+        *({"x": 10.0}, {"x": 0.0}),
+    ):
+        assert len(deviations(**far)) == 1, far
     other = {"experiments": {"a": {"params": {"n": 2}, "facts": {}}}}
-    assert ["parameters" in text for text in reproducible.deviations(ours, other, {})] == [True]
+    told = list(reproducible.deviations(manifest(), other, digits_of))
+    assert ["parameters" in text for text in told] == [True]
+
+
+def test_other_pins_do_all_again(built, monkeypatch):
+    """A folder that was built with other pins, or none, is not up to date."""
+    monkeypatch.setattr(compute, "pins", lambda: {"OPENBLAS_CORETYPE": "another"})
+    assert built.build() == 0
+    assert sorted(built.did()) == ["draw fake_a", "draw fake_b", "run fake_a", "run fake_b"]

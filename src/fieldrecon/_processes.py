@@ -50,6 +50,8 @@ class Processes(ProcessPoolExecutor):
         What each does first.
     end : callable
         What it does when its parent is no more, before it ends itself.
+    context : BaseContext, optional
+        How they come into being; on Linux forked from a server if not given, elsewhere spawned.
     """
 
     def __init__(
@@ -57,8 +59,11 @@ class Processes(ProcessPoolExecutor):
         count: int,
         begin: Callable[[], object] = _nothing,
         end: Callable[[], object] = _nothing,
+        context: BaseContext | None = None,
     ) -> None:
-        super().__init__(count, mp_context=_context(), initializer=_begin, initargs=(begin, end))
+        super().__init__(
+            count, mp_context=context or _context(), initializer=_begin, initargs=(begin, end)
+        )
 
     def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
         """Have a function called; what is started for it has Ctrl-C blocked until it is ready."""

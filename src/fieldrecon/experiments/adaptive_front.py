@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from fieldrecon.adaptation import adapted_points
 from fieldrecon.advection import State, semi_lagrangian
 from fieldrecon.characteristics import departure_points
-from fieldrecon.datasets import halton
+from fieldrecon.datasets import halton, uniform
 from fieldrecon.experiments.advection import DISC, RADIUS, deforming, method_on
 from fieldrecon.experiments.convergence import rms
 from fieldrecon.experiments.experiment import (
@@ -36,6 +36,7 @@ from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.reporting.style import FULL_WIDTH, figure
 
 FRAMES = 4
+NOISE = 1e-6  # of the bound for coarsening: residuals below are rounding, and say nothing of order
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ class Params:
     spacing: float = parameter(0.008, "least distance of new sites")
     widest: float = parameter(0.05, "distance to the nearest beyond which sites stay")
     rounds: int = parameter(4, "times the sites are adapted to the beginning")
+    shift: float = parameter(1e-4, "side of the squares in which sites are shifted at random")
+    seed: int = parameter(0, "seed of the shifts")
 
     def __post_init__(self) -> None:
         require_at_least(self, sites=50, fixed=50, steps=6, rounds=0)
@@ -69,11 +72,20 @@ def front(params: Params, x: np.ndarray) -> np.ndarray:
 def following(params: Params, state: State, t: float) -> PartitionOfUnityRBF:
     """The method on the sites of the next step: adapted to this one, and then carried along."""
     eta = np.abs(leave_one_out(state.method, state.values))
+    eta[eta < NOISE * params.coarsen] = 0
     rules = {"refine": params.refine, "coarsen": params.coarsen, "spacing": params.spacing}
     rules["widest"] = params.widest
-    x = adapted_points(state.method.points, eta, **rules)
+    x = shifted(params, adapted_points(state.method.points, eta, **rules))
     flow = partial(deforming, params.period)
     return method_on(departure_points(x, flow, state.time, state.time - t))
+
+
+def shifted(params: Params, x: np.ndarray) -> np.ndarray:
+    """Shift sites a little, so that no two distances are equal and rounding chooses no neighbour.
+
+    Distances between midpoints are often equal, and so are those of the sites at the beginning.
+    """
+    return x + params.shift * (uniform(len(x), 2, params.seed) - 0.5)
 
 
 def run(params: Params, each: Map = map) -> Result:
@@ -106,7 +118,7 @@ def carried(params: Params, fixed: int) -> tuple[np.ndarray, float, list[np.ndar
     follow the front.
     """
     follow = fixed == 0
-    x = halton(params.sites if follow else fixed, 2)
+    x = shifted(params, halton(params.sites, 2)) if follow else halton(fixed, 2)
     for _ in range(params.rounds if follow else 0):
         x = following(params, State(0.0, method_on(x), front(params, x)), 0.0).points
     states = semi_lagrangian(

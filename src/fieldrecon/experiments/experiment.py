@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType, ModuleType
@@ -17,6 +17,8 @@ Cell: TypeAlias = int | float | str
 Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 
 SIGNIFICANT_DIGITS = 9
+FACT_DIGITS = 6
+"""Digits that are kept of a fact for which its experiment's ``DIGITS`` states none."""
 
 
 def parameter(default: Any, meaning: str) -> Any:
@@ -74,6 +76,19 @@ def order_of_magnitude(x: float) -> float:
     (1e-16, 100.0, 0.0)
     """
     return float(f"1e{round(math.log10(abs(x)))}") if x else 0.0
+
+
+def rounded(x: Cell, digits: int) -> Cell:
+    """Round a float to so many significant digits, with none of them to its order of magnitude.
+
+    Examples
+    --------
+    >>> rounded(0.123456789, 3), rounded(0.123456789, 0), rounded(12345, 3)
+    (0.123, 0.1, 12345)
+    """
+    if not isinstance(x, float):
+        return x
+    return float(f"{x:.{digits}g}") if digits else order_of_magnitude(x)
 
 
 def _settled(name: str, x: Any) -> Cell:
@@ -240,6 +255,15 @@ class Experiment:
         """What each parameter is, by its name."""
         return {f.name: f.metadata.get("meaning", "") for f in fields(self.module.Params)}
 
+    def digits(self, fact: str) -> int:
+        """How many digits are kept of a fact: those that all machines agree on.
+
+        The module's ``DIGITS`` names the facts with fewer than six; 0 is an order of magnitude.
+        Another machine may differ by one unit of the last digit.
+        """
+        stated: Mapping[str, int] = getattr(self.module, "DIGITS", {})
+        return stated.get(fact, FACT_DIGITS)
+
     def inputs(self, params: Any) -> dict[str, Path]:
         """The files that the parameters name, by the name of the parameter."""
         named = [f.name for f in fields(params) if f.metadata.get("file")]
@@ -271,4 +295,6 @@ class Experiment:
         """
         params = self.defaults if params is None else params
         with threadpool_limits(limits=1):
-            return self.module.run(params, each)
+            found = self.module.run(params, each)
+        facts = {name: rounded(x, self.digits(name)) for name, x in found.facts.items()}
+        return replace(found, facts=facts)

@@ -59,6 +59,7 @@ class Params:
 
 
 QUICK = Params(points=16, sizes=(6, 9), queries=50)
+DIGITS = {"order_r7": 4, "error_finest": 3, "torsion_percent": 2}
 
 
 def run(params: Params, each: Map = map) -> Result:

@@ -87,6 +87,7 @@ LABELS = {
     "gaussian": "Gaussian",
 }
 QUICK = Params(sizes=(20, 40, 80), side=12, few=30)
+DIGITS = {"condition_multiquadric": 4, "condition_gaussian": 4}
 
 
 def run(params: Params, each: Map = map) -> Result:

@@ -52,6 +52,7 @@ class Params:
 
 
 QUICK = Params(side=5, queries=5, decades=(0, 6))
+DIGITS = {"square_defect": 0, "far_error_normal": 0, "far_error_same": 0}
 
 
 def run(params: Params, each: Map = map) -> Result:
@@ -82,12 +83,20 @@ def at_offset(params: Params, offset: float) -> np.ndarray:
     truth = affine(queries - offset)
     at_queries = monomial_matrix(queries, 1)
     fits = (
-        at_queries @ normal_equations(points, values),
+        at_queries @ _normal_coefficients(points, values),
         at_queries @ np.linalg.lstsq(b, values, rcond=0)[0],
         LeastSquares(points).field(values)(queries),
     )
     conditions = [np.linalg.cond(b), np.linalg.cond(b.T @ b)]
     return np.array([*conditions, *(np.abs(fit - truth).max() for fit in fits)])
+
+
+def _normal_coefficients(points: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the coefficients, or infinities where rounding has made BᵀB singular."""
+    try:
+        return normal_equations(points, values)
+    except np.linalg.LinAlgError:
+        return np.full(3, np.inf)
 
 
 def affine(x: np.ndarray) -> np.ndarray:
@@ -118,7 +127,7 @@ def exact_condition(side: int, offset: float) -> float:
 def _table(offsets: np.ndarray, conditions: np.ndarray, errors: np.ndarray) -> Table:
     columns = ("offset", "cond B", "cond BᵀB", *(f"error, {solver}" for solver in SOLVERS))
     rows = (
-        (offset, *map(_told, condition), *map(order_of_magnitude, np.maximum(error, ROUNDING)))
+        (offset, *map(_told, condition), *map(_told_order, np.maximum(error, ROUNDING)))
         for offset, condition, error in zip(offsets, conditions, errors, strict=True)
     )
     return Table(columns, tuple(rows))
@@ -133,13 +142,11 @@ def _facts(
     return {
         "cond_b": float(of_b[0]),
         "cond_normal": float(of_normal[0]),
-        "square_defect": order_of_magnitude(
-            max(np.abs(of_normal / of_b**2 - 1)[certain].max(), ROUNDING)
-        ),
+        "square_defect": max(np.abs(of_normal / of_b**2 - 1)[certain].max(), ROUNDING),
         "far_offset": float(offsets[far]),
         "far_cond_b": float(of_b[far]),
-        "far_error_normal": order_of_magnitude(errors[far, 0]),
-        "far_error_same": order_of_magnitude(max(errors[far, 1], ROUNDING)),
+        "far_error_normal": errors[far, 0],
+        "far_error_same": max(errors[far, 1], ROUNDING),
         "far_error_local": order_of_magnitude(max(errors[far, 2], ROUNDING)),
         "exact_difference": order_of_magnitude(
             max(np.abs(of_b**2 / exact - 1)[of_b < np.sqrt(CERTAIN)].max(), ROUNDING)
@@ -148,9 +155,11 @@ def _facts(
 
 
 def _told(condition: float) -> float | str:
-    if np.isinf(condition):
-        return "singular"
-    return float(condition) if condition < CERTAIN else order_of_magnitude(condition)
+    return float(condition) if condition < CERTAIN else _told_order(condition)
+
+
+def _told_order(x: float) -> float | str:
+    return order_of_magnitude(x) if np.isfinite(x) else "singular"
 
 
 def plot(result: Result) -> Figure:

@@ -91,6 +91,7 @@ class Params:
 
 
 QUICK = Params(queries=4, splits=2, shifts=4, turns=2, distances=6, poles=12, rings=3)
+DIGITS = {"difference_at_smallest_shift": 3, "quotient_digits_lost": 2}
 
 
 def run(params: Params, each: Map = map) -> Result:

@@ -30,7 +30,6 @@ from fieldrecon.experiments.experiment import (
     Map,
     Result,
     Table,
-    order_of_magnitude,
     parameter,
     require_at_least,
 )
@@ -102,6 +101,7 @@ class Params:
 
 
 QUICK = Params(points=300, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.4, window=16)
+DIGITS = {"far_change": 0}
 
 
 @dataclass(frozen=True)
@@ -262,7 +262,7 @@ def _facts(rebuilt: Mapping[str, Rebuilt]) -> dict[str, Cell]:
         "part_largest": told["part"]["largest"],
         "noise_seen": told["with noise"]["noise"],
         "noise_left": told["with noise"]["rms"],
-        "far_change": order_of_magnitude(far / near - 1),
+        "far_change": far / near - 1,
         "audit_errors": sum(int(row["errors"]) for row in told.values()),
     }
 

@@ -26,11 +26,12 @@ from fieldrecon.experiments.files import (
 )
 from fieldrecon.experiments.settings import with_settings
 from fieldrecon.reporting.failure import BuildError
+from fieldrecon.reporting.pins import pins
 from fieldrecon.reporting.sources import code_behind
 from fieldrecon.reporting.steps import Steps, digest, digests, file_digest
 from fieldrecon.reporting.workers import workers
 
-RUN_NAMES = ("Params", "run")
+RUN_NAMES = ("DIGITS", "Params", "run")
 FORMAT = "svg"
 
 Say = Callable[[str], None]
@@ -55,12 +56,13 @@ class Job:
         params = asdict(self.params)
         for name, path in self.experiment.inputs(self.params).items():
             params[name] = file_digest(path) if path.is_file() else ""
-        return digest({"name": self.name, "params": params, "code": code})
+        return digest({"name": self.name, "params": params, "code": code, "pins": pins()})
 
     def figure_key(self, plot: Callable[[Result], Any]) -> str:
         """Return the digest of all that a figure depends on: its code and the files of the run."""
         code = code_behind(self.experiment.module.__name__, [plot.__name__])
-        return digest({"code": code, "result": digests(self.result_files(), self.folder)})
+        result = digests(self.result_files(), self.folder)
+        return digest({"code": code, "result": result, "pins": pins()})
 
     def result_files(self) -> list[Path]:
         """List the files of the run."""
@@ -106,7 +108,7 @@ def compute(jobs: list[Job], steps: Steps, processes: int, progress: Any) -> Non
     steps : Steps
         What is done already.
     processes : int
-        How many compute; 1 computes in this process.
+        How many compute.
     progress : object
         Has ``add(count)``, ``done(text)``.
     """
@@ -181,7 +183,7 @@ def _outcome(future: Future, what: str) -> Any:
         return future.result()
     except BrokenProcessPool as error:
         raise BuildError(f"{what}: the worker died (out of memory?)") from error
-    except OSError:
+    except (BuildError, OSError):
         raise
     except Exception as error:
         trace = "".join(traceback.format_exception(error))

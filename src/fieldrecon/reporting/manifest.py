@@ -9,6 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from fieldrecon.reporting.pins import pins
 from fieldrecon.reporting.steps import digests
 
 PACKAGES = ("fieldrecon", "numpy", "scipy", "matplotlib", "fonttools", "pypandoc_binary", "typst")
@@ -20,12 +21,12 @@ def versions() -> dict[str, str]:
 
 
 def machine() -> dict[str, str]:
-    """Return the kind of machine: byte for byte the report is the same within one kind."""
+    """Return the kind of machine: with equal pins and versions, one kind gives equal bytes."""
     return {"system": platform.system(), "processor": platform.machine()}
 
 
 def manifest(values: Mapping[str, Any], made: Iterable[Path], out: Path) -> bytes:
-    """Return the manifest: versions, machine, parameters, seeds and facts, digest of every output.
+    """Return the manifest: versions, machine, pins, parameters, seeds, facts, digests of outputs.
 
     Parameters
     ----------
@@ -40,6 +41,7 @@ def manifest(values: Mapping[str, Any], made: Iterable[Path], out: Path) -> byte
         {
             "versions": versions(),
             "machine": machine(),
+            "pins": pins(),
             "experiments": {name: _described(x) for name, x in sorted(values.items())},
             "sha256": digests(made, out),
         }

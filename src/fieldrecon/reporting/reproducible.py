@@ -1,4 +1,7 @@
-"""Is the report reproducible? The same bytes on one kind of machine, the same facts on all."""
+"""Is the report reproducible? The same bytes on one kind of machine, the same facts on all.
+
+With equal versions of Python, NumPy and SciPy, x86-64 Linux with AVX2 is one kind of machine.
+"""
 
 from __future__ import annotations
 
@@ -10,16 +13,20 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from fieldrecon import experiments
 from fieldrecon.reporting.failure import BuildError
+from fieldrecon.reporting.pins import dispatch, pins
 from fieldrecon.reporting.steps import digests
 
-RELATIVE_TOLERANCE = 1e-6
-"""Of a fact for which ``tolerances.toml`` states none."""
+LEVEL_OF_ROUNDING = 1e-8
+"""A power of ten below it is the order of magnitude of a rounding error."""
+
+NEGLIGIBLE = 1e-17
+"""An error of zero counts as this: on another machine it may be one rounding error."""
 
 SURROUNDINGS: tuple[Mapping[str, str], Mapping[str, str]] = (
     {
@@ -39,6 +46,18 @@ SURROUNDINGS: tuple[Mapping[str, str], Mapping[str, str]] = (
 )
 
 
+def callers() -> tuple[dict[str, str], dict[str, str]]:
+    """Return two environments which, without the pins, would give different bytes."""
+    first, second = map(dict, SURROUNDINGS)
+    if pins():
+        first |= {
+            "OPENBLAS_CORETYPE": "Prescott",
+            "NPY_DISABLE_CPU_FEATURES": " ".join(dispatch()),
+        }
+        second |= {"OPENBLAS_CORETYPE": "Haswell"}
+    return first, second
+
+
 def check(arguments: argparse.Namespace) -> int:
     """Build in two new folders, with other surroundings each time, and compare all bytes."""
     with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
@@ -47,7 +66,7 @@ def check(arguments: argparse.Namespace) -> int:
                 arguments, Path(place, "folder " * depth, "report"), surroundings, jobs=depth + 1
             )
             for depth, (place, surroundings) in enumerate(
-                zip((first, second), SURROUNDINGS, strict=True)
+                zip((first, second), callers(), strict=True)
             )
         ]
         differences = different(*built)
@@ -67,30 +86,34 @@ def different(first: Path, second: Path) -> list[str]:
 
 
 def compare_facts(arguments: argparse.Namespace) -> int:
-    """Compare the facts of the build with those of another manifest, within tolerances."""
+    """Compare the facts of the build with those of another manifest, to the digits stated."""
     out = arguments.out or arguments.source / "build"
     ours, theirs = (
         json.loads(path.read_text(encoding="utf-8"))
         for path in (out / "manifest.json", arguments.against)
     )
-    differences = list(deviations(ours, theirs, _tolerances(arguments.source)))
+    differences = list(deviations(ours, theirs, _digits_of))
     for text in differences:
         print(f"differs: {text}", file=sys.stderr)
     if differences:
         raise BuildError(f"{len(differences)} facts differ from {arguments.against}")
-    print(f"the facts are those of {arguments.against}, within the tolerances")
+    print(f"the facts are those of {arguments.against}, to the digits that the experiments state")
     return 0
+
+
+def _digits_of(experiment: str) -> Callable[[str], int]:
+    return experiments.get(experiment).digits
 
 
 def deviations(
     ours: Mapping[str, Any],
     theirs: Mapping[str, Any],
-    tolerances: Mapping[str, Mapping[str, float]],
+    digits_of: Callable[[str], Callable[[str], int]],
 ) -> Iterator[str]:
     """Yield a line for each parameter or fact in which two manifests differ.
 
-    Whole numbers and texts are to be equal. A power of ten tells an order of magnitude and may be
-    off by one order. Other numbers are to agree to a relative tolerance.
+    Whole numbers and texts must be equal. Other numbers must agree to one unit of the last of the
+    digits that are kept of them; `digits_of` returns their number by experiment, then by fact.
     """
     mine, other = ours["experiments"], theirs["experiments"]
     for name in sorted(mine.keys() | other.keys()):
@@ -98,37 +121,41 @@ def deviations(
         if a.get("params") != b.get("params"):
             yield f"{name}: the parameters {a.get('params')} and {b.get('params')}"
             continue
+        digits = digits_of(name)
         facts = a["facts"].keys() | b["facts"].keys()
         for fact in sorted(facts):
             x, y = a["facts"].get(fact), b["facts"].get(fact)
-            if not agree(x, y, tolerances.get(name, {}).get(fact, RELATIVE_TOLERANCE)):
+            if not agree(x, y, digits(fact)):
                 yield f"{name}.{fact}: {x} and {y}"
 
 
-def agree(x: Any, y: Any, tolerance: float) -> bool:
-    """Tell whether two facts are the same within a relative tolerance.
+def agree(x: Any, y: Any, digits: int) -> bool:
+    """Tell whether two facts differ by at most one unit of the last of their digits.
+
+    Two orders of magnitude may differ by a factor of ten, since both may lie near a boundary.
 
     Examples
     --------
-    >>> agree(1e-15, 1e-16, 1e-6), agree(1.0000001, 1.0, 1e-6), agree(1.1, 1.0, 1e-6)
+    >>> agree(1.00001, 1.0, digits=6), agree(1.00002, 1.0, digits=6)
+    (True, False)
+    >>> agree(1e-15, 1e-16, digits=6), agree(0.01, 0.001, digits=0), agree(0.01, 0.001, digits=6)
     (True, True, False)
-    >>> agree(3, 4, 1e-6), agree("MLS", "MLS", 1e-6)
+    >>> agree(3, 4, digits=6), agree("MLS", "MLS", digits=6)
     (False, True)
     """
-    if isinstance(x, float) and isinstance(y, int | float):
-        if _is_order(x) and _is_order(float(y)):
-            return abs(math.log10(x / y)) < 1.5
-        return math.isclose(x, y, rel_tol=tolerance)
-    return x == y
+    if not (isinstance(x, float) and isinstance(y, int | float)):
+        return bool(x == y)
+    if digits == 0 or _is_rounding(x) or _is_rounding(y):
+        return _decades(x, y) < 1.5
+    return math.isclose(x, y, rel_tol=10.0 ** (1 - digits))
 
 
-def _is_order(x: float) -> bool:
-    return 0 < x < 1e-9 and math.isclose(x, 10.0 ** round(math.log10(x)))
+def _is_rounding(x: float) -> bool:
+    return x == 0 or (0 < x < LEVEL_OF_ROUNDING and math.isclose(x, 10.0 ** round(math.log10(x))))
 
 
-def _tolerances(source: Path) -> dict[str, dict[str, float]]:
-    path = source / "tolerances.toml"
-    return tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+def _decades(x: float, y: float) -> float:
+    return abs(math.log10(max(abs(x), NEGLIGIBLE) / max(abs(y), NEGLIGIBLE)))
 
 
 def _build(
