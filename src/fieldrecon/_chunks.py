@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from threadpoolctl import threadpool_limits
+
+from fieldrecon._blas import one_blas_thread
 
 Progress = Callable[[int, int], object]
 Result = TypeVar("Result")
@@ -49,9 +50,7 @@ def chunked(
     )
     pending: deque[tuple[slice, Future[Result]]] = deque()
     done, ahead = 0, iter(slices)
-    # threads share the cores among chunks; BLAS threads below them would only compete
-    limits = threadpool_limits(1) if len(slices) > 1 else nullcontext()
-    with pool as workers, _at_hand(work, executor) as work_there, limits:
+    with pool as workers, _at_hand(partial(_on_one_thread, work), executor) as work_there:
         try:
             while True:
                 while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
@@ -79,6 +78,12 @@ def _told_of_pass(
     progress: Progress, total: int, before: int, number: int, done: int, of: int
 ) -> None:
     progress(total * (before * of + done) // (number * of), total)
+
+
+def _on_one_thread(work: Callable[[np.ndarray], Result], x: np.ndarray) -> Result:
+    """Work on a chunk, in whichever process; the chunks share the cores, not the BLAS below."""
+    with one_blas_thread():
+        return work(x)
 
 
 @contextmanager

@@ -13,6 +13,8 @@ import numpy as np
 from scipy.linalg import LinAlgError, lapack, solve_triangular
 from scipy.linalg.blas import dsymm, dsyr2k
 
+from fieldrecon._blas import blas_threads_for
+
 
 class SaddlePoint:
     """Factored system; of `a` (n, n), Fortran-contiguous, the lower triangle is overwritten.
@@ -24,6 +26,10 @@ class SaddlePoint:
     """
 
     def __init__(self, a: np.ndarray, p: np.ndarray) -> None:
+        with blas_threads_for(len(a) ** 3 / 3):
+            self._make(a, p)
+
+    def _make(self, a: np.ndarray, p: np.ndarray) -> None:
         q = p.shape[1]
         self._q = q
         self._v, self._t, self._r = _compact_wy(p)
@@ -38,6 +44,10 @@ class SaddlePoint:
 
     def solve(self, f: np.ndarray, g: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Solution lambda (n, v), c (q, v) for the right-hand sides f (n, v), g (q, v) or zero."""
+        with blas_threads_for(2 * len(self) * f.size):
+            return self._solved(f, g)
+
+    def _solved(self, f: np.ndarray, g: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         q = self._q
         rotated = self._rotated_back(f, transpose=True)
         head = rotated[:q].copy()

@@ -15,6 +15,7 @@ from scipy import sparse
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, qr, solve_triangular
 from scipy.sparse.linalg import splu
 
+from fieldrecon._blas import blas_threads_for
 from fieldrecon._saddle import SaddlePoint
 
 _COLUMNS = 64  # right-hand sides at once
@@ -65,7 +66,8 @@ class SparseSaddlePoint(SaddlePoint):
                 "the kernel matrix is singular in floating-point numbers: sites are too close for "
                 "this radius; choose a smaller one, a rougher kernel or some smoothing"
             ) from error
-        self._q_of_p, self._r = qr(self._p, mode="economic")
+        with blas_threads_for(2 * self._p.size * self._p.shape[1]):
+            self._q_of_p, self._r = qr(self._p, mode="economic")
         self._inverse_q = self._inverse(self._q_of_p)
         self._small = cho_factor(self._q_of_p.T @ self._inverse_q)
 

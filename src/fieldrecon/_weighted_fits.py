@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fieldrecon._blas import one_blas_thread
 from fieldrecon.polynomials import EPS
 
 # Pivots of the equilibrated normal matrix below this send a query to QR: elimination loses three
@@ -28,6 +29,7 @@ class Undetermined(Exception):
         self.query, self.rank = query, rank
 
 
+@one_blas_thread()
 def coefficient_weights(
     b: np.ndarray, w: np.ndarray, rows: int, tolerance: np.ndarray
 ) -> np.ndarray:

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import qr, solve_triangular
 
 from fieldrecon import _validation as valid
+from fieldrecon._blas import blas_threads_for
 from fieldrecon._chunks import rows_of
 from fieldrecon.polynomials import (
     Frame,
@@ -64,7 +65,10 @@ class LeastSquares(Reconstruction):
         b = self._basis(self.points)
         require_unisolvent(self.points, b, self.degree)
         self._column_size = np.linalg.norm(b, axis=0)
-        self._q, self._r, self._pivots = qr(b / self._column_size, mode="economic", pivoting=True)
+        with blas_threads_for(2 * b.size * b.shape[1]):
+            self._q, self._r, self._pivots = qr(
+                b / self._column_size, mode="economic", pivoting=True
+            )
         self.interpolates = b.shape[0] == b.shape[1]
 
     @valid.finite("the coefficients")

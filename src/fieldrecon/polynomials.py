@@ -10,6 +10,8 @@ from itertools import combinations_with_replacement
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fieldrecon._blas import blas_threads_for
+
 EPS = float(np.finfo(np.float64).eps)
 LARGE_BASIS = 500
 """Members of a basis beyond which fewer sites are refused without looking at it."""
@@ -262,7 +264,8 @@ def require_unisolvent(
     """
     n, q = b.shape
     norms = np.linalg.norm(b, axis=0)
-    sigma = np.linalg.svd(b / np.where(norms > 0, norms, 1.0), compute_uv=False)
+    with blas_threads_for(2 * b.size * q):
+        sigma = np.linalg.svd(b / np.where(norms > 0, norms, 1.0), compute_uv=False)
     tolerance = 4 * (max(n, q) * EPS + max(degree, 1) * resolution(points))
     rank = int((sigma > tolerance * sigma[:1].sum()).sum()) if q else 0
     if rank < q:

@@ -8,6 +8,7 @@ from scipy import sparse
 from scipy.linalg import lu_factor, lu_solve
 
 from fieldrecon import _validation as valid
+from fieldrecon._blas import blas_threads_for
 
 
 class VortexLattice:
@@ -80,7 +81,8 @@ class VortexLattice:
         self._slopes = _slope_operator(sides)
         self._bound = _corner_weights(self.shape, front=3 / 4)
         stretched = grid / [np.sqrt(1 - mach**2), 1.0]
-        self._factor = lu_factor(_downwash(stretched))
+        with blas_threads_for(2 * self.spans.size**3 / 3):
+            self._factor = lu_factor(_downwash(stretched))
 
     def incidences(self, heights: ArrayLike) -> np.ndarray:
         """Incidences -∂z/∂x (a, b, ...) of the panels, from the heights (m, ...) of the corners."""

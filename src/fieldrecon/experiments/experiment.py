@@ -11,7 +11,8 @@ from types import MappingProxyType, ModuleType
 from typing import Any, TypeAlias
 
 import numpy as np
-from threadpoolctl import threadpool_limits
+
+from fieldrecon._blas import one_blas_thread
 
 Cell: TypeAlias = int | float | str
 Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
@@ -294,7 +295,7 @@ class Experiment:
             A map in order, to which the independent sub-runs go.
         """
         params = self.defaults if params is None else params
-        with threadpool_limits(limits=1):
+        with one_blas_thread():
             found = self.module.run(params, each)
         facts = {name: rounded(x, self.digits(name)) for name, x in found.facts.items()}
         return replace(found, facts=facts)

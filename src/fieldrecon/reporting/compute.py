@@ -14,9 +14,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from fieldrecon import experiments
+from fieldrecon._blas import one_blas_thread
 from fieldrecon._whole_file import write_atomically
 from fieldrecon.experiments.experiment import Experiment, Result
 from fieldrecon.experiments.files import (
@@ -173,7 +172,7 @@ def _run(name: str, params: Any) -> tuple[dict, dict, dict]:
 
 def _draw(folder: Path, figure: str) -> bytes:
     result = read_result(folder)
-    with threadpool_limits(limits=1):
+    with one_blas_thread():
         return figure_bytes(experiments.get(folder.name).plots[figure](result), FORMAT)
 
 

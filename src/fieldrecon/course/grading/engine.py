@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 
 import pytest
-from threadpoolctl import threadpool_limits
 
+from fieldrecon._blas import one_blas_thread
 from fieldrecon._processes import prepare
 from fieldrecon.course.grading import FOR_WORKERS
 from fieldrecon.course.grading.plugin import Grading
@@ -54,7 +54,7 @@ def graded(
         prepare(FOR_WORKERS)
     _ = run.taken  # what is wrong with the tables, or with what was handed in, is told first
     grading = Grading(run, executor, told)
-    with threadpool_limits(1), by_itself():
+    with one_blas_thread(), by_itself():
         status = pytest.main([*_arguments(run), *(options or QUIET)], plugins=[grading])
     if grading.error:
         raise RuntimeError(f"the grader failed: {grading.error}") from grading.error
