@@ -283,8 +283,16 @@ IN_DIGITS = {
 }
 
 
-@pytest.mark.parametrize("smoothing", [0.0, 1e-3, 1e3])
-@pytest.mark.parametrize("offset", [0.0, 2.0**20])
+AWAY = 2.0**20
+WHERE_AND_HOW_SMOOTH = [
+    (0.0, 0.0),
+    (AWAY, 1e-3),
+    *(pytest.param(*pair, marks=pytest.mark.slow) for pair in [(0.0, 1e-3), (AWAY, 0.0)]),
+    *(pytest.param(offset, 1e3, marks=pytest.mark.slow) for offset in (0.0, AWAY)),
+]
+
+
+@pytest.mark.parametrize(("offset", "smoothing"), WHERE_AND_HOW_SMOOTH)
 @pytest.mark.parametrize("name", IN_DIGITS)
 def test_values_and_gradients_have_all_their_digits(name, offset, smoothing):
     """Between sites, 1e-9 from one and at it, near the origin and a million away."""
