@@ -29,7 +29,7 @@ def no_bar(items, what):  # noqa: ARG001
     return items
 
 
-LONG = {"memory", "mesh_scaling", "patch_sizes", "peers"}
+LONG = {"memory", "mesh_scaling", "patch_sizes", "peers", "streaming"}
 LONG |= {"grading", "grading_class", "grading_workers"}
 """Also as toys: they start processes, or triangulate."""
 TOYS = [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in command.NAMES]
@@ -101,6 +101,7 @@ def test_the_fits_alone_are_the_same_fits(degree):
     np.testing.assert_array_equal(problem.solve(degree)(), problem.total(degree)())
 
 
+@pytest.mark.slow
 def test_peak_memory_is_that_of_the_process_alone():
     """A process that measures itself is not blamed for the size of the one that started it."""
     large = np.ones(2**26)

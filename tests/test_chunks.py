@@ -187,7 +187,7 @@ def test_processes_are_told_the_work_once(tmp_path, monkeypatch):
     """Not with every chunk: it may hold millions of sites. And nothing stays behind."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(2, mp_context=spawn) as processes:
+    with ProcessPoolExecutor(1, mp_context=spawn) as processes:
         parts = [part for _, part in chunked(Told(), X, 1, processes)]
     np.testing.assert_array_equal(np.concatenate(parts), 2 * X)
     assert Told.packed == 1

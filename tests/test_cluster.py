@@ -2,7 +2,7 @@
 
 import os
 import signal
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import dask.array
@@ -21,19 +21,12 @@ X, Q = halton(3000, 2), halton(4000, 2, seed=1)
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
-@pytest.fixture(scope="module")
-def client(tmp_path_factory):
-    """Three workers, each a process with a nurse that replaces it."""
-    folder = tmp_path_factory.mktemp("workers")
+@contextmanager
+def cluster(folder, **workers):
+    """A client of so many workers on this machine."""
+    quiet = {"dashboard_address": None, "silence_logs": "CRITICAL"}
     with (
-        LocalCluster(
-            n_workers=3,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address=None,
-            local_directory=folder,
-            silence_logs="CRITICAL",
-        ) as cluster,
+        LocalCluster(threads_per_worker=1, local_directory=folder, **quiet, **workers) as cluster,
         Client(cluster) as client,
     ):
         yield client
@@ -64,16 +57,18 @@ class Recording(Cluster):
         return super().holding(Recorded(work, self.log))
 
 
-def test_the_fit_and_the_field_survive_the_death_of_a_worker(client, tmp_path, monkeypatch):
+@pytest.mark.slow
+def test_the_fit_and_the_field_survive_the_death_of_a_worker(tmp_path, monkeypatch):
     """Killed when it had begun, as its log says; others go on, and the bits are the same."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)
     m = PartitionOfUnityRBF(X)
     here = m.field(franke(X))
-    executor = Recording(client)
-    executor.log = tmp_path / "fit"
-    there = m.field(franke(X), executor=executor)
-    executor.log = tmp_path / "values"
-    values = there(Q, executor=executor)
+    with cluster(tmp_path, n_workers=3, processes=True) as client:  # each has a nurse
+        executor = Recording(client)
+        executor.log = tmp_path / "fit"
+        there = m.field(franke(X), executor=executor)
+        executor.log = tmp_path / "values"
+        values = there(Q, executor=executor)
     for log in ("fit", "values"):
         begun = (tmp_path / log).read_text().split()
         killed = (tmp_path / log).with_suffix(".killed").read_text()
@@ -85,7 +80,17 @@ def test_the_fit_and_the_field_survive_the_death_of_a_worker(client, tmp_path, m
     assert_close(there.gradient(Q), here.gradient(Q), 0.0)
 
 
-def test_queries_may_be_a_dask_array(client):  # noqa: ARG001 - computes where the client is
+def test_a_cluster_gives_the_bits_of_this_machine(tmp_path, monkeypatch):
+    """Here of two threads; the work reaches them as it reaches processes."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)
+    m = PartitionOfUnityRBF(X)
+    here = m.field(franke(X))
+    with cluster(tmp_path, n_workers=2, processes=False) as client:
+        there = m.field(franke(X), executor=Cluster(client))
+        assert_close(there(Q, executor=Cluster(client)), here(Q), 0.0)
+
+
+def test_queries_may_be_a_dask_array():
     """Nothing is computed before it is asked for; chunks of rows stay."""
     m = PartitionOfUnityRBF(X)
     for data in (franke(X), np.stack([franke(X), X[:, 0]], axis=1)):

@@ -41,6 +41,7 @@ def test_each_kind_of_data_has_its_method():
     }
 
 
+@pytest.mark.slow
 def test_of_many_samples_too(monkeypatch):
     """In blocks of them a smooth field, noise and a plane are told apart as well."""
     monkeypatch.setattr(module, "BLOCKS", 8)
@@ -51,7 +52,15 @@ def test_of_many_samples_too(monkeypatch):
     assert winner(points, franke(points) + 0.1 * noise).name == "pusmooth"
 
 
-def test_blocks_judge_as_leaving_out_every_sample(monkeypatch):
+@pytest.mark.parametrize(
+    "name",
+    [
+        "ls4",
+        "mls1",
+        *(pytest.param(m, marks=pytest.mark.slow) for m in ("mls2", "pu", "pu3", "pusmooth")),
+    ],
+)
+def test_blocks_judge_as_leaving_out_every_sample(monkeypatch, name):
     """For each method the error in blocks is that over all samples, to a fifth or so."""
     points = uniform(6000, 2, seed=0)
     values = franke(points) + 0.01 * np.random.default_rng(1).standard_normal(6000)
@@ -60,9 +69,8 @@ def test_blocks_judge_as_leaving_out_every_sample(monkeypatch):
     blocks = Judge.of(points, values)
     assert whole.judged == 6000
     assert blocks.judged == module.BLOCKS * module.MIDST
-    for name in ("ls4", "mls1", "mls2", "pu", "pu3", "pusmooth"):
-        candidate = CANDIDATES[name]
-        assert blocks.trial(candidate).rms == pytest.approx(whole.trial(candidate).rms, rel=0.2)
+    candidate = CANDIDATES[name]
+    assert blocks.trial(candidate).rms == pytest.approx(whole.trial(candidate).rms, rel=0.2)
 
 
 def test_blocks_are_the_same_each_time():

@@ -139,7 +139,10 @@ class Killed(BaseException):
     """Stands for the end of the process: nothing may catch it."""
 
 
-@pytest.mark.parametrize("moment", [0, 2, 4, 5, 6, 13, 14, 16, 17])
+LATER = [pytest.param(moment, marks=pytest.mark.slow) for moment in (2, 4, 6, 13, 16, 17)]
+
+
+@pytest.mark.parametrize("moment", [0, 5, 14, *LATER])
 def test_a_build_killed_at_any_write_is_completed_by_the_next(report, monkeypatch, moment):
     """Whichever write was the last, the next build gives the files of an undisturbed one."""
     written = []

@@ -108,8 +108,9 @@ what_is_missing() {
 }
 
 install() {
+    # Compiled here, once, and not by every process that finds them uncompiled.
     "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --require-hashes \
-        -r requirements-setup.lock -r requirements.lock "$@"
+        --compile-bytecode -r requirements-setup.lock -r requirements.lock "$@"
     "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --quiet \
         --no-deps --no-build-isolation --reinstall-package fieldrecon --editable .
     # So that the first import makes no folder: make takes a newer folder for a changed source.
