@@ -3,6 +3,7 @@
 import ast
 import json
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -299,23 +300,113 @@ def test_nothing_hidden_is_in_what_students_get():
         ("hint.md", "By counting, the system is over-determined"),
     ],
 )
-def test_the_guard_finds_a_part_of_a_solution(tmp_path, name, text):
+def test_the_guard_finds_a_part_of_a_solution(name, text):
     """Wherever it is: in code, in a string, in prose; spaces and comments do not hide it."""
-    file = tmp_path / name
     if name.endswith(".md"):
         answer = next(cell.text for cell in SOURCES[0].cells if cell.answer).split()
         text = f"Before.\n{' '.join(answer[5:20])}\nAfter."
-    file.write_text(text, encoding="utf-8")
-    assert list(leaks.code_leaks(SOURCES[0], [file]))
+    assert list(leaks.code_leaks(SOURCES[0], {name: text}))
 
 
-def test_the_guard_finds_a_part_of_a_solution_in_an_output(tmp_path):
+def test_the_guard_finds_a_part_of_a_solution_in_an_output():
     """A notebook is looked through with its outputs."""
     output = nbformat.v4.new_output("stream", text="np.linalg.solve(b.T @ b, b.T @ values)")
     cell = nbformat.v4.new_code_cell("1", outputs=[output])
-    file = tmp_path / "a.ipynb"
-    file.write_text(nbformat.writes(nbformat.v4.new_notebook(cells=[cell])), encoding="utf-8")
-    assert list(leaks.code_leaks(SOURCES[0], [file]))
+    text = nbformat.writes(nbformat.v4.new_notebook(cells=[cell]))
+    assert list(leaks.code_leaks(SOURCES[0], {"a.ipynb": text}))
+
+
+def test_a_leak_is_named_with_its_line():
+    """In a file of code, in a cell and its output, and under a key of JSON."""
+    leak = "\n  np.linalg.solve(b.T @ b, b.T @ values)"
+    code = nbformat.v4.new_code_cell(leak, outputs=[nbformat.v4.new_output("stream", text=leak)])
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_markdown_cell("1"), code])
+    files = {
+        "hint.py": f"def fit():{leak}",
+        "more.py": f'def fit():\n    """Hint.\n{leak}\n    """',
+        "hint.ipynb": nbformat.writes(notebook),
+        "hint.json": json.dumps({"01.2": leak}),
+        "hint.md": f"Try{leak}.",
+    }
+    places = [
+        "hint.py, line 2",
+        "more.py, line 4",
+        "hint.ipynb, cell 2, line 2",
+        "hint.ipynb, output of cell 2, line 2",
+        "hint.json, 01.2, line 2",
+        "hint.md, line 2",
+    ]
+    part = "np.linalg.solve ( b.T @ b , b.T @"
+    assert list(dict.fromkeys(leaks.code_leaks(SOURCES[0], files))) == [
+        f"{place} holds a part of a solution of 01_least_squares: {part}" for place in places
+    ]
+
+
+@each_source
+def test_an_idiom_is_no_leak(source):
+    """What every program says: sums along an axis, loops, empty arrays."""
+    law = """
+def momentum(forces, areas):
+    total = np.zeros((len(forces), 3))
+    for k in range(len(forces)):
+        total[k] = forces[k] * areas[k]
+    return (total).sum(axis=0), total[:, 0] / total.sum(axis=1, keepdims=True)
+"""
+    assert not list(leaks.code_leaks(source, {"law.py": law}))
+
+
+@each_source
+def test_every_solution_would_be_found(source):
+    """Each body, in a comment of one line as well, if it is long enough to be anybody's own."""
+    for cell in source.cells:
+        for body in cell.solutions:
+            if leaks.token_runs(body):
+                assert list(leaks.code_leaks(source, {"a.py": f"if True:\n{body}"}))
+                joined = " ".join(line.partition("#")[0] for line in body.splitlines())
+                assert list(leaks.code_leaks(source, {"a.js": f"# {joined}"}))
+
+
+@pytest.fixture
+def changed_course(tmp_path):
+    """A checkout with the first notebook, whose source was changed since it was built."""
+    for folder in ("exercises", "solutions", "src/fieldcheck"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=all_but_the_first)
+    for file in ("LICENSE", "docs/students.md"):
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        shutil.copy(ROOT / file, tmp_path / file)
+    source = tmp_path / "solutions" / SOURCES[0].path.name
+    source.write_text(source.read_text("utf-8").replace("# # ", "# # New: ", 1), encoding="utf-8")
+    return tmp_path
+
+
+def all_but_the_first(_, names):
+    return [n for n in names if re.match(r"(0[2-9]|1\d)|__pycache__", n)]
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_leak_is_refused_before_anything_is_written(changed_course):
+    """Exercises, answers and stubs are those of before, and no file is new."""
+    hint = changed_course / "src/fieldcheck/ladder.py"
+    hint.write_text(f"{hint.read_text('utf-8')}\n\nhint = np.linalg.solve(b.T @ b, b.T @ values)\n")
+    line = len(hint.read_text("utf-8").splitlines())
+    before = contents(changed_course)
+    with pytest.raises(ValueError, match=rf"src/fieldcheck/ladder\.py, line {line} holds a part"):
+        build.build(changed_course, build.all_sources(changed_course))
+    assert contents(changed_course) == before
+
+
+def test_a_leak_in_what_is_about_to_be_written_is_refused(changed_course):
+    """A cell of the source itself, outside of the markers."""
+    source = changed_course / "solutions" / SOURCES[0].path.name
+    leak = "# %%\nnp.linalg.solve(b.T @ b, b.T @ values)\n\n# %%\n"
+    source.write_text(source.read_text("utf-8").replace("# %%\n", leak, 1), encoding="utf-8")
+    before = contents(changed_course)
+    with pytest.raises(ValueError, match=r"exercises/01_least_squares\.ipynb, cell \d+, line 1 "):
+        build.build(changed_course, build.all_sources(changed_course))
+    assert contents(changed_course) == before
 
 
 def test_the_guard_finds_hidden_numbers():

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import nbformat
 
@@ -26,6 +27,7 @@ from fieldrecon.course.sources import Source, sources
 from fieldrecon.course.trials import trials
 
 Each = Callable[[Callable[[Source], None], list[Source]], Iterable[None]]
+NOTHING: Mapping[Path, str] = MappingProxyType({})
 
 
 def all_sources(root: Path) -> list[Source]:
@@ -58,15 +60,16 @@ def build(root: Path, chosen: list[Source], each: Each = map) -> None:
     Raises
     ------
     ValueError
-        Something of a solution would reach the students.
+        Something of a solution would reach the students. No file has been written then.
     """
+    files = {root / "src/fieldcheck/stubs.json": stubs_file(root)}
     for source in chosen:
-        for file, text in student_files(root, source).items():
-            _write(file, text)
-    _write(root / "src/fieldcheck/stubs.json", stubs_file(root))
-    problems = list(leaks(root, "fieldrecon"))
+        files |= student_files(root, source)
+    problems = list(dict.fromkeys(leaks(root, "fieldrecon", files)))
     if problems:
         raise ValueError("students would be told too much: " + "; ".join(problems))
+    for file, text in files.items():
+        _write(file, text)
     list(each(lambda source: _solve(root, source), chosen))
 
 
@@ -127,13 +130,24 @@ def _solve(root: Path, source: Source) -> None:
         _write(solved_file(root, source), solve(root, source))
 
 
-def leaks(root: Path, salt: str) -> Iterator[str]:
-    """Yield what students would be told too much."""
-    files = {name: path for name, path in student_tree(root) if path.is_file()}
-    tree = list(files.values())
-    written = {k: long_numbers(path.read_text(encoding="utf-8")) for k, path in files.items()}
+def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator[str]:
+    """Yield what students would be told too much.
+
+    Parameters
+    ----------
+    root : Path
+        The checkout.
+    salt : str
+        What hidden inputs are drawn from.
+    made : mapping
+        Files that are not written yet, and what will be in them.
+    """
+    there = (path for _, path in student_tree(root) if path.is_file() and path not in made)
+    texts = {path: path.read_text(encoding="utf-8") for path in there} | dict(made)
+    files = {path.relative_to(root).as_posix(): text for path, text in texts.items()}
+    written = {name: long_numbers(text) for name, text in files.items()}
     for source in all_sources(root):
-        yield from code_leaks(source, tree)
+        yield from code_leaks(source, files)
         functions, hidden = source.functions(), hidden_cases(source)
         mistakes = entries(source, "misconceptions")
         for question in questions().values():

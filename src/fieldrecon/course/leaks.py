@@ -3,40 +3,77 @@
 from __future__ import annotations
 
 import ast
-import io
 import json
 import keyword
 import re
-import tokenize
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from pathlib import Path
+from functools import cache
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
 from fieldcheck.calls import Call, Values
 from fieldrecon.course.sources import Source
 
-RUN = 8
-"""So many tokens in a row, names with their dots as one, are nobody's accident."""
+RUN = 6
+"""So many names, numbers and operators in a row, with the brackets between, are no accident.
+
+It is the least for which no solution agrees with what students get; ``(…).sum(axis=0)`` has three.
+"""
 WORDS = 12
 """The same of the words of a model answer, or of a rubric."""
 SIGNIFICANT, MOST_SIGNIFICANT = 9, 12
 """Numbers that agree in as many digits as are written are the same, if these are so many."""
 LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
+TOKEN = re.compile(
+    r"(?P<word>(?:\.?[^\W\d]\w*)+|\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?|\*\*|//|[=!<>]=|[-+*/@%<>&|^~])"
+    r"|[^\s\w\"'`\\]"
+)
+"""A token of code; names with their dots, numbers and operators are words, and so significant.
+
+Quotes are no tokens: a string of code is code.
+"""
+
+Run = tuple[str, ...]
 
 
-def code_leaks(source: Source, tree: Iterable[Path]) -> Iterator[str]:
-    """Yield each run of tokens of a solution that stands in a file for students."""
+class Text(NamedTuple):
+    """A text in a file for students, and where its first line stands."""
+
+    place: str
+    first: int
+    text: str
+
+    def line(self, number: int) -> str:
+        """Name a line of the text."""
+        return f"{self.place}, line {self.first + number}"
+
+
+def code_leaks(source: Source, files: Mapping[str, str]) -> Iterator[str]:
+    """Yield each line of a file for students with a part of a solution, or of a model answer.
+
+    Parameters
+    ----------
+    source : Source
+    files : mapping
+        What students get: names of files, and what is in them.
+    """
     solutions = [body for cell in source.cells for body in cell.solutions]
-    runs = {run for body in solutions for run in token_runs(body)} - _signatures(source)
-    told = {r for cell in source.cells if cell.answer or cell.rubric for r in word_runs(cell.text)}
-    for path in tree:
-        for text in _texts(path):
-            for run in sorted(runs.intersection(token_runs(text))):
-                yield f"{path.name} holds a part of a solution of {source.name}: {' '.join(run)}"
-            for run in sorted(told.intersection(word_runs(text))):
-                part = " ".join(run)
-                yield f"{path.name} holds a part of a model answer of {source.name}: {part}"
+    code = set(chain.from_iterable(map(token_runs, solutions))) - _signatures(source)
+    secret = [cell.text for cell in source.cells if cell.answer or cell.rubric]
+    words = set(chain.from_iterable(map(word_runs, secret)))
+    for text in chain.from_iterable(_texts(*file) for file in files.items()):
+        for line, run in _first_on_each_line(token_runs(text.text), code):
+            yield f"{text.line(line)} holds a part of a solution of {source.name}: {run}"
+        for line, run in _first_on_each_line(word_runs(text.text), words):
+            yield f"{text.line(line)} holds a part of a model answer of {source.name}: {run}"
+
+
+def _first_on_each_line(found: Mapping[Run, int], secret: Set[Run]) -> Iterator[tuple[int, str]]:
+    """Yield the lines on which a secret run begins, each with the first such run."""
+    runs = {line: " ".join(run) for run, line in reversed(list(found.items())) if run in secret}
+    yield from sorted(runs.items())
 
 
 def number_leaks(
@@ -73,98 +110,97 @@ def long_numbers(text: str) -> set[str]:
     }
 
 
-def _signatures(source: Source) -> set[tuple[str, ...]]:
+def _signatures(source: Source) -> set[Run]:
     """Return the runs in the first lines of the functions asked for, which everybody may call."""
     cells = source.answer_cells().values()
     lines = (line for cell in cells for line in cell.text.splitlines() if line.startswith("def "))
     return {run for line in lines for run in token_runs(line)}
 
 
-def token_runs(text: str) -> set[tuple[str, ...]]:
-    r"""Return all runs of so many tokens; comments, line ends and indents do not count.
+@cache
+def token_runs(text: str) -> Mapping[Run, int]:
+    r"""Return all runs of `RUN` significant tokens, each with the line on which it first begins.
+
+    Comments are texts of their own: neither do they hide code, nor does code hide in them.
 
     Examples
     --------
-    >>> min(len(run) for run in token_runs("x = np.linalg.solve(a + b, c)"))
-    8
-    >>> " ".join(min(token_runs("f(np.linalg.solve(a, b),  # so\n  c)")))
-    '( a , b ) , c )'
+    >>> print(*next(iter(token_runs("x = np.linalg.solve(a + b,  # so\n  c)"))))
+    x = np.linalg.solve ( a + b , c
+    >>> token_runs("(x - y).sum(axis=0)")
+    {('x', '-', 'y', ')', '.sum', '(', 'axis', '=', '0'): 0}
+    >>> token_runs("(...).sum(axis=0)")
+    {}
     """
-    tokens = list(_tokens(text))
-    return {tuple(tokens[i : i + RUN]) for i in range(len(tokens) - RUN + 1)}
+    lines = [line.partition("#") for line in text.splitlines()]
+    code = [token for k, (line, _, _) in enumerate(lines) for token in _tokens(line, k)]
+    comments = (list(_tokens(comment, k)) for k, (_, _, comment) in enumerate(lines))
+    return _first_lines(run for tokens in (code, *comments) for run in _runs(tokens))
 
 
-SPACE = {
-    tokenize.COMMENT,
-    tokenize.NL,
-    tokenize.NEWLINE,
-    tokenize.INDENT,
-    tokenize.DEDENT,
-    tokenize.ENCODING,
-    tokenize.ENDMARKER,
-    tokenize.STRING,
-}
+def _first_lines(runs: Iterable[tuple[Run, int]]) -> dict[Run, int]:
+    found: dict[Run, int] = {}
+    for run, line in runs:
+        found.setdefault(run, line)
+    return found
 
 
-def _tokens(text: str) -> Iterator[str]:
-    """Yield the tokens of code, as far as it is code; names and their attributes as one."""
-    name = ""
-    try:
-        for token in tokenize.generate_tokens(io.StringIO(_dedented(text)).readline):
-            part = token.string
-            joins = part == "." or (part.isidentifier() and not keyword.iskeyword(part))
-            if name and joins and (part == "." or name.endswith(".")):
-                name += part
-                continue
-            if name:
-                yield name
-                name = ""
-            if part.isidentifier() and not keyword.iskeyword(part):
-                name = part
-            elif token.type not in SPACE:
-                yield part
-    except (tokenize.TokenError, IndentationError, SyntaxError):
-        return
+class _Token(NamedTuple):
+    text: str
+    line: int
+    is_significant: bool
 
 
-def _dedented(text: str) -> str:
-    lines = text.splitlines()
-    indents = [len(line) - len(line.lstrip()) for line in lines if line.strip()]
-    return "\n".join(line[min(indents, default=0) :] for line in lines) + "\n"
+def _tokens(text: str, line: int) -> Iterator[_Token]:
+    for match in TOKEN.finditer(text):
+        yield _Token(match[0], line, bool(match["word"]) and not keyword.iskeyword(match[0]))
 
 
-def _texts(path: Path) -> Iterator[str]:
+def _runs(tokens: Sequence[_Token]) -> Iterator[tuple[Run, int]]:
+    """Yield each run that begins and ends with a significant token, and its line."""
+    at = [k for k, token in enumerate(tokens) if token.is_significant]
+    for first, last in zip(at, at[RUN - 1 :], strict=False):
+        yield tuple(token.text for token in tokens[first : last + 1]), tokens[first].line
+
+
+def _texts(name: str, content: str) -> Iterator[Text]:
     """Yield the texts of a file: cells and outputs of a notebook, strings of code and of JSON."""
-    text = path.read_text(encoding="utf-8")
-    if path.suffix == ".ipynb":
-        for cell in json.loads(text)["cells"]:
-            yield "".join(cell["source"])
-            yield from _strings(cell.get("outputs", []))
-    elif path.suffix == ".json":
-        yield from _strings(json.loads(text))
-    elif path.suffix == ".py":
-        yield text
-        constants = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant))
-        yield from (node.value for node in constants if isinstance(node.value, str))
+    if name.endswith(".ipynb"):
+        for number, cell in enumerate(json.loads(content)["cells"], 1):
+            yield Text(f"{name}, cell {number}", 1, "".join(cell["source"]))
+            outputs = _strings(cell.get("outputs", []))
+            yield from (Text(f"{name}, output of cell {number}", 1, text) for text in outputs)
+    elif name.endswith(".json"):
+        for key, value in json.loads(content).items():
+            yield from (Text(f"{name}, {key}", 1, text) for text in _strings(value))
     else:
-        yield text
+        yield Text(name, 1, content)
+    if name.endswith(".py"):
+        for node in ast.walk(ast.parse(content)):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield Text(name, node.lineno, node.value)
 
 
 def _strings(data: object) -> Iterator[str]:
+    """Yield the texts in data; a list of strings is one text, as a notebook stores its lines."""
     if isinstance(data, str):
         yield data
     elif isinstance(data, dict):
         for value in data.values():
             yield from _strings(value)
+    elif isinstance(data, list) and all(isinstance(value, str) for value in data):
+        yield "".join(data)
     elif isinstance(data, list):
         for value in data:
             yield from _strings(value)
 
 
-def word_runs(text: str) -> set[tuple[str, ...]]:
-    """Return all runs of so many words."""
-    words = text.split()
-    return {tuple(words[i : i + WORDS]) for i in range(len(words) - WORDS + 1)}
+@cache
+def word_runs(text: str) -> Mapping[Run, int]:
+    """Return all runs of `WORDS` words, each with the line on which it first begins."""
+    words = [(word, k) for k, line in enumerate(text.splitlines()) for word in line.split()]
+    runs = [words[i : i + WORDS] for i in range(len(words) - WORDS + 1)]
+    return _first_lines((tuple(word for word, _ in run), run[0][1]) for run in runs)
 
 
 def _long(arrays: Iterable[np.ndarray]) -> set[str]:
