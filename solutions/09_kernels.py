@@ -200,7 +200,7 @@ check("09.1")
 
 # %% question="09.2"
 def least_eigenvalue(a, p):
-    """Return the number (9.6) for A of shape (N, N) and P of shape (N, Q), 0 <= Q < N."""
+    """Return the number (9.6) for A of shape (N, N) and P of shape (N, Q) and rank < N."""
     # BEGIN SOLUTION
     u = np.linalg.svd(p)[0]
     z = u[:, np.linalg.matrix_rank(p, rtol=1e-10) :]

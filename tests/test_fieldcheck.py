@@ -143,6 +143,25 @@ def test_a_mistake_is_its_own_and_no_other():
     assert verdict_of(lambda x: x**2 * (1 + 1e-12), known()).mistake == "squared"
 
 
+def test_a_mistake_that_gives_zero_gives_the_rounding_errors_of_zero():
+    """They are small compared with the right numbers, which set the unit of differences."""
+    nothing = Mistake("nothing", "It is zero.", perform({"twice": lambda x: 1e-16 * x}, CALLS, 1))
+    zero = replace(known(), mistakes=(nothing,))
+    assert verdict_of(lambda x: -3e-13 * x, zero).mistake == "nothing"
+    assert verdict_of(lambda x: 1e-7 * x, zero).rung == "wrong"
+
+
+def test_a_fingerprint_is_a_part_of_the_numbers():
+    """Here their sizes; an answer is right only with its signs."""
+    sizes = replace(TWICE, fingerprint=lambda _, values: tuple(np.abs(v) for v in values))
+
+    def judged(function):
+        return judge(sizes, CALLS, perform({"twice": function}, CALLS, 1), known())
+
+    assert judged(lambda x: -(x**2)).mistake == "squared"
+    assert judged(lambda x: -2 * x).rung == "wrong"
+
+
 def test_a_mistake_of_another_shape_is_recognised():
     """A mistake may have a shape of its own, and is still told its own sentence."""
     columns = perform({"twice": lambda x: 3 * x[:, None]}, CALLS, 1)

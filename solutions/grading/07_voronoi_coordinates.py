@@ -9,6 +9,7 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
     places_inside,
     star,
 )
+from fieldcheck.questions.q07_without_division import octagon
 from fieldrecon.course.hidden import hidden
 
 
@@ -50,11 +51,13 @@ def few_points(seed):
 @hidden("07.8", "The edges of any cell count, not of a square one only, and so do its corners.")
 def on_other_edges(seed):
     random = np.random.default_rng(seed + 5)
-    center, rim, corners = star(random, 7)
-    at = np.vstack([on_edges(corners), corners])
+    corners = octagon(random)
+    center, at = corners.mean(axis=0), np.vstack([on_edges(corners), corners])
+    uneven = (center, mirror_images(center, corners), at)
     square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     at_corners = (np.zeros(2), mirror_images(np.zeros(2), square), square)
+    name = "safe_coordinates"
     return (
-        Call("safe_coordinates", (center, rim, at), "the edges and corners of an uneven cell"),
-        Call("safe_coordinates", at_corners, "the corners of a square cell"),
+        Call(name, uneven, "the edges and corners of an uneven cell", exact=(0, 1, 2)),
+        Call(name, at_corners, "the corners of a square cell", exact=(0, 1, 2)),
     )

@@ -3,6 +3,8 @@
 import numpy as np
 
 from fieldcheck.calls import Call
+from fieldcheck.questions.q07_voronoi_coordinates import mirror_images
+from fieldcheck.questions.q07_without_division import octagon
 from fieldcheck.questions.q08_weights_in_3d import places_inside, star
 from fieldrecon.course.hidden import hidden
 
@@ -36,6 +38,13 @@ def one_place(seed):
 @hidden("08.10", "The edges and faces of any cell count, not of a cube only.")
 def on_other_faces(seed):
     random = np.random.default_rng(seed + 4)
-    center, neighbors, cells, corners = star(random, 6)
-    at = np.vstack([corners, (corners[:6] + corners[6:]) / 2, corners[:6].mean(axis=0)])
-    return (Call("coordinates", (center, neighbors, cells, at), "corners, edges and a face"),)
+    flat = octagon(random)
+    middle, half = flat.mean(axis=0), np.array([0, 0, 2.0])
+    center = np.append(middle, 0.0)
+    low, high = (np.insert(flat, 2, z, axis=1) for z in (-2, 2))
+    sides = np.insert(mirror_images(middle, flat), 2, 0.0, axis=1)
+    neighbors = np.vstack([sides, center - 2 * half, center + 2 * half])
+    cells = np.array([[b, (b + 1) % 8, end] for end in (8, 9) for b in range(8)])
+    at = np.vstack([low, high, (low + high) / 2, low.mean(axis=0)])
+    prism = (center, neighbors, random.permuted(cells, axis=1), at)
+    return (Call("coordinates", prism, "corners, edges and a face of a prism", exact=(0, 1, 3)),)

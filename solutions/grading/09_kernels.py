@@ -25,8 +25,8 @@ def any_matrix(seed):
         Call("least_eigenvalue", (a + a.T, p), "a random symmetric matrix"),
         Call(
             "least_eigenvalue",
-            (1e4 * (a + a.T), np.hstack([p, p])),
-            "conditions that are given twice",
+            (1e4 * (a + a.T), np.hstack([p, p, p, p])),
+            "conditions that are given four times",
         ),
     )
 

@@ -24,7 +24,7 @@ def in_the_plane(seed):
     random = np.random.default_rng(seed + 1)
     flat = copies(random, 16, 0.01)[:, :2]
     return (
-        Call("weld", (flat, 0.008), "points in the plane"),
+        Call("weld", (flat, 0.0075), "points in the plane", exact=(0,)),
         Call("weld", (random.normal(size=(1, 3)), 0.1), "one point"),
     )
 
@@ -77,8 +77,10 @@ def open_and_closed(seed):
 def bands(seed):
     random = np.random.default_rng(seed + 6)
     surface = flipped(random, joined(band(2, 5), band(3, 5), ring(3, 4), band(1, 4)))
+    points, triangles = shuffled(random, surface)
+    rough = points + random.uniform(-0.05, 0.05, points.shape)
     return (
-        Call("turns", shuffled(random, surface), "four surfaces"),
+        Call("turns", (rough, triangles), "four surfaces"),
         Call("turns", (random.normal(size=(3, 3)), np.array([[1, 0, 2]])), "one triangle"),
     )
 

@@ -148,8 +148,8 @@ def basis_not_orthonormal(a, p):
     t of length one does not make a λ of length one, and the sign of the result is right while its
     size is not.
     """
-    z = complement(p)[1]
-    z = z @ np.triu(np.ones((z.shape[1],) * 2))
+    rank = complement(p)[0].shape[1]
+    z = (np.eye(len(a)) - p @ np.linalg.pinv(p, rcond=1e-9))[:, rank:]
     return np.linalg.eigvalsh(z.T @ a @ z)[0]
 
 

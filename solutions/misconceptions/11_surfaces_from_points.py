@@ -101,10 +101,10 @@ def planarity_of_lengths(points, k):
     return n, 1 - np.sqrt(np.maximum(1 - q, 0))
 
 
-@answers("11.1")
+@answers("11.1", named=False)
 def mean_of_squares_less_square_of_mean(points, k):
     """Near the origin this is right. The matrix was computed as a sum of squares less a square of
-    sums, which cancel far from the origin: at 4e5 eleven digits of sixteen are lost. Subtract the
+    sums, which cancel far from the origin: at 4e4 nine digits of sixteen are lost. Subtract the
     centre first, and square then.
     """
     n, q = np.zeros(points.shape), np.zeros(len(points))

@@ -53,28 +53,29 @@ class Answers:
         self, question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]
     ) -> Mistake | None:
         """Return the mistake whose numbers these are, within the tolerance, or None."""
-        distances = [distance(question, calls, outcomes, m.outcomes) for m in self.mistakes]
+        distances = [self.distance(question, calls, outcomes, m.outcomes) for m in self.mistakes]
         nearest = int(np.argmin(distances)) if distances else -1
         return self.mistakes[nearest] if distances and distances[nearest] <= 1 else None
 
+    def distance(
+        self,
+        question: Question,
+        calls: Sequence[Call],
+        outcomes: Sequence[Outcome],
+        others: Sequence[Outcome],
+    ) -> float:
+        """Return how far two sets of outcomes lie apart, in units of the tolerance.
 
-def distance(
-    question: Question,
-    calls: Sequence[Call],
-    outcomes: Sequence[Outcome],
-    others: Sequence[Outcome],
-) -> float:
-    """Return how far two sets of outcomes lie apart, in units of the tolerance.
-
-    It is infinite where one returned and the other did not, or the shapes differ; and where no call
-    returned anything, since an exception alone tells too little to recognise a mistake by.
-    """
-    apart = [_distance(question, *pair) for pair in zip(calls, outcomes, others, strict=True)]
-    returned = any(outcome.status == "returned" for outcome in outcomes)
-    return max(apart, default=np.inf) if returned else np.inf
+        It is infinite where one returned and the other did not, or the shapes differ; and where no
+        call returned anything, since an exception alone tells too little to recognise a mistake by.
+        """
+        made = zip(calls, outcomes, others, self.right, strict=True)
+        apart = [_distance(question, *each) for each in made]
+        returned = any(outcome.status == "returned" for outcome in outcomes)
+        return max(apart, default=np.inf) if returned else np.inf
 
 
-def _distance(question: Question, call: Call, one: Outcome, other: Outcome) -> float:
+def _distance(question: Question, call: Call, one: Outcome, other: Outcome, right: Values) -> float:
     if one.status != other.status or (one.values is None) != (other.values is None):
         return np.inf
     if one.values is None or other.values is None:
@@ -89,7 +90,8 @@ def _distance(question: Question, call: Call, one: Outcome, other: Outcome) -> f
         return np.inf
     if not all(np.isfinite(v).all() for v in known):
         return _plain_distance(values, known, question.tolerance(call))
-    return max(float(d.max(initial=0.0)) for d in question.differences(call, values, known))
+    apart = question.fingerprint_differences(call, values, known, right)
+    return max(float(d.max(initial=0.0)) for d in apart)
 
 
 def _plain_distance(values: Values, known: Values, tolerance: float) -> float:

@@ -37,11 +37,16 @@ class Call:
         Arrays and numbers, in order.
     case : str
         What is tried, in words that can follow "for": ``"five points on a line"``.
+    exact : tuple of int
+        Positions of the arguments that are degenerate on purpose, such as a point exactly on an
+        edge, a tie, or points on one line. A change in their last digits makes another problem of
+        them, so the proof of the graders does not change them.
     """
 
     function: str
     arguments: tuple[Any, ...]
     case: str
+    exact: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -148,7 +148,8 @@ def _wrong(
     """Yield the first law that is broken, with the greatest difference from the right answer."""
     place, told = _difference(question, calls, values, answers)
     for law in question.laws:
-        deviation = float(law.deviation(calls, values))
+        with np.errstate(all="ignore"):  # wrong values may be of any size
+            deviation = float(law.deviation(calls, values))
         if not deviation <= law.tolerance:
             yield "wrong", f"{law.sentence} {told or _off(deviation, law.tolerance)}".strip(), place
             return

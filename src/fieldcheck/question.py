@@ -68,6 +68,10 @@ class Question:
     normal_form : callable
         ``normal_form(call, values) -> values`` takes away what the question leaves open, such as a
         sign or an order, before answers are compared.
+    fingerprint : callable, optional
+        ``fingerprint(call, values) -> values``: the part of the values by which mistakes are
+        recognised, where the normal form of a mistake depends on rounding. The default is the
+        normal form.
     limit : float
         Seconds that one call may take.
     """
@@ -80,6 +84,7 @@ class Question:
     laws: tuple[Law, ...] = field(default=())
     tolerance: Callable[[Call], float] = least_tolerance
     normal_form: Callable[[Call, Values], Values] = unchanged
+    fingerprint: Callable[[Call, Values], Values] | None = None
     limit: float = 5.0
 
     @property
@@ -90,13 +95,27 @@ class Question:
     def differences(self, call: Call, values: Values, others: Values) -> list[np.ndarray]:
         """Return |values − others| in normal form, in units of the tolerance, array by array."""
         pairs = zip(self.normal_form(call, values), self.normal_form(call, others), strict=True)
-        unit = max(self.tolerance(call), LEAST_TOLERANCE)
-        return [np.abs(a - b) / (unit * scale(b)) for a, b in pairs]
+        return [np.abs(a - b) / (self._unit(call) * scale(b)) for a, b in pairs]
+
+    def fingerprint_differences(
+        self, call: Call, values: Values, others: Values, right: Values
+    ) -> list[np.ndarray]:
+        """Return |values − others| by their fingerprints, in units of the tolerance.
+
+        The tolerance is relative to the right values, or to the others where these are larger: a
+        mistake that gives zero instead of them gives the rounding errors of zero.
+        """
+        form = self.fingerprint or self.normal_form
+        triples = zip(*(form(call, v) for v in (values, others, right)), strict=True)
+        return [np.abs(a - b) / (self._unit(call) * scale(b, r)) for a, b, r in triples]
+
+    def _unit(self, call: Call) -> float:
+        return max(self.tolerance(call), LEAST_TOLERANCE)
 
 
-def scale(values: np.ndarray) -> float:
-    """Return the largest absolute entry, or one if there is none but zero."""
-    largest = float(np.abs(values).max(initial=0.0))
+def scale(*arrays: np.ndarray) -> float:
+    """Return the largest absolute entry of the arrays, or one if all entries are zero."""
+    largest = max(float(np.abs(values).max(initial=0.0)) for values in arrays)
     return largest if largest > 0 else 1.0
 
 

@@ -20,6 +20,17 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
 # 07.8 Coordinates without division
 
 
+def octagon(random: np.random.Generator) -> np.ndarray:
+    """Return the corners of an uneven octagon.
+
+    Floating-point numbers hold them, and the mirror images of their mean, exactly: each side has a
+    length of a power of two, along an axis or a diagonal.
+    """
+    sides = [[8, 0], [1, 1], [0, 2], [-4, 4], [-4, 0], [-2, -2], [0, -4], [1, -1]]
+    whole = np.roll(sides, random.integers(8), axis=0).cumsum(axis=0)
+    return 2.0 ** int(random.integers(-2, 3)) * (whole + random.integers(-9, 9, 2))
+
+
 def safe_inputs(seed: int) -> tuple[Call, ...]:
     """Return places inside, the same after a quarter turn, and places on the edges of a square
     cell.
@@ -48,6 +59,7 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
             name,
             (middle, mirror_images(middle, square), on_edges(square)),
             "places on the edges of a square cell",
+            exact=(0, 1, 2),
         ),
     )
 

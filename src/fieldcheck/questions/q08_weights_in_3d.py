@@ -218,6 +218,7 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
             name,
             (middle, around, eight, np.vstack([cube, (cube[:4] + cube[4:]) / 2])),
             "corners and edges of a cubic cell",
+            exact=(0, 1, 3),
         ),
     )
 

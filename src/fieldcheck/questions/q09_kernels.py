@@ -72,11 +72,14 @@ def are_one_at_one(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
-    """Return forms with the right conditions, with too few, with none, and with dependent ones."""
+    """Return forms with the right conditions, with too few, with none, and with dependent ones.
+
+    These are as many as points: an answer that counts columns is left without any vector.
+    """
     random = np.random.default_rng(seed)
     plane, other, few = (3 * cloud(random, n, 2) for n in (9, 8, 6))
     turn = random.uniform(0.2, 1.3)
-    line = 3 * np.outer(cloud(random, 7, 1), [np.cos(turn), np.sin(turn)])
+    line = 3 * np.outer(cloud(random, 3, 1), [np.cos(turn), np.sin(turn)])
     cube, root, plate = (
         powers(squares(plane, plane), 3),
         -powers(squares(other, other), 1),

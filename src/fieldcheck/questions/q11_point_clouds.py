@@ -131,7 +131,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         Call(name, (horseshoe(random, 30), 5), "a horseshoe, five neighbours"),
         Call(name, (torus(random, 5, 9), 7), "a torus in space"),
         Call(name, (flat, 14), "a rough plane of fourteen points, all of them neighbours"),
-        Call(name, (oval(random, 12) + np.array([4e5, -2e5]), 4), "an oval far from the origin"),
+        Call(name, (oval(random, 12) + np.array([4e4, -2e4]), 4), "an oval far from the origin"),
     )
 
 

@@ -94,6 +94,7 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
             "field",
             (np.vstack([about(random, 5, 3), space[0][:1]]), *space),
             "places in space, one of them a site",
+            exact=(0, 1),
         ),
         Call("field", (about(random, 3, 2), *single), "one site"),
     )
@@ -124,14 +125,14 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
     plane, space = body(random, 2, 5), body(random, 3, 4)
     x = about(random, 6, 2)
     return (
-        Call("to_surface", (x, *plane, 9), "nine steps in the plane"),
+        Call("to_surface", (x, *plane, 5), "five steps in the plane"),
         Call("to_surface", (x, *plane, 1), "one step in the plane"),
         Call("to_surface", (about(random, 5, 3), *space, 2), "two steps in space"),
     )
 
 
 def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return what is left after nine steps, and how far one step is from the tangent's zero."""
+    """Return what is left after five steps, and how far one step is from the tangent's zero."""
     x, sites, weights, plane, _ = calls[0].arguments
     left = float(np.abs(cubes(values[0][0], sites, weights, plane)).max())
     step = values[1][0] - x
@@ -213,7 +214,7 @@ QUESTIONS = (
         lambda call: (call.arguments[0].shape,),
         (
             Law(
-                "One step leads to the zero of the tangent, and nine to the zero level.",
+                "One step leads to the zero of the tangent, and five to the zero level.",
                 ends_on_the_zero_level,
                 1e-8,
             ),

@@ -47,7 +47,9 @@ def holds_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float:
 def hold_four(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many of four different values are missing between bounds."""
     between = (
-        ((low[:, None] <= c.arguments[1]) & (c.arguments[1] <= high[:, None])).sum(axis=1).min()
+        (np.abs(c.arguments[1] - (low + high)[:, None] / 2) <= (high - low)[:, None] / 2 + 1e-9)
+        .sum(axis=1)
+        .min()
         for c, (low, high) in zip(calls, values, strict=True)
     )
     return float(max(0, 4 - min(between)))

@@ -49,7 +49,7 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
     exact = cloud[np.r_[random.permutation(9), random.permutation(9)[:5], 0, 0]]
     return (
         Call("weld", (copies(random, 12, 1e-3), 1e-3), "points with near copies"),
-        Call("weld", (exact, 0.0), "points with exact copies, and the tolerance zero"),
+        Call("weld", (exact, 0.0), "points with exact copies, and the tolerance zero", exact=(0,)),
         Call(
             "weld",
             (copies(random, 8, 0.5) + 1e6, 0.5),
@@ -162,7 +162,10 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
     small = np.arange(3 * len(HEIGHTS)).reshape(-1, 3)
     return (
         Call(
-            "flat", (points, named, 1e-3), "triangles in metres, with a tolerance of a millimetre"
+            "flat",
+            (points, named, 1e-3),
+            "triangles in metres, with a tolerance of a millimetre",
+            exact=(0,),
         ),
         Call(
             "flat",

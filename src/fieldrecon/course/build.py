@@ -14,7 +14,7 @@ from fieldcheck.questions import questions
 from fieldrecon.course.bundle import student_tree
 from fieldrecon.course.catalogue import entries
 from fieldrecon.course.hidden import hidden_cases
-from fieldrecon.course.known import answers_file
+from fieldrecon.course.known import answers_file, same_answers
 from fieldrecon.course.leaks import code_leaks, long_numbers, number_leaks
 from fieldrecon.course.notebooks import (
     execute,
@@ -75,10 +75,17 @@ def build(root: Path, chosen: list[Source], each: Each = map) -> None:
 
 def student_files(root: Path, source: Source) -> dict[Path, str]:
     """Return the files that a source makes for students, and what is in them."""
+    known = root / "src/fieldcheck/answers" / f"{source.number}.json"
     return {
         root / "exercises" / f"{source.name}.ipynb": to_text(student_notebook(source)),
-        root / "src/fieldcheck/answers" / f"{source.number}.json": answers_file(source),
+        known: _known_text(known, answers_file(source)),
     }
+
+
+def _known_text(file: Path, fresh: str) -> str:
+    """Return the text that is there if only rounding errors of another machine changed."""
+    kept = file.read_text(encoding="utf-8") if file.is_file() else "{}"
+    return kept if same_answers(kept, fresh) else fresh
 
 
 def stubs_file(root: Path) -> str:

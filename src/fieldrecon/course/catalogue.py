@@ -40,23 +40,27 @@ class Entry:
         Its docstring: for a mistake, what the student is told.
     function : callable
         The answer.
+    named : bool
+        Whether a mistake can be recognised. It cannot if what it gives are rounding errors, which
+        are others on another processor.
     """
 
     question: str
     name: str
     sentence: str
     function: Function
+    named: bool = True
 
     def namespace(self, functions: dict[str, Any]) -> dict[str, Any]:
         """Return the functions of a notebook with this one in the place of the solution."""
         return functions | {get(self.question).function: self.function}
 
 
-def answers(question: str) -> Callable[[Function], Function]:
-    """Mark a function as an answer to a question."""
+def answers(question: str, *, named: bool = True) -> Callable[[Function], Function]:
+    """Mark a function as an answer to a question, or as a mistake that cannot be `named`."""
 
     def mark(function: Function) -> Function:
-        function.__dict__["question"] = question
+        function.__dict__.update(question=question, named=named)
         return function
 
     return mark
@@ -68,7 +72,9 @@ def entries(source: Source, folder: str) -> list[Entry]:
     if not path.is_file():
         return []
     found = (f for f in vars(load(path)).values() if hasattr(f, "question"))
-    return [Entry(f.question, f.__name__.replace("_", " "), _sentence(f), f) for f in found]
+    return [
+        Entry(f.question, f.__name__.replace("_", " "), _sentence(f), f, f.named) for f in found
+    ]
 
 
 def _sentence(function: Function) -> str:

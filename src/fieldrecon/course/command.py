@@ -6,16 +6,28 @@ import argparse
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from datetime import date
-from functools import partial
+from functools import partial, reduce
 from itertools import chain
+from operator import or_
 from os import cpu_count
 from pathlib import Path
 
 from fieldrecon.course import build as building
 from fieldrecon.course.bundle import write_bundle
 from fieldrecon.course.gradebook.command import add_commands as add_gradebook
+from fieldrecon.course.kernels import (
+    NO_CHOICE,
+    Request,
+    Run,
+    Setting,
+    has_choice_of_kernels,
+    not_as_chosen,
+    run,
+    settings,
+)
 from fieldrecon.course.proof import Proof, prove
 from fieldrecon.course.publish import publish
+from fieldrecon.course.robustness import Baseline, Changes, bench, changes, changes_of_draws
 from fieldrecon.course.secret import MISSING, make_salt, read_salt
 from fieldrecon.course.sources import Source
 from fieldrecon.reporting.console import print_table
@@ -57,9 +69,16 @@ def _build(options: argparse.Namespace) -> None:
 def _check(options: argparse.Namespace) -> int:
     salt = read_salt(options.root)
     _banner(salt.secret)
-    todo = partial(_proofs, salt=salt.text, only=options.question)
+    sources = _chosen(options, options.question[:2])
+    todo = partial(_checked, salt=salt.text, only=options.question)
     with ProcessPoolExecutor(cpu_count()) as pool, progress(pool.map, "graders") as each:
-        proofs = list(chain.from_iterable(each(todo, _chosen(options, options.question[:2]))))
+        parts, baselines, changed = zip(*each(todo, sources), strict=True)
+    proofs: list[Proof] = list(chain.from_iterable(parts))
+    baseline: Baseline = reduce(or_, baselines)
+    runs = _runs(Request(tuple(sources), salt.text, options.question, baseline.known))
+    verdicts = ((f"with {setting.name}", found.verdicts) for setting, found in runs)
+    for changes_of_its in (*changed, changes(baseline.verdicts, verdicts)):
+        proofs = [p.with_problems(changes_of_its.get(p.question, ())) for p in proofs]
     print_table(
         ("question", "mistakes", "other right answers", "mutants", "caught", "problems"),
         [
@@ -72,11 +91,27 @@ def _check(options: argparse.Namespace) -> int:
     for proof in proofs:
         for problem in proof.problems:
             print(f"{proof.question}: {problem}", file=sys.stderr)
-    return int(any(proof.problems for proof in proofs) or not proofs)
+    alike = list(not_as_chosen(runs))
+    print(*alike, sep="\n", end="\n" * bool(alike), file=sys.stderr)
+    return int(any(proof.problems for proof in proofs) or not proofs or bool(alike))
 
 
-def _proofs(source: Source, salt: str, only: str) -> list[Proof]:
-    return list(prove(source, salt, only))
+def _checked(source: Source, salt: str, only: str) -> tuple[list[Proof], Baseline, Changes]:
+    found = bench(source, salt, only)
+    baseline = found.baseline()
+    return list(prove(source, salt, only)), baseline, changes_of_draws(found, baseline)
+
+
+def _runs(request: Request) -> list[tuple[Setting, Run]]:
+    """Judge all answers in each setting, and print what each process ran."""
+    chosen = settings()
+    with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "kernels") as each:
+        runs = list(zip(chosen, each(partial(run, request=request), chosen), strict=True))
+    for setting, found in runs:
+        print(f"With {setting.name}: {found}.")
+    if not has_choice_of_kernels():
+        print(NO_CHOICE)
+    return runs
 
 
 def _init(options: argparse.Namespace) -> None:

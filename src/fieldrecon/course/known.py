@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from fieldcheck.answers import Answers, Mistake, to_json
+from fieldcheck.answers import Answers, Mistake, from_json, to_json
 from fieldcheck.calls import Call, Outcome, Values, perform
 from fieldcheck.ladder import PATIENCE
 from fieldcheck.question import Question
@@ -15,6 +15,9 @@ from fieldcheck.seeds import EVERYBODY, seed
 from fieldcheck.shapes import fitted
 from fieldrecon.course.catalogue import Entry, entries
 from fieldrecon.course.sources import Source
+
+SAME = 0.1
+"""Known answers that differ by less, in units of the tolerance, are the same but for rounding."""
 
 
 def known_answers(
@@ -37,12 +40,12 @@ def known_answers(
 def known_mistakes(
     question: Question, calls: Sequence[Call], functions: dict[str, Any], mistakes: Sequence[Entry]
 ) -> tuple[Mistake, ...]:
-    """Return what each mistake gives for the calls."""
+    """Return what each mistake that can be named gives for the calls."""
     limit = PATIENCE * question.limit
     return tuple(
         Mistake(m.name, m.sentence, perform(m.namespace(functions), calls, limit))
         for m in mistakes
-        if m.question == question.name
+        if m.named and m.question == question.name
     )
 
 
@@ -66,8 +69,31 @@ def public_calls(question: Question) -> tuple[Call, ...]:
 
 
 def answers_file(source: Source) -> str:
-    """Return the text of ``fieldcheck/answers/NN.json``."""
+    """Return the text that ``fieldcheck/answers/NN.json`` should have, but for rounding errors."""
     functions, mistakes = source.functions(), entries(source, "misconceptions")
     asked = [q for q in questions().values() if q.notebook == source.number]
     data = {q.name: to_json(known_answers(q, public_calls(q), functions, mistakes)) for q in asked}
     return json.dumps(data, indent=None, separators=(",", ":"), ensure_ascii=False) + "\n"
+
+
+def same_answers(kept: str, fresh: str) -> bool:
+    """Return whether two texts of a file of known answers differ by rounding errors at most."""
+    before, now = json.loads(kept), json.loads(fresh)
+    return list(before) == list(now) and all(
+        _same(questions()[name], from_json(before[name]), from_json(now[name])) for name in now
+    )
+
+
+def _same(question: Question, before: Answers, now: Answers) -> bool:
+    def outcomes(answers: Answers) -> list[tuple[Outcome, ...]]:
+        right = tuple(Outcome("returned", values=values) for values in answers.right)
+        return [right, *(m.outcomes for m in answers.mistakes)]
+
+    def told(answers: Answers) -> list[tuple[str, str]]:
+        return [(m.name, m.sentence) for m in answers.mistakes]
+
+    calls = public_calls(question)
+    return told(before) == told(now) and all(
+        len(one) == len(other) == len(calls) and now.distance(question, calls, one, other) <= SAME
+        for one, other in zip(outcomes(before), outcomes(now), strict=True)
+    )

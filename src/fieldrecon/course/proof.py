@@ -9,7 +9,6 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from fieldcheck.answers import distance
 from fieldcheck.calls import Outcome
 from fieldcheck.ladder import PATIENCE
 from fieldcheck.question import Question
@@ -54,6 +53,10 @@ class Proof:
     caught: int
     survivors: tuple[str, ...] = field(default=())
     problems: tuple[str, ...] = field(default=())
+
+    def with_problems(self, more: Sequence[str]) -> Proof:
+        """Return a proof with more that has to be mended."""
+        return replace(self, problems=(*self.problems, *more))
 
 
 def prove(source: Source, salt: str, only: str = "") -> Iterator[Proof]:
@@ -124,7 +127,7 @@ def _mistakes(
         verdict = grade(tried, mistake.namespace(functions))
         if verdict.right:
             yield f"the mistake {mistake.name!r} is told that it is right"
-        elif verdict.mistake != mistake.name:
+        elif verdict.mistake != (mistake.name if mistake.named else ""):
             yield f"the mistake {mistake.name!r} is told: {verdict}"
         if len(mistake.sentence) < 40:
             yield f"the mistake {mistake.name!r} has no sentence to speak of"
@@ -136,7 +139,7 @@ def _apart(public: Trial) -> Iterator[str]:
     known = [("the right answer", right)]
     known += [(f"{m.name!r}", m.outcomes) for m in public.answers.mistakes]
     for (one, outcomes), (other, others) in combinations(known, 2):
-        apart = distance(public.question, public.calls, outcomes, others)
+        apart = public.answers.distance(public.question, public.calls, outcomes, others)
         if not apart > APART:
             yield f"{one} and {other} are only {apart:.2g} tolerances apart"
 
