@@ -8,6 +8,7 @@ from fieldrecon.datasets import halton, power_of_sum
 from fieldrecon.experiments import (
     epsilon_sweep,
     kernel_comparison,
+    normal_equations,
     power_sampling,
     weight_shapes,
 )
@@ -169,3 +170,19 @@ def test_parameters_that_make_no_sense_are_refused(make, words):
     """With the name of the parameter and what is wanted."""
     with pytest.raises(ValueError, match=words):
         make()
+
+
+def test_normal_equations_that_rounding_makes_singular(monkeypatch):
+    """Whether they are singular far away depends on rounding; either way there is a result."""
+
+    def far_is_singular(points, values, solve=normal_equations.normal_equations):
+        if points.min() > 1e7:
+            raise np.linalg.LinAlgError
+        return solve(points, values)
+
+    monkeypatch.setattr(normal_equations, "normal_equations", far_is_singular)
+    params = normal_equations.Params(side=5, queries=5, decades=(6, 8))
+    result = experiments.get("normal_equations").run(params)
+    near, far = result.tables["offsets"].column("error, normal equations")[-2:]
+    assert (type(near), far) == (float, "singular")
+    normal_equations.plot(result)

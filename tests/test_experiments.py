@@ -13,7 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from fieldrecon import experiments
-from fieldrecon.experiments import files
+from fieldrecon.experiments import files, order_of_magnitude
 
 NAMES = experiments.names()
 
@@ -57,6 +57,18 @@ def test_it_finds_something(experiment, result):
     for name, array in result.arrays.items():
         assert array.dtype.kind not in "fc" or np.isfinite(array).all(), name
     assert all(re.fullmatch(r"[a-z][a-z0-9_]*", name) for name in (*result.facts, *result.tables))
+
+
+def test_its_facts_have_the_digits_that_it_states(experiment, result):
+    """What it states digits of are facts; a float has no more digits than are stated."""
+    stated = getattr(experiment.module, "DIGITS", {})
+    assert stated.keys() <= result.facts.keys()
+    for name, x in result.facts.items():
+        digits = experiment.digits(name)
+        assert digits == stated.get(name, 6)
+        if isinstance(x, float):
+            kept = float(f"{x:.{digits}g}") if digits else order_of_magnitude(x)
+            assert kept == x, name
 
 
 def test_it_says_the_same_each_time(experiment, result):

@@ -1,5 +1,7 @@
 """What the experiments on coupling and advection compare with, by other means."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
@@ -8,7 +10,7 @@ from fieldrecon import experiments
 from fieldrecon.advection import semi_lagrangian
 from fieldrecon.coupling import Coupling
 from fieldrecon.datasets import halton
-from fieldrecon.experiments import advection, coupling, slotted_disc
+from fieldrecon.experiments import adaptive_front, advection, coupling, slotted_disc
 from fieldrecon.flat_coupling import blended_plates
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.rigid_bodies import resultants
@@ -134,3 +136,21 @@ def test_the_rim_of_the_slotted_disc():
 def test_numbers_of_sites_are_those_of_the_published_meshes():
     """A quarter for each doubling of the step."""
     assert [slotted_disc.sites_of(k) for k in range(4)] == [1130, 4520, 18078, 72314]
+
+
+@pytest.mark.parametrize("shift", [1e-4, 0.0])
+def test_rounding_does_not_choose_the_sites(monkeypatch, shift):
+    """Shifted sites come and go alike when all are moved by rounding; others have equal distances.
+
+    Among sites at equal distances rounding would choose the neighbours, and so which sites go.
+    """
+    params = replace(adaptive_front.QUICK, sites=400, spacing=0.008, rounds=3, shift=shift)
+    found = []
+    for seed in range(3):
+        noise = 1e-14 * np.random.default_rng(seed).standard_normal((400, 2))
+        monkeypatch.setattr(
+            adaptive_front, "halton", lambda n, d, noise=noise: halton(n, d) * (1 + noise)
+        )
+        counts, error, _ = adaptive_front.carried(params, 0)
+        found.append((*counts, round(error, 9)))
+    assert (len(set(found)) == 1) == (shift > 0)

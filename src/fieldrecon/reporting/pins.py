@@ -14,6 +14,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -39,9 +40,11 @@ def pins() -> dict[str, str]:
 
 def dispatch() -> list[str]:
     """Name the levels, or features, of processors for which NumPy has code of their own."""
-    from numpy._core._multiarray_umath import __cpu_dispatch__
+    return list(_numpy_core().__cpu_dispatch__)
 
-    return list(__cpu_dispatch__)
+
+def _numpy_core() -> Any:
+    return import_module("numpy._core._multiarray_umath")
 
 
 def _haswell() -> dict[str, str]:
@@ -121,6 +124,4 @@ def cores() -> dict[str, str]:
 
 
 def _dispatched(name: str) -> bool:
-    from numpy._core._multiarray_umath import __cpu_features__
-
-    return bool(__cpu_features__[name])
+    return bool(_numpy_core().__cpu_features__[name])
