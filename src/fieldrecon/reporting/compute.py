@@ -26,7 +26,7 @@ from fieldrecon.experiments.files import (
 from fieldrecon.experiments.settings import with_settings
 from fieldrecon.reporting.failure import BuildError
 from fieldrecon.reporting.sources import code_behind
-from fieldrecon.reporting.steps import Steps, digest, digests, file_digest
+from fieldrecon.reporting.steps import Steps, content_digest, digest, digests
 from fieldrecon.reporting.workers import workers
 
 RUN_NAMES = ("Params", "run")
@@ -53,13 +53,17 @@ class Job:
         code = code_behind(self.experiment.module.__name__, RUN_NAMES)
         params = asdict(self.params)
         for name, path in self.experiment.inputs(self.params).items():
-            params[name] = file_digest(path) if path.is_file() else ""
+            params[name] = content_digest(path)
         return digest({"name": self.name, "params": params, "code": code})
 
     def figure_key(self, plot: Callable[[Result], Any]) -> str:
         """Return the digest of all that a figure depends on: its code and the files of the run."""
         code = code_behind(self.experiment.module.__name__, [plot.__name__])
         return digest({"code": code, "result": digests(self.result_files(), self.folder)})
+
+    def inputs(self) -> list[Path]:
+        """List the files that the parameters name."""
+        return list(self.experiment.inputs(self.params).values())
 
     def result_files(self) -> list[Path]:
         """List the files of the run."""
