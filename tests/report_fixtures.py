@@ -10,7 +10,7 @@ from pathlib import Path
 from fieldrecon import experiments
 from fieldrecon._chunks import Inline
 from fieldrecon.reporting import compute, sources
-from fieldrecon.reporting.build import add_arguments, main
+from fieldrecon.reporting.command import add_arguments, main
 
 REPORT = Path(__file__).parents[1] / "report"
 
@@ -116,7 +116,7 @@ class SmallReport:
         """Build as a new process would, and return the exit status."""
         for name in [name for name in sys.modules if ".fake_" in name]:
             del sys.modules[name]
-        sources._statements.cache_clear()
+        sources.forget()
         importlib.invalidate_caches()
         parser = argparse.ArgumentParser()
         add_arguments(parser)

@@ -10,7 +10,7 @@ import pytest
 
 from fieldrecon._whole_file import temporary_beside
 from fieldrecon.experiments import files
-from fieldrecon.reporting import build, compute, document, pins, reproducible, steps
+from fieldrecon.reporting import build, command, compute, document, pins, reproducible, steps
 from fieldrecon.reporting.lock import only_build_in
 from report_fixtures import SmallReport
 
@@ -219,7 +219,7 @@ def test_interruption_ends_quietly(report, monkeypatch, capfd):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(compute, "write_result", interrupted)
-    assert report.build() == build.INTERRUPTED
+    assert report.build() == command.INTERRUPTED
     told = capfd.readouterr().err
     assert "interrupted" in told
     assert "Traceback" not in told

@@ -64,9 +64,31 @@ local function quoted(text)
   return '"' .. text:gsub('[\\"]', '\\%0'):gsub('%s+', ' ') .. '"'
 end
 
+local BETWEEN = '\n//between\n'
+
+local written_as = {}     -- Typst of a formula, by its TeX, for those in the line and those displayed
+
+-- One call writes all: each would prepare the writer anew, which takes longer than the formula.
+local function write_all(doc)
+  local formulas, blocks = {}, pandoc.Blocks {}
+  doc:walk { Math = function(math)
+    written_as[math.mathtype] = written_as[math.mathtype] or {}
+    if written_as[math.mathtype][math.text] then return end
+    written_as[math.mathtype][math.text] = true
+    formulas[#formulas + 1] = math
+    blocks:extend { pandoc.Plain { math }, pandoc.RawBlock('typst', BETWEEN) }
+  end }
+  local text, at = pandoc.write(pandoc.Pandoc(blocks), 'typst', { wrap_text = 'none' }) .. BETWEEN, 1
+  for _, math in ipairs(formulas) do
+    local first, last = text:find(BETWEEN, at, true)
+    written_as[math.mathtype][math.text] = text:sub(at, first - 1)
+    at = last + 1
+  end
+end
+
 local function typst(math, id, number)
-  local written = pandoc.write(pandoc.Pandoc { pandoc.Plain { math } }, 'typst', { wrap_text = 'none' })
-  written = written:gsub('%s+$', '')
+  local written = written_as[math.mathtype][math.text]
+  written = written:gsub('^%s+', ''):gsub('%s+$', '')
   for _, rule in ipairs(REPAIRED) do written = written:gsub(rule[1], rule[2]) end
   written = written:gsub('cases(%b())', function(c) return 'cases' .. c:gsub(' & ', ' &quad ') end)
   local options = 'alt: ' .. quoted(math.text) .. ', '
@@ -96,5 +118,6 @@ end
 
 return function(doc)
   doc = doc:walk { Math = function(m) m.text = m.text:gsub('^%s+', ''):gsub('%s+$', ''); check(m.text); return m end }
+  if FORMAT:match 'typst' then write_all(doc) end
   return doc:walk { traverse = 'topdown', Span = equation, Math = formula }
 end

@@ -44,7 +44,12 @@ end
 
 -- equations -------------------------------------------------------------------------------------
 -- A display with its label becomes a span that holds formula, label and number.
+local function concerns_equations(x)
+  return x.t == 'Math' and x.mathtype == 'DisplayMath' or x.t == 'RawInline'
+end
+
 local function equations(inlines)
+  if not inlines:find_if(concerns_equations) then return nil end
   local out, i = pandoc.Inlines {}, 1
   while inlines[i] do
     local x, rest = inlines[i], nil

@@ -9,6 +9,18 @@ function problems.add(message, token)
   found[#found + 1] = 'PROBLEM\t' .. message:gsub('%s+', ' ') .. '\t' .. (token or '')
 end
 
+-- The document carries what is wrong from the passes of report.lua to those of output.lua.
+function problems.hand_on(doc)
+  doc.meta.problems = pandoc.List.map(found, function(line) return pandoc.MetaString(line) end)
+  return doc
+end
+
+function problems.take_over(doc)
+  found = pandoc.List.map(doc.meta.problems, tostring)
+  doc.meta.problems = nil
+  return doc
+end
+
 function problems.stop_if_any()
   if #found == 0 then return end
   io.stderr:write(table.concat(found, '\n'), '\n')

@@ -1,8 +1,8 @@
 --[[ report.lua: the passes that turn the chapters into a report.
 
-Every number of a section, figure, table, equation or statement is worked out in these passes, from
-one document, for both outputs; so the HTML and the PDF cannot disagree. Each file beside this one
-is one pass. All that is wrong is told at the end, in one go.                                    ]]
+Every number of a section, figure, table, equation or statement is worked out in these passes, once
+for both outputs; so the HTML and the PDF cannot disagree. What is particular to one of them is left
+to output.lua. Each other file beside this one is one pass.                                      ]]
 
 local here = pandoc.path.directory(PANDOC_SCRIPT_FILE)
 package.path = pandoc.path.join { here, '?.lua' } .. ';' .. package.path
@@ -13,8 +13,8 @@ local function load(doc)
   require('values').load(pandoc.utils.stringify(doc.meta.values))
 end
 
-local function finish()
-  problems.stop_if_any()
+local function finish(doc)
+  return problems.hand_on(doc)
 end
 
 return {
@@ -23,7 +23,5 @@ return {
   { Pandoc = require 'quotations' },   -- {{experiment.fact:format}} becomes the number
   { Pandoc = require 'numbers' },      -- everything that is counted gets its number
   { Pandoc = require 'references' },   -- @fig:name becomes Figure 2.1
-  { Pandoc = require 'mathematics' },  -- formulas that both outputs set alike
-  { Pandoc = require(FORMAT:match 'typst' and 'write_pdf' or 'write_html') },
   { Pandoc = finish },
 }

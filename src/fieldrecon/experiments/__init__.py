@@ -6,6 +6,7 @@ To add an experiment is to add a file; nothing else lists them.
 from __future__ import annotations
 
 import ast
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -50,7 +51,11 @@ def get(name: str) -> Experiment:
 def _source(name: str) -> ast.Module | None:
     """Return the source of an experiment, or None: importing every module would cost seconds."""
     path = _HERE / f"{name}.py"
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    return _parsed(path.read_text(encoding="utf-8")) if path.is_file() else None
+
+
+@cache
+def _parsed(text: str) -> ast.Module | None:
     if not all(part in text for part in _PARTS):  # saves parsing what cannot be one
         return None
     tree = ast.parse(text)

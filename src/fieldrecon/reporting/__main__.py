@@ -3,7 +3,7 @@
 import argparse
 import sys
 
-from fieldrecon.reporting.build import add_arguments, main
+from fieldrecon.reporting.command import add_arguments, main
 
 if __name__ == "__main__":
     PARSER = argparse.ArgumentParser(prog="fieldrecon report", description="Build the report.")

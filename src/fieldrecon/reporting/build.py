@@ -1,10 +1,8 @@
-"""``fieldrecon report``: bring the whole report up to date, and do nothing that is done already."""
+"""Bring the whole report up to date, and do nothing that is done already."""
 
 from __future__ import annotations
 
 import argparse
-import os
-import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -14,102 +12,36 @@ from typing import Any
 from fieldrecon import experiments
 from fieldrecon._whole_file import TEMPORARY, write_atomically
 from fieldrecon.experiments.files import read_result
+from fieldrecon.reporting import unchanged
 from fieldrecon.reporting.compute import Job, compute, jobs_of
 from fieldrecon.reporting.document import Document, unquoted_facts
-from fieldrecon.reporting.failure import BuildError, disk_failure
+from fieldrecon.reporting.failure import BuildError
 from fieldrecon.reporting.lock import only_build_in
 from fieldrecon.reporting.manifest import manifest, versions
 from fieldrecon.reporting.progress import Bar
 from fieldrecon.reporting.sources import code_behind
-from fieldrecon.reporting.steps import Steps, digest, digests
-
-INTERRUPTED = 130
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``fieldrecon report``."""
-    parser.add_argument(
-        "--source",
-        type=Path,
-        default=Path("report"),
-        metavar="DIR",
-        help="folder of the text (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the results (default: SOURCE/build)"
-    )
-    parser.add_argument(
-        "--experiments",
-        type=Path,
-        metavar="FILE",
-        help="parameters that differ from the defaults (default: SOURCE/experiments.toml)",
-    )
-    parser.add_argument(
-        "--jobs",
-        type=int,
-        default=os.cpu_count() or 1,
-        metavar="N",
-        help="processes that compute (default: one per processor, %(default)s)",
-    )
-    parser.add_argument(
-        "--only",
-        nargs="+",
-        default=[],
-        metavar="EXPERIMENT",
-        help="bring only these experiments up to date, and set no text",
-    )
-    parser.add_argument(
-        "--check-reproducible",
-        action="store_true",
-        help="build twice under different settings and compare every byte",
-    )
-    parser.add_argument(
-        "--against",
-        type=Path,
-        metavar="MANIFEST",
-        help="compare the facts with those of another machine's manifest.json",
-    )
-
-
-def main(arguments: argparse.Namespace) -> int:
-    """Build as the options say; tell in a sentence what went wrong, and return the exit status."""
-    from fieldrecon.reporting import reproducible
-
-    try:
-        if arguments.check_reproducible:
-            return reproducible.check(arguments)
-        build(arguments)
-        if arguments.against:
-            return reproducible.compare_facts(arguments)
-    except BuildError as error:
-        return _fail(error)
-    except OSError as error:
-        known = disk_failure(error)
-        if known is None:
-            raise
-        return _fail(known)
-    except KeyboardInterrupt:
-        print("interrupted; the next build goes on from here", file=sys.stderr)
-        return INTERRUPTED
-    return 0
+from fieldrecon.reporting.steps import Steps, content_digest, digest, digests
 
 
 def build(arguments: argparse.Namespace) -> None:
     """Run, draw, compile, and write the manifest, as far as each is out of date."""
     source, out = arguments.source, arguments.out or arguments.source / "build"
+    key = unchanged.key(arguments)  # before anything is read: what is edited meanwhile counts
     document = Document(source, out)
     if not document.chapters:
         raise BuildError(f"there are no chapters in {source / 'chapters'}; is this the checkout?")
-    settings = _settings(arguments.experiments or source / "experiments.toml")
+    settings = _settings(unchanged.settings_file(arguments))
     with Bar() as progress, only_build_in(out, progress.say):
         _sweep(out)
         steps = Steps(out)
         jobs = jobs_of(settings, out / "experiments")
+        read = {path: content_digest(path) for job in jobs for path in job.inputs()}
         chosen = _chosen(jobs, arguments.only)
         compute(chosen, steps, max(1, min(arguments.jobs, len(chosen))), progress)
         if not arguments.only:
             _remove_others(jobs, out / "experiments")
             _finish(document, jobs, steps, progress)
+            unchanged.record(steps, key, read)
 
 
 def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) -> None:
@@ -199,8 +131,3 @@ def _remove_others(jobs: list[Job], folder: Path) -> None:
         for file in stale.iterdir():
             file.unlink()
         stale.rmdir()
-
-
-def _fail(error: BuildError) -> int:
-    print(f"fieldrecon report: {error}", file=sys.stderr)
-    return 1

@@ -27,7 +27,7 @@ from fieldrecon.experiments.settings import with_settings
 from fieldrecon.reporting.failure import BuildError
 from fieldrecon.reporting.pins import pins
 from fieldrecon.reporting.sources import code_behind
-from fieldrecon.reporting.steps import Steps, digest, digests, file_digest
+from fieldrecon.reporting.steps import Steps, content_digest, digest, digests
 from fieldrecon.reporting.workers import workers
 
 RUN_NAMES = ("DIGITS", "Params", "run")
@@ -54,7 +54,7 @@ class Job:
         code = code_behind(self.experiment.module.__name__, RUN_NAMES)
         params = asdict(self.params)
         for name, path in self.experiment.inputs(self.params).items():
-            params[name] = file_digest(path) if path.is_file() else ""
+            params[name] = content_digest(path)
         return digest({"name": self.name, "params": params, "code": code, "pins": pins()})
 
     def figure_key(self, plot: Callable[[Result], Any]) -> str:
@@ -62,6 +62,10 @@ class Job:
         code = code_behind(self.experiment.module.__name__, [plot.__name__])
         result = digests(self.result_files(), self.folder)
         return digest({"code": code, "result": result, "pins": pins()})
+
+    def inputs(self) -> list[Path]:
+        """List the files that the parameters name."""
+        return list(self.experiment.inputs(self.params).values())
 
     def result_files(self) -> list[Path]:
         """List the files of the run."""

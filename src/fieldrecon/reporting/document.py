@@ -14,7 +14,6 @@ from typing import Any, Final, cast
 
 from fieldrecon._whole_file import write_atomically
 from fieldrecon.reporting.failure import BuildError
-from fieldrecon.reporting.webfonts import font_faces
 
 PDF_STANDARD: Final = "ua-1"
 NO_DATE = 0
@@ -79,36 +78,53 @@ class Document:
         write_atomically(state / "values.json", json.dumps(values).encode())
         places = {"values": state / "values.json", "figures": self.out / "experiments"}
         told = {**metadata, **{key: str(path.resolve()) for key, path in places.items()}}
+        document = self._read(told)
         with ThreadPoolExecutor(2) as both:
-            page, print_ = (both.submit(self._pandoc, to, told) for to in ("html5", "typst"))
+            page, print_ = (both.submit(self._written, to, document) for to in ("html5", "typst"))
             problems = _all_lines(page.exception(), print_.exception())
         if problems:
             raise BuildError("\n".join(problems))
         return page.result(), print_.result()
 
-    def _pandoc(self, to: str, metadata: Mapping[str, str]) -> str:
-        suffix = "typ" if to == "typst" else "html"
-        command = [
-            str(pandoc()),
+    def _read(self, metadata: Mapping[str, str]) -> str:
+        """Return the chapters with their numbers as JSON of pandoc, made once for both outputs."""
+        return self._pandoc(
             "--from=markdown",
+            "--to=json",
+            "--metadata-file=metadata.yaml",
+            *(f"--metadata={key}:{value}" for key, value in metadata.items()),
+            "--lua-filter=filters/report.lua",
+            *(str(path.relative_to(self.source)) for path in self.chapters),
+        )
+
+    def _written(self, to: str, document: str) -> str:
+        suffix = "typ" if to == "typst" else "html"
+        return self._pandoc(
+            "--from=json",
             f"--to={to}",
             "--standalone",
             "--wrap=none",
             f"--template=template.{suffix}",
-            "--metadata-file=metadata.yaml",
-            *(f"--metadata={key}:{value}" for key, value in metadata.items()),
-            "--lua-filter=filters/report.lua",
+            "--lua-filter=filters/output.lua",
             "--citeproc",
             "--bibliography=references.bib",
             "--toc",
             "--toc-depth=3",
             "--section-divs",
             "--mathml",
-            "--fail-if-warnings",
-            *(str(path.relative_to(self.source)) for path in self.chapters),
-        ]
+            document=document,
+        )
+
+    def _pandoc(self, *options: str, document: str | None = None) -> str:
+        command = [str(pandoc()), *options, "--fail-if-warnings"]
         run = subprocess.run(
-            command, cwd=self.source, capture_output=True, text=True, encoding="utf-8", check=False
+            command,
+            cwd=self.source,
+            input=document,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            check=False,
         )
         if run.returncode:
             raise BuildError(self._explained(run.stderr))
@@ -130,6 +146,8 @@ class Document:
 
     def _dressed(self, page: str) -> str:
         """Put style sheet and fonts into the page."""
+        from fieldrecon.reporting.webfonts import font_faces
+
         css = (self.source / "style.css").read_text(encoding="utf-8")
         page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
         return page.replace("/* style */", font_faces(page) + css, 1)

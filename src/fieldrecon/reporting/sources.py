@@ -9,12 +9,25 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from functools import cache
+from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
 PACKAGE = __name__.partition(".")[0]
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What counts of a statement at the top level of a module."""
+
+    form: str
+    """Its normal form."""
+    defined: frozenset[str]
+    used: frozenset[str]
+    imports: tuple[str, ...]
 
 
 def code_behind(module: str, names: Iterable[str] = ()) -> dict[str, str]:
@@ -30,26 +43,48 @@ def code_behind(module: str, names: Iterable[str] = ()) -> dict[str, str]:
     Returns
     -------
     dict
-        For each module of this package its normal form, for each foreign package its version.
+        For each module of this package the SHA-256 of its normal form, for each foreign package its
+        version.
     """
-    found: dict[str, str] = {}
-    todo = [(module, tuple(names))]
+    statements = _reached(_statements(module), tuple(names))
+    found = {module: _digest(statements)}
+    todo = {target for s in statements for target in s.imports}
     while todo:
-        name, wanted = todo.pop()
+        name = todo.pop()
         if name in found:
             continue
-        if name.partition(".")[0] != PACKAGE:
-            found[name] = _version(name)
-            continue
-        statements = _statements(name)
-        statements = _reached(statements, wanted) if wanted else statements
-        found[name] = "\n".join(ast.dump(s) for s in statements)
-        todo += [(target, ()) for s in statements for target in _imports(s, name)]
+        found[name] = _module_digest(name) if _is_ours(name) else _version(name)
+        todo |= _imported(name) if _is_ours(name) else set()
     return dict(sorted(found.items()))
 
 
+def forget() -> None:
+    """Read all modules anew when they are asked for next."""
+    for memory in (_statements, _module_digest, _imported, _package, _submodule, _version):
+        memory.cache_clear()
+
+
+def _is_ours(module: str) -> bool:
+    return module.partition(".")[0] == PACKAGE
+
+
 @cache
-def _statements(module: str) -> list[ast.stmt]:
+def _module_digest(module: str) -> str:
+    return _digest(_statements(module))
+
+
+@cache
+def _imported(module: str) -> frozenset[str]:
+    return frozenset(target for s in _statements(module) for target in s.imports)
+
+
+def _digest(statements: Iterable[Statement]) -> str:
+    return sha256("\n".join(s.form for s in statements).encode()).hexdigest()
+
+
+@cache
+def _statements(module: str) -> tuple[Statement, ...]:
+    """Parse a module, once in a build: most are behind every experiment and every figure."""
     spec = find_spec(module)
     if spec is None or not spec.origin:
         raise ImportError(f"there is no module {module}")
@@ -57,7 +92,17 @@ def _statements(module: str) -> list[ast.stmt]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             node.body = [s for s in node.body if not _is_text(s)] or [ast.Pass()]
-    return tree.body
+    return tuple(_statement(s, module) for s in tree.body)
+
+
+def _statement(s: ast.stmt, module: str) -> Statement:
+    nodes = list(ast.walk(s))
+    return Statement(
+        ast.dump(s),
+        frozenset(_defined(s)),
+        frozenset(node.id for node in nodes if isinstance(node, ast.Name)),
+        tuple(_imports(nodes, module)),
+    )
 
 
 def _is_text(statement: ast.stmt) -> bool:
@@ -69,13 +114,14 @@ def _is_text(statement: ast.stmt) -> bool:
     )
 
 
-def _reached(statements: list[ast.stmt], names: Iterable[str]) -> list[ast.stmt]:
+def _reached(statements: tuple[Statement, ...], names: Iterable[str]) -> tuple[Statement, ...]:
     """Keep the statements that define what the names need, and those that define nothing."""
-    definitions = [(s, set(_defined(s))) for s in statements]
-    needed = set(names).union(*(_used(s) for s, defined in definitions if not defined))
+    if not names:
+        return statements
+    needed = set(names).union(*(s.used for s in statements if not s.defined))
     while True:
-        kept = [s for s, defined in definitions if not defined or defined & needed]
-        grown = needed.union(*map(_used, kept))
+        kept = tuple(s for s in statements if not s.defined or s.defined & needed)
+        grown = needed.union(*(s.used for s in kept))
         if grown == needed:
             return kept
         needed = grown
@@ -92,13 +138,9 @@ def _defined(statement: ast.stmt) -> Iterator[str]:
             yield from (n.id for t in targets for n in ast.walk(t) if isinstance(n, ast.Name))
 
 
-def _used(statement: ast.stmt) -> set[str]:
-    return {node.id for node in ast.walk(statement) if isinstance(node, ast.Name)}
-
-
-def _imports(statement: ast.stmt, module: str) -> Iterator[str]:
-    """Name the modules that a statement imports, at any depth; the standard library left out."""
-    for node in ast.walk(statement):
+def _imports(nodes: Iterable[ast.AST], module: str) -> Iterator[str]:
+    """Name the modules that are imported, at any depth; the standard library left out."""
+    for node in nodes:
         if isinstance(node, ast.Import):
             targets = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -123,11 +165,13 @@ def _asks_by_name(node: ast.AST) -> bool:
     return False
 
 
+@cache
 def _package(module: str) -> str:
     spec = find_spec(module)
     return (spec.parent if spec else None) or module
 
 
+@cache
 def _submodule(base: str, name: str) -> str:
     """Return ``base.name`` where that is a module of this package, else ``base``."""
     inner = f"{base}.{name}"
