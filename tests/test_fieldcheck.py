@@ -38,7 +38,7 @@ TWICE = Question(
     inputs,
     lambda call: (call.arguments[0].shape,),
     (Law("Twice the numbers have twice the sum.", is_linear),),
-    limit=0.25,
+    limit=60.0,
 )
 CALLS = inputs(0)
 
@@ -53,7 +53,7 @@ def known():
 
 
 def verdict_of(function, known=None):
-    return judge(TWICE, CALLS, perform({"twice": function}, CALLS, 1), known)
+    return judge(TWICE, CALLS, perform({"twice": function}, CALLS, 600), known)
 
 
 def raises(_):
@@ -109,11 +109,15 @@ def test_slow_and_endless_answers():
     """A slow answer loses half, one that does not end loses all, and waiting for it has an end."""
 
     def slow(x):
-        time.sleep(0.3)
+        time.sleep(0.02)
         return 2 * x
 
-    assert verdict_of(slow, known()).rung == "slow"
-    assert verdict_of(slow, known()).credit == 0.5
+    def within(seconds, function):
+        hasty = replace(TWICE, limit=0.01)
+        return judge(hasty, CALLS, perform({"twice": function}, CALLS, seconds), known())
+
+    assert within(600, slow).rung == "slow"
+    assert within(600, slow).credit == 0.5
 
     def endless(_):
         while True:
@@ -122,10 +126,7 @@ def test_slow_and_endless_answers():
             except Exception:
                 continue
 
-    start = time.perf_counter()
-    verdict = verdict_of(endless)
-    assert verdict.rung == "endless"
-    assert time.perf_counter() - start < 3
+    assert within(0.1, endless).rung == "endless"
 
 
 def test_laws_judge_where_no_answer_is_known():

@@ -86,7 +86,7 @@ def test_leaving_out_tells_the_way(name):
 
 
 CTRL_C = """
-import os, signal, threading
+import signal, threading
 import numpy as np
 from fieldrecon import _chunks
 from fieldrecon.datasets import uniform
@@ -108,7 +108,7 @@ def stopped(work):
     def progress(done, total):
         told.append((done, total))
         if len(told) == 1:
-            os.kill(os.getpid(), signal.SIGINT)  # here, not after a moment: a busy machine is late
+            signal.raise_signal(signal.SIGINT)  # to this thread: another one might be late
 
     try:
         work(progress)
@@ -130,6 +130,6 @@ assert threading.active_count() <= 2, "running on"
 def test_ctrl_c_stops_at_once_and_loses_nothing():
     """A real interrupt, of set-up, fit, values and gradients, long before each is done."""
     done = subprocess.run(
-        [sys.executable, "-c", CTRL_C], capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", CTRL_C], capture_output=True, text=True, timeout=600, check=False
     )
     assert done.returncode == 0, done.stderr

@@ -16,12 +16,13 @@ from fieldrecon.course.grading.isolation import MEBIBYTE, Limits, Server, tiers
 from fieldrecon.course.grading.session import Task, run
 from fieldrecon.course.sandbox import frames
 
+# Patient, so that no busy machine comes too late; tests of what takes too long are `hasty`.
 LIMITS = Limits(
     memory=256 * MEBIBYTE,
     cpu_seconds=2,
-    seconds_per_cell=1.0,
-    seconds_per_call=0.3,
-    seconds_in_all=20,
+    seconds_per_cell=120,
+    seconds_per_call=120,
+    seconds_in_all=600,
     most_starts=4,
 )
 DOUBLE = "def double(x):\n    return 2 * x"
@@ -32,13 +33,13 @@ while "outgoing" not in frame.f_locals:
     frame = frame.f_back
 text = json.dumps({"frame": frame.f_locals["head"]["frame"], "error": "", "arrays": []}).encode()
 os.write(frame.f_locals["outgoing"], struct.pack("!II", len(text), 0) + text)
-time.sleep(99)
+time.sleep(9999)
 """
 FILLING = """
 import time
 for k in range(6):
     open(str(k), "wb").write(bytes(15 << 20))
-time.sleep(9)
+time.sleep(9999)
 """
 BUSY = """
 import signal, threading, time
@@ -55,7 +56,7 @@ for number in range(3, 64):
         os.close(number)
     except OSError:
         pass
-time.sleep(9)
+time.sleep(9999)
 """
 
 
@@ -73,6 +74,17 @@ def server():
         yield started
 
 
+@pytest.fixture
+def hasty(server, monkeypatch):
+    """The server, with some of its limits of time lowered."""
+
+    def lowered(**seconds):
+        monkeypatch.setattr(server, "limits", replace(LIMITS, **seconds))
+        return server
+
+    return lowered
+
+
 def test_cells_run_and_calls_are_made(server):
     """Arrays go in, arrays come out, and the process ends."""
     outcomes, log = run(server, ["import numpy as np", DOUBLE], [task(count=2)])
@@ -86,7 +98,6 @@ def test_cells_run_and_calls_are_made(server):
 @pytest.mark.parametrize(
     ("code", "reason", "sentence"),
     [
-        ("while True: pass", "time", "stopped after 1 seconds"),
         ("import os; os._exit(3)", "exit", "ended the program .exit status 3"),
         ("import ctypes; ctypes.string_at(0)", "crash", "segmentation fault"),
         ("import os; os.abort()", "crash", "aborted itself"),
@@ -106,6 +117,15 @@ def test_a_cell_that_breaks_is_left_out(server, code, reason, sentence):
     assert len(log.processes) == 2
     assert log.killed == [reason]
     assert re.search(sentence, log.cell_errors[1])
+
+
+def test_a_cell_that_does_not_end_is_left_out(hasty):
+    """After the seconds that a cell may take; it waits and uses up no processor time."""
+    sleep = "import time\ntime.sleep(9999)"
+    outcomes, log = run(hasty(seconds_per_cell=3.0), [DOUBLE, sleep], [task()])
+    assert statuses(outcomes) == {"double": ["returned"]}
+    assert log.killed == ["time"]
+    assert "stopped after 3 seconds" in log.cell_errors[1]
 
 
 def test_a_call_that_breaks_costs_its_question_alone(server):
@@ -130,32 +150,28 @@ def test_a_call_that_breaks_costs_its_question_alone(server):
     assert len(log.processes) == 2
 
 
-def test_a_call_that_does_not_end_is_ended_from_outside(server):
+def test_a_call_that_does_not_end_is_ended_from_outside(hasty):
     """Whoever swallows the interruption is killed soon after, and timed out."""
     code = """
 import time
 def double(x):
     while True:
         try:
-            time.sleep(9)
+            time.sleep(9999)
         except BaseException:
             continue
 """
-    begin = time.monotonic()
-    outcomes, log = run(server, [code], [task()])
+    outcomes, log = run(hasty(seconds_per_call=0.3), [code], [task()])
     assert statuses(outcomes) == {"double": ["timed out"]}
     assert log.killed == ["time"]
-    assert time.monotonic() - begin < LIMITS.seconds_per_call + process.GRACE + 3
 
 
-def test_a_process_that_does_not_read_holds_up_nobody(server):
+def test_a_process_that_does_not_read_holds_up_nobody(hasty):
     """Code answers in the worker's place and reads no more: what is sent has a deadline too."""
     large = Task("large", (Call("double", (np.zeros(10**6),), "many"),), 9.0)
-    begin = time.monotonic()
-    outcomes, log = run(server, [DOUBLE, DEAF], [large])
+    outcomes, log = run(hasty(seconds_per_call=0.3), [DOUBLE, DEAF], [large])
     assert statuses(outcomes) == {"large": ["timed out"]}
     assert log.killed == ["time"]
-    assert time.monotonic() - begin < 10
 
 
 def test_after_many_starts_it_is_given_up(server):
@@ -169,23 +185,18 @@ def test_after_many_starts_it_is_given_up(server):
 
 def test_after_a_long_time_it_is_given_up():
     """No number of cells, each a little shorter than it may be, takes longer than all may."""
-    limits = Limits(seconds_per_cell=0.5, seconds_in_all=1.0)
-    begin = time.monotonic()
+    limits = replace(LIMITS, seconds_in_all=1.0)
     with Server(tiers()[0], limits).started() as short:
-        started = time.monotonic()
-        outcomes, _ = run(short, ["import time; time.sleep(0.3)"] * 20 + [DOUBLE], [task()])
-        assert time.monotonic() - started < 4
+        cells = [f"done = {k}\nimport time; time.sleep(0.3)" for k in range(9999)]
+        outcomes, _ = run(short, [*cells, DOUBLE], [task()])
     assert statuses(outcomes) == {"double": ["raised"]}
-    assert time.monotonic() - begin < 30
 
 
 if sys.platform == "linux":
 
-    def test_processor_time_is_told_apart_from_memory(server, monkeypatch):
+    def test_processor_time_is_told_apart_from_memory(hasty):
         """Threads that compute in the background use it up, whatever else is waited for."""
-        patient = replace(LIMITS, most_starts=1, seconds_per_cell=60, seconds_in_all=60)
-        monkeypatch.setattr(server, "limits", patient)
-        _, log = run(server, [BUSY, "import time; time.sleep(50)"], [task()])
+        _, log = run(hasty(most_starts=1), [BUSY, "import time; time.sleep(9999)"], [task()])
         assert log.killed == ["time"]
         assert "processor time" in " ".join(log.cell_errors.values())
 
@@ -206,11 +217,11 @@ if sys.platform == "linux":
     def test_a_server_that_goes_in_the_middle_costs_one_start(server):
         """What then ran is run again."""
         to_it, from_it = server.run()
-        frames.receive(from_it, time.monotonic() + 5)
+        frames.receive(from_it, time.monotonic() + 600)
         os.kill(server._process.pid, signal.SIGKILL)
         server._process.wait()
         with pytest.raises(frames.Gone):  # what the server made ends with it
-            frames.receive(from_it, time.monotonic() + 5)
+            frames.receive(from_it, time.monotonic() + 600)
         os.close(to_it)
         os.close(from_it)
         assert server.end().ended_for == "server"
@@ -218,19 +229,20 @@ if sys.platform == "linux":
         assert statuses(outcomes) == {"double": ["returned"]}
 
 
-def test_after_a_time_out_the_others_begin_anew(server):
+def test_after_a_time_out_the_others_begin_anew(hasty):
     """What was interrupted in the middle, a lock perhaps that it holds, troubles nobody else."""
     slow = """
 import threading, time
 lock = threading.Lock()
 def slow(x):
     lock.acquire()
-    time.sleep(9)
+    time.sleep(9999)
 def double(x):
     assert lock.acquire(timeout=0.1)
     return 2 * x
 """
-    outcomes, log = run(server, [slow], [task("slow", "slow"), task()])
+    tasks = [task("slow", "slow"), task()]
+    outcomes, log = run(hasty(seconds_per_call=3.0), [slow], tasks)
     assert statuses(outcomes) == {"slow": ["timed out"], "double": ["returned"]}
     assert log.killed == []
     assert len(log.processes) == 2

@@ -327,7 +327,7 @@ def polytope(corners):
         h = (corners - corners[some[0]]) @ n
         n = n if h.max() < 1e-9 else -n
         if min(h.max(), -h.min()) < 1e-9:
-            faces[tuple(n.round(9) + 0.0)] = n
+            faces[tuple(np.flatnonzero(np.abs(h) < 1e-9))] = n  # a face is known by its corners
     normals = np.array(list(faces.values()))
     height = normals @ corners.T
     on = np.abs(height - height.max(axis=1, keepdims=True)) < 1e-9

@@ -20,12 +20,12 @@ from hostile.case import ROOT
 LIMITS = Limits(
     memory=256 * MEBIBYTE,
     cpu_seconds=8,
-    seconds_per_cell=1.5,
-    seconds_per_call=1.2,
-    seconds_in_all=60.0,
+    seconds_per_cell=5.0,
+    seconds_per_call=4.0,
+    seconds_in_all=300.0,
     most_starts=8,
 )
-SECONDS_FOR_A_CASE = 120
+SECONDS_FOR_A_CASE = 900
 
 
 class Places:
