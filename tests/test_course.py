@@ -494,6 +494,18 @@ def test_the_first_solution_is_published(tmp_path):
     assert text.count("<img") == text.count('src="data:image/svg+xml;base64,') > 2
 
 
+def test_solutions_are_published_from_any_path(tmp_path):
+    """Of a checkout and of the output: signs that Lua's search path, shells and URLs reserve."""
+    root = tmp_path / "a; b? #c%20 'd' ü"
+    shutil.copytree(ROOT / "report", root / "report", ignore=shutil.ignore_patterns("build"))
+    (root / "solutions").mkdir()
+    for ending in (".py", ".ipynb"):
+        shutil.copy(SOURCES[0].path.with_suffix(ending), root / "solutions")
+    there = publish(root, SOURCES[0], root / "out")
+    here = publish(ROOT, SOURCES[0], tmp_path / "out")
+    assert [p.read_bytes() for p in there] == [p.read_bytes() for p in here]
+
+
 @pytest.mark.slow
 @each_source
 def test_every_solution_can_be_published(source, tmp_path):

@@ -70,8 +70,17 @@ def test_continuous_integration_runs_the_readme_s_command():
     """What the README promises is what is tried in a clean clone."""
     assert re.search(r"^make test\b", "\n".join(blocks(README, "sh")), flags=re.M)
     script = (ROOT / ".ci" / "run").read_text()
-    assert re.search(r"^step tests test$", script, flags=re.M)
-    assert 'make "$1"' in script
+    assert re.search(r"^    step test_with test test$", script, flags=re.M)
+    assert re.search(r'^test_with\(\) \{ make "\$\{@:2\}"', script, flags=re.M)
+
+
+def test_the_workflow_runs_every_job_of_continuous_integration():
+    """And a name that is no job of `.ci/run` is refused, with the names that are."""
+    run = subprocess.run(["bash", ".ci/run", "x"], cwd=ROOT, capture_output=True, text=True)
+    assert run.returncode == 2
+    _, names = run.stdout.splitlines()[0].split("there is no job x, only ")
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text()
+    assert set(re.findall(r"job: (\w+)", workflow)) == set(names.split())
 
 
 # --- what the pages point to --------------------------------------------------------------------

@@ -78,7 +78,6 @@ def told(code: str) -> str:
 
 
 def _pandoc(root: Path, source: Source, folder: Path, to: str) -> str:
-    report = (root / "report").resolve()
     suffix = "typ" if to == "typst" else "html"
     command = [
         str(pandoc()),
@@ -86,19 +85,20 @@ def _pandoc(root: Path, source: Source, folder: Path, to: str) -> str:
         f"--to={to}",
         "--standalone",
         "--wrap=none",
-        f"--template={report / f'template.{suffix}'}",
+        f"--template=template.{suffix}",
         "--mathml",
-        f"--metadata=filters:{report / 'filters'}",
         f"--metadata=title:{source.title}",
         "--metadata=lang:en",
         "--metadata=subtitle:Solved exercises",
         f"--lua-filter={TEMPLATE / 'notebook.lua'}",
         "--fail-if-warnings",
         *(["--toc", "--toc-depth=3"] if to != "typst" else []),
-        "page.md",
+        str(folder / "page.md"),
     ]
+    # In the report's folder, as the filters of the report: Lua's search path, made of patterns with
+    # ";" and "?" between, cannot hold every absolute path.
     run = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False
+        command, cwd=root / "report", capture_output=True, text=True, encoding="utf-8", check=False
     )
     if run.returncode:
         raise BuildError(f"{source.path.name}: {run.stderr.strip()}")

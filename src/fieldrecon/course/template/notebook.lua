@@ -1,13 +1,8 @@
 --[[ notebook.lua: a notebook's Markdown for Pandoc. A formula's \tag becomes its number, on the page
-and on paper; the rest is that of the report, whose filters lie in the folder named by `filters`. ]]
+and on paper; the rest is that of the report, in whose folder Pandoc runs. ]]
 
-local modules = {}
-
-local function load(doc)
-  local folder = pandoc.utils.stringify(doc.meta.filters)
-  package.path = pandoc.path.join { folder, '?.lua' } .. ';' .. package.path
-  modules.problems, modules.mathematics = require 'problems', require 'mathematics'
-end
+package.path = 'filters/?.lua;' .. package.path
+local problems, mathematics = require 'problems', require 'mathematics'
 
 -- $$ … \tag{2.1} $$ is the numbered formula of the report.
 local function numbered(math)
@@ -40,10 +35,9 @@ local function untitled(doc)
 end
 
 return {
-  { Pandoc = load },
   { Pandoc = untitled },
   { traverse = 'topdown', Math = numbered },
-  { Pandoc = function(doc) return modules.mathematics(doc) end },
+  { Pandoc = function(doc) return mathematics(doc) end },
   { RawBlock = unfolded, Image = picture },
-  { Pandoc = function() modules.problems.stop_if_any() end },
+  { Pandoc = function() problems.stop_if_any() end },
 }
