@@ -16,7 +16,17 @@ import pytest
 from fieldcheck.questions import questions
 from fieldcheck.seeds import PUBLIC_SALT
 from fieldrecon.cli import main
-from fieldrecon.course import build, bundle, catalogue, leaks, mutants, notebooks, proof, secret
+from fieldrecon.course import (
+    build,
+    bundle,
+    catalogue,
+    kernels,
+    leaks,
+    mutants,
+    notebooks,
+    proof,
+    secret,
+)
 from fieldrecon.course.known import answers_file, same_answers
 from fieldrecon.course.publish import publish
 from fieldrecon.course.sources import Source
@@ -573,11 +583,14 @@ def test_this_repository_ignores_the_secret():
 # The command
 
 
-def test_the_command_says_where_the_secret_is_missing(capsys):
-    """A banner stands above the proof of one question, which passes."""
+def test_the_command_says_where_the_secret_is_missing(capsys, monkeypatch):
+    """A banner stands above the proof of one question, which passes in one of the settings."""
+    monkeypatch.setattr("fieldrecon.course.command.settings", lambda: kernels.settings()[-1:])
     assert main(["course", "--root", str(ROOT), "check", "--question", "01.5"]) == 0
     printed = capsys.readouterr()
     assert "01.5" in printed.out
+    assert "With all dispatched SIMD of NumPy off: " in printed.out
+    assert "; NumPy dispatches to nothing." in printed.out
     if not secret.read_salt(ROOT).secret:
         assert "There is no secret salt" in printed.err
 

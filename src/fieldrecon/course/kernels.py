@@ -14,8 +14,9 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
 
-import numpy as np
 import scipy.linalg  # noqa: F401  (loads the OpenBLAS of SciPy, whose kernels are reported)
 from threadpoolctl import threadpool_info
 
@@ -25,6 +26,8 @@ from fieldrecon.course.sources import Source
 
 CORES = {"Prescott": "SSE3", "Nehalem": "SSE42", "Haswell": "AVX2", "SkylakeX": "AVX512_SKX"}
 """Processors after which OpenBLAS names its kernels, and the instructions that these need."""
+UMATH: Any = import_module("numpy._core._multiarray_umath")
+"""Where NumPy says which instructions it uses; there is no public name for it."""
 CHOICES = ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES")
 NO_CHOICE = (
     "The kernels of BLAS cannot be chosen here, so no others are tried: that needs NumPy and SciPy "
@@ -91,7 +94,7 @@ class Run:
 
 def settings() -> list[Setting]:
     """Return the settings of this machine: kernels of OpenBLAS, and NumPy without SIMD."""
-    names = np._core._multiarray_umath.__cpu_dispatch__
+    names = UMATH.__cpu_dispatch__
     plain = [Setting("all dispatched SIMD of NumPy off", {CHOICES[1]: " ".join(names)})]
     if not has_choice_of_kernels():
         return plain
@@ -108,25 +111,24 @@ def has_choice_of_kernels() -> bool:
 
 def _cpu_has(feature: str) -> bool:
     """Whether the processor has an instruction set; NumPy 2.4 has new names for groups of them."""
-    features = np._core._multiarray_umath.__cpu_features__
+    features = UMATH.__cpu_features__
     renamed = {"SSE3": "X86_V2", "SSE42": "X86_V2", "AVX2": "X86_V3", "AVX512_SKX": "X86_V4"}
     return bool(features.get(feature) or features.get(renamed[feature]))
 
 
 def blas_cores() -> dict[str, str]:
     """Return for which core the OpenBLAS of NumPy and that of SciPy run; empty for another BLAS."""
-    found = [lib for lib in threadpool_info() if lib["user_api"] == "blas"]
+    found = [lib for lib in threadpool_info() if lib["internal_api"] == "openblas"]
     cores = {}
     for package in ("NumPy", "SciPy"):
         own = [lib for lib in found if f"{package.lower()}.libs" in lib["filepath"]] or found
-        cores[package] = own[0].get("architecture", "") if own else ""
+        cores[package] = own[0]["architecture"] if own else ""
     return cores
 
 
 def dispatched() -> tuple[str, ...]:
     """Return the instruction sets to which NumPy dispatches in this process."""
-    umath = np._core._multiarray_umath
-    return tuple(name for name in umath.__cpu_dispatch__ if umath.__cpu_features__.get(name))
+    return tuple(name for name in UMATH.__cpu_dispatch__ if UMATH.__cpu_features__.get(name))
 
 
 def run(setting: Setting, request: Request) -> Run:
