@@ -1,5 +1,5 @@
 --[[ write_html.lua: what is particular to the page: the title is its only first-level heading,
-figures lie in the file itself, tables and formulas scroll inside their own box.                 ]]
+tables and formulas scroll inside their own box. The build puts the figures into the file.       ]]
 
 local pictures = require 'pictures'
 
@@ -22,9 +22,9 @@ end
 return function(doc)
   local root = pandoc.utils.stringify(doc.meta.figures)
   local function image(i)
-    local svg, width = pictures.read(root, i.src)
+    local width = pictures.width(root, i.src)
     return pandoc.RawInline('html', ('<img src="%s" alt="%s" style="width:%.4g%%">'):format(
-      pandoc.mediabag.make_data_uri('image/svg+xml', svg), escaped(pandoc.utils.stringify(i.caption)),
+      escaped(i.src), escaped(pandoc.utils.stringify(i.caption)),
       100 * math.min(1, width / pictures.text_width)))
   end
   doc.blocks = doc.blocks:walk { Image = image, Header = lower_heading, Table = in_scroll_box }

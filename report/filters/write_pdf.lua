@@ -65,7 +65,7 @@ end
 return function(doc)
   local root = pandoc.utils.stringify(doc.meta.figures)
   local function image(i)
-    local _, width = pictures.read(root, i.src)
+    local width = pictures.width(root, i.src)
     return raw(('#image("/experiments/%s", width: %.2fmm, alt: %s)'):format(i.src, width,
       quoted(pandoc.utils.stringify(i.caption))))
   end

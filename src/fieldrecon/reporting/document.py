@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import html
 import json
 import re
 import subprocess
@@ -145,12 +147,17 @@ class Document:
         return ""
 
     def _dressed(self, page: str) -> str:
-        """Put style sheet and fonts into the page."""
+        """Put style sheet, fonts and figures into the page."""
         from fieldrecon.reporting.webfonts import font_faces
 
         css = (self.source / "style.css").read_text(encoding="utf-8")
         page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
-        return page.replace("/* style */", font_faces(page) + css, 1)
+        page = page.replace("/* style */", font_faces(page) + css, 1)
+        return FIGURE.sub(self._embedded, page)  # last, since they make it twenty times as long
+
+    def _embedded(self, source: re.Match[str]) -> str:
+        content = (self.out / "experiments" / html.unescape(source[0])).read_bytes()
+        return f"data:image/svg+xml;base64,{base64.b64encode(content).decode()}"
 
     def _typeset(self, text: str) -> bytes:
         import typst
@@ -171,6 +178,7 @@ class Document:
 
 UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
 """Pandoc leaves the operator to the browser, which would slant it like a variable."""
+FIGURE = re.compile(r'(?<=<img src=")[^":]+\.svg(?=")')
 QUOTATION = re.compile(r"\{\{(\w+)\.(params\.)?(\w+)(?::[^{}]*)?\}\}")
 
 
