@@ -40,7 +40,7 @@ $(VENV)/ready-%: requirements-%.lock | $(ready)
 # Checks. One BLAS thread per test process: the processes are what runs in parallel.
 
 one_thread := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 VECLIB_MAXIMUM_THREADS=1
-pytest     := $(one_thread) $(python) -m pytest --numprocesses=auto --maxprocesses=4
+pytest     := $(one_thread) $(python) -m pytest --numprocesses=auto --maxprocesses=4 --dist=worksteal
 
 test: $(ready) ## run the tests, those marked slow left out
 	@$(pytest) -m "not slow"

@@ -108,6 +108,6 @@ def test_processes_give_the_bits_of_threads():
         "RBF thin plate in 2-D",
         "PU r³ on 16 sites, degree 3 in 2-D",
     )
-    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as processes:
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as processes:
         for name in names:
             laws.executors_do_not_matter(case(name), processes)

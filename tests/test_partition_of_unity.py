@@ -323,7 +323,7 @@ def test_it_is_the_same_on_threads_and_processes():
     m, q = PartitionOfUnityRBF(X), halton(3000, 2, seed=1)
     here = m.field(wave(X))
     spawn = multiprocessing.get_context("spawn")
-    with ThreadPoolExecutor(3) as threads, ProcessPoolExecutor(2, mp_context=spawn) as processes:
+    with ThreadPoolExecutor(3) as threads, ProcessPoolExecutor(1, mp_context=spawn) as processes:
         for executor in (threads, processes):
             there = m.field(wave(X), executor=executor)
             assert_close(there(q, executor=executor), here(q), 0.0)
