@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from fieldrecon.block_means import block_means
+from fieldrecon.block_averages import block_means
 from fieldrecon.candidates import Candidate
 from fieldrecon.judging import Judge
 from fieldrecon.model_selection import leave_one_out

@@ -12,7 +12,7 @@ from fieldrecon.experiments.mesh_pictures import COLORS, Picture, marks
 from fieldrecon.experiments.planted_errors import TOWARD, planted_errors
 from fieldrecon.experiments.triangle_shapes import band, cube, sphere
 from fieldrecon.mesh_audit import CONCERNS, audit_mesh
-from fieldrecon.reporting import mesh_errors
+from fieldrecon.reporting import audit_picture
 from fieldrecon.triangle_files import read_triangles, write_triangles
 
 PLANTED = planted_errors(1)
@@ -22,7 +22,7 @@ PLANTED = planted_errors(1)
 def folder(tmp_path, monkeypatch):
     """Work in a folder of its own, with small pictures."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(mesh_errors, "_PIXELS", 150)
+    monkeypatch.setattr(audit_picture, "_PIXELS", 150)
     return tmp_path
 
 

@@ -154,7 +154,7 @@ def test_reconstruct_writes_a_grid(capsys, tmp_path, survey):
     assert {row["method"] for row in methods} == set(CANDIDATES)
     errors = [float(row["rms error"]) for row in methods if row["rms error"]]
     assert errors == sorted(errors)
-    assert f"Drawn: {methods[0]['method']}," in shown
+    assert f"Evaluated: {methods[0]['method']}," in shown
     for name in ("reconstruction", "error"):
         assert (out / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         assert b"<svg" in (out / f"{name}.svg").read_bytes()
@@ -178,7 +178,7 @@ def test_reconstruct_obeys(capsys, tmp_path, survey):
     """Columns and method are those asked for."""
     options = ["--x", "northing", "--y", "easting", "--value", "depth [m]", "--method", "ls2"]
     assert reconstruct(survey, tmp_path / "out", *options) == 0
-    assert "Drawn: ls2, least squares, degree 2." in capsys.readouterr().out
+    assert "Evaluated: ls2, least squares, degree 2." in capsys.readouterr().out
     assert list(read_csv(tmp_path / "out" / "grid.csv")[0])[:2] == ["northing", "easting"]
 
 
@@ -400,7 +400,7 @@ def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
     assert reconstruct(tmp_path / "s.npz", tmp_path / "a.npz", "--grid", "60x50") == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "value at 20000 points: error when each of 6000 is left out" in shown
-    assert "Drawn: pu," in shown
+    assert "Evaluated: pu," in shown
     with np.load(tmp_path / "a.npz") as stored:
         nodes = np.stack(np.meshgrid(stored["x"], stored["y"]), axis=-1)
         missed = abs(stored["values"] - franke(nodes))[stored["extrapolated"] == 0]
@@ -465,14 +465,6 @@ def test_a_wrong_command_is_told_with_its_usage(capsys, arguments, words):
     with pytest.raises(SystemExit, match="2"):
         main(arguments)
     assert words in capsys.readouterr().err
-
-
-def test_a_missing_package_is_told_with_the_remedy(capsys, monkeypatch):
-    """Without the packages of the report, the command line says what to install."""
-    monkeypatch.setitem(sys.modules, "rich.table", None)
-    monkeypatch.delitem(sys.modules, "fieldrecon.reporting.terminal", raising=False)
-    assert main(["experiments", "list"]) == 2
-    assert "pip install 'fieldrecon[report]'" in capsys.readouterr().err
 
 
 def test_an_interrupt_is_no_failure_of_the_program(capsys, monkeypatch):

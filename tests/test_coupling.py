@@ -20,7 +20,7 @@ from fieldrecon.partition_of_unity import PartitionOfUnityRBF
 from fieldrecon.positive_definite import gaussian, wendland
 from fieldrecon.radial import inverse_square, polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
-from fieldrecon.rigid_motions import resultants, rigid_motions
+from fieldrecon.rigid_bodies import resultants, rigid_motions
 from laws import VISIBLE, assert_close
 
 plates = partial(RBF, kernel=thin_plate_spline())

@@ -131,7 +131,9 @@ def test_a_wrong_spacing_is_told_in_words(arguments, words):
 def test_without_matplotlib_the_remedy_is_told(monkeypatch):
     """The terrain is a file of matplotlib's; without it, the message says what to install."""
     monkeypatch.setattr(elevation, "find_spec", lambda _: None)
-    with pytest.raises(ModuleNotFoundError, match=r"install fieldrecon\[report\]"):
+    with pytest.raises(
+        ModuleNotFoundError, match=r"is a file of matplotlib.* extra 'report': pip install "
+    ):
         terrain()
 
 

@@ -9,8 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldrecon import _whole_file
-from fieldrecon.experiments import Result, Table, files, order_of_magnitude
-from fieldrecon.experiments.experiment import cell_from_text, require_at_least
+from fieldrecon.experiments import files
+from fieldrecon.experiments.experiment import (
+    Result,
+    Table,
+    cell_from_text,
+    order_of_magnitude,
+    require_at_least,
+)
 from fieldrecon.experiments.settings import with_settings
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)

@@ -99,6 +99,11 @@ def test_its_figures_need_nothing_but_the_result(experiment, result, tmp_path):
         assert files.figure_bytes(page, "svg") == files.figure_bytes(plot(result), "svg"), name
 
 
+def test_the_title_in_the_source_is_that_of_the_module(experiment):
+    """The list reads what an import would give."""
+    assert experiments.titles()[experiment.name] == experiment.title
+
+
 def test_names_are_found_without_importing_anything():
     """Listing the experiments imports neither them nor matplotlib."""
     code = (

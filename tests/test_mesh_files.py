@@ -213,5 +213,5 @@ def test_a_file_that_is_not_there_is_told(suffix, tmp_path):
 def test_without_meshio_the_remedy_is_told(tmp_path, monkeypatch):
     """The line to type."""
     monkeypatch.setitem(sys.modules, "meshio.vtk", None)
-    with pytest.raises(ImportError, match=r"type: pip install 'fieldrecon\[mesh\]'"):
+    with pytest.raises(ImportError, match=r"meshio is not .* the extra 'mesh': pip install "):
         read_mesh(tmp_path / "mesh.vtk")

@@ -11,7 +11,7 @@ from fieldrecon.datasets import halton
 from fieldrecon.experiments import advection, coupling, slotted_disc
 from fieldrecon.flat_coupling import blended_plates
 from fieldrecon.partition_of_unity import PartitionOfUnityRBF
-from fieldrecon.rigid_motions import resultants
+from fieldrecon.rigid_bodies import resultants
 from laws import assert_close, difference_quotient
 
 

@@ -12,7 +12,7 @@ from fieldrecon import RBF, polyharmonic
 from fieldrecon.coupling import Coupling
 from fieldrecon.course.sources import Source
 from fieldrecon.flat_coupling import FlatCoupling
-from fieldrecon.rigid_motions import resultants
+from fieldrecon.rigid_bodies import resultants
 
 SOURCE = Source(Path(__file__).parent.parent / "solutions/12_aeroelastic_coupling.py")
 NOTEBOOK = SOURCE.functions()

@@ -6,7 +6,7 @@ import pytest
 import fieldrecon as fr
 from fieldrecon.cli import main
 from fieldrecon.experiments.triangle_shapes import sphere
-from fieldrecon.reporting import surface_page
+from fieldrecon.reporting import surface_picture
 from fieldrecon.shapes import Ball, Torus, sample_surface
 from fieldrecon.triangle_distances import distances_to_triangles
 from fieldrecon.triangle_files import read_triangles
@@ -16,7 +16,7 @@ from fieldrecon.triangle_files import read_triangles
 def folder(tmp_path, monkeypatch):
     """Work in a folder of its own, with small pictures."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(surface_page, "_PIXELS", 24)
+    monkeypatch.setattr(surface_picture, "_PIXELS", 24)
     return tmp_path
 
 

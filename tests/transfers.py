@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldrecon.coupling import Transfer
-from fieldrecon.rigid_motions import resultants, rigid_motions
+from fieldrecon.rigid_bodies import resultants, rigid_motions
 from laws import VISIBLE, assert_close
 
 CLOSE = 1e-9

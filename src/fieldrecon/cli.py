@@ -1,4 +1,7 @@
-"""The command line: experiments, a field from a file of samples, the report."""
+"""The command line: experiments, a field from a file of samples, the report.
+
+A command is imported when it is called, since NumPy and SciPy alone take longer than most answers.
+"""
 
 from __future__ import annotations
 
@@ -8,30 +11,16 @@ import os
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-import numpy as np
-from threadpoolctl import threadpool_limits
-
-from fieldrecon import reconstruct_command, surface_command
-from fieldrecon._processes import prepare
-from fieldrecon.course.grading import FOR_WORKERS
-
 if TYPE_CHECKING:
-    from fieldrecon.experiments import Map
+    from fieldrecon.experiments.experiment import Map
 
-USER_ERRORS = (
-    ValueError,
-    np.linalg.LinAlgError,
-    OSError,
-    MemoryError,
-    OverflowError,
-    ImportError,
-)
+USER_ERRORS = (ValueError, OSError, MemoryError, OverflowError, ImportError)
+"""What the user can put right; a LinAlgError is a ValueError."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -71,25 +60,25 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument("--traceback", action="store_true", help="show where an error came from")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_experiments(commands.add_parser("experiments", help="list, show and run the experiments"))
-    reconstruct_command.add_arguments(
-        commands.add_parser(
-            "reconstruct",
-            help="a field from a table of samples, and which method fits them",
-            description="Reconstruct a field from samples, on a grid, at points or on a mesh. Each "
-            "method is judged by samples that are left out; each value comes with an estimate of "
-            "its error, and extrapolated ones are marked.",
-        )
+    reconstruct = commands.add_parser(
+        "reconstruct",
+        help="a field from a table of samples, and which method fits them",
+        description="Reconstruct a field from samples, on a grid, at points or on a mesh. Each "
+        "method is judged by samples that are left out; each value comes with an estimate of "
+        "its error, and extrapolated ones are marked.",
     )
-    surface_command.add_arguments(
-        commands.add_parser(
-            "surface",
-            help="a closed mesh from a scan: points on the surface of a body, in a file",
-            description="Reconstruct the body whose surface goes through points: normals, a field "
-            "that is zero at the points, a mesh of its zeros, a picture, and a page that says how "
-            "far the points are from it. The status is 0 if the mesh is closed, sound, and "
-            "misses no point, 1 if there is something to look at, and 2 if there is no mesh.",
-        )
+    if "reconstruct" in arguments:
+        _add_reconstruct(reconstruct)
+    surface = commands.add_parser(
+        "surface",
+        help="a closed mesh from a scan: points on the surface of a body, in a file",
+        description="Reconstruct the body whose surface goes through points: normals, a field "
+        "that is zero at the points, a mesh of its zeros, a picture, and a page that says how "
+        "far the points are from it. The status is 0 if the mesh is closed, sound, and "
+        "misses no point, 1 if there is something to look at, and 2 if there is no mesh.",
     )
+    if "surface" in arguments:
+        _add_surface(surface)
     _add_audit(
         commands.add_parser(
             "audit",
@@ -113,6 +102,20 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     return parser
 
 
+def _add_reconstruct(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the reconstruction."""
+    from fieldrecon.reconstruct_command import add_arguments
+
+    add_arguments(parser)
+
+
+def _add_surface(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the surface."""
+    from fieldrecon.surface_command import add_arguments
+
+    add_arguments(parser)
+
+
 def _add_report(parser: argparse.ArgumentParser) -> None:
     """Declare the options that the report itself knows; to ask it imports all that it needs."""
     try:
@@ -134,6 +137,9 @@ def _add_course(parser: argparse.ArgumentParser) -> None:
 
 def _add_grade(parser: argparse.ArgumentParser) -> None:
     """Declare the options that grading itself knows."""
+    from fieldrecon._processes import prepare
+    from fieldrecon.course.grading import FOR_WORKERS
+
     prepare(FOR_WORKERS)  # first, since it goes on while the rest is imported here
     try:
         from fieldrecon.course.grading.command import add_arguments
@@ -192,10 +198,10 @@ def _positive(text: str) -> int:
 
 
 def _list(_: argparse.Namespace) -> None:
-    from fieldrecon.experiments import get, names
-    from fieldrecon.reporting.terminal import print_table
+    from fieldrecon.experiments import titles
+    from fieldrecon.reporting.console import print_table
 
-    print_table(("experiment", "what it is about"), [(name, get(name).title) for name in names()])
+    print_table(("experiment", "what it is about"), tuple(titles().items()))
 
 
 def _show(options: argparse.Namespace) -> None:
@@ -208,7 +214,8 @@ def _show(options: argparse.Namespace) -> None:
 def _run(options: argparse.Namespace) -> None:
     from fieldrecon.experiments import files, get
     from fieldrecon.experiments.settings import with_settings
-    from fieldrecon.reporting.terminal import print_files, print_table, progress
+    from fieldrecon.reporting.console import print_table
+    from fieldrecon.reporting.terminal import print_files, progress
 
     experiment = get(options.name)
     settings = dict(map(_setting, options.set)) | ({"seed": options.seed} if options.seed else {})
@@ -231,12 +238,21 @@ def _setting(text: str) -> tuple[str, str]:
 
 
 def _audit(options: argparse.Namespace) -> int:
+    from fieldrecon._extras import require
     from fieldrecon.mesh_audit import audit_mesh
     from fieldrecon.mesh_repair import repair_mesh
-    from fieldrecon.reporting.mesh_errors import write_audit
-    from fieldrecon.reporting.terminal import print_audit, print_files, print_json, stages
-    from fieldrecon.triangle_files import read_triangles, write_triangles
+    from fieldrecon.reporting.audit_files import write_audit
+    from fieldrecon.reporting.terminal import (
+        print_audit,
+        print_files,
+        print_json,
+        print_missing_pictures,
+        stages,
+    )
+    from fieldrecon.triangle_files import packages_to_write, read_triangles, write_triangles
 
+    if options.repair:
+        require(*packages_to_write(options.repair))
     points, triangles = read_triangles(options.mesh)
     with stages() as stage:
         progress = stage("looking for self-intersections")
@@ -258,6 +274,7 @@ def _audit(options: argparse.Namespace) -> int:
         if done is not None:
             print_audit(options.repair, last, done)
         print_files(written if done is None else [*written, options.repair])
+    print_missing_pictures()
     boundary = {"boundary_loops"} if options.open else set()
     return int(bool({*last.found} - boundary))
 
@@ -268,13 +285,19 @@ def _pool_map(jobs: int) -> Iterator[Map]:
     if jobs == 1:
         yield map
         return
+    from concurrent.futures import ProcessPoolExecutor
+
+    from threadpoolctl import threadpool_limits
+
     with ProcessPoolExecutor(jobs, initializer=threadpool_limits, initargs=(1,)) as pool:
         yield pool.map
 
 
 def _sentence(error: Exception) -> str:
     if isinstance(error, ModuleNotFoundError) and error.name:
-        return f"{error.name} is not installed; pip install 'fieldrecon[report]'"
+        from fieldrecon._extras import remedy
+
+        return remedy(error.name)
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror.lower()}" if error.filename else error.strerror
     return " ".join(str(error).split()) or type(error).__name__

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import splu
 
 from fieldrecon._loads import as_mass, as_parts, as_surface, diagonal_of_areas
 from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
-from fieldrecon.rigid_motions import as_vectors, resultants, rigid_motions
+from fieldrecon.rigid_bodies import as_vectors, resultants, rigid_motions
 
 
 class Transfer(ABC):

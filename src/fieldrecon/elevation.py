@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._extras import remedy
+
 _SAMPLE = "jacksboro_fault_dem.npz"
 
 # The ellipsoid of WGS 84, in metres.
@@ -110,8 +112,7 @@ def _sample_path() -> Path:
     package = find_spec("matplotlib")
     if package is None or not package.submodule_search_locations:
         raise ModuleNotFoundError(
-            "the terrain is a file that comes with matplotlib, which is not installed; "
-            "install fieldrecon[report]"
+            f"the terrain is a file of matplotlib, and {remedy('matplotlib')}"
         )
     path = Path(package.submodule_search_locations[0], "mpl-data", "sample_data", _SAMPLE)
     if not path.is_file():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon import _validation as valid
+from fieldrecon._extras import optional
 from fieldrecon.mesh import SimplexMesh
 
 _MODULES = {
@@ -199,9 +199,7 @@ def write_mesh(
     in_cells = {k: [_as_data(v, k, len(mesh.cells), "cell")] for k, v in (cell_data or {}).items()}
     cells = mesh.cells.astype(np.int32) if n < 2**31 else mesh.cells
     kind = "triangle" if d == 2 else "tetra"
-    content = import_module("meshio").Mesh(
-        _in_space(mesh.points), [(kind, cells)], at_points, in_cells
-    )
+    content = optional("meshio").Mesh(_in_space(mesh.points), [(kind, cells)], at_points, in_cells)
     module.write(str(path), content)
 
 
@@ -211,12 +209,7 @@ def _module(path: str | Path) -> Any:
     if suffix not in _MODULES:
         known = ", ".join(_MODULES)
         raise ValueError(f"{path} must end with the suffix of a known format, {known}")
-    try:
-        return import_module(f"meshio.{_MODULES[suffix]}")
-    except ImportError:
-        raise ImportError(
-            "mesh files need the package meshio; type: pip install 'fieldrecon[mesh]'"
-        ) from None
+    return optional(f"meshio.{_MODULES[suffix]}")
 
 
 def _content(path: str | Path) -> Any:

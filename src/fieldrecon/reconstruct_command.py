@@ -8,11 +8,12 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from fieldrecon._chunks import Progress
+from fieldrecon._extras import PICTURES, absent
 from fieldrecon._memory import peak_memory
 from fieldrecon._whole_file import whole_file, write_atomically
 from fieldrecon.candidates import CANDIDATES
@@ -28,9 +29,13 @@ from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.samples import Samples, read_samples, refuse_flat
 from fieldrecon.sphere import OnGlobe, to_unit
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 Stage: TypeAlias = Callable[[str], Progress]
 
 _GRID = {2: (200, 200), 3: (50, 50, 50)}
+_CAPTIONS = {"reconstruction": "The field", "error": "How far it may be off"}
 _STEM = {"nodes": "grid", "points": "points", "vertices": "mesh"}
 
 
@@ -89,7 +94,12 @@ def _counts(text: str) -> tuple[int, ...]:
 
 def reconstruct(options: argparse.Namespace) -> None:
     """Read, choose, evaluate, write and tell."""
-    from fieldrecon.reporting.terminal import print_files, print_outcome, stages
+    from fieldrecon.reporting.terminal import (
+        print_files,
+        print_missing_pictures,
+        print_outcome,
+        stages,
+    )
 
     outputs = _outputs(options)
     with stages() as stage:
@@ -98,6 +108,7 @@ def reconstruct(options: argparse.Namespace) -> None:
         written = list(_written(outcome, outputs, options))
     print_outcome(outcome)
     print_files(written)
+    print_missing_pictures()
 
 
 def _outputs(options: argparse.Namespace) -> tuple[Path | None, list[str]]:
@@ -223,7 +234,6 @@ def _written(
 ) -> Iterator[Path]:
     """Write the values, the methods, the pictures and the page; yield the files."""
     from fieldrecon.experiments.files import figure_bytes, write_figure
-    from fieldrecon.reporting.field_pictures import plot, plot_error
     from fieldrecon.reporting.summary import methods_csv, summary
 
     file, formats = outputs
@@ -236,8 +246,8 @@ def _written(
     if options.save:
         save(options.save, outcome.field, outcome.samples.names)
         yield options.save
-    pictures = {"The field": plot(outcome), "How far it may be off": plot_error(outcome)}
-    drawn = {caption: figure_bytes(page, "png") for caption, page in pictures.items()}
+    pictures = _pictures(outcome)
+    drawn = {_CAPTIONS[name]: figure_bytes(picture, "png") for name, picture in pictures.items()}
     asked = {
         f"--{key}": str(value) if isinstance(value, Path) else value
         for key, value in vars(options).items()
@@ -246,6 +256,15 @@ def _written(
     page = file.with_suffix(".html") if file else options.out / "summary.html"
     if not file:
         yield write_atomically(options.out / "methods.csv", methods_csv(outcome))
-        for name, picture in zip(("reconstruction", "error"), pictures.values(), strict=True):
+        for name, picture in pictures.items():
             yield from write_figure(picture, options.out / name, ("png", "svg"))
     yield write_atomically(page, summary(outcome, drawn, asked).encode())
+
+
+def _pictures(outcome: Outcome) -> dict[str, Figure]:
+    """Draw the field and its error; nothing without the packages that draw."""
+    if absent(*PICTURES):
+        return {}
+    from fieldrecon.reporting.field_pictures import plot, plot_error
+
+    return {"reconstruction": plot(outcome), "error": plot_error(outcome)}

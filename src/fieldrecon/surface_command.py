@@ -11,12 +11,13 @@ from typing import TypeAlias
 import numpy as np
 
 from fieldrecon._chunks import Progress
-from fieldrecon._memory import peak_memory, time_and_memory
+from fieldrecon._extras import PICTURES, absent, require
+from fieldrecon._memory import memory_used, peak_memory
 from fieldrecon._validation import as_length
 from fieldrecon._whole_file import whole_file, write_atomically
 from fieldrecon.cloud_files import read_cloud
 from fieldrecon.scans import Scan, surface_of, surface_of_soup
-from fieldrecon.triangle_files import write_triangles
+from fieldrecon.triangle_files import packages_to_write, write_triangles
 
 Stage: TypeAlias = Callable[[str], Progress]
 
@@ -70,12 +71,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def surface(options: argparse.Namespace) -> int:
     """Read, fit, mesh, draw, write and tell."""
-    from fieldrecon.reporting.terminal import print_files, print_scan, stages
+    from fieldrecon.reporting.terminal import (
+        print_files,
+        print_missing_pictures,
+        print_scan,
+        stages,
+    )
 
     if options.out.suffix.lower() not in FORMATS:
         raise ValueError(f"--out {options.out} must end with {', '.join(FORMATS)}")
     if options.out.resolve() == options.cloud.resolve():
         raise ValueError(f"{options.out} is read, and would be overwritten; choose another name")
+    require("skimage", *packages_to_write(options.out))
     began = perf_counter()
     with stages() as stage:
         scan = _scan(options, stage)
@@ -83,6 +90,7 @@ def surface(options: argparse.Namespace) -> int:
     remarks = [*scan.remarks, *_of_file(scan, options.out)]
     print_scan(options.cloud, scan, remarks, _cost(began))
     print_files(written)
+    print_missing_pictures()
     return int(not scan.sound(rim=options.open is not None))
 
 
@@ -106,15 +114,15 @@ def _scan(options: argparse.Namespace, stage: Stage) -> Scan:
 
 def _written(scan: Scan, options: argparse.Namespace, stage: Stage, began: float) -> Iterator[Path]:
     """Write the mesh, the picture and the page; yield the files."""
-    from fieldrecon.experiments.files import figure_bytes
-    from fieldrecon.reporting.surface_page import plot, surface_page
+    from fieldrecon.reporting.surface_page import surface_page
 
-    picture = figure_bytes(plot(scan, UP[options.up], stage("drawing")), "png")
+    picture = _picture(scan, options, stage)
     stage("writing")
     with whole_file(options.out) as temporary:
         write_triangles(temporary, scan.points, scan.mesh.triangles)
     yield options.out
-    yield write_atomically(options.out.with_suffix(".png"), picture)
+    if picture:
+        yield write_atomically(options.out.with_suffix(".png"), picture)
     asked = {
         f"--{key}": str(value) if isinstance(value, Path) else value
         for key, value in vars(options).items()
@@ -124,6 +132,16 @@ def _written(scan: Scan, options: argparse.Namespace, stage: Stage, began: float
     made = asked | {"time and memory": _cost(began)}
     text = surface_page(options.cloud.name, scan, picture, remarks, made)
     yield write_atomically(options.out.with_suffix(".html"), text.encode())
+
+
+def _picture(scan: Scan, options: argparse.Namespace, stage: Stage) -> bytes:
+    """Draw the surface, as PNG; nothing without the packages that draw."""
+    if absent(*PICTURES):
+        return b""
+    from fieldrecon.experiments.files import figure_bytes
+    from fieldrecon.reporting.surface_picture import plot
+
+    return figure_bytes(plot(scan, UP[options.up], stage("drawing")), "png")
 
 
 def _of_file(scan: Scan, path: Path) -> Iterator[str]:
@@ -138,4 +156,4 @@ def _of_file(scan: Scan, path: Path) -> Iterator[str]:
 
 
 def _cost(began: float) -> str:
-    return time_and_memory(perf_counter() - began, peak_memory())
+    return f"{perf_counter() - began:.1f} s{memory_used(peak_memory())}"

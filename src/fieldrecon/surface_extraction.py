@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from fieldrecon import _validation as valid
 from fieldrecon._chunks import Progress
+from fieldrecon._extras import optional
 from fieldrecon._surface_cells import Grid, followed, searched
 from fieldrecon.mesh_audit import MeshAudit, audit_mesh
 from fieldrecon.polynomials import EPS
@@ -171,12 +171,7 @@ def _marched(
     values: np.ndarray, crossed: np.ndarray, grid: Grid
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
     """Lower ends (n, 3) and axes (n,) of the edges that bear vertices, and the triangles."""
-    try:
-        measure = import_module("skimage.measure")
-    except ImportError:
-        raise ImportError(
-            "surfaces need the package scikit-image; type: pip install 'fieldrecon[surface]'"
-        ) from None
+    measure = optional("skimage.measure")
     mask = np.zeros(grid.shape, dtype=bool)
     mask.ravel()[grid.corners(crossed)[:, -1]] = True
     # of signs alone: each vertex comes to the middle of its edge, which names the edge exactly

@@ -9,12 +9,12 @@ from __future__ import annotations
 import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 
 from fieldrecon._chunks import Progress
+from fieldrecon._extras import optional
 from fieldrecon._text_tables import AXES, text_parts
 from fieldrecon._wanted_columns import BadRow, Part, Wanted
 
@@ -93,12 +93,7 @@ def _columns_of(path: Path, arrays: dict[str, np.ndarray]) -> Iterator[tuple[str
 
 
 def _parquet(path: Path, wanted: Wanted, progress: Progress | None) -> Iterator[Part]:
-    try:
-        parquet = import_module("pyarrow.parquet")
-    except ImportError:
-        raise ImportError(
-            "Parquet files need the package pyarrow; type: pip install 'fieldrecon[parquet]'"
-        ) from None
+    parquet = optional("pyarrow.parquet")
     with path.open("rb") as stream:
         try:
             file = parquet.ParquetFile(stream)

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fieldrecon._extras import optional
 from fieldrecon.mesh_audit import as_surface
 from fieldrecon.mesh_files import read_surface
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _HEADER, _COUNT = 80, 4
 _BLOCK = 2**24
+_PACKAGES = {".stl": ()} | dict.fromkeys((".ply", ".obj", ".off"), ("meshio",))
 _VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.M | re.I)
 _FACET = re.compile(rb"^\s*facet\b", re.M | re.I)
 
@@ -73,6 +74,8 @@ def write_triangles(path: str | Path, points: ArrayLike, triangles: ArrayLike) -
     ------
     ValueError
         If the format is unknown, or these are no triangles in space.
+    ModuleNotFoundError
+        If the format takes meshio, which is not installed.
 
     Examples
     --------
@@ -86,13 +89,24 @@ def write_triangles(path: str | Path, points: ArrayLike, triangles: ArrayLike) -
     (6, [[0, 1, 2], [3, 4, 5]])
     """
     p, t = as_surface(points, triangles)
-    suffix = Path(path).suffix.lower()
-    if suffix == ".stl":
-        Path(path).write_bytes(_as_binary(p[t]))
-    elif suffix in (".ply", ".obj", ".off"):
-        _write_with_meshio(path, p, t)
+    if packages_to_write(path):
+        optional("meshio").write_points_cells(str(path), p, [("triangle", t.astype(np.int32))])
     else:
+        Path(path).write_bytes(_as_binary(p[t]))
+
+
+def packages_to_write(path: str | Path) -> tuple[str, ...]:
+    """Return the optional packages that `write_triangles` takes for a file of this name.
+
+    Raises
+    ------
+    ValueError
+        If the format is unknown.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in _PACKAGES:
         raise ValueError(f"{path} must end with .stl, .ply, .obj or .off")
+    return _PACKAGES[suffix]
 
 
 def _binary(content: bytes) -> np.ndarray | None:
@@ -143,13 +157,3 @@ def _as_binary(corners: np.ndarray) -> bytes:
     length = np.sqrt(np.einsum("ki,ki->k", normal, normal))[:, None]
     records["normal"] = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
     return bytes(_HEADER) + len(corners).to_bytes(_COUNT, "little") + records.tobytes()
-
-
-def _write_with_meshio(path: str | Path, p: np.ndarray, t: np.ndarray) -> None:
-    try:
-        meshio = import_module("meshio")
-    except ImportError:
-        raise ImportError(
-            "mesh files need the package meshio; type: pip install 'fieldrecon[mesh]'"
-        ) from None
-    meshio.write_points_cells(str(path), p, [("triangle", t.astype(np.int32))])

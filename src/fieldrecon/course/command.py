@@ -18,7 +18,8 @@ from fieldrecon.course.proof import Proof, prove
 from fieldrecon.course.publish import publish
 from fieldrecon.course.secret import MISSING, make_salt, read_salt
 from fieldrecon.course.sources import Source
-from fieldrecon.reporting.terminal import print_files, print_table, progress
+from fieldrecon.reporting.console import print_table
+from fieldrecon.reporting.terminal import print_files, progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

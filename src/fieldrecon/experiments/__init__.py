@@ -8,26 +8,10 @@ from __future__ import annotations
 import ast
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from fieldrecon.experiments.experiment import (
-    Experiment,
-    Map,
-    Result,
-    Table,
-    order_of_magnitude,
-    parameter,
-)
-
-__all__ = [
-    "Experiment",
-    "Map",
-    "Result",
-    "Table",
-    "get",
-    "names",
-    "order_of_magnitude",
-    "parameter",
-]
+if TYPE_CHECKING:
+    from fieldrecon.experiments.experiment import Experiment
 
 _HERE = Path(__file__).parent
 _PARTS = {"Params", "run", "plot"}
@@ -35,7 +19,17 @@ _PARTS = {"Params", "run", "plot"}
 
 def names() -> tuple[str, ...]:
     """Name the experiments, in alphabetical order, without importing any of them."""
-    return tuple(path.stem for path in sorted(_HERE.glob("*.py")) if _is_experiment(path))
+    return tuple(titles())
+
+
+def titles() -> dict[str, str]:
+    """Return the title of each experiment by its name, in alphabetical order, from the sources."""
+    sources = {path.stem: _source(path.stem) for path in sorted(_HERE.glob("*.py"))}
+    return {
+        name: (ast.get_docstring(s) or name).splitlines()[0].rstrip(".")
+        for name, s in sources.items()
+        if s
+    }
 
 
 def get(name: str) -> Experiment:
@@ -46,13 +40,19 @@ def get(name: str) -> Experiment:
     ValueError
         If there is none; the message names those that exist.
     """
-    if name not in names():
+    from fieldrecon.experiments.experiment import Experiment
+
+    if not name.isidentifier() or _source(name) is None:
         raise ValueError(f"there is no experiment {name!r}; there are {', '.join(names())}")
     return Experiment(name, import_module(f"{__name__}.{name}"))
 
 
-def _is_experiment(path: Path) -> bool:
-    """Tell from its source whether a module is one: importing them all would cost seconds."""
-    body = ast.parse(path.read_text(encoding="utf-8")).body
-    defined = {node.name for node in body if isinstance(node, ast.ClassDef | ast.FunctionDef)}
-    return defined >= _PARTS
+def _source(name: str) -> ast.Module | None:
+    """Return the source of an experiment, or None: importing every module would cost seconds."""
+    path = _HERE / f"{name}.py"
+    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    if not all(part in text for part in _PARTS):  # saves parsing what cannot be one
+        return None
+    tree = ast.parse(text)
+    defined = {node.name for node in tree.body if isinstance(node, ast.ClassDef | ast.FunctionDef)}
+    return tree if defined >= _PARTS else None

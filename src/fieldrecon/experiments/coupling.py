@@ -35,7 +35,7 @@ from fieldrecon.positive_definite import wendland
 from fieldrecon.radial import polyharmonic, thin_plate_spline
 from fieldrecon.rbf import RBF
 from fieldrecon.reporting.style import FULL_WIDTH, SEQUENTIAL, figure, line
-from fieldrecon.rigid_motions import resultants
+from fieldrecon.rigid_bodies import resultants
 
 THICKNESS = 0.12  # of the profile, as a part of the chord
 SPARS = (0.2, 0.45, 0.7)  # places along the chord

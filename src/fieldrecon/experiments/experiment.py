@@ -39,8 +39,12 @@ def input_file(default: str, meaning: str) -> Any:
 
 
 def in_checkout(name: str) -> Path:
-    """Return the path of a file that is named from the root of the checkout."""
-    return Path(__file__).parents[3] / name
+    """Return the path of a file that is named from the root of the checkout.
+
+    Code that was installed as a wheel lies in none: then the current folder is taken for it.
+    """
+    root = Path(__file__).parents[3]
+    return (root if (root / "pyproject.toml").is_file() else Path()) / name
 
 
 def require_at_least(params: Any, **least: float) -> None:

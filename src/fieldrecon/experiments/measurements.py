@@ -10,8 +10,21 @@ from fieldrecon.experiments.experiment import Table, in_checkout
 
 
 def measured(file: str) -> dict[str, Any]:
-    """Return the result of a benchmark, from a file that is named from the root of the checkout."""
-    found: dict[str, Any] = json.loads(in_checkout(file).read_text(encoding="utf-8"))
+    """Return the result of a benchmark, from a file that is named from the root of the checkout.
+
+    Raises
+    ------
+    FileNotFoundError
+        If it is not there, as outside of a checkout.
+    """
+    path = in_checkout(file)
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"the measurements in {path} are missing: they are part of a checkout of fieldrecon, "
+            "not of the installed package; run this in a checkout, or name the file with "
+            "--set results=FILE"
+        )
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return found
 
 

@@ -14,7 +14,7 @@ from fieldrecon.aeroelasticity import ElasticWing
 from fieldrecon.coupling import Transfer, applied
 from fieldrecon.radial import thin_plate_spline
 from fieldrecon.rbf import RBF
-from fieldrecon.rigid_motions import resultants
+from fieldrecon.rigid_bodies import resultants
 
 Matrix: TypeAlias = np.ndarray | sparse.sparray
 

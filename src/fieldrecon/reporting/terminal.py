@@ -1,4 +1,4 @@
-"""What the command line shows: tables, a progress bar, and how each method did on samples."""
+"""What the command line shows: a progress bar, how each method did, what is wrong with a mesh."""
 
 from __future__ import annotations
 
@@ -11,54 +11,30 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TaskProgressColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.table import Table
-from rich.text import Text
 
-from fieldrecon._memory import peak_memory
-from fieldrecon.experiments import Experiment, Map
+from fieldrecon._extras import PICTURES, absent, remedy
+from fieldrecon._memory import memory_used, peak_memory
+from fieldrecon.experiments.experiment import Experiment, Map
 from fieldrecon.mesh_audit import MeshAudit, in_words
 from fieldrecon.outcome import Outcome
+from fieldrecon.reporting.console import print_table, say
+from fieldrecon.reporting.progress import Stage, StatusLine
 from fieldrecon.scans import Scan
 
-_WIDEST = 7
-_MOST_ROWS = 40
 _FEW_PLACES = 3
 _LONG_PLACE = 6
-
-
-class Terminal(Console):
-    """A console that leaves it to the program what a closed pipe means."""
-
-    def on_broken_pipe(self) -> None:
-        """Pass it on."""
-        raise BrokenPipeError
 
 
 @contextmanager
 def progress(mapping: Map, label: str) -> Iterator[Map]:
     """Give the map with a bar that tells, on a terminal, how many of its items are done."""
-    columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    on_terminal = sys.stderr.isatty()
-    errors = Terminal(stderr=True)
-    with Progress(*columns, console=errors, transient=True, disable=not on_terminal) as bar:
+    with StatusLine() as line:
 
         def each(function: Any, items: Iterable[Any]) -> Iterator[Any]:
             items = list(items)
-            task = bar.add_task(label, total=len(items))
-            for done in mapping(function, items):
-                bar.advance(task)
+            show = Stage(line, label)
+            for count, done in enumerate(mapping(function, items), 1):
+                show(count, len(items))
                 yield done
 
         yield each
@@ -68,61 +44,15 @@ def progress(mapping: Map, label: str) -> Iterator[Map]:
 def stages() -> Iterator[Callable[[str], Callable[[int, int], None]]]:
     """Give what opens a stage of long work: a bar with the time left and the memory, on a terminal.
 
-    What it returns is called as progress(done, total); until then the bar only shows that it lives.
+    What it returns is called as progress(done, total); until then only the name is shown.
     """
-    columns = (
-        "{task.description}",
-        BarColumn(20),
-        TaskProgressColumn(),
-        TimeRemainingColumn(),
-        "left,",
-        _Memory(),
-    )
-    errors = Terminal(stderr=True)
-    with Progress(*columns, console=errors, transient=True, disable=not sys.stderr.isatty()) as bar:
+    with StatusLine() as line:
 
         def stage(label: str) -> Callable[[int, int], None]:
-            for earlier in bar.tasks:
-                bar.update(earlier.id, visible=False)
-            task = bar.add_task(label, total=None)
-            return lambda done, total: bar.update(task, completed=done, total=total)
+            show = Stage(line, label)
+            return lambda done, total: show(done, total, memory_used(peak_memory()))
 
         yield stage
-
-
-class _Memory(ProgressColumn):
-    """The most memory that the program has held."""
-
-    def render(self, _: Task) -> Text:
-        peak = peak_memory()
-        known = "" if peak is None else f"{peak / 1e9:.2f} GB"
-        return Text(known, style="progress.data.speed")
-
-
-def print_table(
-    columns: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "", whole: bool = False
-) -> None:
-    """Print a table; one with many columns lies on its side, so that it fits a terminal.
-
-    Of a long one the first rows are shown, since a file has the others, unless it is to be whole.
-    """
-    most = max(len(rows), len(columns)) if whole else _MOST_ROWS
-    texts = [[escape(_typed(cell)) for cell in row] for row in (columns, *rows)]
-    if len(columns) > _WIDEST >= len(rows) or len(columns) > 2 * _WIDEST:
-        texts = [list(column) for column in zip(*texts, strict=True)]
-    table = Table(*texts[0], title=escape(title) or None, title_justify="left")
-    for row in texts[1 : 1 + most]:
-        table.add_row(*row)
-    Terminal().print(table)
-    if len(texts) - 1 > most:
-        Terminal().print(f"… and {len(texts) - 1 - most} rows more, in the file")
-
-
-def _typed(cell: Any) -> str:
-    """Spell a value for the terminal; a list as it would be typed."""
-    if isinstance(cell, float):
-        return f"{cell:.4g}"
-    return ",".join(map(_typed, cell)) if isinstance(cell, list | tuple) else str(cell)
 
 
 def print_outcome(outcome: Outcome) -> None:
@@ -133,20 +63,18 @@ def print_outcome(outcome: Outcome) -> None:
     if rows:
         title = f"{name} at {count} points: error when each of {outcome.judged} is left out"
         print_table(("method", "what it is", "rms error", "largest error"), rows, title=title)
-    say = Terminal(highlight=False, markup=False).print
     for t in outcome.trials:
         if t.residuals is None:
             say(f"{t.candidate.name}: {t.reason}.")
     for remark in outcome.remarks:
         say(remark)
-    say(f"Drawn: {outcome.method}.")
+    say(f"Evaluated: {outcome.method}.")
     say(f"{outcome.cost}.")
 
 
 def print_audit(path: Path, audit: MeshAudit, done: dict[str, int] | None = None) -> None:
     """Print what was found in a mesh, and, of a repaired one, what was done."""
     parts = "1 part" if audit.parts == 1 else f"{audit.parts:,} parts"
-    say = Terminal(highlight=False, markup=False).print
     say(
         f"{path}: {audit.triangles:,} triangles in {parts}, {audit.vertices:,} "
         f"vertices; tolerance {audit.tolerance:.3g}."
@@ -167,7 +95,6 @@ def print_scan(path: Path, scan: Scan, remarks: Sequence[str], cost: str) -> Non
     """Print how far the points of a scan are from its surface, and what is to be known."""
     title = f"{path.name}: {scan.counted}, and how far they are from the mesh"
     print_table(("points", "distance"), tuple(scan.quality.items()), title=title)
-    say = Terminal(highlight=False, markup=False).print
     for remark in remarks:
         say(remark)
     say(f"{cost}.")
@@ -201,17 +128,24 @@ def print_json(content: dict[str, Any]) -> None:
 
 def print_experiment(experiment: Experiment) -> None:
     """Print what an experiment is about, and its parameters."""
-    say = Terminal(highlight=False, markup=False).print
-    say(f"{experiment.title}\n", style="bold")
+    say(experiment.title)
+    print()
     for paragraph in experiment.description.split("\n\n"):
         listed = "\n---" in paragraph
-        say(paragraph if listed else " ".join(paragraph.split()), end="\n\n")
+        say(paragraph if listed else " ".join(paragraph.split()))
+        print()
     rows = [
         (name, value, experiment.meanings[name])
         for name, value in asdict(experiment.defaults).items()
     ]
     print_table(("parameter", "default", "what it is"), rows)
     say(f"Figures: {', '.join(experiment.plots)}")
+
+
+def print_missing_pictures() -> None:
+    """Say on standard error what is to be installed for pictures, where something is."""
+    if missing := absent(*PICTURES):
+        print(f"fieldrecon: no picture was drawn: {remedy(*missing)}", file=sys.stderr)
 
 
 def print_files(paths: Iterable[Path]) -> None:

@@ -22,7 +22,8 @@ from fieldrecon.course.gradebook.overrides import open_requests
 from fieldrecon.course.gradebook.words import words
 from fieldrecon.course.grading.submission import Submission, Unreadable
 from fieldrecon.course.grading.tables import to_csv
-from fieldrecon.reporting.terminal import print_files, print_table, progress
+from fieldrecon.reporting.console import print_table
+from fieldrecon.reporting.terminal import print_files, progress
 
 FORMS = {"canvas": platform_forms.canvas_csv, "moodle": platform_forms.moodle_csv}
 

@@ -1,37 +1,20 @@
-"""What a user gets for a file of triangles: what is wrong with it, where, and a picture."""
+"""A picture of a mesh from two sides, with its errors marked."""
 
 from __future__ import annotations
-
-import json
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fieldrecon._whole_file import write_atomically
-from fieldrecon.experiments.files import write_figure
 from fieldrecon.experiments.mesh_pictures import COLORS, MARKERS, draw, marks
 from fieldrecon.mesh_audit import CONCERNS, MeshAudit
 from fieldrecon.reporting.style import figure
 
-PICTURE_FORMATS = ("png", "svg")
 _PIXELS = 800
 _VIEWS = {
     "from the front, right and above": (0.8, -0.7, 0.6),
     "from behind, left and below": (-0.8, 0.7, -0.6),
 }
-
-
-def write_audit(
-    folder: Path, audit: MeshAudit, points: np.ndarray, triangles: np.ndarray
-) -> list[Path]:
-    """Write ``audit.json`` and the picture; return the files."""
-    text = json.dumps(audit.as_dict(), indent=1) + "\n"
-    return [
-        write_atomically(folder / "audit.json", text.encode()),
-        *write_figure(plot(audit, points, triangles), folder / "audit", PICTURE_FORMATS),
-    ]
 
 
 def plot(audit: MeshAudit, points: np.ndarray, triangles: np.ndarray) -> Figure:
