@@ -59,6 +59,6 @@ def peak_memory() -> int | None:
     return peak if sys.platform == "darwin" else 1024 * peak
 
 
-def memory_used(peak: int | None) -> str:
+def memory_used(peak: int | None, of: str = "") -> str:
     """Return the end of a line that begins with a time; nothing if the memory is not known."""
-    return "" if peak is None else f", {peak / 1e9:.2f} GB of memory"
+    return "" if peak is None else f", {peak / 1e9:.2f} GB{of}"

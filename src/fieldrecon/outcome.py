@@ -95,4 +95,4 @@ class Outcome:
     @property
     def cost(self) -> str:
         """Time and memory."""
-        return f"{self.seconds:.1f} s{memory_used(self.memory)}"
+        return f"{self.seconds:.1f} s{memory_used(self.memory, ' of memory')}"

@@ -156,4 +156,4 @@ def _of_file(scan: Scan, path: Path) -> Iterator[str]:
 
 
 def _cost(began: float) -> str:
-    return f"{perf_counter() - began:.1f} s{memory_used(peak_memory())}"
+    return f"{perf_counter() - began:.1f} s{memory_used(peak_memory(), ' of memory')}"
