@@ -59,7 +59,6 @@ def peak_memory() -> int | None:
     return peak if sys.platform == "darwin" else 1024 * peak
 
 
-def time_and_memory(seconds: float, peak: int | None) -> str:
-    """Seconds, and the most bytes used where they are known, as one reads them."""
-    memory = "" if peak is None else f", {peak / 1e9:.2f} GB of memory at most"
-    return f"{seconds:.1f} s{memory}"
+def memory_used(peak: int | None, of: str = "") -> str:
+    """Return the end of a line that begins with a time; nothing if the memory is not known."""
+    return "" if peak is None else f", {peak / 1e9:.2f} GB{of}"

@@ -148,7 +148,8 @@ def _minimum_spanning_forest(costs: np.ndarray, index: np.ndarray) -> sparse.csr
 def _graph(values: np.ndarray, index: np.ndarray, chosen: np.ndarray) -> sparse.csr_array:
     """Values (n, k) of the chosen joints of each point with its neighbours."""
     ends = np.append(0, np.cumsum(np.count_nonzero(chosen, axis=1)))
-    return sparse.csr_array((values[chosen], index[chosen], ends), shape=(len(index),) * 2)
+    columns, ends = index[chosen].astype(np.int32), ends.astype(np.int32)  # csgraph of SciPy 1.15
+    return sparse.csr_array((values[chosen], columns, ends), shape=(len(index),) * 2)
 
 
 def _spread(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldrecon._memory import time_and_memory
+from fieldrecon._memory import memory_used
 from fieldrecon.error_estimate import COVERAGE, ErrorEstimate
 from fieldrecon.extrapolation import GAP, OUTSIDE
 from fieldrecon.judging import Trial
@@ -95,4 +95,4 @@ class Outcome:
     @property
     def cost(self) -> str:
         """Time and memory."""
-        return time_and_memory(self.seconds, self.memory)
+        return f"{self.seconds:.1f} s{memory_used(self.memory, ' of memory')}"

@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldrecon._chunks import Progress
 from fieldrecon._extras import PICTURES, absent, require
-from fieldrecon._memory import peak_memory, time_and_memory
+from fieldrecon._memory import memory_used, peak_memory
 from fieldrecon._validation import as_length
 from fieldrecon._whole_file import whole_file, write_atomically
 from fieldrecon.cloud_files import read_cloud
@@ -156,4 +156,4 @@ def _of_file(scan: Scan, path: Path) -> Iterator[str]:
 
 
 def _cost(began: float) -> str:
-    return time_and_memory(perf_counter() - began, peak_memory())
+    return f"{perf_counter() - began:.1f} s{memory_used(peak_memory(), ' of memory')}"

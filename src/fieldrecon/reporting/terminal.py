@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fieldrecon._extras import PICTURES, absent, remedy
-from fieldrecon._memory import peak_memory
+from fieldrecon._memory import memory_used, peak_memory
 from fieldrecon.experiments.experiment import Experiment, Map
 from fieldrecon.mesh_audit import MeshAudit, in_words
 from fieldrecon.outcome import Outcome
@@ -50,14 +50,9 @@ def stages() -> Iterator[Callable[[str], Callable[[int, int], None]]]:
 
         def stage(label: str) -> Callable[[int, int], None]:
             show = Stage(line, label)
-            return lambda done, total: show(done, total, _memory())
+            return lambda done, total: show(done, total, memory_used(peak_memory()))
 
         yield stage
-
-
-def _memory() -> str:
-    peak = peak_memory()
-    return "" if peak is None else f", {peak / 1e9:.2f} GB"
 
 
 def print_outcome(outcome: Outcome) -> None:
