@@ -22,7 +22,7 @@ from fieldrecon.experiments.landforms import (
     relief_told,
 )
 from fieldrecon.experiments.surfaces import GUARDED, THIN_PLATE, methods
-from fieldrecon.experiments.terrain import QUICK, Params, study
+from fieldrecon.experiments.terrain import QUICK, Params, run, study
 from fieldrecon.experiments.terrain_errors import NONE, Problem, measured, part, windowed
 from fieldrecon.experiments.terrain_weights import on_one_isoline
 
@@ -61,7 +61,7 @@ def hills():
 
 @pytest.fixture(scope="module")
 def quick():
-    return experiments.get("terrain").run(QUICK)
+    return run(QUICK)  # facts with more digits than are told
 
 
 EXACT_ON_PLANES = (
