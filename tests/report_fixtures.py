@@ -89,6 +89,7 @@ class SmallReport:
     """A report in a folder, with its experiments and a log of what they did."""
 
     def __init__(self, folder: Path, monkeypatch) -> None:
+        self.folder = folder
         self.source, self.code, self.log = folder / "text", folder / "code", folder / "log"
         self.code.mkdir()
         self.log.touch()
@@ -101,11 +102,13 @@ class SmallReport:
         monkeypatch.setattr(experiments, "_HERE", self.code)
         monkeypatch.setattr(experiments, "__path__", [str(self.code), *experiments.__path__])
 
-    def write_experiment(self, name: str, old: str = "", new: str = "") -> None:
-        """Write one of the experiments, with one change."""
+    def write_experiment(self, name: str, *changes: str) -> None:
+        """Write one of the experiments; of the changes each is an old text and a new one."""
         text = FAKE.format(name=name, log=self.log)
-        assert old in text
-        (self.code / f"{name}.py").write_text(text.replace(old, new))
+        for old, new in zip(changes[::2], changes[1::2], strict=True):
+            assert old in text
+            text = text.replace(old, new)
+        (self.code / f"{name}.py").write_text(text)
 
     def write_chapter(self, body: str = "") -> None:
         """Write the only chapter, with a paragraph of its own."""
@@ -118,9 +121,13 @@ class SmallReport:
             del sys.modules[name]
         sources.forget()
         importlib.invalidate_caches()
+        return main(self.options(*options))
+
+    def options(self, *options: str) -> argparse.Namespace:
+        """Return the options of a build."""
         parser = argparse.ArgumentParser()
         add_arguments(parser)
-        return main(parser.parse_args(["--source", str(self.source), "--jobs=1", *options]))
+        return parser.parse_args(["--source", str(self.source), "--jobs=1", *options])
 
     def did(self) -> list[str]:
         """Return what the experiments did since the last call."""

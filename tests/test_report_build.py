@@ -4,13 +4,25 @@ import errno
 import hashlib
 import json
 import re
+import subprocess
+import sys
 import threading
+from types import SimpleNamespace
 
 import pytest
 
 from fieldrecon._whole_file import temporary_beside
 from fieldrecon.experiments import files
-from fieldrecon.reporting import build, command, compute, document, pins, reproducible, steps
+from fieldrecon.reporting import (
+    build,
+    command,
+    compute,
+    document,
+    pins,
+    reproducible,
+    steps,
+    unchanged,
+)
 from fieldrecon.reporting.lock import only_build_in
 from report_fixtures import SmallReport
 
@@ -133,6 +145,116 @@ class TestOnlyWhatDepends:
         assert report.build("--only", "fake_b") == 0
         assert report.did() == ["run fake_b", "draw fake_b"]
         assert not (report.out / "report.html").exists()
+
+
+CHANGES = {
+    "a chapter": lambda r: r.write_chapter("More."),
+    "a new chapter": lambda r: (r.source / "chapters" / "02-new.md").write_text("# New\n"),
+    "a style": lambda r: (r.source / "style.css").write_text(""),
+    "a pass": lambda r: (r.source / "filters" / "new.lua").write_text(""),
+    "a parameter": lambda r: (r.source / "experiments.toml").write_text("[fake_a]\nseed = 3\n"),
+    "a comment in the code": lambda r: r.write_experiment("fake_a", "SCALE", "# S\nSCALE"),
+    "a new module": lambda r: (r.code / "new.py").write_text(""),
+    "a removed experiment": lambda r: (r.code / "fake_b.py").unlink(),
+    "a removed output": lambda r: (r.out / "report.pdf").unlink(),
+    "a changed output": lambda r: (r.out / "report.html").write_text("changed"),
+    "a changed table": lambda r: next(r.out.rglob("errors.csv")).write_text("changed"),
+    "a file too many": lambda r: (r.out / "experiments" / "fake_a" / "old.svg").write_text(""),
+    "a lost note": lambda r: (r.out / ".state" / "build.json").unlink(),
+    "a changed input": lambda r: (r.source / "data.json").write_text("changed"),
+    "a removed input": lambda r: (r.source / "data.json").unlink(),
+}
+
+
+@pytest.fixture(scope="module")
+def once(tmp_path_factory):
+    """A report of which an experiment reads a file, built once."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr(document.Document, "compile", set_no_text)
+        report = SmallReport(tmp_path_factory.mktemp("unchanged"), monkeypatch)
+        (report.source / "data.json").write_text("measured")
+        read = f'field(default="{report.source / "data.json"}", metadata={{"file": True}})'
+        report.write_experiment(
+            "fake_a",
+            *("    seed: int", f"    data: str = {read}\n    seed: int"),
+            *("import dataclass", "import dataclass, field"),
+        )
+        assert report.build() == 0
+        yield report
+
+
+def nothing_changed(report):
+    return unchanged.told(report.options())
+
+
+class TestNothingChanged:
+    """Told from files alone; whatever may change the report has the steps looked at."""
+
+    @pytest.fixture
+    def report(self, once):
+        """Give that report, and put it back as it was."""
+        before = {p: p.read_bytes() for p in once.folder.rglob("*") if p.is_file()}
+        assert nothing_changed(once)
+        yield once
+        for path in once.folder.rglob("*"):
+            if path.is_file() and path not in before:
+                path.unlink()
+        for path, content in before.items():
+            path.write_bytes(content)
+        assert nothing_changed(once)
+
+    @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
+    def test_a_change_is_seen(self, report, change):
+        """Of the code, the text, the parameters, the inputs and the outputs."""
+        change(report)
+        assert not nothing_changed(report)
+
+    def test_another_version_of_a_package_is_seen(self, report, tmp_path, monkeypatch):
+        """Whatever package it is."""
+        (tmp_path / "site" / "numpy-99.0.dist-info").mkdir(parents=True)
+        monkeypatch.syspath_prepend(tmp_path / "site")
+        assert not nothing_changed(report)
+
+    def test_another_python_is_seen(self, report, monkeypatch):
+        """Its version and its build."""
+        other = SimpleNamespace(version="4.0", path=sys.path, stderr=sys.stderr)
+        monkeypatch.setattr(unchanged, "sys", other)
+        assert not nothing_changed(report)
+
+    def test_a_build_is_begun_only_after_a_change(self, report, monkeypatch):
+        """And the next has nothing to do again."""
+        begun = []
+
+        def begin(arguments, whole=build.build):
+            begun.append(arguments)
+            whole(arguments)
+
+        monkeypatch.setattr(build, "build", begin)
+        monkeypatch.setattr(document.Document, "compile", set_no_text)
+        assert report.build() == 0
+        assert begun == []
+        (report.source / "data.json").write_text("measured again")
+        report.did()
+        assert report.build() == 0
+        assert report.did() == ["run fake_a"]
+        assert report.build() == 0
+        assert len(begun) == 1
+
+    def test_it_is_told_without_what_computes(self):
+        """Neither NumPy nor matplotlib is imported to find out."""
+        code = (
+            "import sys, fieldrecon.reporting.command; "
+            "print([n for n in ('numpy', 'matplotlib', 'fontTools', 'rich') if n in sys.modules])"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        )
+        assert done.stdout == "[]\n"
+
+    def test_no_folder_is_made_to_find_out(self, report):
+        """Called in the wrong place it leaves nothing there."""
+        assert report.build("--source", str(report.source / "nowhere")) == 1
+        assert not (report.source / "nowhere").exists()
 
 
 class Killed(BaseException):

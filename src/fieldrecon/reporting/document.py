@@ -16,6 +16,9 @@ from typing import Any, Final, cast
 
 from fieldrecon._whole_file import write_atomically
 from fieldrecon.reporting.failure import BuildError
+from fieldrecon.reporting.manifest import versions
+from fieldrecon.reporting.sources import code_behind
+from fieldrecon.reporting.steps import Steps, digest
 
 PDF_STANDARD: Final = "ua-1"
 NO_DATE = 0
@@ -148,12 +151,28 @@ class Document:
 
     def _dressed(self, page: str) -> str:
         """Put style sheet, fonts and figures into the page."""
-        from fieldrecon.reporting.webfonts import font_faces
-
         css = (self.source / "style.css").read_text(encoding="utf-8")
         page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
-        page = page.replace("/* style */", font_faces(page) + css, 1)
+        page = page.replace("/* style */", self._fonts(page) + css, 1)
         return FIGURE.sub(self._embedded, page)  # last, since they make it twenty times as long
+
+    def _fonts(self, page: str) -> str:
+        """Return the rules of the fonts, which are cut down anew only if other characters occur."""
+        from fieldrecon.reporting.webfonts import code_points, faces_of
+
+        points = code_points(page)
+        key = digest(
+            {
+                "points": [sorted(some) for some in points],
+                "versions": versions(),
+                "code": code_behind("fieldrecon.reporting.webfonts"),
+            }
+        )
+        steps, path = Steps(self.out), self.out / ".state" / "fonts.css"
+        if not steps.done("fonts", key):
+            write_atomically(path, faces_of(*points).encode())
+            steps.record("fonts", key, [path])
+        return path.read_text(encoding="utf-8")
 
     def _embedded(self, source: re.Match[str]) -> str:
         content = (self.out / "experiments" / html.unescape(source[0])).read_bytes()

@@ -88,15 +88,16 @@ def _statements(module: str) -> tuple[Statement, ...]:
     spec = find_spec(module)
     if spec is None or not spec.origin:
         raise ImportError(f"there is no module {module}")
-    tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            node.body = [s for s in node.body if not _is_text(s)] or [ast.Pass()]
-    return tuple(_statement(s, module) for s in tree.body)
+    body = ast.parse(Path(spec.origin).read_text(encoding="utf-8")).body
+    body = [s for s in body if not _is_text(s)] or [ast.Pass()]
+    return tuple(_statement(s, module) for s in body)
 
 
 def _statement(s: ast.stmt, module: str) -> Statement:
     nodes = list(ast.walk(s))
+    for node in nodes:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            node.body = [s for s in node.body if not _is_text(s)] or [ast.Pass()]
     return Statement(
         ast.dump(s),
         frozenset(_defined(s)),

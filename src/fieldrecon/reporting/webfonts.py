@@ -30,6 +30,17 @@ ASCII = set(range(0x20, 0x7F))
 def font_faces(page: str) -> str:
     """Return the style rules that carry the fonts of a page.
 
+    Raises
+    ------
+    BuildError
+        If a character of text or mathematics is in none of the fonts.
+    """
+    return faces_of(*code_points(page))
+
+
+def faces_of(mathematics: set[int], text: set[int]) -> str:
+    """Return the style rules that carry the fonts for code points of mathematics and of text.
+
     Characters of the text that the serif face lacks are taken from the font for mathematics.
 
     Raises
@@ -37,7 +48,6 @@ def font_faces(page: str) -> str:
     BuildError
         If a character of text or mathematics is in none of the fonts.
     """
-    mathematics, text = code_points(page)
     fonts = {face: _open(name) for face, name in SERIF_FACES.items()}
     lacking = text - set(fonts["regular"].getBestCmap())
     math = _open(MATH)
