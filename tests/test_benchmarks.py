@@ -29,7 +29,7 @@ def no_bar(items, what):  # noqa: ARG001
     return items
 
 
-LONG = {"memory", "mesh_scaling", "patch_sizes", "peers", "streaming"}
+LONG = {"memory", "mesh_scaling", "patch_sizes", "peers", "streaming", "million"}
 LONG |= {"grading", "grading_class", "grading_workers"}
 """Also as toys: they start processes, or triangulate."""
 TOYS = [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in command.NAMES]

@@ -492,6 +492,7 @@ def imports(path):
 # Pages
 
 
+@pytest.mark.slow
 def test_the_first_solution_is_published(tmp_path):
     """As a page and on paper, the same bytes each time, without a word that calls a network."""
     page, paper = publish(ROOT, SOURCES[0], tmp_path / "one")

@@ -335,6 +335,7 @@ def test_what_was_slow_is_tried_once_more(tmp_path, monkeypatch, check, busy, le
     assert runs[1:] == [[f"01.4 {k}" for k in range(check, 3)]]
 
 
+@pytest.mark.slow
 def test_an_answer_that_is_fast_on_second_thoughts_has_to_pass_the_other_checks(
     tmp_path, monkeypatch
 ):
@@ -392,6 +393,7 @@ def gradient(coefficients, x):
     assert list(leaks.number_leaks(public.calls, (), written)), "the thief has stolen nothing"
 
 
+@pytest.mark.slow
 def test_a_check_that_fails_on_the_right_answer_is_the_graders_fault(tmp_path):
     """The record says so, and nothing is kept of it: after it is mended it is made again."""
     root = checkout(tmp_path, "01")
@@ -428,11 +430,12 @@ def until(true):
         time.sleep(0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("by", "status", "name"),
     [
         (signal.SIGKILL, -signal.SIGKILL, "short"),
-        pytest.param(signal.SIGINT, 130, "too long for sockets" * 5, marks=pytest.mark.slow),
+        (signal.SIGINT, 130, "too long for sockets" * 5),
     ],
 )
 def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):

@@ -319,6 +319,7 @@ def test_files_are_closed_whatever_their_number():
 
 if LINUX:
 
+    @pytest.mark.slow
     def test_processor_time_ends():
         """Whoever computes on and on is ended by the system, also who listens to no signal."""
 
