@@ -1,6 +1,5 @@
 """Packages that only some commands need: what does without them, and what installs them."""
 
-import ast
 import json
 import re
 import subprocess
@@ -33,16 +32,11 @@ def names_of(requirements: list[str]) -> set[str]:
 
 def imported() -> set[str]:
     """First names of all modules that the code imports, by statements or by `optional`."""
-    found = set()
-    for path in (ROOT / "src").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Import):
-                found |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom):
-                found.add(node.module.partition(".")[0])
-            elif isinstance(node, ast.Call) and ast.unparse(node.func) == "optional":
-                found |= set(re.findall(r"^f?'(\w+)", ast.unparse(node.args[0])))
-    return found - set(sys.stdlib_module_names) - {"fieldrecon", "fieldcheck"}
+    name = r"(\w+)[.\w]*"
+    statement = rf"^ *(?:import {name}(?: as \w+)?$|from {name} import )|\boptional\(f?\"{name}"
+    sources = (path.read_text() for path in (ROOT / "src").rglob("*.py"))
+    found = {name for text in sources for m in re.findall(statement, text, re.M) for name in m}
+    return found - set(sys.stdlib_module_names) - {"fieldrecon", "fieldcheck", ""}
 
 
 OPTIONAL = sorted(imported() - names_of(PROJECT["dependencies"]))
@@ -129,14 +123,18 @@ FOLDER, WHEEL = "file:///a%20b/fieldrecon", "file:///w/fieldrecon-0.2.0-py3-none
 def test_the_line_installs_from_where_fieldrecon_came(monkeypatch, record, line):
     """From an index only if fieldrecon came from one: another may have a stranger's package."""
 
-    class Installed:
-        requires = ("numpy>=2.1", 'meshio>=5.3.5; extra == "mesh"')
-
-        def read_text(self, _):
-            return record and json.dumps(record)
-
-    monkeypatch.setattr(_extras, "distribution", lambda _: Installed())
+    files = {"RECORD": "", "direct_url.json": record and json.dumps(record)}
+    monkeypatch.setattr(_extras, "distributions", lambda **_: [Recorded({}), Recorded(files)])
     assert _extras.remedy("meshio").endswith(f": {line}")
+
+
+class Recorded:
+    """A distribution, with the files that an installer leaves, or none, as beside the source."""
+
+    requires = ("numpy>=2.1", 'meshio>=5.3.5; extra == "mesh"')
+
+    def __init__(self, files):
+        self.read_text = files.get
 
 
 def test_in_the_checkout_the_line_is_short(monkeypatch, tmp_path):

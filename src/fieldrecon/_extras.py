@@ -10,7 +10,7 @@ import json
 import re
 from collections.abc import Iterator
 from importlib import import_module
-from importlib.metadata import distribution
+from importlib.metadata import Distribution, distributions
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
@@ -92,11 +92,20 @@ def _key(package: str) -> str:
 
 def _extras() -> Iterator[tuple[str, str]]:
     """Yield packages with an extra that requires them; the last one of a package is the first."""
-    for requirement in reversed(distribution(DISTRIBUTION).requires or []):
+    for requirement in reversed(_installed().requires or []):
         package = re.match(r"[\w.-]+", requirement)
         extra = re.search(r"""extra\s*==\s*["']([\w.-]+)["']""", requirement)
         if package and extra:
             yield _key(package[0]), extra[1]
+
+
+def _installed() -> Distribution:
+    """Return the distribution that an installer recorded, not what a build left beside the source.
+
+    Builds leave a folder src/fieldrecon.egg-info, which counts wherever src is on the path.
+    """
+    found = list(distributions(name=DISTRIBUTION))
+    return next((d for d in found if d.read_text("RECORD") is not None), found[0])
 
 
 def _command(extras: list[str]) -> str:
@@ -104,7 +113,7 @@ def _command(extras: list[str]) -> str:
 
     Nothing but the record that installers leave (PEP 610) tells an index from a folder or a file.
     """
-    record = distribution(DISTRIBUTION).read_text("direct_url.json")
+    record = _installed().read_text("direct_url.json")
     wanted = ",".join(extras)
     if record is None:
         return f"pip install '{DISTRIBUTION}[{wanted}]'"

@@ -79,8 +79,8 @@ class Box(_Shape):
         half = (
             np.broadcast_to(valid.as_values(size, np.size(size)), 3) / 2
             if np.ndim(size)
-            else (np.full(3, valid.as_length(size, "size")) / 2)
-        )  # type: ignore[arg-type]
+            else (np.full(3, valid.as_length(size, "size")) / 2)  # type: ignore[arg-type]
+        )
         if not (half > 0).all():
             raise ValueError(f"size must be positive; got {(2 * half).tolist()}")
         self._half = half

@@ -76,7 +76,7 @@ def font_bytes(name: str) -> bytes:
     if not end:
         raise LookupError(
             f"the font {name} is not in the Typst wheel {version('typst')} (it has "
-            f"{', '.join(sorted(_places())) or 'none'}): install the typst that is pinned"
+            f"{', '.join(sorted(_places())) or 'none'}): install the version in requirements.lock"
         )
     with _library().open("rb") as library:
         library.seek(start)
