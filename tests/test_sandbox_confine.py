@@ -378,8 +378,10 @@ if LINUX:
         def adopted():
             own, (out, into) = os.getpid(), os.pipe()
             if os.fork() == 0:
+                parent = os.getpid()
                 if os.fork() == 0:
-                    time.sleep(0.1)
+                    while os.getppid() == parent:
+                        time.sleep(0.01)
                     os.write(into, b"y" if os.getppid() == own else b"n")
                     os._exit(0)
                 os._exit(0)
