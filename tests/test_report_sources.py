@@ -54,6 +54,10 @@ def inner_module(base, name):
     return f"{base}.{name}" if ours and find_spec(f"{base}.{name}") else None
 
 
+def digest(text):
+    return sha256(text.encode()).hexdigest()
+
+
 def literally(module, names):
     """What the build wants to know, by its definition: each module parsed wherever it occurs."""
     statements = parsed(module)
@@ -75,17 +79,22 @@ def literally(module, names):
             found[name] = parsed(name)
             todo += [t for s in found[name] for t in imported(s, name)]
     return {
-        name: s and sha256("\n".join(map(ast.dump, s)).encode()).hexdigest()
+        name: s and digest("\n".join(digest(ast.dump(one)) for one in s))
         for name, s in found.items()
     }
 
 
 @pytest.mark.parametrize("name", ["power_sampling", "terrain", "variational_implicits"])
 @pytest.mark.parametrize("names", [RUN_NAMES, ("plot",)], ids=["run", "plot"])
-def test_the_code_found_is_that_of_the_definition(name, names):
+@pytest.mark.parametrize("kept", [False, True], ids=["parsed", "kept"])
+def test_the_code_found_is_that_of_the_definition(name, names, kept, tmp_path):
     """The same modules, each in the same form, and the versions of the same packages."""
     module = f"{experiments.__name__}.{name}"
-    fast, slow = code_behind(module, names), literally(module, names)
+    if kept:
+        with sources.keeping(tmp_path / "code.json"):
+            code_behind(module, names)
+    with sources.keeping(tmp_path / "code.json"):
+        fast, slow = code_behind(module, names), literally(module, names)
     assert set(fast) == set(slow)
     assert {m: fast[m] for m, form in slow.items() if form} == {m: f for m, f in slow.items() if f}
     assert fast["numpy"] == version("numpy")
@@ -108,3 +117,24 @@ def test_each_module_is_parsed_once(monkeypatch):
             for names in (RUN_NAMES, ("plot",), ("run",)):
                 found |= set(code_behind(f"{experiments.__name__}.{name}", names))
     assert len(parsed_trees) == len([name for name in found if name.startswith("fieldrecon")])
+
+
+def test_a_module_that_was_kept_is_parsed_when_it_changed(tmp_path, monkeypatch):
+    """And only then."""
+    monkeypatch.setattr(experiments, "__path__", [str(tmp_path), *experiments.__path__])
+    module, file, kept = f"{experiments.__name__}.fake_c", tmp_path / "fake_c.py", tmp_path / "kept"
+    parsed_texts = []
+
+    def parse(text, module, whole=sources._parsed):
+        parsed_texts.append(text)
+        return whole(text, module)
+
+    monkeypatch.setattr(sources, "_parsed", parse)
+    found = []
+    for text in ("import math\nx = 1\n", "import math\nx = 1\n", "import numpy\nx = 2\n"):
+        file.write_text(text)
+        with sources.keeping(kept):
+            found.append(code_behind(module))
+    assert found[0] == found[1] != found[2]
+    assert set(found[2]) == {module, "numpy"}
+    assert parsed_texts == ["import math\nx = 1\n", "import numpy\nx = 2\n"]

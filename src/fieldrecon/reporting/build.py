@@ -19,7 +19,7 @@ from fieldrecon.reporting.failure import BuildError
 from fieldrecon.reporting.lock import only_build_in
 from fieldrecon.reporting.manifest import manifest, versions
 from fieldrecon.reporting.progress import Bar
-from fieldrecon.reporting.sources import code_behind
+from fieldrecon.reporting.sources import code_behind, keeping
 from fieldrecon.reporting.steps import Steps, content_digest, digest, digests
 
 
@@ -31,7 +31,7 @@ def build(arguments: argparse.Namespace) -> None:
     if not document.chapters:
         raise BuildError(f"there are no chapters in {source / 'chapters'}; is this the checkout?")
     settings = _settings(unchanged.settings_file(arguments))
-    with Bar() as progress, only_build_in(out, progress.say):
+    with Bar() as progress, only_build_in(out, progress.say), keeping(out / ".state/code.json"):
         _sweep(out)
         steps = Steps(out)
         jobs = jobs_of(settings, out / "experiments")

@@ -7,14 +7,18 @@ that are reached from given names count, so that work on a plot does not run the
 from __future__ import annotations
 
 import ast
+import json
 import sys
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
+
+from fieldrecon._whole_file import write_atomically
 
 PACKAGE = __name__.partition(".")[0]
 
@@ -24,10 +28,25 @@ class Statement:
     """What counts of a statement at the top level of a module."""
 
     form: str
-    """Its normal form."""
+    """The SHA-256 of its normal form."""
     defined: frozenset[str]
     used: frozenset[str]
     imports: tuple[str, ...]
+
+
+_kept: dict[str, list] = {}
+
+
+@contextmanager
+def keeping(path: Path) -> Iterator[None]:
+    """Keep what counts of each module in a file, so that the next build parses what has changed."""
+    forget()
+    with suppress(OSError, ValueError):
+        _kept.update(json.loads(path.read_text(encoding="utf-8")))
+    before = set(_kept)
+    yield
+    if before != set(_kept):
+        write_atomically(path, json.dumps(_kept).encode())
 
 
 def code_behind(module: str, names: Iterable[str] = ()) -> dict[str, str]:
@@ -60,7 +79,16 @@ def code_behind(module: str, names: Iterable[str] = ()) -> dict[str, str]:
 
 def forget() -> None:
     """Read all modules anew when they are asked for next."""
-    for memory in (_statements, _module_digest, _imported, _package, _submodule, _version):
+    _kept.clear()
+    for memory in (
+        _surroundings,
+        _statements,
+        _module_digest,
+        _imported,
+        _package,
+        _submodule,
+        _version,
+    ):
         memory.cache_clear()
 
 
@@ -79,7 +107,11 @@ def _imported(module: str) -> frozenset[str]:
 
 
 def _digest(statements: Iterable[Statement]) -> str:
-    return sha256("\n".join(s.form for s in statements).encode()).hexdigest()
+    return _sha256("\n".join(s.form for s in statements))
+
+
+def _sha256(text: str) -> str:
+    return sha256(text.encode()).hexdigest()
 
 
 @cache
@@ -88,7 +120,27 @@ def _statements(module: str) -> tuple[Statement, ...]:
     spec = find_spec(module)
     if spec is None or not spec.origin:
         raise ImportError(f"there is no module {module}")
-    body = ast.parse(Path(spec.origin).read_text(encoding="utf-8")).body
+    text = Path(spec.origin).read_text(encoding="utf-8")
+    key = _sha256("\n".join([_surroundings(), module, text]))
+    if key in _kept:
+        return tuple(
+            Statement(f, frozenset(d), frozenset(u), tuple(i)) for f, d, u, i in _kept[key]
+        )
+    statements = _parsed(text, module)
+    _kept[key] = [[s.form, sorted(s.defined), sorted(s.used), s.imports] for s in statements]
+    return statements
+
+
+@cache
+def _surroundings() -> str:
+    """Tell what else counts: Python, these rules, and which names are modules of this package."""
+    root = Path(__file__).parents[1]
+    names = sorted(str(path) for path in root.rglob("*.py"))
+    return "\n".join([sys.version, Path(__file__).read_text(encoding="utf-8"), *names])
+
+
+def _parsed(text: str, module: str) -> tuple[Statement, ...]:
+    body = ast.parse(text).body
     body = [s for s in body if not _is_text(s)] or [ast.Pass()]
     return tuple(_statement(s, module) for s in body)
 
@@ -99,7 +151,7 @@ def _statement(s: ast.stmt, module: str) -> Statement:
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             node.body = [s for s in node.body if not _is_text(s)] or [ast.Pass()]
     return Statement(
-        ast.dump(s),
+        _sha256(ast.dump(s)),
         frozenset(_defined(s)),
         frozenset(node.id for node in nodes if isinstance(node, ast.Name)),
         tuple(_imports(nodes, module)),
