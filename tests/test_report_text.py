@@ -192,7 +192,8 @@ class Text:
 
     def convert(self, chapter):
         (self.document.source / "chapters" / "01-all.md").write_text(chapter)
-        return self.document.convert(VALUES, {"version": "0"})
+        page, print_ = self.document.convert(VALUES, {"version": "0"})
+        return self.document.with_figures(page), print_
 
 
 @pytest.fixture(scope="module")

@@ -154,7 +154,11 @@ class Document:
         css = (self.source / "style.css").read_text(encoding="utf-8")
         page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
         page = page.replace("/* style */", self._fonts(page) + css, 1)
-        return FIGURE.sub(self._embedded, page)  # last, since they make it twenty times as long
+        return self.with_figures(page)  # last, since they make it twenty times as long
+
+    def with_figures(self, page: str) -> str:
+        """Put the figures into the page, which names them."""
+        return FIGURE.sub(self._embedded, page)
 
     def _fonts(self, page: str) -> str:
         """Return the rules of the fonts, which are cut down anew only if other characters occur."""
