@@ -8,17 +8,15 @@ from __future__ import annotations
 
 import hashlib
 import os
-import platform
 import re
 from collections.abc import Iterator
-from importlib import import_module
-from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import nbformat
 
 from fieldrecon.course.sources import REGION, Cell, Source
+from fieldrecon.reporting.pins import environment, pins
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 TOLD = ("question", "answer", "rubric")
@@ -58,7 +56,7 @@ def execute(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     """
     from nbclient import NotebookClient
 
-    with TemporaryDirectory() as folder:
+    with TemporaryDirectory() as folder, environment(pins()):
         NotebookClient(
             notebook,
             timeout=SECONDS_PER_CELL,
@@ -66,7 +64,7 @@ def execute(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
             record_timing=False,
             resources={"metadata": {"path": folder}},
             extra_arguments=["--log-level=ERROR"],
-        ).execute(env=os.environ | ENVIRONMENT | same_rounding())
+        ).execute(env=os.environ | ENVIRONMENT)
     notebook.metadata = _metadata(notebook.metadata["course"]["source"])
     return notebook
 
@@ -77,22 +75,6 @@ ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
 }
-
-
-def same_rounding() -> dict[str, str]:
-    """Return variables with which notebooks have the same bytes on all x86-64 Linux with AVX2.
-
-    The kernels of OpenBLAS are those for Haswell, and NumPy uses no AVX-512. Elsewhere nothing is
-    fixed, and last digits may differ.
-    """
-    processor = Path("/proc/cpuinfo")
-    if platform.machine() != "x86_64" or not processor.is_file():
-        return {}
-    if "avx2" not in processor.read_text(encoding="utf-8").split():
-        return {}
-    dispatched = import_module("numpy._core._multiarray_umath").__cpu_dispatch__
-    newer = [name for name in dispatched if name.startswith(("AVX512", "X86_V4"))]
-    return {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": " ".join(newer)}
 
 
 def to_text(notebook: nbformat.NotebookNode) -> str:
