@@ -13,7 +13,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from fieldrecon import experiments
-from fieldrecon.experiments import files, order_of_magnitude
+from fieldrecon.experiments import files
+from fieldrecon.experiments.experiment import order_of_magnitude
 
 NAMES = experiments.names()
 

@@ -193,7 +193,7 @@ def test_a_command_names_its_extra(folder, arguments, extra):
     """In a sentence, with status 2."""
     done = without(OPTIONAL, *arguments, cwd=folder)
     assert done.returncode == 2
-    assert f"it comes with the extra '{extra}': pip install " in done.stderr
+    assert f" with the extra '{extra}': pip install " in done.stderr
     assert "Traceback" not in done.stderr
 
 

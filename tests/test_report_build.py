@@ -399,6 +399,7 @@ def test_facts_agree_to_the_digits_stated():
 
 def test_other_pins_do_all_again(built, monkeypatch):
     """A folder that was built with other pins, or none, is not up to date."""
-    monkeypatch.setattr(compute, "pins", lambda: {"OPENBLAS_CORETYPE": "another"})
+    for module in (compute, unchanged):
+        monkeypatch.setattr(module, "pins", lambda: {"OPENBLAS_CORETYPE": "another"})
     assert built.build() == 0
     assert sorted(built.did()) == ["draw fake_a", "draw fake_b", "run fake_a", "run fake_b"]

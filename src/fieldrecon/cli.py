@@ -117,11 +117,9 @@ def _add_surface(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_report(parser: argparse.ArgumentParser) -> None:
-    """Declare the options that the report itself knows; to ask it imports all that it needs."""
-    try:
-        from fieldrecon.reporting import command
-    except ModuleNotFoundError as missing:
-        parser.error(_sentence(missing))
+    """Declare the options that the report itself knows."""
+    from fieldrecon.reporting import command
+
     command.add_arguments(parser)
     parser.set_defaults(command=command.main)
 

@@ -10,6 +10,7 @@ import os
 import sys
 from pathlib import Path
 
+from fieldrecon._extras import require
 from fieldrecon.reporting import unchanged
 from fieldrecon.reporting.failure import BuildError, disk_failure
 
@@ -65,6 +66,7 @@ def main(arguments: argparse.Namespace) -> int:
     """Build as the options say; tell in a sentence what went wrong, and return the exit status."""
     from fieldrecon.reporting import reproducible
 
+    require("matplotlib", "fontTools", "pypandoc", "typst")
     try:
         if arguments.check_reproducible:
             return reproducible.check(arguments)

@@ -17,7 +17,7 @@ from fieldrecon import experiments
 from fieldrecon.reporting.document import Document
 from fieldrecon.reporting.lock import only_build_in
 from fieldrecon.reporting.manifest import machine
-from fieldrecon.reporting.pins import has_x86_64_v3
+from fieldrecon.reporting.pins import pins
 from fieldrecon.reporting.steps import Steps, content_digest, digest
 
 STEP = "build"
@@ -48,7 +48,7 @@ def key(arguments: argparse.Namespace) -> str:
             "packages": sorted(_packages()),
             "python": sys.version,
             "machine": machine(),
-            "pinned": has_x86_64_v3(),
+            "pins": pins(),
         }
     )
 
