@@ -60,6 +60,7 @@ def test_a_repair_is_written_told_and_judged(folder, capsys):
     assert main(["audit", "crossing.ply", "--repair", "same.ply"]) == 1
 
 
+@pytest.mark.slow
 def test_a_boundary_may_be_allowed(folder, capsys):
     """A ring is no error with --open, a one-sided band is."""
     for half_turns, status in ((0, 0), (1, 1)):

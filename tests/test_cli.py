@@ -118,6 +118,7 @@ def test_run_writes_what_it_lists(capsys, tmp_path):
     assert "LS/MLS rms" in shown
 
 
+@pytest.mark.slow
 def test_seed_and_processes(tmp_path):
     """A seed changes the result; the number of processes does not."""
     runs = {"a": [], "b": ["--jobs", "2"], "c": ["--seed", "5"], "d": ["--set", "seed=5"]}
@@ -241,6 +242,7 @@ def test_the_page_tells_how_each_method_did(tmp_path, survey):
         assert candidate.meaning in words or f"{name}: not tried" in words, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["csv", "npz", "vtk", "nc"])
 def test_the_suffix_names_the_format(tmp_path, survey, suffix):
     """One file, and the page beside it."""
@@ -249,6 +251,7 @@ def test_the_suffix_names_the_format(tmp_path, survey, suffix):
     assert {path.name for path in (tmp_path / "to").iterdir()} == {f"a.{suffix}", "a.html"}
 
 
+@pytest.mark.slow
 def test_a_folder_holds_the_formats_that_are_asked_for(tmp_path, survey):
     """And no other."""
     options = ["--grid", "5x4", "--method", "ls1", "--format", "vtk, NC"]
@@ -275,6 +278,7 @@ def test_at_the_points_of_a_table_and_of_a_mesh(tmp_path, survey):
     assert set(data) == {"depth_[m]", "error", "extrapolated"}
 
 
+@pytest.mark.slow
 def test_points_in_space(tmp_path):
     """On a grid of three sides, at points and on a mesh; with pictures of each."""
     points = uniform(150, 3, seed=0)
@@ -297,6 +301,7 @@ def test_points_in_space(tmp_path):
         assert np.abs(stored["values"] - values).max() < 0.05
 
 
+@pytest.mark.slow
 def test_across_the_date_line(tmp_path, capsys):
     """Degrees on the globe: a grid across the line, as near to the truth as anywhere."""
     u = uniform(400, 2, seed=0)

@@ -277,6 +277,7 @@ def test_the_stub_says_what_to_write():
 # Leaks
 
 
+@pytest.mark.slow
 def test_nothing_hidden_is_in_what_students_get():
     """No code, no model answer, no number of a hidden case, nor of one with a secret salt."""
     assert not list(build.leaks(ROOT, "a secret salt"))
@@ -505,6 +506,7 @@ def test_the_first_solution_is_published(tmp_path):
     assert text.count("<img") == text.count('src="data:image/svg+xml;base64,') > 2
 
 
+@pytest.mark.slow
 def test_solutions_are_published_from_any_path(tmp_path):
     """Of a checkout and of the output: signs that Lua's search path, shells and URLs reserve."""
     root = tmp_path / "a; b? #c%20 'd' ü"

@@ -56,6 +56,7 @@ def readme_commands() -> list[list[str]]:
     return [line.split()[1:] for line in lines if line.startswith(".venv/bin/fieldrecon")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", readme_commands(), ids=" ".join)
 def test_the_readme_s_commands_run(command, tmp_path, monkeypatch, capsys):
     """As they stand there, in a folder that holds a table of samples."""

@@ -102,6 +102,7 @@ def test_isolines_turn_with_the_land():
     np.testing.assert_allclose(a[np.lexsort(a.T)], b[:, ::-1][np.lexsort(b[:, ::-1].T)], atol=EXACT)
 
 
+@pytest.mark.slow
 def test_thinned_isolines_keep_their_distance_and_lose_nothing_more(land):
     """Points of one level are as far apart as asked; each point left out has one that is nearer."""
     all_points, all_levels = land.isolines(100)

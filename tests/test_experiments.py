@@ -88,6 +88,7 @@ def test_it_says_the_same_each_time(experiment, result):
         assert experiment.run(experiment.quick, pool.map) == result
 
 
+@pytest.mark.slow
 @run_again
 def test_its_seed_counts(experiment, result):
     """Another seed gives another result, unless nothing is drawn."""

@@ -122,6 +122,7 @@ def test_the_analysis_counts_mistakes(place):
     assert rows(place / "out/analysis.csv")[1] == ["01.1", "2", "0.5", "0.5", "", "no constant (1)"]
 
 
+@pytest.mark.slow
 def test_the_class_report_has_facts_tables_and_figures_and_names_nobody(place):
     """HTML and PDF are set by the report generator; no student is in them."""
     assert run(place, "report") == 0

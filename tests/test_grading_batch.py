@@ -113,6 +113,7 @@ KINDS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_any_executor_gives_the_same_bytes(small, tmp_path, kind):
     """What is to be done can be sent to other processes; each starts walls of its own."""
@@ -155,6 +156,7 @@ def test_the_ledger_names_the_year_and_not_the_salt(small):
     assert line["tier"] == TIER
 
 
+@pytest.mark.slow
 def test_what_is_kept_and_cannot_be_read_is_found_again(small, tmp_path):
     """A file for each submission, torn, of another kind, or with one finding that is none."""
     todo, _ = small
@@ -239,6 +241,7 @@ def stands(results):
     return {r.student: (r.status, g.check) for r, g in asked}
 
 
+@pytest.mark.slow
 def test_after_a_check_is_edited_only_that_check_is_made(edited, tmp_path):
     """Only on answers that reach it; what is known of the checks before and behind it is kept.
 
@@ -281,6 +284,7 @@ def test_with_one_digest_for_a_question_all_its_checks_would_be_made(edited, mon
     assert set(called) == {"01.4 0", "01.4 1", "01.4 2", "01.4 3"}
 
 
+@pytest.mark.slow
 def test_points_are_no_reason_to_grade_again(small, tmp_path):
     """They are applied to what was found."""
     todo, _ = small
@@ -292,6 +296,7 @@ def test_points_are_no_reason_to_grade_again(small, tmp_path):
     assert points(grading.results)["bob", "01.2"] == 0.0
 
 
+@pytest.mark.slow
 def test_a_part_is_graded_and_the_rest_stays(tmp_path):
     """By notebook, by student, by question; what was graded before stays as it was."""
     todo = run(tmp_path, question="01.4")
@@ -349,6 +354,7 @@ def test_an_answer_that_is_fast_on_second_thoughts_has_to_pass_the_other_checks(
 # What goes wrong
 
 
+@pytest.mark.slow
 def test_a_submission_that_breaks_down_stops_nobody(tmp_path):
     """Its other answers keep their points, and the others are graded."""
     deadly = "def fit(points, values):\n    import os\n    os._exit(3)\n"
@@ -457,6 +463,7 @@ def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):
     assert {student for student, *_ in ledger(todo.out)} == {f"s{k}" for k in range(12)}
 
 
+@pytest.mark.slow
 def test_an_executor_that_breaks_down_ends_the_run(tmp_path):
     """It is no submission's fault, so no grade comes of it."""
 
@@ -494,6 +501,7 @@ def test_few_submissions_are_in_memory_at_a_time():
     assert all(future.cancelled() for future in waiting)
 
 
+@pytest.mark.slow
 def test_a_server_in_doubt_is_replaced_once():
     """Then the grader is at fault; a submission is never graded by chance."""
     tried = []

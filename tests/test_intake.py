@@ -310,6 +310,7 @@ PACKS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("pack", "problem"), PACKS.values(), ids=PACKS)
 def test_a_zip_file_that_cannot_be_unpacked_is_told(tmp_path, pack, problem):
     """With the reason, and its bytes are kept."""

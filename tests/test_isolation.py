@@ -82,6 +82,7 @@ def awaited(condition):
 
 if sys.platform == "linux":
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("tier", isolation.tiers())
     def test_nothing_outlives_a_grader_that_is_killed(tier):
         """The server and what it made end with it, whatever that is at."""

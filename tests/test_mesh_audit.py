@@ -270,6 +270,7 @@ test_how_many_more_triangles_meet = pytest.mark.slow(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(SOUPS)
 def test_exact_decisions_survive_rounding(surface):
@@ -284,6 +285,7 @@ def test_exact_decisions_survive_rounding(surface):
     assert {*audit.degenerate_triangles.tolist()} == flat
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(st.lists(st.tuples(*[st.integers(0, 6)] * 3), min_size=1, max_size=12))
 def test_connection_is_what_counting_says(triangles):

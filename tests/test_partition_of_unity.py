@@ -124,6 +124,7 @@ def test_a_weight_with_a_kink_is_not(monkeypatch):
 # --- accuracy -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("power", "degree", "order"), [(3, 1, 1.8), (3, 3, 3.5), (5, 2, 2.8)])
 def test_the_error_falls_with_the_spacing(power, degree, order):
     """At least as fast as the polynomials let it, degree + 1 or nearly."""

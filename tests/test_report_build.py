@@ -78,6 +78,7 @@ def test_nothing_is_done_twice(whole):
     assert [path.name for path, time in times.items() if path.stat().st_mtime_ns != time] == []
 
 
+@pytest.mark.slow
 def test_two_folders_get_the_same_bytes(whole, tmp_path, monkeypatch):
     """Nothing of folder, time zone or chance is in the outputs; one changed byte is seen."""
     monkeypatch.setenv("TZ", "Pacific/Kiritimati")
@@ -98,18 +99,21 @@ class TestOnlyWhatDepends:
         assert built.build() == 0
         assert built.did() == ["run fake_b", "draw fake_b"]
 
+    @pytest.mark.slow
     def test_a_parameter_set_to_its_default(self, built):
         """Settings that say what holds anyhow change nothing."""
         (built.source / "experiments.toml").write_text("[fake_a]\npoints = 1000\n")
         assert built.build() == 0
         assert built.did() == []
 
+    @pytest.mark.slow
     def test_a_plot(self, built):
         """A change in drawing draws, and does not run."""
         built.write_experiment("fake_a", 'line("MLS")', 'line("LS")')
         assert built.build() == 0
         assert built.did() == ["draw fake_a"]
 
+    @pytest.mark.slow
     def test_a_comment(self, built):
         """Comments, docstrings and layout change nothing."""
         built.write_experiment("fake_a", "SCALE = 1.0", "\n\n# a comment\nSCALE = (\n    1.0)")
@@ -123,6 +127,7 @@ class TestOnlyWhatDepends:
         assert built.build() == 0
         assert built.did() == ["run fake_a", "draw fake_a"]
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", ["fake_a.svg", "facts.json", "errors.csv"])
     def test_a_lost_or_damaged_file(self, built, name):
         """A file that is gone, or not what was written, is made again, the same as before."""
@@ -134,6 +139,7 @@ class TestOnlyWhatDepends:
         assert built.build() == 0
         assert built.outputs() == before
 
+    @pytest.mark.slow
     def test_an_experiment_that_is_gone(self, built):
         """Its results go too."""
         (built.code / "fake_b.py").unlink()
@@ -264,6 +270,7 @@ class Killed(BaseException):
 LATER = [pytest.param(moment, marks=pytest.mark.slow) for moment in (2, 4, 6, 13, 16, 17)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moment", [0, 5, 14, *LATER])
 def test_a_build_killed_at_any_write_is_completed_by_the_next(report, monkeypatch, moment):
     """Whichever write was the last, the next build gives the files of an undisturbed one."""

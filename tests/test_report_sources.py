@@ -84,6 +84,7 @@ def literally(module, names):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["power_sampling", "terrain", "variational_implicits"])
 @pytest.mark.parametrize("names", [RUN_NAMES, ("plot",)], ids=["run", "plot"])
 @pytest.mark.parametrize("kept", [False, True], ids=["parsed", "kept"])

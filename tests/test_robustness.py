@@ -144,6 +144,7 @@ def judged_by_processes(source, question, settings):
     return runs, robustness.changes(baseline.verdicts, verdicts)
 
 
+@pytest.mark.slow
 def test_other_kernels_find_an_arbitrary_basis(noisy):
     """Where kernels can be chosen, one of them at least is another than here."""
     two = kernels.settings()[:2] if kernels.has_choice_of_kernels() else kernels.settings()
@@ -187,6 +188,7 @@ def test_settings_that_run_the_same_kernels_are_refused():
     assert still_on == "with SIMD off, NumPy still dispatches to AVX2"
 
 
+@pytest.mark.slow
 def test_a_run_that_stops_is_told(course):
     """In the last line that it wrote."""
     (*_, plain), missing = kernels.settings(), Source(course.path.with_name("02_none.py"))

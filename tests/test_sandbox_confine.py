@@ -119,6 +119,7 @@ def folder(tmp_path, monkeypatch):
 
 if seccomp.is_known():
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("what", FORBIDDEN)
     def test_what_seccomp_refuses(what, folder):
         """A call that is refused with the lock succeeds without it."""

@@ -119,6 +119,7 @@ def test_a_cell_that_breaks_is_left_out(server, code, reason, sentence):
     assert re.search(sentence, log.cell_errors[1])
 
 
+@pytest.mark.slow
 def test_a_cell_that_does_not_end_is_left_out(hasty):
     """After the seconds that a cell may take; it waits and uses up no processor time."""
     sleep = "import time\ntime.sleep(9999)"
@@ -166,6 +167,7 @@ def double(x):
     assert log.killed == ["time"]
 
 
+@pytest.mark.slow
 def test_a_process_that_does_not_read_holds_up_nobody(hasty):
     """Code answers in the worker's place and reads no more: what is sent has a deadline too."""
     large = Task("large", (Call("double", (np.zeros(10**6),), "many"),), 9.0)
@@ -183,6 +185,7 @@ def test_after_many_starts_it_is_given_up(server):
     assert len(log.processes) == LIMITS.most_starts
 
 
+@pytest.mark.slow
 def test_after_a_long_time_it_is_given_up():
     """No number of cells, each a little shorter than it may be, takes longer than all may."""
     limits = replace(LIMITS, seconds_in_all=1.0)
@@ -194,6 +197,7 @@ def test_after_a_long_time_it_is_given_up():
 
 if sys.platform == "linux":
 
+    @pytest.mark.slow
     def test_processor_time_is_told_apart_from_memory(hasty):
         """Threads that compute in the background use it up, whatever else is waited for."""
         _, log = run(hasty(most_starts=1), [BUSY, "import time; time.sleep(9999)"], [task()])
@@ -229,6 +233,7 @@ if sys.platform == "linux":
         assert statuses(outcomes) == {"double": ["returned"]}
 
 
+@pytest.mark.slow
 def test_after_a_time_out_the_others_begin_anew(hasty):
     """What was interrupted in the middle, a lock perhaps that it holds, troubles nobody else."""
     slow = """

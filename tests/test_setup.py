@@ -179,6 +179,7 @@ def leave_the_lock_of_a_dead_process(checkout):
     (checkout / ".venv.lock").symlink_to(str(dead.pid))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "damage",
     [

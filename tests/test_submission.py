@@ -97,6 +97,7 @@ noise = (
 )
 
 
+@pytest.mark.slow
 @given(noise, st.sampled_from(["01.ipynb", "01.py", "", "x/\ud800.ipynb"]))
 def test_no_bytes_raise_anything_but_that(content, name):
     """Whatever bytes are handed in, they are a submission or unreadable."""
@@ -121,6 +122,7 @@ NESTED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cell", NESTED.values(), ids=NESTED)
 def test_no_code_is_too_intricate_to_be_left_aside(cell):
     """A cell that no parser can stand defines nothing; the others still do."""

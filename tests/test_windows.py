@@ -66,6 +66,7 @@ def python(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 def test_quick_tests_pass_without_what_windows_lacks():
     """All of them but one: an answer that never returns is interrupted by an alarm."""
     run = python(TAKEN_AWAY + RUN, *QUICK, "--deselect", NEEDS_AN_ALARM)

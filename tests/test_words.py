@@ -88,6 +88,7 @@ def test_nobody_reads_a_book():
     assert len(answers(marked("x" * 10**6))["01.7"]) == LONGEST
 
 
+@pytest.mark.slow
 @given(noise)
 def test_no_bytes_raise_anything(content):
     """Whatever was handed in has words or none."""

@@ -53,6 +53,7 @@ TRICKS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trick", TRICKS)
 def test_a_zip_file_with_a_trick(trick, tmp_path, course, servers, places, watchdog):
     """Whatever is in it, those beside it have their points, and all is told in plain words."""

@@ -123,6 +123,7 @@ def judged(case, server, course, places):
     assert honest.notes == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("case", "tier"), list(cases()))
 def test_a_submission(case: Case, tier, course, servers, places, watchdog):
     """The grade of each question is fair, and nobody and nothing else is concerned."""
