@@ -121,6 +121,7 @@ def test_the_help_tells_the_status(capsys):
 # --- the picture ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_errors_are_marked_in_the_picture(folder):
     """The picture of an error has pixels of its colour, that of the clean mesh has none."""
 

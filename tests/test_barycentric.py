@@ -78,6 +78,7 @@ POLYGONS = {"hexagon": HEXAGON, "regular": regular(6), "17-gon": regular(17)}
 BESIDE = (0.0, 1e-300, 1e-20, 1e-16, -1e-16, 1e-12, 1e-8, -1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("corners", POLYGONS.values(), ids=POLYGONS)
 @pytest.mark.parametrize("offset", BESIDE)
 def test_weights_beside_an_edge_are_those_of_rational_numbers(corners, offset):
@@ -357,6 +358,7 @@ def test_thin_polygons_keep_their_digits():
     assert abs(w - BarycentricCoordinates(HEXAGON).weights(x)).max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [16, 17, 400, 3000])
 def test_products_of_many_heights_stay_in_range(n):
     """Three thousand of them go from 1e-900 to one, and a corner has two."""

@@ -214,6 +214,7 @@ def test_blas_has_one_thread_while_chunks_run():
     assert threads() == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make",
     [

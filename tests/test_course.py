@@ -586,6 +586,7 @@ def test_this_repository_ignores_the_secret():
 # The command
 
 
+@pytest.mark.slow
 def test_the_command_says_where_the_secret_is_missing(capsys, monkeypatch):
     """A banner stands above the proof of one question, which passes in one of the settings."""
     monkeypatch.setattr("fieldrecon.course.command.settings", lambda: kernels.settings()[-1:])

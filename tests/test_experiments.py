@@ -72,16 +72,7 @@ def test_its_facts_have_the_digits_that_it_states(experiment, result):
             assert kept == x, name
 
 
-LONG = {"fluid_animation", "mesh_errors", "surface_reconstruction"}
-run_again = pytest.mark.parametrize(
-    "experiment",
-    [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in NAMES],
-    indirect=True,
-    scope="module",
-)
-
-
-@run_again
+@pytest.mark.slow
 def test_it_says_the_same_each_time(experiment, result):
     """The same parameters give the same result, also when sub-runs go to a pool of workers."""
     with ThreadPoolExecutor(2) as pool:
@@ -89,7 +80,6 @@ def test_it_says_the_same_each_time(experiment, result):
 
 
 @pytest.mark.slow
-@run_again
 def test_its_seed_counts(experiment, result):
     """Another seed gives another result, unless nothing is drawn."""
     if "seed" not in {f.name for f in fields(experiment.quick)}:

@@ -252,6 +252,7 @@ def drawings(text):
     return [base64.b64decode(content).decode() for content in found]
 
 
+@pytest.mark.slow
 def test_hidden_inputs_are_nowhere(leaking):
     """Answers that fail hidden cases, and shout what they saw, tell nothing of it to anybody."""
     sheets, secret = leaking

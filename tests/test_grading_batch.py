@@ -324,13 +324,13 @@ def hindered(monkeypatch, task, busy):
     return runs
 
 
-SLOW_AT = [(1, 1, 2.0), (2, 2, 1.0)]
-SLOW_AT_TOO = [(0, 1, 2.0), (0, 2, 1.0), (1, 2, 1.0), (2, 1, 2.0)]
+SLOW_AT = [(check, busy, left) for check in range(3) for busy, left in ((1, 2.0), (2, 1.0))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("check", "busy", "left"),
-    [*SLOW_AT, *(pytest.param(*case, marks=pytest.mark.slow) for case in SLOW_AT_TOO)],
+    SLOW_AT,
 )
 def test_what_was_slow_is_tried_once_more(tmp_path, monkeypatch, check, busy, left):
     """From the slow check on: a machine that is busy for a moment costs nobody points."""

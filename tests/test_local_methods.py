@@ -36,6 +36,7 @@ def small_chunks(monkeypatch):
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.usefixtures("small_chunks")
 def test_any_executor_gives_the_same_bits_and_tells_the_way(name):
@@ -127,6 +128,7 @@ assert threading.active_count() <= 2, "running on"
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_at_once_and_loses_nothing():
     """A real interrupt, of set-up, fit, values and gradients, long before each is done."""
     done = subprocess.run(

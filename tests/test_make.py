@@ -117,6 +117,7 @@ def test_a_change_starts_the_command_once(checkout, change):
     assert runs(checkout) == []
 
 
+@pytest.mark.slow
 def test_what_is_edited_during_a_run_is_seen_by_the_next(checkout):
     """The report on disk is as old as the start of the run that made it."""
     (checkout / "edit").touch()

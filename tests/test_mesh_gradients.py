@@ -128,6 +128,7 @@ AGAINST = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", AGAINST)
 @pytest.mark.parametrize("name", ["random 2-D", "jittered 3-D"])
 def test_in_batches_they_are_the_methods_of_the_library(name, method):

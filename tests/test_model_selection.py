@@ -35,6 +35,7 @@ def test_moving_residuals_have_their_digits(epsilon, degree):
         assert_close(residuals[i], VALUES[i] - s, 1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("smoothing", [pytest.param(0.0, marks=pytest.mark.slow), 0.1])
 def test_kernel_residuals_have_their_digits(smoothing):
     """Rippa's λ_i / (H⁻¹)_ii against a refit in five hundred digits, smoothing included."""

@@ -138,6 +138,7 @@ def test_numbers_of_sites_are_those_of_the_published_meshes():
     assert [slotted_disc.sites_of(k) for k in range(4)] == [1130, 4520, 18078, 72314]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shift", [1e-4, 0.0])
 def test_rounding_does_not_choose_the_sites(monkeypatch, shift):
     """Shifted sites come and go alike when all are moved by rounding; others have equal distances.

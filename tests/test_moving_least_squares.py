@@ -314,6 +314,7 @@ def test_coincident_sites_that_disagree_have_their_digits(epsilon, degree):
         assert float(m.objective(values, x)) == pytest.approx(psi, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize(
     "scale", [0.1, *(pytest.param(s, marks=pytest.mark.slow) for s in (0.3, 10.0))]

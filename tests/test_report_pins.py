@@ -31,11 +31,13 @@ def results(caller):
     return tables, facts, npz_bytes(arrays)
 
 
+@pytest.mark.slow
 def test_two_callers_get_the_same_bytes():
     """The two settings of ``make check-reproducible`` give the same bits."""
     assert results(FIRST) == results(SECOND)
 
 
+@pytest.mark.slow
 def test_the_pins_are_what_makes_them_equal(monkeypatch):
     """With the pins taken out the two settings give other bits, where there are pins."""
     pinned = pins.pins()

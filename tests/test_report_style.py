@@ -134,7 +134,8 @@ def saved(page, kind):
     return buffer.getvalue()
 
 
-@pytest.mark.parametrize("kind", ["svg", pytest.param("pdf", marks=pytest.mark.slow), "png"])
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
 def test_a_figure_is_the_same_bytes_whatever_the_reader_has_set(kind):
     """Neither a second saving, nor a second drawing, nor the user's settings change a byte."""
     first, again = drawn(), drawn()

@@ -88,6 +88,7 @@ def test_inputs_change_in_their_last_digits(array, number, draw):
     np.testing.assert_array_equal(again.arguments[0], changed.arguments[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("question", ["04.3", "09.2"])
 def test_verdicts_do_not_depend_on_the_last_digits(question):
     """Of the solution, all other right answers and all mistakes, for three students."""

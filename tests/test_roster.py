@@ -140,6 +140,7 @@ def test_where_two_fit_equally_well_nobody_is_chosen():
     assert students_of([numbered], twins) == {numbered: "k2"}
 
 
+@pytest.mark.slow
 @given(st.text(max_size=60), st.text(max_size=20), st.text(max_size=20))
 def test_any_text_belongs_to_one_student_at_most(text, number, email):
     """Nothing in a name is an error."""

@@ -474,6 +474,7 @@ def test_bad_input_is_refused_in_words(call, words):
         call(MESHES["random 2-D"])
 
 
+@pytest.mark.slow
 @given(
     st.integers(4, 12), st.integers(2, 3), st.integers(0, 10**6), st.sampled_from([None, 0.0, 0.3])
 )
