@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 Rung = Literal[
     "missing",
@@ -21,20 +21,7 @@ Rung = Literal[
     "right",
 ]
 
-LADDER: tuple[Rung, ...] = (
-    "missing",
-    "unwritten",
-    "exception",
-    "endless",
-    "type",
-    "shape",
-    "not finite",
-    "modified",
-    "misconception",
-    "wrong",
-    "slow",
-    "right",
-)
+LADDER: tuple[Rung, ...] = get_args(Rung)
 """The rungs in the order in which they are tried; the first that fails is told."""
 
 CREDIT = {"right": 1.0, "slow": 0.5}

@@ -59,7 +59,10 @@ def _haswell() -> dict[str, str]:
 
 @cache
 def has_x86_64_v3(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
-    """Tell it by the kernel's list: NumPy's own leaves out what the caller has disabled."""
+    """Whether the processor has AVX2 and its companions, by the kernel's list.
+
+    NumPy's own list leaves out what the caller has disabled.
+    """
     if sys.platform != "linux" or platform.machine() != "x86_64":
         return False
     lines = cpuinfo.read_text(encoding="utf-8").splitlines()
