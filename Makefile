@@ -25,7 +25,7 @@ ifneq ($(made_for),$(CURDIR))
 $(ready): FORCE
 endif
 
-$(ready): $(python) requirements.lock requirements-setup.lock pyproject.toml tools/setup.sh
+$(ready): $(python) requirements.lock requirements-setup.lock pyproject.toml src/pyproject.toml tools/setup.sh
 	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(VENV)"
 
 # When the interpreter is gone, so is the environment: setup.sh makes both.
@@ -120,7 +120,7 @@ lab: $(VENV)/ready-lab ## open JupyterLab on the exercises
 
 lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=--upgrade takes new versions
 	@$(compile) requirements-setup.lock --group setup
-	@$(compile) requirements.lock pyproject.toml --extra report --extra mesh --extra surface --extra parquet --extra dask --extra course --extra test --extra lint
+	@$(compile) requirements.lock pyproject.toml src/pyproject.toml --extra all --extra test --extra lint --no-emit-package fieldrecon
 	@$(compile) requirements-lab.lock pyproject.toml --extra lab --constraints requirements.lock
 	@$(compile) requirements-bench.lock pyproject.toml --extra bench --constraints requirements.lock
 	@$(compile) benchmarks/graders/nbgrader.lock benchmarks/graders/nbgrader.in

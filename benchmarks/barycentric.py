@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
-from fieldrecon.barycentric import BarycentricCoordinates
-from fieldrecon.datasets import uniform
+from fieldrecon.barycentric.coordinates import BarycentricCoordinates
+from fieldrecon.datasets.synthetic import uniform
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from fieldrecon.reporting.style import FULL_WIDTH, NO_CLOCK, figure
+from fieldrecon.plotting.style import FULL_WIDTH, NO_CLOCK, figure
 
 # Colours that differ for every kind of sight (Okabe and Ito 2008), and markers for grey print.
 _COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")

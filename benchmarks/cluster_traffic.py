@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from fieldrecon.datasets import franke, uniform
-from fieldrecon.partition_of_unity import PartitionOfUnityRBF
+from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,10 @@ from tempfile import TemporaryDirectory
 from benchmarks import graders
 from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
 from benchmarks.measure import Comparison, Outcome, Table, Track
-from fieldrecon.course.grading.isolation import Server
-from fieldrecon.course.grading.run import chosen_tier
+from fieldgrade.grading.run import chosen_tier
+from fieldgrade.isolation.isolation import Server
 
-COMMAND = "import sys; from fieldrecon.cli import main; sys.exit(main())"
+COMMAND = "import sys; from fieldrecon.cli.main import main; sys.exit(main())"
 AT_MOST = {(SMALL, "nbgrader"): 1 / 15, (SMALL, "otter"): 1 / 30}
 PR_SET_CHILD_SUBREAPER = 36
 SECONDS_TO_END = 5.0

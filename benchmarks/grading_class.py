@@ -67,10 +67,10 @@ def _told(size: Size) -> Iterator[str]:
 def grade_class(size: Size) -> None:
     """What the other process does: it prints a line after each third, and one on the grades."""
     sys.path.append(str(ROOT / "tests"))
-    from fieldrecon.course.grading import workplace
-    from fieldrecon.course.grading.batch import Batch
-    from fieldrecon.course.grading.isolation import Server
-    from fieldrecon.course.grading.run import Run, chosen_tier
+    from fieldgrade.checking import workplace
+    from fieldgrade.grading.batch import Batch
+    from fieldgrade.grading.run import Run, chosen_tier
+    from fieldgrade.isolation.isolation import Server
     from hostile.conftest import LIMITS
 
     tier, _ = chosen_tier()

@@ -18,10 +18,10 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
 from benchmarks.measure import Outcome, Table, Track, threads
-from fieldrecon.course.grading import workplace
-from fieldrecon.course.grading.batch import Batch
-from fieldrecon.course.grading.isolation import Server
-from fieldrecon.course.grading.run import Run, chosen_tier
+from fieldgrade.checking import workplace
+from fieldgrade.grading.batch import Batch
+from fieldgrade.grading.run import Run, chosen_tier
+from fieldgrade.isolation.isolation import Server
 
 COLUMNS = ("assignment", "workers", "cores", "seconds", "least", "most", "speed-up", "range of it")
 SHAPES = ((1, 1), (1, 2), (2, 2))

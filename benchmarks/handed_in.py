@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from fieldcheck.questions import questions
-from fieldrecon.course.known import public_calls
-from fieldrecon.course.notebooks import stub
-from fieldrecon.course.sources import Cell, Source
+from fieldgrade.authoring.known import public_calls
+from fieldgrade.authoring.notebooks import stub
+from fieldgrade.authoring.sources import Cell, Source
 
 ROOT = Path(__file__).parents[1]
 SMALL, LARGE = "three questions", "exercise 02 with its figures"

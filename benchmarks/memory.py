@@ -18,12 +18,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.measure import Outcome, Table, Track, cores
-from fieldrecon._chunks import CHUNK_BYTES
-from fieldrecon.datasets import franke, uniform
-from fieldrecon.moving_least_squares import MovingLeastSquares
-from fieldrecon.positive_definite import wendland
-from fieldrecon.radial import thin_plate_spline
-from fieldrecon.rbf import RBF
+from fieldrecon._core.chunks import CHUNK_BYTES
+from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.rbf import RBF
 from fieldrecon.reconstruction import Field
 
 AT_MOST = 1.5

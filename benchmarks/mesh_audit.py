@@ -15,8 +15,8 @@ import numpy as np
 
 from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
 from benchmarks.other_environment import Peer
-from fieldrecon.experiments.triangle_shapes import Surface, bumpy, sphere, together
-from fieldrecon.mesh_audit import MeshAudit, audit_mesh
+from fieldrecon.triangles.audit import MeshAudit, audit_mesh
+from fieldreport.experiments.triangles.triangle_shapes import Surface, bumpy, sphere, together
 
 PYMESHLAB = "pymeshlab==2025.7.post1"
 

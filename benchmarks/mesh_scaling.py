@@ -22,11 +22,15 @@ from scipy.spatial import Delaunay
 from benchmarks.measure import Chart, Outcome, Table, Track
 from benchmarks.memory import largest_memory
 from benchmarks.mesh_velocities import pairs_within, rotation
-from fieldrecon.cell_velocity import cell_velocities
-from fieldrecon.datasets import uniform
-from fieldrecon.mesh import SimplexMesh
-from fieldrecon.velocity import normal_velocities, velocity_weights, vertex_velocities
-from fieldrecon.voronoi import voronoi_weights
+from fieldrecon.barycentric.voronoi import voronoi_weights
+from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.velocity.cell_velocities import cell_velocities
+from fieldrecon.velocity.vertex_velocities import (
+    normal_velocities,
+    velocity_weights,
+    vertex_velocities,
+)
 
 Work = Callable[[], object]
 

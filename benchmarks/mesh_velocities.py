@@ -13,11 +13,15 @@ from scipy import sparse
 from scipy.spatial import Delaunay, KDTree
 
 from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
-from fieldrecon.cell_velocity import cell_velocities
-from fieldrecon.datasets import uniform
-from fieldrecon.mesh import SimplexMesh
-from fieldrecon.velocity import normal_velocities, velocity_weights, vertex_velocities
-from fieldrecon.voronoi import voronoi_weights
+from fieldrecon.barycentric.voronoi import voronoi_weights
+from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.velocity.cell_velocities import cell_velocities
+from fieldrecon.velocity.vertex_velocities import (
+    normal_velocities,
+    velocity_weights,
+    vertex_velocities,
+)
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,11 @@ from scipy.interpolate import RBFInterpolator
 from scipy.spatial import cKDTree
 
 from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
-from fieldrecon._chunks import chunked
-from fieldrecon._neighborhoods import Neighborhood
-from fieldrecon.datasets import franke, uniform
-from fieldrecon.moving_least_squares import MovingLeastSquares
-from fieldrecon.positive_definite import wendland
+from fieldrecon._core.chunks import chunked
+from fieldrecon._numerics.neighbor_search import Neighborhood
+from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 
 try:
     import wlsqm

@@ -18,9 +18,9 @@ import numpy as np
 
 from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
 from benchmarks.other_environment import Peer
-from fieldrecon.normal_orientation import orient_normals
-from fieldrecon.normals import estimate_normals
-from fieldrecon.shapes import Ball, Cylinder, Torus, sample_surface
+from fieldrecon.solids.shapes import Ball, Cylinder, Torus, sample_surface
+from fieldrecon.surfaces.normal_orientation import orient_normals
+from fieldrecon.surfaces.normals import estimate_normals
 
 OPEN3D = "open3d-cpu==0.20.0"
 NEIGHBORS, JOINED = 16, 16

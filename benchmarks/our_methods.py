@@ -8,17 +8,17 @@ from functools import partial
 
 import numpy as np
 
-from fieldrecon.block_averages import block_means
-from fieldrecon.candidates import Candidate
-from fieldrecon.judging import Judge
-from fieldrecon.model_selection import leave_one_out
-from fieldrecon.moving_least_squares import MovingLeastSquares
-from fieldrecon.partition_of_unity import PartitionOfUnityRBF
+from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
+from fieldrecon.pipelines.block_means import block_means
 from fieldrecon.polynomials import dimension
-from fieldrecon.positive_definite import wendland
-from fieldrecon.radial import polyharmonic, thin_plate_spline
-from fieldrecon.rbf import RBF
 from fieldrecon.reconstruction import Field
+from fieldrecon.selection.cross_validation import Judge
+from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.models import Candidate
 
 Fit = Callable[[np.ndarray, np.ndarray], Field]
 CHOICES = ((2, 1, 50), (3, 3, 40), (4, 2, 120), (7, 4, 60))

@@ -11,9 +11,9 @@ import numpy as np
 from scipy.interpolate import RBFInterpolator
 
 from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
-from fieldrecon.datasets import franke, uniform
-from fieldrecon.radial import thin_plate_spline
-from fieldrecon.rbf import RBF
+from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.methods.rbf import RBF
 from fieldrecon.reconstruction import Field
 
 try:

@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass
 from functools import partial
 
 from benchmarks.measure import Outcome, Table, Track, in_turn, threads
-from fieldrecon.datasets import franke, uniform
-from fieldrecon.moving_least_squares import MovingLeastSquares
-from fieldrecon.positive_definite import wendland
-from fieldrecon.radial import thin_plate_spline
-from fieldrecon.rbf import RBF
+from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
 
 

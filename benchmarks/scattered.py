@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldrecon.datasets import clustered, franke, terrain, uniform
+from fieldrecon.datasets.synthetic import clustered, franke, terrain, uniform
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,8 @@ import numpy as np
 from benchmarks.cluster_traffic import Traffic, carried
 from benchmarks.measure import Outcome, Table, Track
 from benchmarks.memory import largest_memory
-from fieldrecon.datasets import franke, uniform
-from fieldrecon.partition_of_unity import PartitionOfUnityRBF
+from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 
 BLOCK = 1_000_000
 """Rows that are read or written at a time."""

@@ -8,25 +8,25 @@ from itertools import product
 import numpy as np
 from scipy.stats import ortho_group
 
-from fieldrecon import _validation as valid
-from fieldrecon.barycentric import BarycentricCoordinates
-from fieldrecon.functionals import values_at
-from fieldrecon.hermite import HermiteRBF
-from fieldrecon.least_squares import LeastSquares
-from fieldrecon.moving_least_squares import MovingLeastSquares
-from fieldrecon.partition_of_unity import PartitionOfUnityRBF
-from fieldrecon.polynomials import dimension
-from fieldrecon.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.radial import (
+from fieldrecon._core import validation as valid
+from fieldrecon.barycentric.coordinates import BarycentricCoordinates
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.radial import (
     Radial,
     inverse_square,
     multiquadric,
     polyharmonic,
     thin_plate_spline,
 )
-from fieldrecon.rbf import RBF
+from fieldrecon.methods.functionals import values_at
+from fieldrecon.methods.hermite import HermiteRBF
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.natural_splines import NaturalCubicSpline
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
+from fieldrecon.polynomials import dimension
 from fieldrecon.reconstruction import Reconstruction
-from fieldrecon.splines import NaturalCubicSpline
 from polytopes import POLYTOPES, voronoi_cell
 
 EXACT = 1e-10

@@ -2,7 +2,7 @@
 
 from hypothesis import HealthCheck, settings
 
-from fieldrecon.course.grading.isolation import TIERS
+from fieldgrade.isolation.isolation import TIERS
 from hostile.case import HERE
 
 # No test is timed: a busy machine would fail it. The same examples come on every run.

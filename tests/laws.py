@@ -16,8 +16,8 @@ import numpy as np
 from scipy import sparse
 
 from cases import Case
-from fieldrecon import _chunks
-from fieldrecon.model_selection import leave_one_out
+from fieldrecon._core import chunks as _chunks
+from fieldrecon.selection.leave_one_out import leave_one_out
 
 VISIBLE = 1e-5
 """What differs by more than this differs for a reason."""

@@ -14,15 +14,15 @@ from scipy.spatial.distance import cdist
 
 import laws
 from cases import Case, case
-from fieldrecon import _validation as valid
-from fieldrecon import partition_of_unity
-from fieldrecon._neighborhoods import Nearest
-from fieldrecon.least_squares import LeastSquares
-from fieldrecon.moving_least_squares import MovingLeastSquares
-from fieldrecon.partition_of_unity import PartitionOfUnityRBF
-from fieldrecon.positive_definite import gaussian, wendland
-from fieldrecon.radial import inverse_square, polyharmonic, thin_plate_spline
-from fieldrecon.rbf import RBF
+from fieldrecon._core import validation as valid
+from fieldrecon._numerics.neighbor_search import Nearest
+from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity import method as partition_of_unity
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction
 
 LINE = case("LS degree 1 in 2-D")

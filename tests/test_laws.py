@@ -11,9 +11,9 @@ import pytest
 import fieldrecon
 import laws
 from cases import CASES, Case, case
-from fieldrecon.radial import Radial, Scaled
+from fieldrecon.kernels.radial import Radial, Scaled
+from fieldrecon.methods.globe import OnGlobe
 from fieldrecon.reconstruction import Reconstruction
-from fieldrecon.sphere import OnGlobe
 from mutants import MUTANTS
 
 PAIRS = [

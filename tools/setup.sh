@@ -112,13 +112,14 @@ install() {
     "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --require-hashes \
         --compile-bytecode -r requirements-setup.lock -r requirements.lock "$@"
     "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --quiet \
-        --no-deps --no-build-isolation --reinstall-package fieldrecon --editable .
+        --no-deps --no-build-isolation --reinstall-package fieldrecon \
+        --reinstall-package fieldrecon-course --editable . --editable ./src
     # So that the first import makes no folder: make takes a newer folder for a changed source.
     "$venv/bin/python" -m compileall -q src
 }
 
 intact() { [ "$(cat "$ready" 2>/dev/null)" = "$home" ] && new_enough "$venv/bin/python"; }
-locks_changed() { [ -n "$(find requirements*.lock pyproject.toml tools/setup.sh -newer "$ready")" ]; }
+locks_changed() { [ -n "$(find requirements*.lock pyproject.toml src/pyproject.toml tools/setup.sh -newer "$ready")" ]; }
 
 # One set-up at a time. The lock is a link to the number of the process that holds it: made in one
 # step, and recognised when its process has died.

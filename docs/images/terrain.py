@@ -5,7 +5,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from fieldrecon.experiments import get
+from fieldreport.experiments import get
 
 WIDTH = 1600
 COLORS = 256

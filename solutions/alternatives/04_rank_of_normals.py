@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fieldrecon.course.catalogue import answers
+from fieldgrade.authoring.catalogue import answers
 
 
 def matrix(points, normals):

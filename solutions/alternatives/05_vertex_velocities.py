@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 from matplotlib.tri import Triangulation
 
-from fieldrecon.course.catalogue import answers
+from fieldgrade.authoring.catalogue import answers
 
 # 05.1 edges_of
 

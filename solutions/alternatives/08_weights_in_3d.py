@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fieldrecon.course.catalogue import answers
+from fieldgrade.authoring.catalogue import answers
 
 
 @answers("08.1")

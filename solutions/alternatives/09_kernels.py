@@ -5,7 +5,7 @@ from math import floor
 
 import numpy as np
 
-from fieldrecon.course.catalogue import answers
+from fieldgrade.authoring.catalogue import answers
 
 
 def full(points, degree):

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from fieldrecon.course.catalogue import answers
+from fieldgrade.authoring.catalogue import answers
 
 # 10.1 From truncated powers to distances
 

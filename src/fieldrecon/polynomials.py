@@ -10,7 +10,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fieldrecon._blas import blas_threads_for
+from fieldrecon._core.blas_threads import blas_threads_for
 
 EPS = float(np.finfo(np.float64).eps)
 LARGE_BASIS = 500

@@ -4,7 +4,7 @@ import json
 
 from fieldcheck.answers import public_answers
 from fieldcheck.questions import questions
-from fieldrecon.course.known import public_calls
+from fieldgrade.authoring.known import public_calls
 from hostile.case import ALL, EVERYTHING, NO_ANSWERS, WALLS, Case
 
 
@@ -379,7 +379,7 @@ while True:
         "performing patched",
         after=FORGER
         + """
-module = __import__("sys").modules["fieldrecon.course.sandbox.worker"]
+module = __import__("sys").modules["fieldgrade.sandbox.worker"]
 from fieldcheck.calls import Outcome
 module.perform = lambda space, calls, limit: (Outcome("returned", values=(np.zeros(3),)),)
 """,
@@ -388,7 +388,7 @@ module.perform = lambda space, calls, limit: (Outcome("returned", values=(np.zer
         "sending patched",
         after="""
 import sys
-frames = sys.modules["fieldrecon.course.sandbox.frames"]
+frames = sys.modules["fieldgrade.sandbox.frames"]
 send = frames.send
 def lying(pipe, head, arrays=()):
     return send(pipe, head | {"status": "returned", "right": True, "verdict": "right", "points": 9},

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from fieldrecon.course.build import all_sources
-from fieldrecon.course.grading.isolation import MEBIBYTE, Limits, Server
-from fieldrecon.course.grading.trusted import Course
-from fieldrecon.course.sandbox import landlock
+from fieldgrade.authoring.build import all_sources
+from fieldgrade.checking.trusted import Course
+from fieldgrade.isolation.isolation import MEBIBYTE, Limits, Server
+from fieldgrade.sandbox import landlock
 from hostile.case import ROOT
 
 LIMITS = Limits(

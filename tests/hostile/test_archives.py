@@ -7,9 +7,9 @@ import zipfile
 
 import pytest
 
-from fieldrecon.course.grading.archive import Archive
-from fieldrecon.course.grading.examine import grade
-from fieldrecon.course.grading.intake import Intake
+from fieldgrade.checking.examine import grade
+from fieldgrade.submissions.archive import Archive
+from fieldgrade.submissions.intake import Intake
 from hostile.case import HERE, POINTS, as_file, notebook
 
 HONEST = as_file(notebook())[1]

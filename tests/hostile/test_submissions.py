@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from fieldrecon.course.grading.examine import grade
-from fieldrecon.course.grading.submission import Submission
+from fieldgrade.checking.examine import grade
+from fieldgrade.submissions.submission import Submission
 from hostile import breakdowns, cheats, damage, oddities, trespass
 from hostile.case import HERE, POINTS, Case, as_file, notebook
 

@@ -1,0 +1,167 @@
+"""From the sources to all that is made of them, and back: whether that is up to date."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+import nbformat
+
+from fieldcheck.questions import questions
+from fieldgrade.authoring.bundle import student_tree
+from fieldgrade.authoring.catalogue import entries
+from fieldgrade.authoring.hidden import hidden_cases
+from fieldgrade.authoring.known import answers_file, same_answers
+from fieldgrade.authoring.leaks import code_leaks, long_numbers, number_leaks
+from fieldgrade.authoring.notebooks import execute, solved_notebook, stub, student_notebook, to_text
+from fieldgrade.authoring.sources import Source, sources
+from fieldgrade.authoring.trials import trials
+
+Each = Callable[[Callable[[Source], None], list[Source]], Iterable[None]]
+NOTHING: Mapping[Path, str] = MappingProxyType({})
+
+
+def all_sources(root: Path) -> list[Source]:
+    """Return the sources of a checkout.
+
+    Raises
+    ------
+    ValueError
+        There are none.
+    """
+    found = list(sources(root / "solutions"))
+    if not found:
+        raise ValueError(f"there is no notebook in {root / 'solutions'}; run this in a checkout")
+    return found
+
+
+def require_questions(source: Source) -> None:
+    """Raise ValueError if a source has cells for questions that nobody judges."""
+    missing = [name for name in source.answer_cells() if name not in questions()]
+    if missing:
+        raise ValueError(
+            f"{source.path.name} has a cell for {', '.join(missing)}, and no module "
+            f"src/fieldcheck/questions/q{source.name}.py says how it is tried"
+        )
+
+
+def build(root: Path, chosen: list[Source], each: Each = map) -> None:
+    """Write exercises, known answers, stubs, and the executed solutions that are out of date.
+
+    Raises
+    ------
+    ValueError
+        Something of a solution would reach the students. No file has been written then.
+    """
+    files = {root / "src/fieldcheck/stubs.json": stubs_file(root)}
+    for source in chosen:
+        files |= student_files(root, source)
+    problems = list(dict.fromkeys(leaks(root, "fieldrecon", files)))
+    if problems:
+        raise ValueError("students would be told too much: " + "; ".join(problems))
+    for file, text in files.items():
+        _write(file, text)
+    list(each(lambda source: _solve(root, source), chosen))
+
+
+def student_files(root: Path, source: Source) -> dict[Path, str]:
+    """Return the files that a source makes for students, and what is in them."""
+    known = root / "src/fieldcheck/answers" / f"{source.number}.json"
+    return {
+        root / "exercises" / f"{source.name}.ipynb": to_text(student_notebook(source)),
+        known: _known_text(known, answers_file(source)),
+    }
+
+
+def _known_text(file: Path, fresh: str) -> str:
+    """Return the text that is there if only rounding errors of another machine changed."""
+    kept = file.read_text(encoding="utf-8") if file.is_file() else "{}"
+    return kept if same_answers(kept, fresh) else fresh
+
+
+def stubs_file(root: Path) -> str:
+    """Return the text of ``fieldcheck/stubs.json``: the cells as they are handed out."""
+    cells = {
+        name: stub(cell)
+        for source in all_sources(root)
+        for name, cell in source.answer_cells().items()
+    }
+    return json.dumps(cells, indent=0, ensure_ascii=False) + "\n"
+
+
+def solved_file(root: Path, source: Source) -> Path:
+    """Return the place of the executed solution."""
+    return root / "solutions" / f"{source.name}.ipynb"
+
+
+def is_solved(root: Path, source: Source) -> bool:
+    """Whether the executed solution on disk was made of what is there now."""
+    file = solved_file(root, source)
+    if not file.is_file():
+        return False
+    executed = nbformat.reads(file.read_text(encoding="utf-8"), as_version=4)
+    return bool(executed["metadata"]["course"].get("made_of") == ingredients(root, source))
+
+
+def ingredients(root: Path, source: Source) -> str:
+    """Return a digest of what an executed solution depends on: source, checks, and the maker."""
+    package = root / "src/fieldcheck"
+    files = [*sorted(package.glob("*.py")), *sorted(package.glob("*.js"))]
+    files += [package / "answers" / f"{source.number}.json"]
+    files += sorted((package / "questions").glob(f"q{source.number}_*.py"))
+    files += [Path(__file__).with_name("notebooks.py")]
+    digest = hashlib.sha256()
+    for file in [source.path, *files]:
+        digest.update(hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def solve(root: Path, source: Source) -> str:
+    """Return the text of the executed solution."""
+    notebook = execute(solved_notebook(source))
+    notebook["metadata"]["course"]["made_of"] = ingredients(root, source)
+    return to_text(notebook)
+
+
+def _solve(root: Path, source: Source) -> None:
+    if not is_solved(root, source):
+        _write(solved_file(root, source), solve(root, source))
+
+
+def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator[str]:
+    """Yield what students would be told too much.
+
+    Parameters
+    ----------
+    root : Path
+        The checkout.
+    salt : str
+        What hidden inputs are drawn from.
+    made : mapping
+        Files that are not written yet, and what will be in them.
+    """
+    there = (path for _, path in student_tree(root) if path.is_file() and path not in made)
+    texts = {path: path.read_text(encoding="utf-8") for path in there} | dict(made)
+    files = {path.relative_to(root).as_posix(): text for path, text in texts.items()}
+    written = {name: long_numbers(text) for name, text in files.items()}
+    for source in all_sources(root):
+        yield from code_leaks(source, files)
+        functions, hidden = source.functions(), hidden_cases(source)
+        mistakes = entries(source, "misconceptions")
+        for question in questions().values():
+            if question.notebook == source.number:
+                tried = trials(question, functions, mistakes, hidden, "leak", salt)
+                for trial in tried[1:]:
+                    yield from number_leaks(trial.calls, trial.answers.right, written)
+
+
+def _write(file: Path, text: str) -> None:
+    if file.is_file() and file.read_text(encoding="utf-8") == text:
+        return
+    file.parent.mkdir(parents=True, exist_ok=True)
+    part = file.with_name(file.name + ".part")
+    part.write_text(text, encoding="utf-8")
+    part.replace(file)

@@ -1,0 +1,218 @@
+"""The guard: nothing of a solution, a hidden case or its answers reaches what students get."""
+
+from __future__ import annotations
+
+import ast
+import json
+import keyword
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from functools import cache
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values
+from fieldgrade.authoring.sources import Source
+
+RUN = 6
+"""So many names, numbers and operators in a row, with the brackets between, are no accident.
+
+It is the least for which no solution agrees with what students get; ``(…).sum(axis=0)`` has three.
+"""
+WORDS = 12
+"""The same of the words of a model answer, or of a rubric."""
+SIGNIFICANT, MOST_SIGNIFICANT = 9, 12
+"""Numbers that agree in as many digits as are written are the same, if these are so many."""
+LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
+TOKEN = re.compile(
+    r"(?P<word>(?:\.?[^\W\d]\w*)+|\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?|\*\*|//|[=!<>]=|[-+*/@%<>&|^~])"
+    r"|[^\s\w\"'`\\]"
+)
+"""A token of code; names with their dots, numbers and operators are words, and so significant.
+
+Quotes are no tokens: a string of code is code.
+"""
+
+Run = tuple[str, ...]
+
+
+class Text(NamedTuple):
+    """A text in a file for students, and where its first line stands."""
+
+    place: str
+    first: int
+    text: str
+
+    def line(self, number: int) -> str:
+        """Name a line of the text."""
+        return f"{self.place}, line {self.first + number}"
+
+
+def code_leaks(source: Source, files: Mapping[str, str]) -> Iterator[str]:
+    """Yield each line of a file for students with a part of a solution, or of a model answer.
+
+    Parameters
+    ----------
+    source : Source
+    files : mapping
+        What students get: names of files, and what is in them.
+    """
+    solutions = [body for cell in source.cells for body in cell.solutions]
+    code = set(chain.from_iterable(map(token_runs, solutions))) - _signatures(source)
+    secret = [cell.text for cell in source.cells if cell.answer or cell.rubric]
+    words = set(chain.from_iterable(map(word_runs, secret)))
+    for text in chain.from_iterable(_texts(*file) for file in files.items()):
+        for line, run in _first_on_each_line(token_runs(text.text), code):
+            yield f"{text.line(line)} holds a part of a solution of {source.name}: {run}"
+        for line, run in _first_on_each_line(word_runs(text.text), words):
+            yield f"{text.line(line)} holds a part of a model answer of {source.name}: {run}"
+
+
+def _first_on_each_line(found: Mapping[Run, int], secret: Set[Run]) -> Iterator[tuple[int, str]]:
+    """Yield the lines on which a secret run begins, each with the first such run."""
+    runs = {line: " ".join(run) for run, line in reversed(list(found.items())) if run in secret}
+    yield from sorted(runs.items())
+
+
+def number_leaks(
+    calls: Sequence[Call], answers: Sequence[Values], written: Mapping[str, Set[str]]
+) -> Iterator[str]:
+    """Yield each file for students with a number of a hidden input, or of the answer to one.
+
+    Parameters
+    ----------
+    calls, answers : sequence
+        Hidden inputs, and the right answers.
+    written : mapping
+        What `long_numbers` finds in the files, by their names.
+    """
+    arrays = [np.asarray(a, dtype=float) for call in calls for a in call.arguments]
+    secret = _long([*arrays, *(v for values in answers for v in values)])
+    for name, numbers in written.items():
+        if found := numbers & secret:
+            yield f"{name} holds a number of a hidden case: {min(found)}"
+
+
+def long_numbers(text: str) -> set[str]:
+    """Return the numbers in a text with all the digits that it has of them, up to twelve.
+
+    Examples
+    --------
+    >>> sorted(long_numbers("1.5, 0.12345678901 and -12.34567890123456"))
+    ['-12.3456789012', '0.12345678901']
+    """
+    return {
+        _digits(float(number), min(count, MOST_SIGNIFICANT))
+        for number in LONG_NUMBER.findall(text)
+        if (count := _significant(number)) >= SIGNIFICANT
+    }
+
+
+def _signatures(source: Source) -> set[Run]:
+    """Return the runs in the first lines of the functions asked for, which everybody may call."""
+    cells = source.answer_cells().values()
+    lines = (line for cell in cells for line in cell.text.splitlines() if line.startswith("def "))
+    return {run for line in lines for run in token_runs(line)}
+
+
+@cache
+def token_runs(text: str) -> Mapping[Run, int]:
+    r"""Return all runs of `RUN` significant tokens, each with the line on which it first begins.
+
+    Comments are texts of their own: neither do they hide code, nor does code hide in them.
+
+    Examples
+    --------
+    >>> print(*next(iter(token_runs("x = np.linalg.solve(a + b,  # so\n  c)"))))
+    x = np.linalg.solve ( a + b , c
+    >>> token_runs("(x - y).sum(axis=0)")
+    {('x', '-', 'y', ')', '.sum', '(', 'axis', '=', '0'): 0}
+    >>> token_runs("(...).sum(axis=0)")
+    {}
+    """
+    lines = [line.partition("#") for line in text.splitlines()]
+    code = [token for k, (line, _, _) in enumerate(lines) for token in _tokens(line, k)]
+    comments = (list(_tokens(comment, k)) for k, (_, _, comment) in enumerate(lines))
+    return _first_lines(run for tokens in (code, *comments) for run in _runs(tokens))
+
+
+def _first_lines(runs: Iterable[tuple[Run, int]]) -> dict[Run, int]:
+    found: dict[Run, int] = {}
+    for run, line in runs:
+        found.setdefault(run, line)
+    return found
+
+
+class _Token(NamedTuple):
+    text: str
+    line: int
+    is_significant: bool
+
+
+def _tokens(text: str, line: int) -> Iterator[_Token]:
+    for match in TOKEN.finditer(text):
+        yield _Token(match[0], line, bool(match["word"]) and not keyword.iskeyword(match[0]))
+
+
+def _runs(tokens: Sequence[_Token]) -> Iterator[tuple[Run, int]]:
+    """Yield each run that begins and ends with a significant token, and its line."""
+    at = [k for k, token in enumerate(tokens) if token.is_significant]
+    for first, last in zip(at, at[RUN - 1 :], strict=False):
+        yield tuple(token.text for token in tokens[first : last + 1]), tokens[first].line
+
+
+def _texts(name: str, content: str) -> Iterator[Text]:
+    """Yield the texts of a file: cells and outputs of a notebook, strings of code and of JSON."""
+    if name.endswith(".ipynb"):
+        for number, cell in enumerate(json.loads(content)["cells"], 1):
+            yield Text(f"{name}, cell {number}", 1, "".join(cell["source"]))
+            outputs = _strings(cell.get("outputs", []))
+            yield from (Text(f"{name}, output of cell {number}", 1, text) for text in outputs)
+    elif name.endswith(".json"):
+        for key, value in json.loads(content).items():
+            yield from (Text(f"{name}, {key}", 1, text) for text in _strings(value))
+    else:
+        yield Text(name, 1, content)
+    if name.endswith(".py"):
+        for node in ast.walk(ast.parse(content)):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield Text(name, node.lineno, node.value)
+
+
+def _strings(data: object) -> Iterator[str]:
+    """Yield the texts in data; a list of strings is one text, as a notebook stores its lines."""
+    if isinstance(data, str):
+        yield data
+    elif isinstance(data, dict):
+        for value in data.values():
+            yield from _strings(value)
+    elif isinstance(data, list) and all(isinstance(value, str) for value in data):
+        yield "".join(data)
+    elif isinstance(data, list):
+        for value in data:
+            yield from _strings(value)
+
+
+@cache
+def word_runs(text: str) -> Mapping[Run, int]:
+    """Return all runs of `WORDS` words, each with the line on which it first begins."""
+    words = [(word, k) for k, line in enumerate(text.splitlines()) for word in line.split()]
+    runs = [words[i : i + WORDS] for i in range(len(words) - WORDS + 1)]
+    return _first_lines((tuple(word for word, _ in run), run[0][1]) for run in runs)
+
+
+def _long(arrays: Iterable[np.ndarray]) -> set[str]:
+    """Return the numbers that need all of the digits; short ones, as 0.5, are no secret."""
+    numbers = {float(x) for array in arrays for x in np.ravel(array)}
+    secret = [x for x in numbers if np.isfinite(x) and float(f"{x:.6g}") != x]
+    return {_digits(x, k) for x in secret for k in range(SIGNIFICANT, MOST_SIGNIFICANT + 1)}
+
+
+def _digits(x: float, count: int) -> str:
+    return f"{x:.{count}g}"
+
+
+def _significant(number: str) -> int:
+    return len(number.lower().partition("e")[0].replace(".", "").lstrip("-0"))

@@ -1,0 +1,129 @@
+"""Notebooks from their source: the student's, with stubs, and the solved one, executed.
+
+Both have the same bytes each time: the identifier of a cell comes from its content, and nothing
+records when or how long.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Iterator
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import nbformat
+
+from fieldgrade.authoring.sources import REGION, Cell, Source
+from fieldreport.build.pins import environment, pins
+
+KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
+TOLD = ("question", "answer", "rubric")
+DRAWS = re.compile(r"^@dra(w|g)\(", re.MULTILINE)
+"""What begins a picture; JupyterLab shows the picture, and the code at a click."""
+YOUR_WORDS = "*Write your answer here.*"
+SECONDS_PER_CELL = 120
+"""After so long a cell of a solution has failed; the text promises less than ten."""
+
+
+def stub(cell: Cell) -> str:
+    """Return the cell as it is handed out: the solution is replaced by the place to write it."""
+    place = (
+        r"\g<indent># Write your answer here, in place of the next line.\n"
+        rf'\g<indent>raise NotImplementedError("{cell.question} is not written yet")\n'
+    )
+    return REGION.sub(place, cell.text + "\n").rstrip("\n")
+
+
+def student_notebook(source: Source) -> nbformat.NotebookNode:
+    """Return the notebook for students: no solution, no rubric, no output."""
+    return _notebook(source, _student_cells(source))
+
+
+def solved_notebook(source: Source) -> nbformat.NotebookNode:
+    """Return the notebook with the solutions, not executed yet."""
+    return _notebook(source, ((cell, cell.text) for cell in source.cells))
+
+
+def execute(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
+    """Run a notebook in an empty folder, so for nobody's name, and return it with its outputs.
+
+    Raises
+    ------
+    nbclient.exceptions.CellExecutionError
+        A cell stops with an error.
+    """
+    from nbclient import NotebookClient
+
+    with TemporaryDirectory() as folder, environment(pins()):
+        NotebookClient(
+            notebook,
+            timeout=SECONDS_PER_CELL,
+            kernel_name="python3",
+            record_timing=False,
+            resources={"metadata": {"path": folder}},
+            extra_arguments=["--log-level=ERROR"],
+        ).execute(env=os.environ | ENVIRONMENT)
+    notebook.metadata = _metadata(notebook.metadata["course"]["source"])
+    return notebook
+
+
+ENVIRONMENT = {
+    "FIELDCHECK_STATIC": "1",
+    "PYDEVD_DISABLE_FILE_VALIDATION": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+}
+
+
+def to_text(notebook: nbformat.NotebookNode) -> str:
+    """Return a notebook as the text of its file."""
+    nbformat.validate(notebook)
+    return str(nbformat.writes(notebook)).rstrip("\n") + "\n"
+
+
+def _student_cells(source: Source) -> Iterator[tuple[Cell, str]]:
+    for cell in source.cells:
+        if cell.rubric:
+            continue
+        yield cell, YOUR_WORDS if cell.answer else stub(cell) if cell.question else cell.text
+
+
+def _notebook(source: Source, cells: Any) -> nbformat.NotebookNode:
+    make = {"markdown": nbformat.v4.new_markdown_cell, "code": nbformat.v4.new_code_cell}
+    made: list[nbformat.NotebookNode] = []
+    seen: set[str] = set()
+    for cell, text in cells:
+        node = make[cell.kind](text)
+        node["id"] = _identifier(source, cell, text, seen)
+        node["metadata"] = nbformat.from_dict(_told(cell))
+        made.append(node)
+    notebook = nbformat.v4.new_notebook(cells=made, metadata=_metadata(source.name))
+    notebook["nbformat_minor"] = 5
+    return notebook
+
+
+def _metadata(name: str) -> nbformat.NotebookNode:
+    return nbformat.from_dict(
+        {"course": {"source": name}, "kernelspec": KERNEL, "language_info": {"name": "python"}}
+    )
+
+
+def _told(cell: Cell) -> dict[str, Any]:
+    """Return what a notebook says of a cell: its question, and that drawing code is folded."""
+    told = {key: value for key, value in cell.metadata.items() if key in TOLD}
+    return told | ({"jupyter": {"source_hidden": True}} if DRAWS.search(cell.text) else {})
+
+
+def _identifier(source: Source, cell: Cell, text: str, seen: set[str]) -> str:
+    """Return the question's name, or a hash of the content; a number more where it occurs again."""
+    name = cell.question or cell.answer
+    digest = hashlib.sha256(f"{source.name}\0{cell.kind}\0{text}".encode()).hexdigest()[:12]
+    wanted = f"q-{name.replace('.', '-')}" if name else digest
+    identifier, copy = wanted, 1
+    while identifier in seen:
+        copy += 1
+        identifier = f"{wanted}-{copy}"
+    seen.add(identifier)
+    return identifier

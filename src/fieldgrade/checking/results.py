@@ -1,0 +1,253 @@
+"""What grading found, as records in memory and as one file of JSON from which all else is made.
+
+The file holds no hidden input, no salt and no times, so that grading twice gives the same bytes.
+Its form is that of ``results.schema.json``.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from fieldcheck.verdict import Verdict
+from fieldgrade.isolation.isolation import Tier
+from fieldrecon._core.atomic_files import write_atomically
+
+FORMAT, VERSION = "fieldrecon results", 1
+NUMBERED = re.compile(r"\d{4,}\.json")
+
+Status = Literal[
+    "graded", "partly", "unreadable", "killed: time", "killed: memory", "killed: output", "fault"
+]
+STATUSES: tuple[Status, ...] = get_args(Status)
+"""``fault``: the grader failed, and the submission is still to be graded."""
+
+
+@dataclass(frozen=True)
+class Grade:
+    """What an answer earns.
+
+    Parameters
+    ----------
+    question : str
+        Its name.
+    points, possible : float
+        Earned, and to be earned.
+    verdict : Verdict
+        How far up the ladder it came, and the sentence for the student.
+    check : str
+        Which check it did not pass: the public cases, the student's own inputs, or a hidden one by
+        its name, which is for instructors; empty if it passed all.
+    made_by : str
+        Digest of all that the verdict depends on, but for the answer itself.
+    returned : tuple of mapping
+        Wrong numbers on a public case, to be drawn: for each array its shape and its numbers.
+    """
+
+    question: str
+    points: float
+    possible: float
+    verdict: Verdict
+    check: str = ""
+    made_by: str = ""
+    returned: tuple[Mapping[str, Any], ...] = ()
+
+
+@dataclass(frozen=True)
+class Record:
+    """All that is known of a graded submission.
+
+    Parameters
+    ----------
+    student, file, digest : str
+        Whose, under which name it came, and the SHA-256 of its content.
+    notebook : str
+        Which notebook it is; empty if it is none.
+    status : str
+        How it went.
+    tier : str
+        Behind which walls it ran; empty if it did not run.
+    grades : tuple of Grade
+        One for each question of the notebook.
+    notes : tuple of str
+        What the instructor should know, such as a stub behind a working answer.
+    code : str
+        Digest of the code of its cells.
+    received, received_by : str
+        When it was handed in, and who says so: ``"list"``, ``"platform"``, ``"zip"``, ``"file"``.
+    late_mark : bool
+        Whether the learning platform marked it as late.
+    seconds, cpu_seconds : float
+        Time taken.
+    peak : int
+        Bytes of memory at most.
+    """
+
+    student: str
+    file: str
+    digest: str
+    notebook: str
+    status: Status
+    tier: Tier | Literal[""]
+    grades: tuple[Grade, ...] = ()
+    notes: tuple[str, ...] = ()
+    code: str = ""
+    received: str = ""
+    received_by: str = ""
+    late_mark: bool = False
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    peak: int = 0
+
+    @property
+    def points(self) -> float:
+        """The points of all questions together."""
+        return sum(grade.points for grade in self.grades)
+
+    @property
+    def possible(self) -> float:
+        """The points that could be earned."""
+        return sum(grade.possible for grade in self.grades)
+
+
+SAID = ("rung", "sentence", "mistake", "call")
+MEASURED = ("seconds", "cpu_seconds", "peak")
+"""What differs from run to run: it goes to the ledger, not to the results."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """A class, graded.
+
+    Parameters
+    ----------
+    records : tuple of Record
+        In the order of students and notebooks.
+    students : tuple of mapping
+        The roster, column by column; without one, only the names under which files came.
+    questions : tuple of mapping
+        What was asked, in code and in words, and what it is worth.
+    secret : bool
+        Whether the inputs were drawn from a secret salt.
+    environment, grader : str
+        Digests of the installed packages and of the grader.
+    """
+
+    records: tuple[Record, ...]
+    students: tuple[Mapping[str, str], ...] = ()
+    questions: tuple[Mapping[str, Any], ...] = ()
+    secret: bool = False
+    environment: str = ""
+    grader: str = ""
+
+
+PLAIN = ("secret", "environment", "grader")
+
+
+def to_json(results: Results) -> dict[str, Any]:
+    """Return results as what ``json`` can write."""
+    head = {"format": FORMAT, "version": VERSION}
+    lists = {"students": list(results.students), "questions": list(results.questions)}
+    records = [record_to_json(record) for record in results.records]
+    return head | {name: getattr(results, name) for name in PLAIN} | lists | {"records": records}
+
+
+def record_to_json(record: Record) -> dict[str, Any]:
+    """Return a record as what ``json`` can write, without what was measured."""
+    data = {k: v for k, v in asdict(replace(record, grades=())).items() if k not in MEASURED}
+    grades = [_grade_to_json(grade) for grade in record.grades]
+    sums = {"points": record.points, "possible": record.possible}
+    return data | sums | {"notes": list(record.notes), "grades": grades}
+
+
+def _grade_to_json(grade: Grade) -> dict[str, Any]:
+    verdict = {name: getattr(grade.verdict, name) for name in SAID}
+    return asdict(grade) | {"verdict": verdict, "returned": list(grade.returned)}
+
+
+def from_json(data: Any) -> Results:
+    """Return the results that `to_json` wrote.
+
+    Raises
+    ------
+    ValueError
+        They are not of the form of the schema, or of a later version.
+    """
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise ValueError("this is no file of results")
+    if data.get("version") != VERSION:
+        raise ValueError(f"results of version {data.get('version')}; version {VERSION} is known")
+    problem = invalid(data)
+    if problem:
+        raise ValueError(f"the results are damaged: {problem}")
+    records = tuple(map(record_from_json, data["records"]))
+    plain = {name: data[name] for name in PLAIN}
+    return Results(records, tuple(data["students"]), tuple(data["questions"]), **plain)
+
+
+def record_from_json(data: Mapping[str, Any]) -> Record:
+    """Return the record that `record_to_json` wrote."""
+    kept = {k: v for k, v in data.items() if k not in ("points", "possible")}
+    grades = tuple(map(_grade_from_json, data["grades"]))
+    return Record(**kept | {"grades": grades, "notes": tuple(data["notes"])})
+
+
+def _grade_from_json(data: Mapping[str, Any]) -> Grade:
+    verdict = Verdict(data["question"], **data["verdict"])
+    return Grade(**{**data, "verdict": verdict, "returned": tuple(data["returned"])})
+
+
+@cache
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of the file."""
+    text = (files("fieldgrade.checking") / "results.schema.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
+def invalid(data: Any) -> str:
+    """Return what is wrong with data that should have the form of the schema; empty if nothing."""
+    from jsonschema import Draft202012Validator
+
+    error = next(Draft202012Validator(schema()).iter_errors(data), None)
+    return "" if error is None else f"{error.json_path}: {error.message}"
+
+
+def write_results(results: Results, file: Path) -> bool:
+    """Write results at once or not at all, and tell whether they differ from those before.
+
+    Those before are kept in ``history/`` beside the file.
+    """
+    text = json.dumps(to_json(results), indent=1, ensure_ascii=True) + "\n"
+    before = file.read_bytes() if file.is_file() else None
+    if before == text.encode():
+        return False
+    if before is not None:
+        write_atomically(_next(file.parent / "history"), before)
+    write_atomically(file, text.encode())
+    return True
+
+
+def _next(history: Path) -> Path:
+    """Return the name of the next file of a history: ``0001.json`` and so on."""
+    numbers = (int(f.stem) for f in history.glob("*.json") if NUMBERED.fullmatch(f.name))
+    return history / f"{max(numbers, default=0) + 1:04}.json"
+
+
+def read_results(file: Path) -> Results:
+    """Return the results in a file.
+
+    Raises
+    ------
+    ValueError
+        It holds none; the sentence names the file.
+    """
+    try:
+        return from_json(json.loads(file.read_text(encoding="utf-8")))
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from None

@@ -1,0 +1,116 @@
+"""Grades that a person changes: records of their own, with a name and a reason, and the requests.
+
+Both are CSV files to which lines are added. Nothing that was graded is changed: an override stands
+beside it, and the last one counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+
+from fieldgrade.class_folder.csv_tables import Row, points, question, read_table
+
+COLUMNS = ("student", "question", "points", "by", "reason", "on")
+
+
+@dataclass(frozen=True)
+class Override:
+    """What a person grants in place of the grader's points.
+
+    Parameters
+    ----------
+    student, question : str
+        Whose answer to what.
+    points : float
+        Granted.
+    by, reason : str
+        Who decided, and why.
+    on : date
+        When.
+    """
+
+    student: str
+    question: str
+    points: float
+    by: str
+    reason: str
+    on: date
+
+
+@dataclass(frozen=True)
+class Request:
+    """A student asks that an answer be looked at again.
+
+    Parameters
+    ----------
+    student, question : str
+        Who asks about what.
+    on : date
+        When.
+    request : str
+        Why, in the student's words.
+    answer : str
+        What was answered, where no points were changed; empty as long as it is open.
+    """
+
+    student: str
+    question: str
+    on: date
+    request: str
+    answer: str = ""
+
+
+def read_overrides(path: Path) -> list[Override]:
+    """Return the overrides in a file. Columns: student, question, points, by, reason, on."""
+    return read_table(path, _override, COLUMNS)
+
+
+def read_requests(path: Path) -> list[Request]:
+    """Return the requests in a file. Columns: student, question, on, request, answer."""
+    return read_table(path, _request, ("student", "question", "on", "request"), ("answer",))
+
+
+def latest(overrides: Iterable[Override]) -> Mapping[tuple[str, str], Override]:
+    """Return the override that counts, by student and question: the last one written."""
+    return {(o.student, o.question): o for o in overrides}
+
+
+def open_requests(requests: Iterable[Request], overrides: Sequence[Override]) -> list[Request]:
+    """Return the requests that nobody has answered, in words or by an override since."""
+    decided = {key: o.on for key, o in latest(overrides).items()}
+    return [
+        r
+        for r in requests
+        if not r.answer and decided.get((r.student, r.question), date.min) < r.on
+    ]
+
+
+def _override(row: Row) -> Override:
+    return Override(
+        row["student"],
+        question(row["question"]),
+        points(row["points"]),
+        row["by"],
+        row["reason"],
+        _day(row["on"]),
+    )
+
+
+def _request(row: Row) -> Request:
+    return Request(
+        row["student"],
+        question(row["question"]),
+        _day(row["on"]),
+        row["request"],
+        row.get("answer", ""),
+    )
+
+
+def _day(text: str) -> date:
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        raise ValueError(f"a day is written as 2026-11-30, not {text!r}") from None

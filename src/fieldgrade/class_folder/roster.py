@@ -1,0 +1,93 @@
+"""Who is in the class, what the questions are worth, and when files came: a CSV file each."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+from fieldgrade.class_folder.csv_tables import Row, notebook, points, question, read_table
+from fieldgrade.class_folder.late import moment
+
+
+@dataclass(frozen=True)
+class Student:
+    """A line of the roster; only the first column must be filled.
+
+    Parameters
+    ----------
+    student : str
+        The name or number from which the student's inputs are drawn: as in ``student.txt``.
+    name : str
+        ``"Ada Lovelace"`` or ``"Lovelace, Ada"``.
+    email, login : str
+        As the learning platform has them.
+    canvas_id, sis_id, section : str
+        The columns ID, SIS User ID and Section of Canvas.
+    moodle_id : str
+        The number of the participant, which Moodle writes into the names of files.
+    """
+
+    student: str
+    name: str = ""
+    email: str = ""
+    login: str = ""
+    canvas_id: str = ""
+    sis_id: str = ""
+    section: str = ""
+    moodle_id: str = ""
+
+
+TIMES = ("student", "notebook", "received")
+OPTIONAL = tuple(field.name for field in fields(Student))[1:]
+
+
+def read_roster(path: Path) -> dict[str, Student]:
+    """Return the students of a file, by the first column, in its order.
+
+    Raises
+    ------
+    ValueError
+        What is wrong, line by line.
+    """
+    students = read_table(path, lambda row: Student(**row), ("student",), OPTIONAL, ("student",))
+    return {student.student: student for student in students}
+
+
+def read_points(path: Path, known: Collection[str]) -> dict[str, float]:
+    """Return what questions are worth, where it differs. Columns: question, points.
+
+    Raises
+    ------
+    ValueError
+        What is wrong, line by line.
+    """
+
+    def worth(row: Row) -> tuple[str, float]:
+        name = question(row["question"])
+        if name not in known:
+            raise ValueError(f"there is no question {name}")
+        return name, points(row["points"])
+
+    return dict(read_table(path, worth, ("question", "points"), unique=("question",)))
+
+
+def read_times(path: Path) -> dict[tuple[str, str], str]:
+    """Return when files came, by student and notebook. Columns: student, notebook, received.
+
+    Raises
+    ------
+    ValueError
+        What is wrong, line by line.
+    """
+
+    def time(row: Row) -> tuple[tuple[str, str], str]:
+        key = row["student"], notebook(row["notebook"])
+        return key, moment(row["received"]).isoformat()
+
+    return dict(read_table(path, time, TIMES, unique=TIMES[:2]))
+
+
+def columns(student: Student) -> dict[str, str]:
+    """Return the columns of a student that are filled."""
+    return {name: value for name, value in asdict(student).items() if value}

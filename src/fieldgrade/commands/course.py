@@ -1,0 +1,153 @@
+"""``fieldrecon course``: build the notebooks, prove the graders, make the students' bundle."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from datetime import date
+from functools import partial, reduce
+from itertools import chain
+from operator import or_
+from os import cpu_count
+from pathlib import Path
+
+from fieldgrade.authoring import build as building
+from fieldgrade.authoring.bundle import write_bundle
+from fieldgrade.authoring.kernels import (
+    NO_CHOICE,
+    Request,
+    Run,
+    Setting,
+    has_choice_of_kernels,
+    not_as_chosen,
+    run,
+    settings,
+)
+from fieldgrade.authoring.proof import Proof, prove
+from fieldgrade.authoring.publish import publish
+from fieldgrade.authoring.robustness import Baseline, Changes, bench, changes, changes_of_draws
+from fieldgrade.authoring.secret import MISSING, make_salt, read_salt
+from fieldgrade.authoring.sources import Source
+from fieldgrade.commands.gradebook import add_commands as add_gradebook
+from fieldrecon.cli.console import print_table
+from fieldrecon.cli.terminal import print_files, progress
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the subcommands of ``fieldrecon course``."""
+    parser.add_argument(
+        "--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)"
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    build = commands.add_parser("build", help="write the notebooks of students and solutions")
+    build.set_defaults(command=_build)
+    check = commands.add_parser("check", help="prove that the graders are right")
+    check.set_defaults(command=_check)
+    check.add_argument("--question", default="", metavar="02.3", help="only this question")
+    pages = commands.add_parser("publish", help="write the solved notebooks as HTML and PDF")
+    pages.add_argument("--out", type=Path, default=Path("dist/solutions"), metavar="DIR")
+    pages.set_defaults(command=_publish)
+    for command in (build, check, pages):
+        command.add_argument("--only", nargs="+", default=[], metavar="02", help="these notebooks")
+    init = commands.add_parser("init", help="make the secret salt, outside version control")
+    init.add_argument("--renew", action="store_true", help="replace it, as each year")
+    init.set_defaults(command=_init)
+    bundle = commands.add_parser("bundle", help="write the zip file for students")
+    bundle.add_argument("--out", type=Path, default=Path("dist/student-bundle.zip"), metavar="FILE")
+    bundle.set_defaults(command=_bundle)
+    add_gradebook(commands)
+
+
+def _build(options: argparse.Namespace) -> None:
+    chosen = _chosen(options)
+    with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "notebooks") as each:
+        building.build(options.root, chosen, each)
+    print(f"{len(chosen)} notebooks are up to date, for students and solved")
+
+
+def _check(options: argparse.Namespace) -> int:
+    salt = read_salt(options.root)
+    _banner(salt.secret)
+    sources = _chosen(options, options.question[:2])
+    todo = partial(_checked, salt=salt.text, only=options.question)
+    with ProcessPoolExecutor(cpu_count()) as pool, progress(pool.map, "graders") as each:
+        parts, baselines, changed = zip(*each(todo, sources), strict=True)
+    proofs: list[Proof] = list(chain.from_iterable(parts))
+    baseline: Baseline = reduce(or_, baselines)
+    runs = _runs(Request(tuple(sources), salt.text, options.question, baseline.known))
+    verdicts = ((f"with {setting.name}", found.verdicts) for setting, found in runs)
+    for changes_of_its in (*changed, changes(baseline.verdicts, verdicts)):
+        proofs = [p.with_problems(changes_of_its.get(p.question, ())) for p in proofs]
+    print_table(
+        ("question", "mistakes", "other right answers", "mutants", "caught", "problems"),
+        [
+            (p.question, p.mistakes, p.alternatives, p.mutants, p.caught, len(p.problems))
+            for p in proofs
+        ],
+        title="What the graders say of answers whose worth is known",
+        whole=True,
+    )
+    for proof in proofs:
+        for problem in proof.problems:
+            print(f"{proof.question}: {problem}", file=sys.stderr)
+    alike = list(not_as_chosen(runs))
+    print(*alike, sep="\n", end="\n" * bool(alike), file=sys.stderr)
+    return int(any(proof.problems for proof in proofs) or not proofs or bool(alike))
+
+
+def _checked(source: Source, salt: str, only: str) -> tuple[list[Proof], Baseline, Changes]:
+    found = bench(source, salt, only)
+    baseline = found.baseline()
+    return list(prove(source, salt, only)), baseline, changes_of_draws(found, baseline)
+
+
+def _runs(request: Request) -> list[tuple[Setting, Run]]:
+    """Judge all answers in each setting, and print what each process ran."""
+    chosen = settings()
+    with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "kernels") as each:
+        runs = list(zip(chosen, each(partial(run, request=request), chosen), strict=True))
+    for setting, found in runs:
+        print(f"With {setting.name}: {found}.")
+    if not has_choice_of_kernels():
+        print(NO_CHOICE)
+    return runs
+
+
+def _init(options: argparse.Namespace) -> None:
+    salt = make_salt(options.root, date.today().year, options.renew)
+    print(f"the inputs of {salt.year} are drawn from a new secret salt; keep the file to regrade")
+
+
+def _bundle(options: argparse.Namespace) -> None:
+    for problem in building.leaks(options.root, read_salt(options.root).text):
+        raise ValueError(f"students would be told too much: {problem}")
+    print(write_bundle(options.root, options.out))
+
+
+def _publish(options: argparse.Namespace) -> None:
+    todo = partial(_pages, root=options.root, out=options.out)
+    with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "pages") as each:
+        print_files(chain.from_iterable(each(todo, _chosen(options))))
+
+
+def _pages(source: Source, root: Path, out: Path) -> list[Path]:
+    return list(publish(root, source, out))
+
+
+def _banner(secret: bool) -> None:
+    if not secret:
+        line = "!" * 72
+        print(f"{line}\n{MISSING}\n{line}", file=sys.stderr)
+
+
+def _chosen(options: argparse.Namespace, number: str = "") -> list[Source]:
+    wanted = options.only or ([number] if number else [])
+    found = building.all_sources(options.root)
+    unknown = set(wanted) - {source.number for source in found}
+    if unknown:
+        raise ValueError(f"there is no notebook {', '.join(sorted(unknown))}")
+    chosen = [source for source in found if not wanted or source.number in wanted]
+    for source in chosen:
+        building.require_questions(source)
+    return chosen

@@ -1,0 +1,206 @@
+"""What a student reads: one page, made from the results and from what is public of the course.
+
+Nothing of a hidden input is on it. A picture is drawn of public cases only, and of a hidden case
+stands there the sentence that was written for students.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+
+import numpy as np
+
+from fieldcheck.answers import arrays_from_json, public_answers
+from fieldcheck.calls import Outcome, Values
+from fieldcheck.questions import questions
+from fieldcheck.verdict import TITLES
+from fieldgrade.authoring.known import public_calls
+from fieldgrade.checking.results import Record
+from fieldgrade.class_folder.csv_tables import short
+from fieldgrade.gradebook.exports import NOT_YET
+from fieldgrade.gradebook.sheets import Line, Sheet
+from fieldgrade.html_pages import page, picture
+
+LARGEST = 1e6
+"""Values that are so many times larger than the right ones are told, not drawn."""
+
+STATUS = {
+    "partly": "A part of the notebook broke down while it was run; the rest was graded.",
+    "killed: time": "A part of the notebook took too long and was stopped; the rest was graded.",
+    "killed: memory": "A part of the notebook needed too much memory and was stopped; the rest was "
+    "graded.",
+    "killed: output": "A part of the notebook wrote too much and was stopped; the rest was graded.",
+    "fault": "It could not be graded yet. That is not your fault: you will hear.",
+}
+WALLS = {
+    "bubblewrap": "Your notebook was run apart from everybody else's, without a network.",
+    "landlock": "Your notebook was run apart from everybody else's, without a network.",
+    "none": "Your notebook was run on the grader's own machine.",
+    "": "Your notebook was not run.",
+}
+FOR_STUDENTS = ("a stub stands behind an answer",)
+"""Of the notes for instructors those that a student can do something about."""
+
+
+def feedback(sheets: Sequence[Sheet], titles: Mapping[str, str] | None = None) -> str:
+    """Return the page for one student.
+
+    Parameters
+    ----------
+    sheets : sequence of Sheet
+        What the student earns, notebook by notebook.
+    titles : mapping, optional
+        The titles of the notebooks.
+    """
+    titles, student = titles or {}, sheets[0].student
+    who = student.get("name") or student["student"]
+    body = [_unreadable(record) for record in sheets[0].unreadable]
+    body += [_overview(sheets, titles)] if len(sheets) > 1 else []
+    body += [_notebook(sheet, titles.get(sheet.notebook, "")) for sheet in sheets]
+    return page(who, _sum(sheets), "\n".join(body))
+
+
+def _sum(sheets: Sequence[Sheet]) -> str:
+    points, possible = sum(s.points for s in sheets), sum(s.possible for s in sheets)
+    told = f"{short(points)} of {short(possible)} points"
+    waiting = sum(line.how == "open" for sheet in sheets for line in sheet.lines)
+    if not waiting:
+        return told
+    return f"{told}; {'one answer is' if waiting == 1 else f'{waiting} answers are'} not graded yet"
+
+
+def _unreadable(record: Record) -> str:
+    reason = "".join(f" {escape(note)}." for note in record.notes[:1])
+    return (
+        f'<p class="warning">The file {escape(record.file)} could not be graded:{reason} '
+        "Hand it in again, saved as a notebook.</p>"
+    )
+
+
+def _overview(sheets: Sequence[Sheet], titles: Mapping[str, str]) -> str:
+    head = (
+        '<tr><th>Notebook</th><th class="number">Points</th><th class="number">of</th>'
+        "<th>Questions</th></tr>"
+    )
+    rows = "".join(
+        f'<tr><td><a href="#n{s.notebook}">{_title(s.notebook, titles.get(s.notebook, ""))}</a>'
+        "</td>"
+        f'<td class="number">{short(s.points)}</td><td class="number">{short(s.possible)}</td>'
+        f"<td>{_at_a_glance(s)}</td></tr>"
+        for s in sheets
+    )
+    return f'<div class="scroll"><table>{head}{rows}</table></div>'
+
+
+def _at_a_glance(sheet: Sheet) -> str:
+    """Return a square for each question, as full as its points are."""
+    if sheet.record is None:
+        return "nothing handed in"
+    told = "".join(_square(line) for line in sheet.lines)
+    return f'<span class="squares">{told}</span>'
+
+
+def _square(line: Line) -> str:
+    kind, title, _ = _said(line)
+    text = f"{line.question} {title or NOT_YET} {_points(line)} of {short(line.possible)}"
+    return f'<i class="{kind}" title="{escape(text)}"></i>'
+
+
+def _title(notebook: str, title: str) -> str:
+    return escape(f"{notebook} {title}".strip())
+
+
+def _notebook(sheet: Sheet, title: str) -> str:
+    heading = f'<h2 id="n{sheet.notebook}">{_title(sheet.notebook, title)}</h2>'
+    if sheet.record is None:
+        readable = " that could be graded" if sheet.unreadable else ""
+        return f"<section>{heading}<p>Nothing was handed in{readable}.</p></section>"
+    about = "".join(f"<p>{escape(said)}</p>" for said in _about(sheet))
+    answers = "\n".join(_answer(line) for line in sheet.lines)
+    footer = " ".join((WALLS[sheet.record.tier], f"File: {sheet.record.file},"))
+    return (
+        f"<section>{heading}{about}\n{answers}\n<footer>{escape(footer)} SHA-256 "
+        f"{sheet.record.digest[:16]}…</footer></section>"
+    )
+
+
+def _about(sheet: Sheet) -> list[str]:
+    """Return what is said of the whole notebook."""
+    record = sheet.record
+    if record is None:
+        return []
+    told = [f"{short(sheet.points)} of {short(sheet.possible)} points."]
+    if record.status in STATUS:
+        told.append(STATUS[record.status])
+    if sheet.lost:
+        told.append(f"It came late, which costs {short(sheet.lost)} of the points.")
+    told += [n for n in record.notes if any(known in n for known in FOR_STUDENTS)]
+    return told
+
+
+def _answer(line: Line) -> str:
+    kind, title, said = _said(line)
+    drawn = _drawn(line)
+    figure = f"<figure>{drawn}</figure>" if drawn else ""
+    paragraphs = "".join(f"<p>{escape(text)}</p>" for text in said if text)
+    return (
+        f'<article class="answer {kind}"><header><h3>{escape(line.question)} {escape(title)}</h3>'
+        f'<span class="points">{_points(line)} of {short(line.possible)}</span></header>'
+        f"{paragraphs}{figure}</article>"
+    )
+
+
+def _points(line: Line) -> str:
+    return "–" if line.how == "open" else short(line.points)
+
+
+def _said(line: Line) -> tuple[str, str, tuple[str, ...]]:
+    """Return of which kind an answer is, its title, and what is said of it."""
+    if line.how == "open":
+        return "open", "", (NOT_YET,)
+    if line.grade is None:
+        return _kind(line), "", (line.comment,)
+    verdict = line.grade.verdict
+    changed = f"Changed by a person: {line.comment}" if line.how == "override" else ""
+    kind = verdict.rung if verdict.rung == "unwritten" else _kind(line)
+    return kind, TITLES[verdict.rung], (verdict.sentence, changed)
+
+
+def _kind(line: Line) -> str:
+    if line.points >= line.possible:
+        return "right"
+    return "half" if line.points else "wrong"
+
+
+def _drawn(line: Line) -> str:
+    """Return the student's field beside the right one, on the public case that shows it best."""
+    from fieldcheck.pictures import picture_of_difference
+
+    if line.grade is None or not line.grade.returned or line.grade.verdict.call is None:
+        return ""
+    question = questions()[line.question]
+    answers = public_answers(question.notebook).get(question.name)
+    calls, values = public_calls(question), _arrays(line)
+    index = line.grade.verdict.call
+    if answers is None or index >= len(calls) or not _can_be_drawn(values, answers.right[index]):
+        return ""
+    outcomes = [
+        Outcome("returned", values=values if i == index else None) for i in range(len(calls))
+    ]
+    drawn = picture_of_difference(line.grade.verdict, question, calls, outcomes, answers).picture
+    if not drawn:
+        return ""
+    case = f"For {calls[index].case}: what {question.function} returns, and what is right."
+    return f"{picture(drawn, case)}<figcaption>{escape(case)}</figcaption>"
+
+
+def _arrays(line: Line) -> Values:
+    """Return what the student's function returned, as the results keep it."""
+    return arrays_from_json(line.grade.returned if line.grade else ())
+
+
+def _can_be_drawn(values: Values, right: Values) -> bool:
+    largest = max((float(np.abs(v).max(initial=0.0)) for v in values), default=0.0)
+    known = max((float(np.abs(v).max(initial=0.0)) for v in right), default=0.0)
+    return largest <= LARGEST * max(known, 1.0)

@@ -1,0 +1,242 @@
+"""Which answers resemble each other more than answers to one question do: evidence, no verdict.
+
+Answers are compared by their syntax trees, without comments, docstrings, layout, and the names that
+a student chooses. Runs of k nodes are hashed, and of each w consecutive hashes the smallest is
+kept (winnowing), so that any run of w + k - 1 nodes that two answers share is found. What was
+handed out, and what many answers share, is taken away: it tells nothing.
+
+References
+----------
+S. Schleimer, D. S. Wilkerson, A. Aiken, "Winnowing: Local Algorithms for Document Fingerprinting",
+SIGMOD 2003.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from fieldgrade.submissions.definitions import is_stub
+
+K, WINDOW = 12, 8
+"""Nodes in a run that is hashed, and hashes of which one is kept: 19 nodes that are shared are
+always found, fewer than 12 never."""
+MOST_SHARED = 0.1
+"""What more than this part of a class shares is how the question is answered."""
+FEWEST = 3
+"""... but so many may always share something without its being common."""
+
+Node = tuple[str, int]
+"""What a node of a syntax tree is, and the line in which it stands."""
+
+
+@dataclass(frozen=True)
+class Code:
+    """A student's functions, and the fingerprints of each.
+
+    Parameters
+    ----------
+    student : str
+        Whose.
+    texts : mapping
+        The text of each function, by its name.
+    nodes : mapping
+        The nodes of each, in normal form, with their lines in the text.
+    prints : mapping
+        The fingerprints of each, with the place of the run of nodes.
+    """
+
+    student: str
+    texts: Mapping[str, str]
+    nodes: Mapping[str, Sequence[Node]]
+    prints: Mapping[str, Mapping[int, int]]
+
+    def all_prints(self) -> set[int]:
+        """Return the fingerprints of all functions together."""
+        return set().union(*self.prints.values())
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two students, and what they share that few others do.
+
+    Parameters
+    ----------
+    one, other : Code
+        Their answers.
+    shared : frozenset of int
+        The fingerprints that both have.
+    part : float
+        Of the fingerprints of the shorter one, the part that is shared.
+    """
+
+    one: Code
+    other: Code
+    shared: frozenset[int]
+    part: float
+
+    def functions(self) -> list[tuple[str, str, int]]:
+        """Return which functions share how many fingerprints, the most first."""
+        found = [
+            (mine, theirs, len(self.shared & set(a) & set(b)))
+            for mine, a in self.one.prints.items()
+            for theirs, b in self.other.prints.items()
+        ]
+        return sorted((f for f in found if f[2]), key=lambda f: (-f[2], f[0], f[1]))
+
+    def lines(self, mine: str, theirs: str) -> tuple[set[int], set[int]]:
+        """Return the lines of two functions that are alike, around the fingerprints they share."""
+        one, other = self.one.nodes[mine], self.other.nodes[theirs]
+        here, there = self.one.prints[mine], self.other.prints[theirs]
+        alike: tuple[set[int], set[int]] = (set(), set())
+        for value in self.shared & set(here) & set(there):
+            for i, j in _alike(one, other, here[value], there[value]):
+                alike[0].add(one[i][1])
+                alike[1].add(other[j][1])
+        return alike
+
+
+def _alike(one: Sequence[Node], other: Sequence[Node], i: int, j: int) -> Iterator[tuple[int, int]]:
+    """Yield the places of equal nodes before and after two places at which they are equal."""
+    for step, a, b in ((1, i, j), (-1, i - 1, j - 1)):
+        while 0 <= a < len(one) and 0 <= b < len(other) and one[a][0] == other[b][0]:
+            yield a, b
+            a, b = a + step, b + step
+
+
+def code(student: str, cells: Iterable[str]) -> Code:
+    """Return the functions in the cells of a student, those that are only stubs left out."""
+    found = [(cell, function) for cell in cells for function in _functions(cell)]
+    own = {function.name for _, function in found}
+    texts: dict[str, str] = {}
+    nodes: dict[str, list[Node]] = {}
+    for cell, function in found:
+        first = min([function.lineno, *(n.lineno for n in function.decorator_list)])
+        texts[function.name] = "\n".join(cell.splitlines()[first - 1 : function.end_lineno])
+        nodes[function.name] = [(told, line - first) for told, line in normalised(function, own)]
+    return Code(student, texts, nodes, {name: dict(winnowed(nodes[name])) for name in nodes})
+
+
+def _functions(cell: str) -> list[ast.FunctionDef]:
+    try:
+        tree = ast.parse(cell)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return []
+    return [n for n in tree.body if isinstance(n, ast.FunctionDef) and not is_stub(n)]
+
+
+def normalised(function: ast.FunctionDef, own: Collection[str] = ()) -> Iterator[Node]:
+    """Yield what the nodes of a function are, in order, without what can be changed at no cost.
+
+    Names that the function binds are all the same, as are texts; docstrings, annotations and
+    contexts are left out. Numbers, operators, attributes and the names of libraries stay.
+
+    Parameters
+    ----------
+    function : ast.FunctionDef
+        The function.
+    own : collection of str
+        Names of the student's other functions, which are free to choose as well.
+    """
+    bound = {*own, *(name for node in ast.walk(function) for name in _bound(node))}
+    for statement in function.body:
+        if not _is_text(statement):
+            yield from _nodes(statement, bound, function.lineno)
+
+
+def _bound(node: ast.AST) -> Iterator[str]:
+    match node:
+        case ast.arg(arg=name) | ast.Name(id=name, ctx=ast.Store()) | ast.FunctionDef(name=name):
+            yield name
+
+
+def _nodes(node: ast.AST, bound: set[str], line: int) -> Iterator[Node]:
+    """Yield a node and those below; a stack and no recursion, since trees may be deep."""
+    stack = [(node, line)]
+    while stack:
+        node, line = stack.pop()
+        line = getattr(node, "lineno", line)
+        if isinstance(node, ast.AnnAssign):
+            node = ast.Assign([node.target], node.value or ast.Constant(None), lineno=line)
+        yield _told(node, bound), line
+        inner = [
+            child
+            for name, child in _children(node)
+            if name not in ("annotation", "returns", "ctx", "type_comment") and not _is_text(child)
+        ]
+        stack += [(child, line) for child in reversed(inner)]
+
+
+def _children(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+    for name, value in ast.iter_fields(node):
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.AST):
+                yield name, child
+
+
+def _told(node: ast.AST, bound: set[str]) -> str:
+    kind = type(node).__name__
+    match node:
+        case ast.Name(id=name):
+            return f"{kind} {'' if name in bound else name}"
+        case ast.Attribute(attr=name):
+            return f"{kind} {name}"
+        case ast.Constant(value=value):
+            return f"{kind} {'' if isinstance(value, str | bytes) else repr(value)}"
+        case ast.keyword(arg=name):
+            return f"{kind} {name}"
+        case _:
+            return kind
+
+
+def _is_text(node: ast.AST) -> bool:
+    """Whether a statement is a docstring, or a text in its place."""
+    is_constant = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    return is_constant and isinstance(node.value.value, str)  # type: ignore[attr-defined]
+
+
+def winnowed(nodes: Sequence[Node], k: int = K, window: int = WINDOW) -> list[tuple[int, int]]:
+    """Return fingerprints of a sequence of nodes, each with the place where its run begins.
+
+    Of each `window` consecutive hashes of `k` nodes the smallest is kept, of equal ones the last.
+    """
+    hashes = [_hash(nodes[at : at + k]) for at in range(len(nodes) - k + 1)]
+    kept: dict[int, int] = {}
+    for start in range(max(len(hashes) - window + 1, min(len(hashes), 1))):
+        near = range(start, min(start + window, len(hashes)))
+        at = min(near, key=lambda i: (hashes[i], -i))
+        kept[at] = hashes[at]
+    return [(value, at) for at, value in kept.items()]
+
+
+def _hash(run: Sequence[Node]) -> int:
+    text = "\0".join(told for told, _ in run)
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "big")
+
+
+def pairs(codes: Sequence[Code], handed_out: Code | None = None) -> list[Pair]:
+    """Return which pairs of a class share what few others do, those with the greatest part first.
+
+    Parameters
+    ----------
+    codes : sequence of Code
+        One for each student.
+    handed_out : Code, optional
+        What everybody was given.
+    """
+    counts = Counter(value for c in codes for value in c.all_prints())
+    given = handed_out.all_prints() if handed_out else set()
+    most = max(FEWEST, MOST_SHARED * len(codes))
+    telling = {value for value, count in counts.items() if 1 < count <= most} - given
+    own = {c.student: c.all_prints() - given for c in codes}
+    found = []
+    for one, other in combinations(codes, 2):
+        shared = own[one.student] & own[other.student] & telling
+        if shared:
+            shorter = min(len(own[one.student]), len(own[other.student]))
+            found.append(Pair(one, other, frozenset(shared), len(shared) / shorter))
+    return sorted(found, key=lambda p: (-p.part, -len(p.shared), p.one.student, p.other.student))

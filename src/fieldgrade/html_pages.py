@@ -1,0 +1,94 @@
+"""Pages that stand for themselves: no script, no network, light and dark, and fit to be printed."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import subprocess
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from fieldreport.build.document import pandoc
+
+TEMPLATE = Path(__file__).parent / "page.html"
+FORMULA = re.compile(r"(\$\$[^$]{1,2000}\$\$|\$(?!\s)[^$\n]{1,500}(?<!\s)\$)")
+HARD, HARD_BREAK = "\u2028", re.compile(r"\n(?=[ \t]*(?:[-*+|>#]|\d+[.)]|\n))|(?<=\n)\n")
+"""Ends of lines that stay: before what looks like a list, and around empty lines."""
+BREAKS = {"\n": {"t": "SoftBreak"}, HARD: {"t": "LineBreak"}}
+API = [1, 23]
+"""The version of pandoc's syntax tree."""
+CUT: Any = {"t": "RawBlock", "c": ["html", "<!-- next -->"]}
+LONGEST = 20.0
+"""Seconds that formulas may take."""
+
+
+def page(title: str, subtitle: str, body: str) -> str:
+    """Return a page; title and subtitle are text, the body is HTML."""
+    form = Template(TEMPLATE.read_text(encoding="utf-8"))
+    return form.substitute(title=escape(title), subtitle=escape(subtitle), body=body)
+
+
+def picture(svg: str, alt: str) -> str:
+    """Return a drawing as an image: within an image nothing is run."""
+    content = base64.b64encode(svg.encode()).decode()
+    return f'<img src="data:image/svg+xml;base64,{content}" alt="{escape(alt)}">'
+
+
+def rendered(markdown: str) -> str:
+    """Return Markdown of the course's own as HTML, with its formulas; never that of a student.
+
+    Raises
+    ------
+    ValueError
+        Pandoc does not understand it.
+    """
+    return _pandoc(markdown, "--from=markdown", "--fail-if-warnings")
+
+
+def with_formulas(texts: Sequence[str]) -> list[str]:
+    """Return what people typed as HTML, with its formulas set, and nothing else interpreted.
+
+    Only words, ends of lines and formulas are given to pandoc, as a syntax tree, so that there can
+    be no markup, link or picture. What it cannot set is shown as it is.
+    """
+    blocks = [block for text in texts for block in (_paragraph(text), CUT)]
+    tree = {"pandoc-api-version": API, "meta": {}, "blocks": blocks}
+    try:
+        html = _pandoc(json.dumps(tree), "--from=json", "--wrap=preserve", timeout=LONGEST)
+    except (ValueError, subprocess.TimeoutExpired):
+        if len(texts) == 1:
+            return [f"<pre>{escape(texts[0])}</pre>"]
+        return [html for text in texts for html in with_formulas([text])]
+    return html.split(CUT["c"][1])[: len(texts)]
+
+
+def _paragraph(text: str) -> dict[str, Any]:
+    inlines: list[dict[str, Any]] = []
+    for part in FORMULA.split(HARD_BREAK.sub(HARD, text)):
+        if FORMULA.fullmatch(part):
+            kind = "DisplayMath" if part.startswith("$$") else "InlineMath"
+            tex = part.strip("$").replace(HARD, "\n")
+            inlines.append({"t": "Math", "c": [{"t": kind}, tex]})
+        else:
+            pieces = re.split(rf"([\n{HARD}])", part)
+            inlines += [BREAKS.get(piece, {"t": "Str", "c": piece}) for piece in pieces]
+    return {"t": "Para", "c": inlines}
+
+
+def _pandoc(text: str, *options: str, timeout: float | None = None) -> str:
+    run = subprocess.run(
+        [str(pandoc()), "--to=html5", "--mathml", "--sandbox", *options],
+        input=text,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+        timeout=timeout,
+    )
+    if run.returncode:
+        raise ValueError(f"pandoc: {run.stderr.strip()}")
+    return run.stdout

@@ -1,0 +1,172 @@
+"""A submission at work behind the walls: cells, then calls, and what is salvaged when it breaks.
+
+The deadlines are kept here, by ending the process, since whatever runs over there can refuse to be
+interrupted. What hangs or dies is left out, and the rest is run again in a new process.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from fieldcheck.calls import Call, Outcome
+from fieldgrade.isolation.isolation import Ended, Server
+from fieldgrade.isolation.process import Broken, NotStarted, Process
+
+MOST_FAILURES = 3
+"""So often may a process not start."""
+
+
+@dataclass
+class Log:
+    """What happened while a submission ran.
+
+    Parameters
+    ----------
+    cell_errors : dict
+        The error of each cell that did not end well, by its number.
+    processes : list of Ended
+        How each process ended.
+    killed : list of str
+        Why processes had to be ended: ``"time"``, ``"memory"``, ``"output"``, ``"crash"``,
+        ``"exit"``, ``"threads"`` or ``"disk"``.
+    broke : dict
+        The same for the tasks in which it happened, by name; the others happened in cells.
+    seconds : float
+        Wall time in all.
+    """
+
+    cell_errors: dict[int, str] = field(default_factory=dict)
+    processes: list[Ended] = field(default_factory=list)
+    killed: list[str] = field(default_factory=list)
+    broke: dict[str, str] = field(default_factory=dict)
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Task:
+    """Calls to be made one after the other, each within so many seconds.
+
+    Once a task of a question has hung or broken down, its others are not tried: each would take as
+    long, and none could mend the first.
+    """
+
+    name: str
+    calls: tuple[Call, ...]
+    seconds: float
+    question: str = ""
+
+
+def run(
+    server: Server, cells: Sequence[str], tasks: Sequence[Task]
+) -> tuple[dict[str, tuple[Outcome, ...]], Log]:
+    """Run the cells of a submission and make the calls of all tasks.
+
+    Parameters
+    ----------
+    server : Server
+        A started server.
+    cells : sequence of str
+        Code, in order.
+    tasks : sequence of Task
+        What is to be called once the cells have run.
+
+    Returns
+    -------
+    outcomes : dict
+        What came of the calls, by the name of the task.
+    log : Log
+        What else happened.
+
+    Raises
+    ------
+    NotStarted
+        Time and again no process starts, which is no submission's fault.
+    """
+    log, outcomes, skipped = Log(), dict[str, tuple[Outcome, ...]](), set[int]()
+    started, todo = time.monotonic(), list(tasks)
+    last, failures = started + server.limits.seconds_in_all, 0
+    for _ in range(server.limits.most_starts):
+        if not todo or time.monotonic() > last:
+            break
+        attempt = _Attempt(server, log, last)
+        try:
+            attempt.run_cells(cells, skipped)
+            while todo:
+                task = todo.pop(0)
+                outcomes[task.name] = attempt.make_calls(task)
+                if outcomes[task.name][-1].status == "timed out":
+                    todo = _without(todo, task)
+                    break  # who knows what was interrupted: the others begin anew
+        except NotStarted:
+            failures += 1
+            if failures == MOST_FAILURES:
+                raise
+        except Broken as broken:
+            log.killed.append(broken.reason)
+            if attempt.task:
+                task = attempt.task
+                log.broke[task.name] = broken.reason
+                outcomes[task.name] = attempt.salvaged(task, broken)
+                todo = _without(todo, task)
+        finally:
+            attempt.end()
+    given_up = Outcome("raised", error="the program broke down, or took long, too often to go on")
+    outcomes |= {task.name: (given_up,) * len(task.calls) for task in todo}
+    log.seconds = time.monotonic() - started
+    return outcomes, log
+
+
+def _without(todo: Sequence[Task], broken: Task) -> list[Task]:
+    return [task for task in todo if not broken.question or task.question != broken.question]
+
+
+class _Attempt:
+    """One process at work on a submission; it knows at what it was when it broke."""
+
+    def __init__(self, server: Server, log: Log, last: float) -> None:
+        self.process, self.log = Process(server, last), log
+        self.task: Task | None = None
+        self.done: list[Outcome] = []
+
+    def run_cells(self, cells: Sequence[str], skipped: set[int]) -> None:
+        """Run the cells in order; remember the one that breaks the process, to leave it out."""
+        self.process.await_start()
+        for number, code in enumerate(cells):
+            if number in skipped:
+                continue
+            try:
+                error = self.process.cell(number, code)
+            except Broken as broken:
+                skipped.add(number)
+                self.log.cell_errors[number] = str(broken)
+                raise
+            if error:
+                self.log.cell_errors[number] = error
+
+    def make_calls(self, task: Task) -> tuple[Outcome, ...]:
+        """Make the calls of a task; once there is nothing to call, the others are not tried."""
+        self.task, self.done = task, []
+        for call in task.calls:
+            self.done.append(self.process.call(call, task.seconds))
+            if self.done[-1].status not in ("returned", "raised"):
+                break
+        self.task = None
+        return _filled(self.done, len(task.calls))
+
+    def salvaged(self, task: Task, broken: Broken) -> tuple[Outcome, ...]:
+        """Return the outcomes of the task that broke the process."""
+        last = Outcome("raised", error=str(broken))
+        if broken.reason == "time":
+            last = Outcome("timed out", seconds=task.seconds)
+        return _filled([*self.done, last], len(task.calls))
+
+    def end(self) -> None:
+        """End the process and note how it ended."""
+        self.log.processes.append(self.process.end())
+
+
+def _filled(outcomes: Sequence[Outcome], count: int) -> tuple[Outcome, ...]:
+    """Repeat the last outcome for the calls that were not tried."""
+    return (*outcomes, *[outcomes[-1]] * (count - len(outcomes)))

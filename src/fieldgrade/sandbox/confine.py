@@ -1,0 +1,79 @@
+"""Locking a process in from inside: limits, capabilities, and ties to the process that made it.
+
+All of it is asked of the kernel directly, holds for threads, and cannot be taken back. The order
+matters: a lock that is set is no longer there to set others.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import resource
+import struct
+import sys
+from collections.abc import Collection
+from contextlib import suppress
+
+from fieldgrade.sandbox.kernel import process_control, system_call
+
+DIE_WITH_PARENT, MAY_BE_LOOKED_INTO, ADOPT_ORPHANS = 1, 4, 36
+MOST_FILES = 64
+
+
+def limit(memory: int, cpu_seconds: int, file_size: int) -> None:
+    """Limit memory, processor time, the size of files, open files and core dumps."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_seconds, cpu_seconds + 1))
+    resource.setrlimit(resource.RLIMIT_NOFILE, (MOST_FILES, MOST_FILES))
+    if sys.platform == "linux":  # macOS does not keep to it
+        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+
+
+def address_space() -> int:
+    """Return the bytes of address space in use, from which a limit is counted."""
+    if sys.platform != "linux":
+        return 0
+    with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123
+        return int(file.read().split()[0]) * resource.getpagesize()
+
+
+def close_all_but(kept: Collection[int]) -> None:
+    """Close every file that this process has open but its three streams and some."""
+    for number in map(int, os.listdir("/dev/fd")):  # noqa: PTH208
+        if number > 2 and number not in kept:
+            with suppress(OSError):
+                os.close(number)
+
+
+def drop_capabilities() -> None:
+    """Give up what the superuser may do beyond others, for good; limits cannot be raised again.
+
+    Raises
+    ------
+    OSError
+        The kernel refuses.
+    """
+    version_3_of_this_process = struct.pack("Ii", 0x20080522, 0)
+    number = 126 if platform.machine() == "x86_64" else 91
+    system_call(number, version_3_of_this_process, bytes(24))
+
+
+def die_with_parent(parent: int) -> None:
+    """Have the kernel end this process when the one that made it ends; end it if it has."""
+    if sys.platform == "linux":
+        process_control(DIE_WITH_PARENT, 9)
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+def adopt_orphans() -> None:
+    """Become the parent of the processes that those made by this one leave behind."""
+    if sys.platform == "linux":
+        process_control(ADOPT_ORPHANS, 1)
+
+
+def hide_memory() -> None:
+    """Let no process of the same user look into this one, nor into those that it makes."""
+    if sys.platform == "linux":
+        process_control(MAY_BE_LOOKED_INTO, 0)

@@ -1,0 +1,135 @@
+"""What the code of a cell defines: read off its syntax tree, without running anything."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from io import StringIO
+
+from fieldgrade.submissions.quiet import quiet
+
+MOST_PARSED = 256 << 10
+"""Characters of a cell in which definitions are looked for: a tree takes a thousand times as much
+memory as its text."""
+NO_PYTHON = re.compile(r"^([ \t]*)(?:[%!?].*|[\w.]+\?{1,2}[ \t]*)$", re.MULTILINE)
+NO_VALUE = re.compile(r"^([ \t]*\w[\w, ]*=[ \t]*)[%!].*$", re.MULTILINE)
+CELL_MAGIC = re.compile(r"\s*%%(\w*).*")
+RUNS_IN_PLACE = ("time", "capture", "prun")
+
+
+MOST_REMEMBERED, LONGEST_REMEMBERED = 1024, 32 << 10
+"""Cells, and characters of one, whose tree is read once: most cells of a class are the same."""
+
+
+def plain(cell: str) -> str:
+    r"""Return a cell as Python: what only notebooks understand is left out, line by line.
+
+    Examples
+    --------
+    >>> plain("%matplotlib inline\nfiles = !ls\nx = 1"), plain("%%time\nx = 1"), plain("%%bash\nls")
+    ('pass\nfiles = None\nx = 1', '\nx = 1', '')
+    """
+    magic = CELL_MAGIC.match(cell)
+    if magic:
+        cell = cell[magic.end() :] if magic[1] in RUNS_IN_PLACE else ""
+    if outline(cell) is not None:
+        return cell
+    return NO_VALUE.sub(r"\1None", NO_PYTHON.sub(r"\1pass", cell))
+
+
+def defined(cell: str) -> tuple[tuple[str, bool], ...]:
+    r"""Return the names that a cell gives to something at top level, and whether it is a stub.
+
+    What stands inside of ``if``, ``try``, ``with`` and loops counts, in the order of the text.
+
+    Examples
+    --------
+    >>> defined("try:\n    fit = lambda x: x\nexcept NameError:\n    def rank(points): ...")
+    (('fit', False), ('rank', True))
+    """
+    return outline(cell) or ()
+
+
+def outline(cell: str) -> tuple[tuple[str, bool], ...] | None:
+    """Return what `defined` does; None if the cell is no Python."""
+    return (_remembered if len(cell) <= LONGEST_REMEMBERED else _outline)(cell)
+
+
+def _outline(cell: str) -> tuple[tuple[str, bool], ...] | None:
+    tree = _tree(cell)
+    try:
+        return tuple(_bound(tree.body)) if tree else None
+    except RecursionError:
+        return ()
+
+
+_remembered = lru_cache(MOST_REMEMBERED)(_outline)
+
+
+def statements(script: str) -> list[str]:
+    r"""Return a script in pieces, so that an error in one leaves the others: each function is one.
+
+    Examples
+    --------
+    >>> statements("import numpy\nx = 1\ndef f():\n    return x\nf()")
+    ['import numpy\nx = 1\n', 'def f():\n    return x\n', 'f()']
+    """
+    tree = _tree(script)
+    if not tree:
+        return [script]
+    lines = StringIO(script).readlines()  # str.splitlines knows ends of lines that Python does not
+    starts = {0} | {
+        _first_line(node) - 1
+        for before, node in zip(tree.body, tree.body[1:], strict=False)
+        if _is_definition(before) or _is_definition(node)
+    }
+    ends = [*sorted(starts)[1:], len(lines)]
+    return ["".join(lines[a:b]) for a, b in zip(sorted(starts), ends, strict=True)]
+
+
+def is_stub(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    """Whether a function does nothing, or says that it is not written."""
+    body = function.body[1:] if ast.get_docstring(function) is not None else function.body
+    idle = all(isinstance(node, ast.Pass | ast.Raise) or _is_constant(node) for node in body)
+    raised = (ast.dump(node) for node in body if isinstance(node, ast.Raise))
+    return idle or any("NotImplementedError" in told for told in raised)
+
+
+def _tree(code: str) -> ast.Module | None:
+    """Return the syntax tree of code; None if it is no Python, or more than a person writes."""
+    if len(code) > MOST_PARSED:
+        return None
+    try:
+        with quiet():
+            return ast.parse(code)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def _bound(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, bool]]:
+    for node in nodes:
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            yield node.name, is_stub(node)
+        elif isinstance(node, ast.Assign):
+            yield from ((t.id, False) for t in node.targets if isinstance(t, ast.Name))
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            yield from ((a.asname or a.name, False) for a in node.names)
+        elif not isinstance(node, ast.ClassDef):
+            for part in ("body", "handlers", "orelse", "finalbody"):
+                inside = getattr(node, part, [])
+                yield from _bound(inside if isinstance(inside, list) else [])
+
+
+def _is_definition(node: ast.stmt) -> bool:
+    return isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
+
+
+def _first_line(node: ast.stmt) -> int:
+    """Return where a statement begins, with what decorates it."""
+    return min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
+
+
+def _is_constant(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)

@@ -1,0 +1,137 @@
+"""Many queries in chunks: bounded memory, threads by default, the same result on any machine."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import tempfile
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from fieldrecon._core.blas_threads import one_blas_thread
+
+Progress = Callable[[int, int], object]
+Result = TypeVar("Result")
+
+CHUNK_BYTES = 2**24
+"""Working memory of one chunk, in bytes; it never depends on the number of cores."""
+
+_AHEAD = 8  # chunks that wait or run at once: bounds the memory for any executor
+
+
+def rows_of(bytes_per_row: float) -> int:
+    """Rows of a chunk whose working memory is CHUNK_BYTES, at least one."""
+    return max(1, int(CHUNK_BYTES // max(bytes_per_row, 1)))
+
+
+def chunked(
+    work: Callable[[np.ndarray], Result],
+    x: np.ndarray,
+    rows: int,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Iterator[tuple[slice, Result]]:
+    """Yield each slice of rows of `x` with work(x[slice]), in order.
+
+    The chunks run on `executor` (a pool of threads if None); `progress(done, total)` is called
+    after each. An exception or an interrupt cancels what has not begun. Processes of a pool read
+    `work`, which may hold millions of sites, once, and not with every chunk.
+    """
+    slices = [slice(i, min(i + rows, len(x))) for i in range(0, len(x), rows)]
+    pool: AbstractContextManager[Executor] = (
+        nullcontext(executor) if executor else _threads(len(slices))
+    )
+    pending: deque[tuple[slice, Future[Result]]] = deque()
+    done, ahead = 0, iter(slices)
+    with pool as workers, _at_hand(partial(_on_one_thread, work), executor) as work_there:
+        try:
+            while True:
+                while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
+                    pending.append((s, workers.submit(work_there, x[s])))
+                if not pending:
+                    return
+                s, future = pending.popleft()
+                result = future.result()
+                done += s.stop - s.start
+                if progress is not None:
+                    progress(done, len(x))
+                yield s, result
+        finally:
+            for _, future in pending:
+                future.cancel()
+
+
+def passes(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:
+    """Yield, for each of so many passes over `total` things, what tells `progress` of it."""
+    for before in range(number):
+        yield progress and partial(_told_of_pass, progress, total, before, number)
+
+
+def _told_of_pass(
+    progress: Progress, total: int, before: int, number: int, done: int, of: int
+) -> None:
+    progress(total * (before * of + done) // (number * of), total)
+
+
+def _on_one_thread(work: Callable[[np.ndarray], Result], x: np.ndarray) -> Result:
+    """Work on a chunk, in whichever process; the chunks share the cores, not the BLAS below."""
+    with one_blas_thread():
+        return work(x)
+
+
+@contextmanager
+def _at_hand(
+    work: Callable[[np.ndarray], Result], executor: Executor | None
+) -> Iterator[Callable[[np.ndarray], Result]]:
+    """The work as threads take it; for processes, in a file until all is done.
+
+    An executor that has a place of its own for it says so by `holding`.
+    """
+    holding = getattr(executor, "holding", None)
+    if holding is not None:
+        with holding(work) as held:
+            yield held
+        return
+    if not isinstance(executor, ProcessPoolExecutor):
+        yield work
+        return
+    with tempfile.TemporaryDirectory(prefix="fieldrecon-") as folder:
+        file = Path(folder) / "work.pickle"
+        file.write_bytes(pickle.dumps(work, protocol=pickle.HIGHEST_PROTOCOL))
+        yield partial(_do, file)
+
+
+def _do(file: Path, x: np.ndarray) -> Any:
+    return _read(file)(x)
+
+
+@lru_cache(maxsize=1)
+def _read(file: Path) -> Callable[[np.ndarray], Any]:
+    work: Callable[[np.ndarray], Any] = pickle.loads(file.read_bytes())
+    return work
+
+
+class Inline(Executor):
+    """Runs at once, in the calling thread: one worker needs no pool."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except BaseException as error:
+            future.set_exception(error)
+        return future
+
+
+def _threads(chunks: int) -> Executor:
+    cores = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    )
+    return Inline() if min(chunks, cores) <= 1 else ThreadPoolExecutor(min(chunks, cores))

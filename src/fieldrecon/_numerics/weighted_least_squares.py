@@ -1,0 +1,232 @@
+"""Many small weighted least-squares problems at once.
+
+For each of m queries, C with c = C f minimises sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
+well conditioned the normal equations are solved by elimination, batched over the queries; the rest
+takes Householder QR, with rows and columns pivoted, which is stable however much the weights of the
+rows differ (Cox and Higham 1998).
+
+Local least squares where the data determine the value but perhaps not the whole polynomial.
+
+The first coefficients of a fit are *estimable* when every solution of least squares has the same:
+when no null vector of the matrix has a part in them. Then the solution of least norm gives them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fieldrecon._core.blas_threads import one_blas_thread
+from fieldrecon.polynomials import EPS
+
+# Pivots of the equilibrated normal matrix below this send a query to QR: elimination loses three
+# digits of sixteen to one such pivot, and more where several are small in a row. A hundredth would
+# save most of those, and costs a fifth more time at degree 2.
+SAFE_PIVOT = 1e-3
+# Squares of entries below this lose digits, or vanish.
+_SMALLEST_SQUARE = 1e-6
+
+
+class Undetermined(Exception):
+    """The sites of query `query` of the batch leave the coefficients undetermined: rank `rank`."""
+
+    def __init__(self, query: int, rank: int) -> None:
+        super().__init__(query, rank)
+        self.query, self.rank = query, rank
+
+
+@one_blas_thread()
+def coefficient_weights(
+    b: np.ndarray, w: np.ndarray, rows: int, tolerance: np.ndarray
+) -> np.ndarray:
+    """First rows of C: the weights of the data in the first coefficients.
+
+    Parameters
+    ----------
+    b : (m, k, q) ndarray
+        Basis at the sites of each query, in its local frame.
+    w : (m, k) ndarray
+        Weights, the largest of each query one; a site of weight zero does not count.
+    rows : int
+        How many coefficients are wanted.
+    tolerance : (m,) ndarray
+        Smallest singular value, relative to the largest, of a basis that determines them.
+
+    Returns
+    -------
+    (m, rows, k) ndarray
+        C, so that C f are the coefficients.
+
+    Raises
+    ------
+    Undetermined
+        If the sites with positive weight leave a polynomial undetermined.
+    """
+    a = w[..., None] * b
+    solution, safe = by_elimination(a.mT @ a, rows)
+    c = (a @ solution).mT * w[:, None, :]
+    if not safe.all():
+        risky = ~safe
+        _require_full_rank(b, w, tolerance, np.flatnonzero(risky))
+        c[risky] = _by_qr(b[risky], w[risky])[:, :rows]
+    return c
+
+
+def by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """Columns (m, q, rows) of the inverse of the normal matrices, and where they can be trusted."""
+    m, q, _ = g.shape
+    diagonal = np.einsum("mii->mi", g)
+    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    t = np.zeros((q, q + rows, m))  # queries last: each step runs over contiguous memory
+    t[:, :q] = (g / (size[:, :, None] * size[:, None, :])).transpose(1, 2, 0)
+    t[range(rows), range(q, q + rows)] = 1.0
+    least = np.ones(m)
+    for j in range(q):
+        pivot = t[j, j].copy()
+        least = np.fmin(least, pivot)
+        t[j, j:] /= np.where(pivot > SAFE_PIVOT, pivot, 1.0)
+        for i in range(q):
+            if i != j:
+                t[i, j + 1 :] -= t[i, j] * t[j, j + 1 :]
+    safe = (least > SAFE_PIVOT) & (diagonal > _SMALLEST_SQUARE).all(axis=1)
+    scaled = t[:, q:].transpose(2, 0, 1) / size[:, :, None]
+    return scaled / size[:, None, :rows], safe
+
+
+def _require_full_rank(
+    b: np.ndarray, w: np.ndarray, tolerance: np.ndarray, queries: np.ndarray
+) -> None:
+    # Whether a polynomial can vanish on the sites is a matter of the sites, not of the weights:
+    # with those, a query between two close sites would look deficient.
+    counted = np.where(w[queries, :, None] > 0, b[queries], 0.0)
+    norms = np.linalg.norm(counted, axis=1, keepdims=True)
+    sigma = np.linalg.svd(counted / np.where(norms > 0, norms, 1.0), compute_uv=False)
+    rank = (sigma > tolerance[queries, None] * sigma[:, :1]).sum(axis=1)
+    deficient = np.flatnonzero(rank < b.shape[2])
+    if len(deficient):
+        raise Undetermined(int(queries[deficient[0]]), int(rank[deficient[0]]))
+
+
+def _by_qr(b: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """C (m, q, k) = P R^-1 Q^T W by Householder QR of the weighted rows, rows and columns pivoted.
+
+    Columns are scaled as they are without weights: the size of a whole row tells how much rounding
+    it bears, and in a row that weighs 1e-16 of another it has to stay as small.
+    """
+    m, k, q = b.shape
+    column = _power_of_two(np.where(w[..., None] > 0, np.abs(b), 0.0).max(axis=1))
+    r = w[..., None] * (b / column[:, None, :])
+    rounding = max(k, 8) * EPS * np.abs(r).max(axis=2)
+    rows, columns = np.tile(np.arange(k), (m, 1)), np.tile(np.arange(q), (m, 1))
+    v = np.zeros((m, k, q))  # the reflectors, I - v v^T
+    for j in range(q):
+        largest = j + np.argmax(_norms(r[:, j:, j:]), axis=1)
+        _swap(j, largest, r.swapaxes(1, 2), columns)
+        heaviest = j + np.argmax(np.abs(r[:, j:, j]), axis=1)
+        _swap(j, heaviest, r, v, rows, rounding)
+        v[:, j:, j] = _reflector(r[:, j:, j])
+        _reflect(r[:, j:, j:], v[:, j:, j])
+        # What is left of a redundant row is rounding, and may outweigh all lighter rows.
+        rest = r[:, j + 1 :, j + 1 :]
+        rest[np.abs(rest) < rounding[:, j + 1 :, None]] = 0.0
+    thin_q = np.zeros((m, k, q))
+    thin_q[:, range(q), range(q)] = 1.0
+    for j in reversed(range(q)):
+        _reflect(thin_q[:, j:], v[:, j:, j])
+    c = np.empty((m, q, k))
+    solved = np.linalg.solve(np.triu(r[:, :q]), thin_q.mT)
+    np.put_along_axis(c, columns[..., None], solved, axis=1)
+    in_order = np.empty_like(c)
+    np.put_along_axis(in_order, rows[:, None, :].repeat(q, axis=1), c, axis=2)
+    return in_order * w[:, None, :] / column[:, :, None]
+
+
+def _swap(j: int, best: np.ndarray, *arrays: np.ndarray) -> None:
+    """Exchange entry j of axis 1 with entry best (m,), in place."""
+    each = np.arange(len(best))
+    for array in arrays:
+        array[each, best], array[:, j] = array[:, j].copy(), array[each, best]
+
+
+def _reflect(x: np.ndarray, v: np.ndarray) -> None:
+    """Apply I - v v^T to the columns of x, in place."""
+    x -= v[..., None] * (v[:, None, :] @ x)
+
+
+def _reflector(x: np.ndarray) -> np.ndarray:
+    """Vectors v with (I - v v^T) x = -sign(x_0) |x| e_0, for each row of x."""
+    v = x.copy()
+    v[:, 0] += np.copysign(_norms(x), x[:, 0])
+    length = _norms(v)
+    return np.sqrt(2.0) * v / np.where(length > 0, length, 1.0)[:, None]
+
+
+def _power_of_two(size: np.ndarray) -> np.ndarray:
+    """A power of two near to each size, so that scaling by it rounds nothing; one for zero."""
+    return np.exp2(np.round(np.log2(np.where(size > 0, size, 1.0))))
+
+
+def _norms(a: np.ndarray) -> np.ndarray:
+    """Euclidean norms along axis 1, without underflow of the squares of tiny remainders."""
+    top = np.abs(a).max(axis=1)
+    return top * np.linalg.norm(a / np.expand_dims(np.where(top > 0, top, 1.0), 1), axis=1)
+
+
+LARGEST_WEIGHT = 1e8
+"""Weights beyond this turn the rounding of the data into errors of half the digits."""
+
+# C b may differ from the unit matrix by this after elimination; the rest takes a stabler way.
+ROUNDING = 1e-13
+
+
+def estimable_weights(b: np.ndarray, w: np.ndarray, rows: int) -> np.ndarray:
+    """First rows of C where they are estimable, for many fits min_c sum_i w_i^2 (b_i^T c - f_i)^2.
+
+    Parameters
+    ----------
+    b : (m, k, q) ndarray
+        Rows of each fit, of size one: its variables in a local frame.
+    w : (m, k) ndarray
+        Weights, the largest of each fit one; a row of weight zero does not count.
+    rows : int
+        How many coefficients are wanted.
+
+    Returns
+    -------
+    (m, rows, k) ndarray
+        C, so that C f are the first coefficients; nan where they are not estimable.
+    """
+    a = w[..., None] * b
+    solution, safe = by_elimination(a.mT @ a, rows)
+    c = (a @ solution).mT * w[:, None, :]
+    # pivots that are small one after the other lose more than each; what C b gives tells how much
+    lost = c @ b - np.eye(rows, b.shape[2])
+    risky = np.flatnonzero(~safe | (np.einsum("mrq,mrq->m", lost, lost) > ROUNDING**2))
+    if len(risky):
+        c[risky] = _by_singular_values(np.where(w[risky, :, None] > 0, b[risky], 0), w[risky], rows)
+    return c
+
+
+def _by_singular_values(b: np.ndarray, w: np.ndarray, rows: int) -> np.ndarray:
+    """The same by B = U S V^T: with c = V S^-1 y the matrix U of the unknowns y has full rank.
+
+    Which singular values vanish is a matter of the sites, not of the weights.
+    """
+    m, k, q = b.shape
+    b = np.concatenate([b, np.zeros((m, max(q - k, 0), q))], axis=1)
+    norms = np.linalg.norm(b, axis=1)
+    norms = np.where(norms > 0, norms, 1.0)
+    u, s, vt = np.linalg.svd(b / norms[:, None, :], full_matrices=False)
+    tolerance = 4 * EPS * max(k, q)
+    null = s <= tolerance * s[:, :1]
+    leak = np.linalg.norm(np.where(null[..., None], vt[..., :rows], 0.0), axis=1)
+    estimable = (leak <= LARGEST_WEIGHT * tolerance).all(axis=1)
+    c = np.full((m, rows, k), np.nan)
+    rank = (~null).sum(axis=1)
+    for r in np.unique(rank[estimable]):
+        of = np.flatnonzero(estimable & (rank == r))
+        y = coefficient_weights(u[of, :k, :r], w[of], r, np.zeros(len(of)))
+        whole = (vt[of, :r].mT / s[of, None, :r]) @ y / norms[of, :, None]
+        first = whole[:, :rows]
+        # one step of refinement: weights that differ much cost digits of the other coefficients
+        c[of] = first + (np.eye(rows, q) - first @ b[of, :k]) @ whole
+    return c

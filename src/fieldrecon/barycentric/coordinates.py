@@ -1,0 +1,185 @@
+"""Barycentric coordinates of convex polygons and polyhedra, after Wachspress and Warren.
+
+What the coordinates of convex polytopes have in common: heights in, weights of corners out.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fieldrecon._core import validation as valid
+from fieldrecon._core.chunks import rows_of
+from fieldrecon.barycentric.polytope import KIND, Polytope
+from fieldrecon.barycentric.wachspress import ProductForm
+from fieldrecon.polynomials import EPS, Frame
+from fieldrecon.reconstruction import Reconstruction
+
+
+class ConvexCoordinates(Reconstruction):
+    """Coordinates of a convex polytope whose corners are the sites, given heights below its faces.
+
+    They reproduce linear fields and interpolate at the corners. Inside they are positive. Outside
+    they may be negative, and have a pole where their common denominator vanishes.
+
+    A subclass sets `points`, `_form` and `_unit`, and measures the heights in that unit.
+    """
+
+    degree = 1
+    interpolates = True
+    _form: ProductForm
+    _unit: float
+    _nearness = EPS  # of a corner, in units: its own weight is one
+
+    @abstractmethod
+    def _heights(self, x: np.ndarray) -> np.ndarray:
+        """Heights (f, m) of the queries (m, d) below the faces, to the length of their normals."""
+
+    def _weight_rows(self, x: np.ndarray) -> np.ndarray:
+        self._refuse_if_too_large(len(x))
+        w = np.empty((self._form.n, len(x)))
+        for part in self._parts(len(x), 1):
+            lost = self._form.weights(self._heights(x[part]), out=w[:, part])
+            if lost.any():
+                self._decide(x, np.flatnonzero(lost) + part.start, w)
+        return w.T
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        d = x.shape[1]
+        self._refuse_if_too_large(len(x), d)
+        g = np.empty((d, self._form.n, len(x)))
+        for part in self._parts(len(x), 1 + d):
+            gradients, lost = self._form.gradients(self._heights(x[part]))
+            if lost.any():
+                self._decide(x, np.flatnonzero(lost) + part.start)
+            g[:, :, part] = gradients.swapaxes(0, 1) / self._unit
+        return tuple(matrix.T for matrix in g)
+
+    def _decide(self, x: np.ndarray, queries: np.ndarray, w: np.ndarray | None = None) -> None:
+        """One at corners where more than d faces meet and all products vanish; else no value."""
+        for k in queries:
+            distance = np.abs(self.points / self._unit - x[k] / self._unit).max(axis=1)
+            i = int(distance.argmin())
+            at_corner = self._form.crowded[i] and distance[i] <= self._nearness
+            where = f"({', '.join(f'{c:.6g}' for c in x[k])})"
+            if at_corner and w is not None:
+                w[:, k] = np.arange(len(w)) == i
+            elif at_corner:
+                raise ValueError(
+                    f"the coordinates have no gradient at the corner {where}, where "
+                    f"more than {x.shape[1]} faces meet"
+                )
+            else:
+                raise np.linalg.LinAlgError(
+                    f"the coordinates have no value at {where}: the weights of the corners "
+                    f"cancel there, as they can outside a convex {KIND[x.shape[1]]}"
+                )
+
+    def _parts(self, m: int, arrays: int) -> Iterator[slice]:
+        rows = rows_of(8 * (self._form.numbers_per_query + self._form.n) * arrays)
+        return (slice(start, min(start + rows, m)) for start in range(0, m, rows))
+
+    def _chunk_rows(self, columns: int) -> int:
+        d = self.points.shape[1]
+        return rows_of(8 * (self._form.numbers_per_query + self._form.n + d * columns))
+
+
+class BarycentricCoordinates(ConvexCoordinates):
+    """Barycentric coordinates of a convex polygon or polyhedron, w_i = c_i / sum_j c_j.
+
+    c_i(x) = vol_i prod_{faces a not at i} h_a(x),   h_a(x) = n_a^T (p_a - x),
+
+    where p_a is a corner on face a, and vol_i = |det(n_a, ...)| over the faces at corner i. That is
+    the quotient vol_i / prod_{faces a at i} h_a(x) times the product of all heights: nothing is
+    divided but by the sum, so the weights are exact on faces, edges and corners and right beside
+    them. Where more than three faces meet, vol_i / prod h_a becomes the volume of the cone over the
+    facet of the polar dual, the limit of the coordinates of polyhedra whose corner is split.
+
+    They are positive inside and reproduce linear fields everywhere. Outside they may be negative,
+    and where the sum vanishes (on a curve or surface beyond the polytope) they have a pole.
+
+    Parameters
+    ----------
+    vertices : (n, d) array_like
+        Corners of the polytope, d = 2 or 3, in any order. Faces with more than three corners may be
+        flat to rounding only.
+
+    Raises
+    ------
+    ValueError
+        If a vertex is repeated, or is no corner of the convex hull of all; if d is not 2 or 3.
+    numpy.linalg.LinAlgError
+        If the vertices lie on a line or in a plane; later, for a query at a pole.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 27-31; Wachspress, A Rational Finite Element Basis (1975);
+    Warren, Schaefer, Hirani and Desbrun, Barycentric coordinates for convex sets (2007).
+
+    Examples
+    --------
+    >>> square = BarycentricCoordinates([[0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> square.weights([[0.5, 0.25], [1.0, 0.25]])
+    array([[0.375, 0.375, 0.125, 0.125],
+           [0.   , 0.75 , 0.25 , 0.   ]])
+    >>> square.field([0, 0, 1, 0]).gradient([0.5, 0.25])
+    array([0.25, 0.5 ])
+    """
+
+    def __init__(self, vertices: ArrayLike) -> None:
+        self.points = valid.as_points(vertices, "vertices")
+        n, d = self.points.shape
+        if d not in (2, 3):
+            raise ValueError(f"vertices must have 2 or 3 coordinates; got the shape {(n, d)}")
+        frame = Frame.around(self.points)
+        self._unit, self._center = frame.scale, frame.center / frame.scale
+        polytope = Polytope.of(self.points)
+        self._corners = polytope.corners
+        self._form = ProductForm(polytope.normals, polytope.corner_faces)
+        if d == 2:
+            self._ends, self._pairs = _edges_by_twos(polytope)
+        else:
+            self._depth = _depths(polytope)
+
+    def _heights(self, x: np.ndarray) -> np.ndarray:
+        local = x.T.copy()
+        local /= self._unit
+        return self._above_edges(local) if len(local) == 2 else self._from_corners(local)
+
+    def _above_edges(self, x: np.ndarray) -> np.ndarray:
+        """n^T (p - x), p an end of the edge: exactly zero at the other end too."""
+        offset = self._ends[..., None] - x
+        h = self._pairs[..., 0, None] * offset[:, None, 0]
+        h += self._pairs[..., 1, None] * offset[:, None, 1]
+        return h.reshape(-1, x.shape[1])[: len(self._form.normals)]
+
+    def _from_corners(self, x: np.ndarray) -> np.ndarray:
+        """n^T (p - x) + depth of p, p the nearest corner: the nearer to it, the more exact."""
+        corners = self._corners - self._center
+        score = corners @ (x - self._center[:, None]) - (corners**2).sum(axis=1)[:, None] / 2
+        nearest = score.argmax(axis=0)
+        return self._form.normals @ (self._corners[nearest].T - x) + self._depth[:, nearest]
+
+
+def _edges_by_twos(polygon: Polytope) -> tuple[np.ndarray, np.ndarray]:
+    """Ends (k, 2) that two edges share, and the normals (k, 2, 2) of the two, the last zero if odd.
+
+    Half as many differences p - x are needed so, and four operations on arrays give all heights.
+    """
+    ends = polygon.corners[[edge[1] for edge in polygon.faces[::2]]]
+    pairs = np.zeros((len(ends), 2, 2))
+    pairs.reshape(-1, 2)[: len(polygon.normals)] = polygon.normals
+    return ends, pairs
+
+
+def _depths(polytope: Polytope) -> np.ndarray:
+    """Heights (f, n) of the corners below the faces, zero for those on it."""
+    on = polytope.corners[[face[0] for face in polytope.faces]]
+    below = on[:, None] - polytope.corners
+    depth = np.einsum("fd,fnd->fn", polytope.normals, below)
+    for i, faces in enumerate(polytope.corner_faces):
+        depth[faces, i] = 0.0
+    return depth

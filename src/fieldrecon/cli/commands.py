@@ -1,0 +1,86 @@
+"""The commands: those of the library, and those that other packages plug in.
+
+A package plugs in a command by an entry point of the group ``fieldrecon.commands`` that names a
+`Command`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import entry_points
+
+GROUP = "fieldrecon.commands"
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of ``fieldrecon``, described without the import of what it runs.
+
+    Parameters
+    ----------
+    module : str
+        The module whose ``add_arguments(parser)`` declares the options and sets ``command``, the
+        function of the options that runs it. NumPy and SciPy alone take longer to import than most
+        answers, so the module is imported when the command is called.
+    help : str
+        What the command does, in a few words.
+    description : str
+        What it does, in sentences; the help if not given.
+    for_workers : tuple of str
+        Modules that its worker processes need; their import begins before that of the command.
+    """
+
+    module: str
+    help: str
+    description: str | None = None
+    for_workers: tuple[str, ...] = ()
+
+    def add_to(self, commands: argparse._SubParsersAction, name: str, called: bool) -> None:
+        """Add the command to a parser, with its options if it is called."""
+        parser = commands.add_parser(
+            name, help=self.help, description=self.description or self.help
+        )
+        if called:
+            if self.for_workers:
+                from fieldrecon._core.worker_processes import prepare
+
+                prepare(self.for_workers)
+            import_module(self.module).add_arguments(parser)
+
+
+OF_THE_LIBRARY = {
+    "reconstruct": Command(
+        "fieldrecon.cli.reconstruct",
+        "a field from a table of samples, and which method fits them",
+        "Reconstruct a field from samples, on a grid, at points or on a mesh. Each method is "
+        "judged by samples that are left out; each value comes with an estimate of its error, and "
+        "extrapolated ones are marked.",
+    ),
+    "surface": Command(
+        "fieldrecon.cli.surface",
+        "a closed mesh from a scan: points on the surface of a body, in a file",
+        "Reconstruct the body whose surface goes through points: normals, a field that is zero at "
+        "the points, a mesh of its zeros, a picture, and a page that says how far the points are "
+        "from it. The status is 0 if the mesh is closed, sound, and misses no point, 1 if there is "
+        "something to look at, and 2 if there is no mesh.",
+    ),
+    "audit": Command(
+        "fieldrecon.cli.audit",
+        "what is wrong with a mesh of triangles in a file, and a repair of it",
+        "Look for all that is wrong with a mesh of triangles in space: repeated vertices and "
+        "triangles, triangles without area, edges of more than two triangles, bow-ties, holes, "
+        "wrong orientation, self-intersections, T-junctions. The status is 0 if there is nothing, "
+        "1 if there is something, also after a repair, and 2 if the file cannot be read.",
+    ),
+}
+
+ELSEWHERE = {"experiments": "report", "report": "report", "course": "grade", "grade": "grade"}
+"""The commands of the distribution fieldrecon-course, each with the extra that it needs."""
+
+
+def commands() -> dict[str, Command]:
+    """Return the commands that are installed, by name."""
+    plugged_in = {e.name: e.load() for e in entry_points(group=GROUP)}
+    return OF_THE_LIBRARY | dict(sorted(plugged_in.items()))

@@ -1,0 +1,275 @@
+"""Two meshes of one surface: displacements go one way by H, loads the other way by H^T.
+
+What is given with loads: masses, parts, and the areas that structural nodes are handed.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from fieldrecon._core import validation as valid
+from fieldrecon.coupling.rigid_motions import as_vectors, resultants, rigid_motions
+from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
+
+
+class Transfer(ABC):
+    """A linear map of displacements of structural nodes to those of a surface, and its adjoint.
+
+    Whatever the map C, loads by its adjoint do the same work, (C u, f) = (u, C^T f). So the total
+    force is kept for all loads if and only if translations come back, C e_k = e_k, and the total
+    moment if and only if rotations do. What is lost otherwise is `defects`.
+
+    Attributes
+    ----------
+    structure : (n, d) ndarray
+        The structural nodes.
+    surface : (m, d) ndarray
+        The nodes of the surface.
+    method : Reconstruction
+        The method on the structural nodes.
+    places : (m, d) or (m, d - 1) ndarray
+        Where it is asked.
+    """
+
+    method: Reconstruction
+    structure: np.ndarray
+    surface: np.ndarray
+    places: np.ndarray
+
+    def displacements(self, u: ArrayLike) -> np.ndarray:
+        """Displacements C u of the surface.
+
+        Parameters
+        ----------
+        u : (n, d, ...) array_like
+            Displacements of the structural nodes, one or several.
+
+        Returns
+        -------
+        (m, d, ...) ndarray
+            Those of the nodes of the surface.
+        """
+        u = as_vectors(u, self.structure, "u")
+        flat = self._displace(u.reshape(*u.shape[:2], math.prod(u.shape[2:])))
+        return flat.reshape(len(self.surface), *u.shape[1:])
+
+    def loads(self, f: ArrayLike) -> np.ndarray:
+        """Loads C^T f on the structural nodes.
+
+        Parameters
+        ----------
+        f : (m, d, ...) array_like
+            Forces at the nodes of the surface (not per area), one load case or several.
+
+        Returns
+        -------
+        (n, d, ...) ndarray
+            Forces at the structural nodes.
+        """
+        f = as_vectors(f, self.surface, "f")
+        flat = self._load(f.reshape(*f.shape[:2], math.prod(f.shape[2:])))
+        return flat.reshape(len(self.structure), *f.shape[1:])
+
+    def densities(
+        self, f: ArrayLike, surface_mass: ArrayLike, structure_mass: ArrayLike | None = None
+    ) -> np.ndarray:
+        """Loads per area g = M_X^-1 C^T M_Y f of loads per area f.
+
+        Their integrals 1^T M_X g and 1^T M_Y f agree as the total forces do; and a constant
+        density comes back if and only if C^T M_Y 1 = M_X 1, so with the default M_X whenever M_Y
+        is lumped and the method acts on each component alone.
+
+        Parameters
+        ----------
+        f : (m, d, ...) array_like
+            Forces per area at the nodes of the surface.
+        surface_mass : (m,) array_like or (m, m) array or sparse matrix
+            M_Y: the area of each node, or the mass matrix of finite elements.
+        structure_mass : (n,) array_like or (n, n) array or sparse matrix, optional
+            M_X; by default each node gets the area that the method hands it, sum_i a_i w_j(y_i).
+
+        Returns
+        -------
+        (n, d, ...) ndarray
+            Forces per area at the structural nodes.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If some structural node gets no area.
+        """
+        f = as_vectors(f, self.surface, "f")
+        mass = as_mass(surface_mass, len(self.surface), "surface_mass")
+        if structure_mass is None:
+            areas = self.method.adjoint(self.places, mass @ np.ones(len(f)))
+            own = diagonal_of_areas(areas)
+        else:
+            own = as_mass(structure_mass, len(self.structure), "structure_mass")
+        loads = self.loads((mass @ f.reshape(len(f), -1)).reshape(f.shape))
+        return splu(own.tocsc()).solve(loads.reshape(len(loads), -1)).reshape(loads.shape)
+
+    def defects(self, f: ArrayLike, about: ArrayLike | None = None) -> np.ndarray:
+        """What the loads on the structure miss of total force and moment, without computing them.
+
+        sum_i (B(y_i) - (C B)_i)^T f_i, with B the rigid motions.
+
+        Parameters
+        ----------
+        f : (m, d, ...) array_like
+            Forces at the nodes of the surface.
+        about : (d,) array_like, optional
+            The point about which moments are taken; the origin by default.
+
+        Returns
+        -------
+        (r, ...) ndarray
+            As `resultants`: those on the surface less those on the structure.
+        """
+        f = as_vectors(f, self.surface, "f")
+        arrive = self.displacements(rigid_motions(self.structure, about))
+        missed = rigid_motions(self.surface, about) - arrive
+        return np.einsum("mdr,md...->r...", missed, f)
+
+    def shares(self, f: ArrayLike, surface: ArrayLike, structure: ArrayLike) -> np.ndarray:
+        """Force and moment that each part of the surface gives to each part of the structure.
+
+        Conservation in the local sense: summed over the parts of the structure they are the
+        `resultants` of that part of the surface, under the conditions for the whole, and for each
+        part alone. How much goes to the part that belongs to it tells how local the method is.
+
+        Parameters
+        ----------
+        f : (m, d) array_like
+            Forces at the nodes of the surface.
+        surface : (m,) array_like of int
+            The part, 0 to K - 1, in which each node of the surface lies.
+        structure : (n,) array_like of int
+            The part, 0 to L - 1, in which each structural node lies.
+
+        Returns
+        -------
+        (K, L, r) ndarray
+            Forces and moments about the origin.
+        """
+        f = as_vectors(f, self.surface, "f")
+        here = as_parts(surface, len(self.surface), "surface")
+        there = as_parts(structure, len(self.structure), "structure")
+        alone = np.where(here[:, None] == np.arange(here.max() + 1), 1.0, 0.0)
+        loads = self.loads(f[:, :, None] * alone[:, None, :])
+        return np.stack(
+            [
+                resultants(self.structure[there == k], loads[there == k]).T
+                if (there == k).any()
+                else np.zeros((alone.shape[1], rigid_motions(self.structure[:1]).shape[2]))
+                for k in range(there.max() + 1)
+            ],
+            axis=1,
+        )
+
+    @abstractmethod
+    def _displace(self, u: np.ndarray) -> np.ndarray:
+        """C u of displacements (n, d, v)."""
+
+    @abstractmethod
+    def _load(self, f: np.ndarray) -> np.ndarray:
+        """C^T f of loads (m, d, v)."""
+
+
+class Coupling(Transfer):
+    """A method on the structural nodes, evaluated on the surface, each component alone.
+
+    The total force is kept if and only if the rows of H sum to one, and the total moment if and
+    only if moreover H X = Y, so if the method reproduces linear fields. That it interpolates is
+    not needed. The weights are kept where they are sparse or small.
+
+    Parameters
+    ----------
+    method : Reconstruction
+        The method on the structural nodes X.
+    x : (m, d) array_like
+        The nodes Y of the surface. The meshes need not match, nor cover the same.
+
+    References
+    ----------
+    Wendland (2005), section 1.2, where loads are interpolated, which keeps neither work nor force;
+    Farhat, Lesoinne and Le Tallec (1998); Beckert and Wendland (2001).
+
+    Examples
+    --------
+    >>> import numpy as np, fieldrecon as fr
+    >>> nodes, skin = fr.datasets.halton(50, 2), fr.datasets.halton(400, 2, seed=1)
+    >>> coupling = Coupling(fr.RBF(nodes, fr.thin_plate_spline()), skin)
+    >>> f = np.cos(skin)
+    >>> np.allclose(resultants(nodes, coupling.loads(f)), resultants(skin, f))
+    True
+    """
+
+    def __init__(self, method: Reconstruction, x: ArrayLike) -> None:
+        self.method = method
+        self.structure = method.points
+        self.surface = self.places = as_surface(x, self.structure)
+        self._weights = weights_if_they_fit(method, self.surface)
+
+    def _displace(self, u: np.ndarray) -> np.ndarray:
+        if self._weights is None:
+            return self.method.field(u)(self.surface)
+        return applied(self._weights, u)
+
+    def _load(self, f: np.ndarray) -> np.ndarray:
+        if self._weights is None:
+            return self.method.adjoint(self.surface, f)
+        return applied(self._weights.T, f)
+
+
+def applied(matrix: Weights, columns: np.ndarray) -> np.ndarray:
+    """The product with arrays (n, d, v)."""
+    return (matrix @ columns.reshape(len(columns), -1)).reshape(-1, *columns.shape[1:])
+
+
+def as_surface(x: ArrayLike, structure: np.ndarray) -> np.ndarray:
+    """Nodes of a surface, in the space of the structural nodes."""
+    surface = valid.as_points(x, "x")
+    if surface.shape[1] != structure.shape[1]:
+        raise ValueError(
+            f"x must have as many coordinates as the structural nodes, {structure.shape[1]}; "
+            f"got the shape {surface.shape}"
+        )
+    return surface
+
+
+def as_mass(mass: ArrayLike, n: int, name: str) -> sparse.csr_array:
+    """A mass matrix (n, n), or the one of lumped masses (n,) on its diagonal."""
+    if not sparse.issparse(mass):
+        mass = np.asarray(mass, dtype=float)
+        mass = sparse.diags_array(mass) if mass.ndim == 1 else mass
+    matrix = sparse.csr_array(mass)
+    if matrix.shape != (n, n):
+        raise ValueError(f"{name} must be masses ({n},) or a matrix ({n}, {n}); got {matrix.shape}")
+    if not np.isfinite(matrix.data).all():
+        raise ValueError(f"{name} must be finite")
+    return matrix
+
+
+def as_parts(parts: ArrayLike, n: int, name: str) -> np.ndarray:
+    """The number of the part in which each of n nodes lies."""
+    p = np.asarray(parts)
+    if p.shape != (n,) or p.dtype.kind not in "iu" or p.min() < 0:
+        raise ValueError(f"{name} must be {n} numbers of parts, integers from 0; got {p!r:.60}")
+    return p
+
+
+def diagonal_of_areas(areas: np.ndarray) -> sparse.dia_array:
+    """Areas of structural nodes, refused where a density would have none to refer to."""
+    least = int(np.argmin(areas))
+    if not areas[least] > 0:
+        raise np.linalg.LinAlgError(
+            f"structural node {least} gets the area {areas[least]:.2g} of the surface, to which no "
+            "density can refer: give structure_mass, or nodes that the surface covers"
+        )
+    return sparse.diags_array(areas)

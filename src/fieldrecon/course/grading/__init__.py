@@ -1,4 +1,0 @@
-"""From what a class handed in to one file of results: intake, isolation, verdicts."""
-
-FOR_WORKERS = ("fieldrecon.course.grading.batch", "jupytext")
-"""What processes that grade have imported before they start."""

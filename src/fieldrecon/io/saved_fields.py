@@ -1,0 +1,195 @@
+"""Fitted fields in files: what a field was made of, from which it is made again.
+
+A file is an NPZ archive of plain arrays, no pickles:
+
+- ``header``: JSON in UTF-8 as bytes, an object of ``format`` ("fieldrecon field"), ``version`` (1),
+  ``method`` and ``names`` (of the columns the data came from, or empty);
+- ``points`` (n, d) and ``values`` (n, ...): the sites and the data.
+
+``method`` is an object of ``name`` (the class) and the arguments it was made with besides the
+points; a kernel is an object of ``name`` and its parameters in turn, and the method within
+`OnGlobe` is one of the arguments. To load is to fit again: the same arithmetic on the same numbers,
+so the values are the same bit for bit with the same versions of NumPy and SciPy on the same kind of
+processor, and to rounding elsewhere.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields, is_dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fieldrecon._core.atomic_files import whole_file
+from fieldrecon.kernels import positive_definite, radial
+from fieldrecon.methods.globe import OnGlobe
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
+from fieldrecon.reconstruction import Field, Reconstruction
+
+FORMAT, VERSION = "fieldrecon field", 1
+
+_ARGUMENTS: Mapping[type[Reconstruction], tuple[str, ...]] = {
+    LeastSquares: ("degree",),
+    MovingLeastSquares: ("weight", "degree", "neighbors"),
+    RBF: ("kernel", "degree", "smoothing"),
+    PartitionOfUnityRBF: ("kernel", "degree", "patch_size", "smoothing"),
+    OnGlobe: ("method",),
+}
+_METHODS = {method.__name__: method for method in _ARGUMENTS}
+_KERNELS: Mapping[str, type[radial.Radial]] = {
+    kernel.__name__: kernel
+    for module in (radial, positive_definite)
+    for kernel in vars(module).values()
+    if is_dataclass(kernel) and isinstance(kernel, type) and issubclass(kernel, radial.Radial)
+}
+
+
+def save(path: str | Path, field: Field, names: Sequence[str] = ()) -> None:
+    """Write a field to a file, from which `load` makes it again; the whole file or none.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        Written under exactly this name; .npz is usual.
+    field : Field
+        Of one of the library's methods.
+    names : sequence of str
+        What coordinates and data are called, for whoever reads the file.
+
+    Raises
+    ------
+    TypeError
+        If method or kernel is not one of the library's.
+
+    Examples
+    --------
+    >>> import tempfile, fieldrecon as fr
+    >>> s = fr.LeastSquares([[0.0], [1.0], [2.0]]).field([1.0, 3.0, 5.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save(f"{folder}/line.npz", s)
+    ...     again = load(f"{folder}/line.npz")
+    >>> bool(again([7.0]) == s([7.0]))
+    True
+    """
+    described = description(field.method)
+    header = {"format": FORMAT, "version": VERSION, "method": described, "names": list(names)}
+    text = np.frombuffer(json.dumps(header, allow_nan=False, default=_plain).encode(), np.uint8)
+    with whole_file(Path(path)) as temporary, temporary.open("wb") as file:
+        np.savez(file, header=text, points=field.method.points, values=field.values)
+
+
+def load(path: str | Path) -> Field:
+    """Read a field that `save` wrote, and fit it again.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+
+    Returns
+    -------
+    Field
+        With the same values: bit for bit where NumPy, SciPy and processor are the same, otherwise
+        to rounding.
+
+    Raises
+    ------
+    ValueError
+        If the file is not such a field, or of a later version: with its path.
+    FileNotFoundError
+        If there is no such file.
+    """
+    return load_with_names(path)[0]
+
+
+def load_with_names(path: str | Path) -> tuple[Field, list[str]]:
+    """Read a field as `load` does, and the names that were given to `save`."""
+    header, points, values = _content(path)
+    try:
+        method = _method(header["method"], points)
+        return method.field(values), [str(name) for name in header["names"]]
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise ValueError(f"{path} holds no field that can be made again: {error}") from None
+
+
+def _content(path: str | Path) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
+    try:
+        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            header = json.loads(bytes(stored["header"]))
+            arrays = stored["points"], stored["values"]
+    except (ValueError, KeyError, TypeError, EOFError, RecursionError, zipfile.BadZipFile) as error:
+        raise ValueError(f"{path} is not a file of a field: {error}") from None
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise ValueError(f"{path} is not a file of a field: its header does not say {FORMAT!r}")
+    if header.get("version") != VERSION:
+        raise ValueError(
+            f"{path} is a field of version {header.get('version')}; this program reads {VERSION}"
+        )
+    return header, *arrays
+
+
+def description(method: Reconstruction) -> dict[str, Any]:
+    """Name of a method and the arguments it was made with besides the points, as in a file.
+
+    Raises
+    ------
+    TypeError
+        If method or kernel is not one of the library's.
+    """
+    if type(method) not in _ARGUMENTS:
+        raise TypeError(f"a field of {type(method).__name__} cannot be saved; known methods can")
+    arguments = {name: _argument(getattr(method, name)) for name in _ARGUMENTS[type(method)]}
+    if isinstance(method, PartitionOfUnityRBF):
+        arguments["degree"] = method._levels[0].systems[0].degree  # as asked for, not what is left
+    return {"name": type(method).__name__} | arguments
+
+
+def _argument(value: Any) -> Any:
+    if isinstance(value, Reconstruction):
+        return description(value)
+    if not isinstance(value, radial.Radial):
+        return value
+    if _KERNELS.get(type(value).__name__) is not type(value):
+        raise TypeError(f"a field with {type(value).__name__} cannot be saved; known kernels can")
+    return {"name": type(value).__name__} | asdict(value)  # type: ignore[call-overload]
+
+
+def _plain(number: Any) -> Any:
+    """A number of NumPy as one of Python."""
+    return number.item()
+
+
+def _method(described: Mapping[str, Any], points: np.ndarray) -> Reconstruction:
+    arguments = dict(described)
+    method = _known(_METHODS, arguments.pop("name"))
+    wanted = set(_ARGUMENTS[method])
+    if set(arguments) != wanted:
+        got = sorted(arguments)
+        raise ValueError(f"{method.__name__} is made with {sorted(wanted)}; got {got}")
+    if method is OnGlobe:
+        return OnGlobe(points, partial(_method, arguments["method"]))
+    for name in wanted & {"kernel", "weight"}:
+        arguments[name] = _kernel(arguments[name])
+    return method(points, **arguments)
+
+
+def _kernel(described: Mapping[str, Any]) -> radial.Radial:
+    parameters = dict(described)
+    kernel = _known(_KERNELS, parameters.pop("name"))
+    wanted = {f.name for f in fields(kernel)}
+    if set(parameters) != wanted:
+        raise ValueError(f"{kernel.__name__} has {sorted(wanted)}; got {sorted(parameters)}")
+    return kernel(**parameters)
+
+
+def _known(kinds: Mapping[str, Any], name: object) -> Any:
+    if not isinstance(name, str) or name not in kinds:
+        raise ValueError(f"there is no {name!r}; there are {', '.join(sorted(kinds))}")
+    return kinds[name]

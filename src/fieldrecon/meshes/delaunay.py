@@ -1,0 +1,141 @@
+"""Delaunay cells that make a mesh: no flat one, no point left out, whatever ties the points hold.
+
+Qhull breaks ties by flat cells: where five points or more lie on an empty sphere, four of them in
+one plane may become a cell without volume, and one without it leaves a crack. Here ties are broken
+by the heights at which points are lifted to the paraboloid; no cell below the lifted hull is flat.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
+
+from fieldrecon.meshes import simplices
+
+_TIE = 1e-5
+"""How far ties are broken, in squares of the distance to the nearest point."""
+
+_CRACK = 1e-7
+"""How much larger than the hull a boundary may be by rounding, in parts of the hull."""
+
+
+def delaunay_cells(points: np.ndarray) -> np.ndarray:
+    """Vertices (c, d + 1) of the Delaunay cells of points (n, d), d = 2 or 3.
+
+    Cells at the hull that are flat within the rounding of the coordinates are left out.
+
+    Raises
+    ------
+    ValueError
+        If there are too few points, or two of them coincide.
+    numpy.linalg.LinAlgError
+        If all lie on one line or plane, or so do some that the mesh has cracks without flat cells.
+    OverflowError
+        If the extent of the points exceeds the range of floating-point numbers.
+    """
+    _refuse_too_few(points)
+    _refuse_repeated(points)
+    local = _in_local_frame(points)
+    try:
+        cells = _cells_without_flat_ones(points, local)
+    except QhullError:  # its first simplex was flat already
+        cells = np.empty((0, points.shape[1] + 1), dtype=int)
+    if len(cells) == 0:
+        where = "line" if points.shape[1] == 2 else "plane"
+        raise np.linalg.LinAlgError(f"no mesh: the points lie on one {where} within rounding")
+    _refuse_left_out(local, cells)
+    return cells
+
+
+def _in_local_frame(points: np.ndarray) -> np.ndarray:
+    with np.errstate(over="ignore", invalid="ignore"):
+        offsets = points - points.mean(axis=0)
+        extent = np.ptp(points, axis=0).max()
+    if not np.isfinite(extent) or not np.isfinite(offsets).all():
+        raise OverflowError("the extent of the points exceeds the range of floating-point numbers")
+    return offsets / extent
+
+
+def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarray:
+    triangulation = Delaunay(local)
+    cells, neighbors = triangulation.simplices, triangulation.neighbors
+    flat = _flat_within_rounding(points, cells)
+    if not flat.any():
+        return cells
+    if points.shape[1] == 3:  # in the plane, no tie makes a cell flat
+        cells, neighbors = _tie_broken(local)
+        flat = _flat_within_rounding(points, cells)
+    outer = _outer(neighbors, flat)
+    _refuse_cracks(local, cells, ~outer & ((neighbors < 0) | outer[neighbors]).T)
+    return cells[~outer]
+
+
+def _flat_within_rounding(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Whether moving each coordinate by its rounding could turn a cell over."""
+    rounding = np.finfo(float).eps * np.abs(points).max()
+    return simplices.signed_volumes(points.take(cells, axis=0), rounding)[2]
+
+
+def _outer(neighbors: np.ndarray, flat: np.ndarray) -> np.ndarray:
+    """Whether each cell is flat and hangs together with the outside through such cells."""
+    outside = len(neighbors)
+    one, k = np.nonzero(np.broadcast_to(flat[:, None], neighbors.shape))
+    two = neighbors[one, k]
+    joined = (two < 0) | flat[two]
+    pairs = (np.ones(joined.sum()), (one[joined], np.where(two < 0, outside, two)[joined]))
+    graph = sparse.coo_array(pairs, shape=(outside + 1, outside + 1))
+    part = sparse.csgraph.connected_components(graph, directed=False)[1]
+    return part[:-1] == part[outside]
+
+
+def _tie_broken(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cells and their neighbours below the hull of the points lifted to |x|², a little above it."""
+    spacing = KDTree(points).query(points, k=2)[0][:, 1]
+    above = _TIE * spacing**2 * np.random.default_rng(0).random(len(points))
+    hull = ConvexHull(np.column_stack([points, (points**2).sum(axis=1) + above]))
+    below = hull.equations[:, -2] < 0
+    number = np.where(below, np.cumsum(below) - 1, -1)
+    return hull.simplices[below], number[hull.neighbors[below]]
+
+
+def _refuse_too_few(points: np.ndarray) -> None:
+    n, d = points.shape
+    if n <= d:
+        raise ValueError(f"points must be at least {d + 1} for a mesh in {d} dimensions; got {n}")
+
+
+def _refuse_repeated(points: np.ndarray) -> None:
+    order = np.lexsort(points.T[::-1])
+    same = np.flatnonzero((points[order[1:]] == points[order[:-1]]).all(axis=1))
+    if len(same):
+        i, j = sorted((int(order[same[0]]), int(order[same[0] + 1])))
+        more = f", and {len(same) - 1} more repeat another" if len(same) > 1 else ""
+        raise ValueError(f"points must be distinct; points {i} and {j} coincide{more}")
+
+
+def _refuse_cracks(points: np.ndarray, cells: np.ndarray, open_sides: np.ndarray) -> None:
+    """Refuse cells whose boundary, (d + 1, c) of their sides, is larger than the hull's."""
+    d = points.shape[1]
+    faces = np.concatenate([np.delete(cells[side], k, axis=1) for k, side in enumerate(open_sides)])
+    edges = points[faces[:, 1:]] - points[faces[:, :1]]
+    area = simplices.volumes(edges).sum() / math.factorial(d - 1)
+    if area > (1 + _CRACK) * ConvexHull(points).area:
+        raise np.linalg.LinAlgError(
+            "no mesh: some points coincide, or lie on one line or plane, within rounding, which "
+            "makes flat cells between others"
+        )
+
+
+def _refuse_left_out(points: np.ndarray, cells: np.ndarray) -> None:
+    """Refuse a point so near to another, or to the boundary, that it is a corner of no cell."""
+    missing = np.setdiff1d(np.arange(len(points)), cells)
+    if len(missing):
+        i = int(missing[0])
+        distance, nearest = KDTree(points).query(points[i], k=[2])
+        raise ValueError(
+            f"points must be distinct beyond rounding; point {i} is a corner of no cell (nearest: "
+            f"point {int(nearest[0])}, at {distance[0]:.1e} of the extent)"
+        )

@@ -1,0 +1,184 @@
+"""Linear functionals as data: values, derivatives and Laplacians at points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fieldrecon._core import validation as valid
+from fieldrecon.kernels.derivatives import descent
+from fieldrecon.kernels.radial import Radial
+from fieldrecon.polynomials import Frame, monomial_gradients, monomial_laplacians, monomials
+
+
+@dataclass(frozen=True, eq=False)
+class Functionals:
+    """Functionals L_i f = a_i f(p_i) + b_i . grad f(p_i) + c_i Laplacian f(p_i).
+
+    Made by `values_at`, `derivatives_at` and `laplacians_at`.
+
+    Parameters
+    ----------
+    points : (n, d) ndarray
+        Where.
+    value : (n,) ndarray
+        Factors a of the value.
+    gradient : (n, d) ndarray
+        Factors b of the derivatives.
+    laplacian : (n,) ndarray
+        Factors c of the Laplacian.
+    """
+
+    points: np.ndarray
+    value: np.ndarray
+    gradient: np.ndarray
+    laplacian: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __getitem__(self, part: slice) -> Functionals:
+        """Some of them."""
+        return Functionals(
+            self.points[part], self.value[part], self.gradient[part], self.laplacian[part]
+        )
+
+    @property
+    def order(self) -> int:
+        """Order of the highest derivative among them."""
+        return 2 if self.laplacian.any() else int(self.gradient.any())
+
+    def in_frame(self, frame: Frame) -> tuple[Functionals, np.ndarray]:
+        """Functionals of g(y) = f(x) of size one, and the sizes (n,): L f = size * (L' g).
+
+        Sizes are powers of two, so that scaling rounds nothing.
+        """
+        gradient, laplacian = self.gradient / frame.scale, self.laplacian / frame.scale**2
+        largest = np.maximum(abs(self.value), np.maximum(abs(gradient).max(axis=1), abs(laplacian)))
+        mantissa, exponent = np.frexp(largest)
+        size = np.ldexp(1.0, exponent - (mantissa == 0.5))
+        local = Functionals(
+            frame.local(self.points),
+            self.value / size,
+            gradient / size[:, None],
+            laplacian / size,
+        )
+        return local, size
+
+    def of_monomials(self, degree: int) -> np.ndarray:
+        """Functionals of the monomials, (n, q)."""
+        return (
+            self.value[:, None] * monomials(self.points, degree)
+            + np.einsum("nqd,nd->nq", monomial_gradients(self.points, degree), self.gradient)
+            + self.laplacian[:, None] * monomial_laplacians(self.points, degree)
+        )
+
+    def of_kernel(self, others: Functionals, kernel: Radial) -> np.ndarray:
+        """L_i M_j phi(|x - y|), L of x and M, the others, of y; (n, m).
+
+        With z = x - y and the descents phi_j of the kernel, the gradient of phi(|z|) is phi_1 z,
+        the Hessian phi_1 I + phi_2 z z^T, the Laplacian d phi_1 + |z|^2 phi_2.
+        """
+        d = self.points.shape[1]
+        offsets = [self.points[:, k, None] - others.points[:, k] for k in range(d)]
+        s = sum(z * z for z in offsets)
+        total = np.outer(self.value, others.value) * kernel.of_squared(s)
+        top = self.order + others.order
+        if top == 0:
+            return total
+        along = sum(self.gradient[:, k, None] * z for k, z in enumerate(offsets))
+        against = sum(others.gradient[:, k] * z for k, z in enumerate(offsets))
+        phi = [np.zeros_like(s) if j > top else descent(kernel, s, j) for j in range(5)]
+        a, c = self.value[:, None], self.laplacian[:, None]
+        total += (along * others.value - a * against) * phi[1]
+        total -= self.gradient @ others.gradient.T * phi[1] + along * against * phi[2]
+        if max(self.order, others.order) < 2:
+            return total
+        laplacian = d * phi[1] + s * phi[2]
+        slope = (d + 2) * phi[2] + s * phi[3]
+        total += (c * others.value + a * others.laplacian) * laplacian
+        total += (along * others.laplacian - c * against) * slope
+        bilaplacian = d * (d + 2) * phi[2] + 2 * (d + 2) * s * phi[3] + s * s * phi[4]
+        return total + c * others.laplacian * bilaplacian
+
+
+def values_at(points: ArrayLike) -> Functionals:
+    """Values f(p_i).
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Where.
+
+    Returns
+    -------
+    Functionals
+        n of them.
+    """
+    p = valid.as_points(points)
+    return Functionals(p, np.ones(len(p)), np.zeros(p.shape), np.zeros(len(p)))
+
+
+def derivatives_at(points: ArrayLike, directions: ArrayLike) -> Functionals:
+    """Derivatives along directions, b_i . grad f(p_i); normal components if b is a normal.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Where.
+    directions : (n, d) or (d,) array_like
+        Vectors b, not zero; their lengths count.
+
+    Returns
+    -------
+    Functionals
+        n of them.
+
+    Raises
+    ------
+    ValueError
+        If a direction is zero, or there is not one for each point.
+    """
+    p = valid.as_points(points)
+    b = valid.as_queries(directions, p.shape[1])
+    if b.shape not in (p.shape, p.shape[1:]):
+        wanted = f"{p.shape} or {p.shape[1:]}"
+        raise ValueError(f"directions must have the shape {wanted}; got {b.shape}")
+    b = np.broadcast_to(b, p.shape).copy()
+    if (b == 0).all(axis=1).any():
+        raise ValueError(f"directions[{int(np.argmax((b == 0).all(axis=1)))}] is zero")
+    return Functionals(p, np.zeros(len(p)), b, np.zeros(len(p)))
+
+
+def laplacians_at(points: ArrayLike) -> Functionals:
+    """Laplacians, the sum of the second derivatives of f at p_i.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Where.
+
+    Returns
+    -------
+    Functionals
+        n of them.
+    """
+    p = valid.as_points(points)
+    return Functionals(p, np.zeros(len(p)), np.zeros(p.shape), np.ones(len(p)))
+
+
+def together(functionals: Functionals | Sequence[Functionals]) -> Functionals:
+    """All functionals of a sequence, in its order."""
+    parts = [functionals] if isinstance(functionals, Functionals) else list(functionals)
+    if not parts or not all(isinstance(part, Functionals) for part in parts):
+        raise ValueError(
+            "functionals must be those of values_at, derivatives_at and laplacians_at, or a list "
+            f"of them; got {functionals!r}"
+        )
+    if len({part.points.shape[1] for part in parts}) > 1:
+        raise ValueError("functionals must all be of functions of as many variables")
+    columns = ("points", "value", "gradient", "laplacian")
+    return Functionals(*(np.concatenate([getattr(p, name) for p in parts]) for name in columns))

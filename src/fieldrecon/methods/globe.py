@@ -1,0 +1,189 @@
+"""Fields on the globe: distances are chords in space, so no date line and no pole is special.
+
+A site at longitude l and latitude b is the unit vector (cos b cos l, cos b sin l, sin b). A kernel
+of the distance in space is a kernel on the sphere, and what is positive definite there stays so;
+its lengths are in radii of the sphere. Methods on such sites need polynomials of degree one at
+most: the square of the distance from the middle is constant on the sphere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from fieldrecon._core import validation as valid
+from fieldrecon.reconstruction import Field, Reconstruction, Weights
+
+
+def to_unit(lonlat: ArrayLike) -> np.ndarray:
+    """Unit vectors (cos b cos l, cos b sin l, sin b) of longitudes l and latitudes b.
+
+    Parameters
+    ----------
+    lonlat : (..., 2) array_like
+        Longitude and latitude in degrees; longitudes may go round more than once.
+
+    Returns
+    -------
+    (..., 3) ndarray
+
+    Raises
+    ------
+    ValueError
+        If a latitude lies beyond a pole.
+
+    Examples
+    --------
+    >>> to_unit([[0.0, 0.0], [180.0, 0.0], [17.0, 90.0]])
+    array([[ 1.,  0.,  0.],
+           [-1.,  0.,  0.],
+           [ 0.,  0.,  1.]])
+    """
+    lon, lat = np.moveaxis(_as_lonlat(lonlat), -1, 0)
+    cos_lon, sin_lon = _cos_sin(lon)
+    cos_lat, sin_lat = _cos_sin(lat)
+    return np.stack([cos_lat * cos_lon, cos_lat * sin_lon, sin_lat], axis=-1)
+
+
+def principal(lonlat: ArrayLike) -> np.ndarray:
+    """The same places with longitudes in [-180, 180), and zero at the poles.
+
+    Examples
+    --------
+    >>> principal([[190.0, 10.0], [180.0, 0.0], [17.0, -90.0]])
+    array([[-170.,   10.],
+           [-180.,    0.],
+           [   0.,  -90.]])
+    """
+    lon, lat = np.moveaxis(_as_lonlat(lonlat), -1, 0)
+    lon = np.where((lon >= -180) & (lon < 180), lon, (lon + 180) % 360 - 180)
+    return np.stack([np.where(abs(lat) == 90, 0.0, lon), lat], axis=-1)
+
+
+class OnGlobe(Reconstruction):
+    """A method on the unit vectors of sites on the globe, asked by longitude and latitude.
+
+    s(l, b) = t(u(l, b)) with u as in `to_unit`. The gradient holds the changes by a degree of
+    longitude and by a degree of latitude, which are not lengths: east is
+    (180 / (pi R cos b)) times the first, north (180 / (pi R)) times the second, R the radius.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+        Longitudes and latitudes of the sites, in degrees.
+    method : callable
+        Takes unit vectors (n, 3) to a `Reconstruction` on them.
+
+    Attributes
+    ----------
+    method : Reconstruction
+        The method on the unit vectors.
+
+    References
+    ----------
+    Wendland, Scattered Data Approximation (2005), chapter 17; Fuselier and Wright, Scattered data
+    interpolation on embedded submanifolds with restricted positive definite kernels (2012).
+
+    Examples
+    --------
+    >>> import fieldrecon as fr
+    >>> lonlat = [[0, 0], [120, 10], [-100, 20], [170, -40], [-10, 85], [60, -70]]
+    >>> s = OnGlobe(lonlat, lambda u: fr.RBF(u, fr.polyharmonic(3))).field([1, 2, 3, 4, 5, 6])
+    >>> s([[-190.0, -40.0], [480.0, 10.0]]).round(9)
+    array([4., 2.])
+    """
+
+    def __init__(self, points: ArrayLike, method: Callable[[np.ndarray], Reconstruction]) -> None:
+        self.points = valid.as_points(points)
+        self.method = method(to_unit(self.points))
+        self.degree = min(self.method.degree, 0)
+        self.interpolates = self.method.interpolates
+
+    def field(self, values: ArrayLike, **how: Any) -> Field:
+        """Field of these data.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            One real or complex scalar, vector or array for each site.
+        **how
+            Further arguments of the method's own `field`, such as `executor` and `progress`.
+
+        Returns
+        -------
+        Field
+            Callable at longitudes and latitudes, with a gradient.
+        """
+        values = valid.as_values(values, len(self.points))
+        return Field(self, values, lambda columns: self.method.field(columns, **how)._prepared)
+
+    def _weight_rows(self, x: np.ndarray) -> Weights:
+        return self.method._weight_rows(to_unit(x))
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
+        along = self.method._gradient_weight_rows(to_unit(x))
+        tangents = _tangents(x)
+        return tuple(_combined(along, tangent) for tangent in np.moveaxis(tangents, 2, 0))
+
+    def _prepare(self, values: np.ndarray) -> object:
+        return self.method._prepare(values)
+
+    def _value_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
+        return self.method._value_rows(to_unit(x), prepared)
+
+    def _gradient_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
+        gradients = self.method._gradient_rows(to_unit(x), prepared)
+        return np.einsum("mvk,mkj->mvj", gradients, _tangents(x))
+
+    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
+        return self.method._adjoint(to_unit(x), f)
+
+    def _order(self, x: np.ndarray) -> np.ndarray | None:
+        return self.method._order(to_unit(x))
+
+    def _chunk_rows(self, columns: int) -> int:
+        return self.method._chunk_rows(columns)
+
+
+def _combined(along: tuple[Weights, ...], tangent: np.ndarray) -> Weights:
+    """Weights (m, n) of the derivative along the tangents (m, 3)."""
+    x, y, z = (sparse.diags_array(t) @ g for g, t in zip(along, tangent.T, strict=True))
+    return x + y + z
+
+
+def _tangents(lonlat: np.ndarray) -> np.ndarray:
+    """Derivatives (m, 3, 2) of the unit vectors by a degree of longitude and of latitude."""
+    lon, lat = lonlat.T
+    (cos_lon, sin_lon), (cos_lat, sin_lat) = _cos_sin(lon), _cos_sin(lat)
+    zero = np.zeros_like(lon)
+    east = np.stack([-cos_lat * sin_lon, cos_lat * cos_lon, zero], axis=1)
+    north = np.stack([-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat], axis=1)
+    return np.radians(np.stack([east, north], axis=2))
+
+
+def _cos_sin(degrees: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cosine and sine, exact at multiples of 90 degrees and the same after whole turns."""
+    quarters = np.round(degrees / 90)
+    rest = np.radians(degrees - 90 * quarters)
+    cos, sin = np.cos(rest), np.sin(rest)
+    turn = (quarters % 4).astype(int)
+    return (
+        np.choose(turn, [cos, -sin, -cos, sin]) + 0.0,
+        np.choose(turn, [sin, cos, -sin, -cos]) + 0.0,
+    )
+
+
+def _as_lonlat(lonlat: ArrayLike) -> np.ndarray:
+    places = valid.as_queries(lonlat, 2)
+    beyond = np.argwhere(abs(places[..., 1]) > 90)
+    if len(beyond):
+        lon, lat = places[tuple(beyond[0])]
+        raise ValueError(
+            f"latitudes must lie within ±90 degrees; got {lat:g} at longitude {lon:g}: are they "
+            "the other way round?"
+        )
+    return places

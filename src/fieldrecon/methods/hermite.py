@@ -1,0 +1,262 @@
+"""Radial basis functions through data of any kind: values, derivatives, Laplacians."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fieldrecon._core import validation as valid
+from fieldrecon._core.chunks import rows_of
+from fieldrecon._numerics.saddle_point import SaddlePoint
+from fieldrecon.kernels.derivatives import smoothness
+from fieldrecon.kernels.radial import Radial
+from fieldrecon.methods.functionals import Functionals, derivatives_at, together, values_at
+from fieldrecon.methods.solvability import (
+    as_augmentation,
+    as_finite,
+    as_kernel,
+    refuse_a_miss,
+    refuse_beyond_memory,
+    within_range,
+)
+from fieldrecon.polynomials import Frame, require_unisolvent
+from fieldrecon.reconstruction import Field, Reconstruction
+
+
+class HermiteRBF(Reconstruction):
+    """Generalized interpolation, f(x) = b(x)^T c + sum_j lambda_j M_j phi(|x - .|).
+
+    M_j is the j-th functional of the data, applied to the second argument of the kernel. The
+    conditions M_i f = f_i, with sum_j lambda_j M_j p = 0 for the polynomials p, give a symmetric
+    system like that of `RBF`, regular if the functionals are independent and determine the
+    polynomial. Of all functions with these data the field has the least energy of the kernel. With
+    Laplacians inside and values on the boundary it solves Poisson's equation by collocation.
+
+    Parameters
+    ----------
+    functionals : Functionals or sequence of them
+        What is known: `values_at`, `derivatives_at`, `laplacians_at`. The data come in this order.
+    kernel : Radial
+        With twice as many continuous derivatives as the functionals have.
+    degree : int, optional
+        Degree of the polynomial; `kernel.order - 1` by default, and no less. -1 for none.
+
+    Attributes
+    ----------
+    functionals : Functionals
+        All of them; `points` are theirs.
+
+    Raises
+    ------
+    ValueError
+        If the kernel is not smooth enough, or functionals at one point depend on each other.
+    numpy.linalg.LinAlgError
+        If the data do not determine the polynomial, or the kernel is too flat for them.
+
+    References
+    ----------
+    Wendland (2005), section 1.3 and chapter 16; Wu (1992); Fasshauer (1997).
+
+    Examples
+    --------
+    >>> from fieldrecon.kernels.radial import polyharmonic
+    >>> method = HermiteRBF(
+    ...     [values_at([[0, 0]]), derivatives_at([[0, 0], [1, 0]], [[1, 0], [0, 1]])],
+    ...     polyharmonic(3),
+    ... )
+    >>> s = method.field([1.0, 2.0, 3.0])  # f(0, 0), df/dx(0, 0), df/dy(1, 0)
+    >>> s([1.0, 1.0]).round(12), s.gradient([5.0, 5.0]).round(12)
+    (np.float64(6.0), array([2., 3.]))
+    """
+
+    interpolates = True
+
+    def __init__(
+        self,
+        functionals: Functionals | Sequence[Functionals],
+        kernel: Radial,
+        degree: int | None = None,
+    ) -> None:
+        self.functionals = together(functionals)
+        self.points = valid.as_points(self.functionals.points)
+        self.kernel = as_kernel(kernel, self.points.shape[1])
+        self.degree = as_augmentation(degree, kernel)
+        _refuse_a_rough_kernel(kernel, self.functionals.order)
+        self._frame = Frame.around(self.points)
+        self._local, self._size = self.functionals.in_frame(self._frame)
+        _refuse_dependent(self._local)
+        p = self._local.of_monomials(self.degree)
+        require_unisolvent(self.points, p, self.degree, "the data do")
+        refuse_beyond_memory(len(self.points))
+        self._unit_kernel = as_finite(kernel.in_units(self._frame.scale))
+        a = self._of_kernel(self._local)
+        self._largest = abs(within_range(a, f"derivatives of {kernel!r}")).max()
+        self._system = valid.without_warnings(SaddlePoint, np.asfortranarray(a), p)
+
+    def field(self, values: ArrayLike) -> HermiteField:
+        """Field of these data.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            One real or complex scalar, vector or array for each functional.
+
+        Returns
+        -------
+        HermiteField
+            Callable at any points, with a gradient, and open to other functionals.
+        """
+        return HermiteField(self, valid.as_values(values, len(self.points)))
+
+    def weights_of(self, functionals: Functionals | Sequence[Functionals]) -> np.ndarray:
+        """Weights of the data in functionals of the field.
+
+        Parameters
+        ----------
+        functionals : Functionals or sequence of them
+            m of them.
+
+        Returns
+        -------
+        (m, n) ndarray
+            The functionals of the field are these weights times the data.
+
+        Raises
+        ------
+        MemoryError
+            If the matrix would exceed DENSE_LIMIT_BYTES.
+        ValueError
+            If the field has not so many derivatives.
+        """
+        asked = self._as_asked(functionals)
+        self._refuse_if_too_large(len(asked))
+        return valid.finite_rows(valid.without_warnings(self._weights_of, asked), asked.points)
+
+    def _as_asked(self, functionals: Functionals | Sequence[Functionals]) -> Functionals:
+        asked = together(functionals)
+        if asked.points.shape[1] != self.points.shape[1]:
+            raise ValueError("functionals must be of functions of as many variables as the points")
+        reach = smoothness(self.kernel) - self.functionals.order
+        if asked.order > reach:
+            raise ValueError(
+                f"a field of {self.kernel!r} and these data has {reach} continuous derivatives; "
+                f"asked for order {asked.order}"
+            )
+        return asked
+
+    def _of_kernel(self, local: Functionals) -> np.ndarray:
+        return valid.without_warnings(local.of_kernel, self._local, self._unit_kernel)
+
+    def _weights_of(self, asked: Functionals) -> np.ndarray:
+        local, size = asked.in_frame(self._frame)
+        right = self._of_kernel(local).T
+        weights = self._system.solve(right, local.of_monomials(self.degree).T)[0].T
+        return weights * size[:, None] / self._size
+
+    def _weight_rows(self, x: np.ndarray) -> np.ndarray:
+        self._refuse_if_too_large(len(x), 8)
+        return self._weights_of(values_at(x)) if len(x) else np.zeros((0, len(self.points)))
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        d = x.shape[1]
+        self._refuse_if_too_large(len(x), 8 * d)
+        self._refuse_no_gradient()
+        if not len(x):
+            return (np.zeros((0, len(self.points))),) * d
+        return tuple(self._weights_of(derivatives_at(x, axis)) for axis in np.eye(d))
+
+    def _refuse_no_gradient(self) -> None:
+        self._as_asked(derivatives_at(self.points[:1], np.ones(self.points.shape[1])))
+
+    def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        values = values / self._size[:, None]
+        lam, c = self._system.solve(values)
+        refuse_a_miss(lam, np.array(self._largest), values)
+        return lam, c
+
+    def _applied(self, asked: Functionals, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        lam, c = prepared
+        local, size = asked.in_frame(self._frame)
+        result = self._of_kernel(local) @ lam + local.of_monomials(self.degree) @ c
+        return size[:, None] * result
+
+    def _value_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        return self._applied(values_at(x), prepared)
+
+    def _gradient_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        self._refuse_no_gradient()
+        axes = np.eye(x.shape[1])
+        columns = [self._applied(derivatives_at(x, axis), prepared) for axis in axes]
+        return np.stack(columns, axis=-1)
+
+    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
+        moments = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
+        of_basis = np.zeros((self._system._q, f.shape[1]), dtype=f.dtype)
+        rows = self._chunk_rows(0)
+        for start in range(0, len(x), rows):
+            part = slice(start, start + rows)
+            local, _ = values_at(x[part]).in_frame(self._frame)
+            moments += self._of_kernel(local).T @ f[part]
+            of_basis += local.of_monomials(self.degree).T @ f[part]
+        return self._system.solve(moments, of_basis)[0] / self._size[:, None]
+
+    def _chunk_rows(self, columns: int) -> int:
+        return rows_of(8 * (12 * len(self.points) + columns * self.points.shape[1]))
+
+
+class HermiteField(Field):
+    """A field of Hermite data; made by `HermiteRBF.field`."""
+
+    method: HermiteRBF
+
+    def apply(self, functionals: Functionals | Sequence[Functionals]) -> np.ndarray:
+        """Functionals of the field, for instance its Laplacians or normal components.
+
+        Parameters
+        ----------
+        functionals : Functionals or sequence of them
+            m of them, of no more derivatives than the field has.
+
+        Returns
+        -------
+        (m, *v) ndarray
+            One for each.
+
+        Raises
+        ------
+        ValueError
+            If the field has not so many derivatives.
+        """
+        asked = self.method._as_asked(functionals)
+        result = np.empty((len(asked), *self._shape), dtype=self._dtype)
+        rows = self.method._chunk_rows(int(np.prod(self._shape, dtype=int)))
+        for start in range(0, len(asked), rows):
+            part = asked[start : start + rows]
+            values = valid.without_warnings(self.method._applied, part, self._prepared)
+            values = valid.finite_rows(values, part.points)
+            result[start : start + rows] = values.reshape((len(part), *self._shape))
+        return result
+
+
+def _refuse_a_rough_kernel(kernel: Radial, order: int) -> None:
+    if smoothness(kernel) < 2 * order:
+        raise ValueError(
+            f"{kernel!r} has {smoothness(kernel)} continuous derivatives; data of order {order} "
+            f"need {2 * order}"
+        )
+
+
+def _refuse_dependent(local: Functionals) -> None:
+    """Functionals at one point that say the same, or of which one follows from the others."""
+    rows = np.column_stack([local.value, local.gradient, local.laplacian])
+    _, group = np.unique(local.points + 0.0, axis=0, return_inverse=True)
+    order = np.argsort(group.ravel(), kind="stable")
+    starts = np.flatnonzero(np.diff(group.ravel()[order], prepend=-1))
+    for members in np.split(order, starts[1:]):
+        if len(members) > 1 and np.linalg.matrix_rank(rows[members]) < len(members):
+            which = ", ".join(str(i) for i in members[:5])
+            raise ValueError(
+                f"functionals must be independent; those at one point are not: {which}"
+            )

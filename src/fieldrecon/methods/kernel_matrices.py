@@ -1,0 +1,151 @@
+"""The kernel between queries and sites, in blocks: all pairs, or the near ones of compact support.
+
+Both say the same: `values(x)` yields parts of the sites with phi(|x_i - p_j|), and `gradients(x)`
+with its derivatives by each variable of x, as dense or as sparse matrices (m, sites of the part).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TypeAlias
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
+
+from fieldrecon._core import validation as valid
+from fieldrecon._core.chunks import chunked, rows_of
+from fieldrecon._numerics.saddle_point import SaddlePoint, SparseSaddlePoint, entries_of_factor
+from fieldrecon.kernels.radial import Radial
+from fieldrecon.methods.solvability import refuse_beyond_memory, within_range
+
+TILE = 1024
+"""Centres at once: their distances from a chunk of queries stay in the cache."""
+
+Block: TypeAlias = np.ndarray | sparse.csr_array
+
+
+def tiles(n: int) -> Iterator[slice]:
+    """Slices of at most TILE out of n."""
+    for start in range(0, n, TILE):
+        yield slice(start, min(start + TILE, n))
+
+
+class AllPairs:
+    """Every query with every site, densely.
+
+    Parameters
+    ----------
+    sites : (n, d) ndarray
+        Centres.
+    kernel : Radial
+        In the sites' unit of length.
+    """
+
+    def __init__(self, sites: np.ndarray, kernel: Radial) -> None:
+        self.sites, self.kernel = sites, kernel
+
+    def system(self, p: np.ndarray, smoothing: float) -> SaddlePoint:
+        """Factored system of the kernel between all sites, bordered by P."""
+        refuse_beyond_memory(len(self.sites))
+        n = len(self.sites)
+        a = np.zeros((n, n), order="F")
+        for part, block in chunked(self._rows, np.arange(n), rows_of(64 * n)):
+            a[part.start :, part] = block.T
+        a[np.diag_indices_from(a)] += smoothing
+        return valid.without_warnings(SaddlePoint, a, p)
+
+    def _rows(self, rows: np.ndarray) -> np.ndarray:
+        squared = cdist(self.sites[rows], self.sites[rows[0] :], "sqeuclidean")
+        values = valid.without_warnings(self.kernel.of_squared, squared)
+        return within_range(values, f"values of {self.kernel!r}")
+
+    def values(self, x: np.ndarray) -> Iterator[tuple[slice, Block]]:
+        """Parts of the sites, and the kernel at the queries (m, d) from them."""
+        for part in tiles(len(self.sites)):
+            yield part, self.kernel.of_squared(cdist(x, self.sites[part], "sqeuclidean"))
+
+    def gradients(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[Block, ...]]]:
+        """Parts of the sites, and d matrices of derivatives of the kernel at the queries."""
+        for part in tiles(len(self.sites)):
+            squared = cdist(x, self.sites[part], "sqeuclidean")
+            slope = self.kernel.slope_of_squared(squared)
+            yield (
+                part,
+                tuple(slope * (x[:, k, None] - self.sites[part, k]) for k in range(x.shape[1])),
+            )
+
+    def bytes_per_query(self) -> float:
+        """Working memory of one query."""
+        return 64.0 * min(TILE, len(self.sites))
+
+
+class NearPairs:
+    """Queries with the sites within the support of the kernel, sparsely.
+
+    Parameters
+    ----------
+    sites : (n, d) ndarray
+        Centres.
+    kernel : Radial
+        Of compact support and positive definite, in the sites' unit of length.
+    """
+
+    def __init__(self, sites: np.ndarray, kernel: Radial) -> None:
+        self.sites, self.kernel = sites, kernel
+        self._tree = cKDTree(sites)
+        self.pairs = int(self._tree.count_neighbors(self._tree, kernel.support))
+
+    def system(self, p: np.ndarray, smoothing: float) -> SaddlePoint:
+        """Factored sparse system of the kernel between all sites, bordered by P."""
+        n, d = self.sites.shape
+        refuse_beyond_memory(n, entries_of_factor(self.pairs, n, d))
+        ((_, a),) = self.values(self.sites)
+        return SparseSaddlePoint((a + smoothing * sparse.eye_array(n)).tocsc(), p)
+
+    def values(self, x: np.ndarray) -> Iterator[tuple[slice, Block]]:
+        """All sites, and the kernel at the queries (m, d) from them."""
+        i, j, _, squared = self._near(x)
+        yield slice(None), self._matrix(i, j, self.kernel.of_squared(squared), len(x))
+
+    def gradients(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[Block, ...]]]:
+        """All sites, and d matrices of derivatives of the kernel at the queries."""
+        i, j, offsets, squared = self._near(x)
+        slope = self.kernel.slope_of_squared(squared)
+        yield (
+            slice(None),
+            tuple(self._matrix(i, j, slope * offsets[:, k], len(x)) for k in range(x.shape[1])),
+        )
+
+    def bytes_per_query(self) -> float:
+        """Working memory of one query among the sites."""
+        return 64.0 * (3 + self.sites.shape[1]) * self.pairs / len(self.sites)
+
+    def _near(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Query, site, offset and squared distance of each near pair."""
+        found = cKDTree(x).sparse_distance_matrix(
+            self._tree, self.kernel.support, output_type="ndarray"
+        )
+        i, j = found["i"], found["j"]
+        offsets = x[i] - self.sites[j]
+        return i, j, offsets, np.einsum("ij,ij->i", offsets, offsets)
+
+    def _matrix(self, i: np.ndarray, j: np.ndarray, entries: np.ndarray, m: int) -> Block:
+        return sparse.csr_array((entries, (i, j)), shape=(m, len(self.sites)))
+
+
+def pairs_of(sites: np.ndarray, kernel: Radial) -> AllPairs | NearPairs:
+    """Near pairs where the factor of their sparse system is the smaller one, else all pairs."""
+    n, d = sites.shape
+    if kernel.order == 0 and math.isfinite(kernel.support):
+        near = NearPairs(sites, kernel)
+        if entries_of_factor(near.pairs, n, d) < n * n / 2:
+            return near
+    return AllPairs(sites, kernel)
+
+
+def dense(block: Block) -> np.ndarray:
+    """The block as an array."""
+    return block if isinstance(block, np.ndarray) else block.toarray()

@@ -1,0 +1,270 @@
+"""Least squares: one polynomial for all sites."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import qr, solve_triangular
+
+from fieldrecon._core import validation as valid
+from fieldrecon._core.blas_threads import blas_threads_for
+from fieldrecon._core.chunks import rows_of
+from fieldrecon.polynomials import (
+    Frame,
+    dimension,
+    exponents,
+    monomial_gradients,
+    monomials,
+    powers_of_scale,
+    refuse_too_few,
+    require_unisolvent,
+)
+from fieldrecon.reconstruction import Reconstruction
+
+
+class LeastSquares(Reconstruction):
+    """Polynomial of least squares, c = argmin 1/2 |B c - V|^2 and f(x) = b(x)^T c.
+
+    Solved by QR with column pivoting in a local frame of the sites, so that neither the origin nor
+    the unit of length matters. Interpolates only if there are as many sites as coefficients.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Sites.
+    degree : int
+        Total degree of the polynomial, 0 or more.
+
+    Raises
+    ------
+    ValueError
+        If the points are no finite (n, d) array, or the degree is no integer >= 0.
+    numpy.linalg.LinAlgError
+        If the points do not determine a polynomial of this degree.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 3-7.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    >>> method = LeastSquares(points)
+    >>> method.coefficients([0.0, 1.0, 1.0, 4.0]).round(12)
+    array([-0.5,  2. ,  2. ])
+    >>> round(float(method.objective([0.0, 1.0, 1.0, 4.0])), 12)
+    0.5
+    """
+
+    def __init__(self, points: ArrayLike, degree: int = 1) -> None:
+        self.points = valid.as_points(points)
+        self.degree = valid.as_degree(degree)
+        self._frame = Frame.around(self.points)
+        refuse_too_few(self.points, self.degree)
+        b = self._basis(self.points)
+        require_unisolvent(self.points, b, self.degree)
+        self._column_size = np.linalg.norm(b, axis=0)
+        with blas_threads_for(2 * b.size * b.shape[1]):
+            self._q, self._r, self._pivots = qr(
+                b / self._column_size, mode="economic", pivoting=True
+            )
+        self.interpolates = b.shape[0] == b.shape[1]
+
+    @valid.finite("the coefficients")
+    def coefficients(self, values: ArrayLike) -> np.ndarray:
+        """Coefficients c in the basis 1, x_1 ... x_d, then by total degree.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            Data.
+
+        Returns
+        -------
+        (q, ...) ndarray
+            Coefficients in the coordinates of the points themselves, not of the local frame.
+
+        Raises
+        ------
+        OverflowError
+            If they do not fit into floating-point numbers in this unit of length.
+        """
+        values = valid.as_values(values, len(self.points))
+        c = self._frame.global_coefficients(
+            self._solve(values.reshape(len(values), -1)), self.degree
+        )
+        return c.reshape((len(c), *values.shape[1:]))
+
+    @valid.finite("the objective's squares")
+    def objective(self, values: ArrayLike) -> np.ndarray:
+        """Objective psi_LS = 1/2 |B c - V|^2 at its minimum.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            Data.
+
+        Returns
+        -------
+        (...) ndarray
+            One number for each component of the data.
+
+        Raises
+        ------
+        OverflowError
+            If the squares overflow.
+        """
+        residual = self.residuals(values)
+        return half_sum_of_squares(residual)
+
+    @valid.finite("the residuals")
+    def residuals(self, values: ArrayLike) -> np.ndarray:
+        """Residuals V - B c at the sites, (n, ...)."""
+        values = valid.as_values(values, len(self.points))
+        columns = values.reshape(len(values), -1)
+        return (columns - self._q @ (self._q.T @ columns)).reshape(values.shape)
+
+    @valid.finite("the entries of H_LS")
+    def matrix(self) -> np.ndarray:
+        """Matrix H_LS = B^T B of the notes, in the coordinates of the points; for inspection.
+
+        Returns
+        -------
+        (q, q) ndarray
+            Symmetric; its condition number is the square of that of B.
+
+        Raises
+        ------
+        OverflowError
+            If its entries do not fit into floating-point numbers in this unit of length.
+        """
+        b = monomial_matrix(self.points, self.degree)
+        return b.T @ b
+
+    def leverages(self) -> np.ndarray:
+        """Diagonal (n,) of the hat matrix H(X): how much each datum decides its own value."""
+        return np.einsum("ij,ij->i", self._q, self._q)
+
+    def _basis(self, x: np.ndarray) -> np.ndarray:
+        return monomials(self._frame.local(x), self.degree)
+
+    def _solve(self, values: np.ndarray) -> np.ndarray:
+        return self._back_substituted(self._q.T @ values)
+
+    def _pseudo_inverse(self) -> np.ndarray:
+        return self._back_substituted(self._q.T)
+
+    def _back_substituted(self, y: np.ndarray) -> np.ndarray:
+        c = np.empty_like(y)
+        c[self._pivots] = solve_triangular(self._r, y, check_finite=False)
+        return c / self._column_size[:, None]
+
+    def _prepare(self, values: np.ndarray) -> np.ndarray:
+        return self._solve(values)
+
+    def _value_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        return self._basis(x) @ prepared
+
+    def _gradient_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        slopes = monomial_gradients(self._frame.local(x), self.degree)
+        return np.einsum("mqd,qv->mvd", slopes, prepared) / self._frame.scale
+
+    def _weight_rows(self, x: np.ndarray) -> np.ndarray:
+        self._refuse_if_too_large(len(x))
+        return self._basis(x) @ self._pseudo_inverse()
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        d = x.shape[1]
+        self._refuse_if_too_large(len(x), d)
+        slopes = monomial_gradients(self._frame.local(x), self.degree) / self._frame.scale
+        pinv = self._pseudo_inverse()
+        return tuple(slopes[..., k] @ pinv for k in range(d))
+
+    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
+        moments = (self._basis(x).T @ f) / self._column_size[:, None]
+        y = solve_triangular(self._r, moments[self._pivots], trans="T", check_finite=False)
+        return self._q @ y
+
+    def _chunk_rows(self, columns: int) -> int:
+        q, d = dimension(self.points.shape[1], self.degree), self.points.shape[1]
+        return rows_of(8 * (q * (d + 2) + columns * (d + 1)))
+
+
+@valid.finite("the normal equations")
+def normal_equations(points: ArrayLike, values: ArrayLike, degree: int = 1) -> np.ndarray:
+    """Coefficients c of B^T B c = B^T V: the textbook form of least squares, for comparison.
+
+    It works in the monomials of the coordinates as they are, and squares the condition number of B:
+    at an offset of 1e6 nothing is left. Use `LeastSquares`.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Sites.
+    values : (n, ...) array_like
+        Data.
+    degree : int
+        Total degree of the polynomial.
+
+    Returns
+    -------
+    (q, ...) ndarray
+        Coefficients in the basis 1, x_1 ... x_d, then by total degree.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If B^T B is singular in floating-point numbers.
+    OverflowError
+        If the matrix does not fit into floating-point numbers in this unit of length.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 5 (H_LS c = B^T V).
+
+    Examples
+    --------
+    >>> normal_equations([[0.0], [1.0], [2.0]], [1.0, 3.0, 5.0]).round(12)
+    array([1., 2.])
+    """
+    points = valid.as_points(points)
+    values = valid.as_values(values, len(points))
+    b = monomial_matrix(points, valid.as_degree(degree))
+    try:
+        c = np.linalg.solve(b.T @ b, b.T @ values.reshape(len(values), -1))
+    except np.linalg.LinAlgError:
+        raise np.linalg.LinAlgError(
+            "BᵀB is singular in floating-point numbers: the points do not determine the "
+            "polynomial, or lie too far from the origin; LeastSquares tells which"
+        ) from None
+    return c.reshape((len(c), *values.shape[1:]))
+
+
+def monomial_matrix(points: np.ndarray, degree: int) -> np.ndarray:
+    """Matrix B with the rows b(p_i)^T in the points' own coordinates, (n, q).
+
+    Raises
+    ------
+    OverflowError
+        If squares of its entries would not fit into floating-point numbers.
+    """
+    d = points.shape[1]
+    size = float(np.abs(points).max()) or 1.0
+    # entries are multiplied in pairs, hence the square
+    powers_of_scale(
+        2.0 ** np.floor(np.log2(size)), 2 * exponents(d, degree).sum(axis=1), "the matrix"
+    )
+    return monomials(points, degree)
+
+
+def half_sum_of_squares(weighted_residual: np.ndarray, axis: int = 0) -> np.ndarray:
+    """1/2 sum |r|^2 over one axis, refused where the squares overflow or vanish."""
+    size = np.abs(weighted_residual)
+    largest = float(size.max(initial=0.0))
+    if largest > 1e150 or 0 < largest < 1e-150:
+        raise OverflowError(
+            f"the squares of residuals of size {largest:.1e} do not fit into floating-point "
+            "numbers; choose a unit nearer to the data"
+        )
+    return 0.5 * np.sum(size**2, axis=axis)

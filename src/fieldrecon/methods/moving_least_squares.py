@@ -1,0 +1,436 @@
+"""Moving least squares: a polynomial for each query, its weights falling with the distance.
+
+The fits of moving least squares at a batch of queries, each in its own frame.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from fieldrecon._core import validation as valid
+from fieldrecon._core.chunks import Progress, chunked, rows_of
+from fieldrecon._core.validation import place
+from fieldrecon._numerics.neighbor_search import (
+    AllSites,
+    Nearest,
+    Neighborhood,
+    Search,
+    WithinRadius,
+    as_neighbors,
+    gathered,
+    places,
+)
+from fieldrecon._numerics.weighted_least_squares import Undetermined, coefficient_weights
+from fieldrecon.kernels.radial import Radial, inverse_square
+from fieldrecon.methods.least_squares import half_sum_of_squares, monomial_matrix
+from fieldrecon.polynomials import (
+    EPS,
+    Frame,
+    dimension,
+    monomials,
+    refuse_too_few,
+    require_unisolvent,
+    undetermined,
+)
+from fieldrecon.reconstruction import Reconstruction, Weights
+
+if TYPE_CHECKING:
+    pass
+
+
+class MovingLeastSquares(Reconstruction):
+    """Moving least squares, c(x) = argmin 1/2 |W(x) (B c - V)|^2 and f(x) = b(x)^T c(x).
+
+    The weights enter squared, as on the slides: with w = 1/(r^2 + epsilon^2) a site counts by w^2.
+    Each query is solved in its own frame, shifted to x and scaled to the neighbourhood. The
+    gradient is that of the field as it is, derivative of the weights included.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Sites.
+    weight : Radial
+        Weight function w(r) >= 0: `inverse_square`, `gaussian`, `wendland`, ...
+    degree : int
+        Total degree of the local polynomials, 0 or more.
+    neighbors : int, optional
+        With k given, only the k nearest sites count, and the weight sees r/rho, rho the distance
+        of the (k + 1)-th site, so that the k-th still counts. With a `wendland` weight of radius 1
+        the field is continuous and piecewise smooth: its gradient jumps where another site becomes
+        the (k + 1)-th. A weight that does not vanish at 1 makes the field jump there. Without it,
+        all sites within the weight's support count, and the field is as smooth as the weight.
+
+    Raises
+    ------
+    ValueError
+        If an argument has the wrong form; if `neighbors` is not less than the number of sites.
+    numpy.linalg.LinAlgError
+        If the points, or later those about a query, do not determine a polynomial of this degree.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 8-10; Lancaster and Salkauskas (1981); Levin (1998).
+
+    Examples
+    --------
+    >>> import numpy as np, fieldrecon as fr
+    >>> points = fr.datasets.halton(50, 2)
+    >>> method = MovingLeastSquares(points, fr.inverse_square(0.1))
+    >>> s = method.field(points[:, 0] + 2 * points[:, 1])
+    >>> s([0.5, 0.25]).round(12), s.gradient([0.5, 0.25]).round(12)
+    (np.float64(1.0), array([1., 2.]))
+    """
+
+    def __init__(
+        self, points: ArrayLike, weight: Radial, degree: int = 1, neighbors: int | None = None
+    ) -> None:
+        self.points = valid.as_points(points)
+        self.degree = valid.as_degree(degree)
+        if not isinstance(weight, Radial):
+            raise ValueError(
+                f"weight must be a radial function such as inverse_square(0.1); got {weight!r}"
+            )
+        if weight.order > 0 or weight.homogeneity > 0:
+            raise ValueError(
+                f"weight must be positive and fall with the distance; {weight!r} does not"
+            )
+        self.weight = weight
+        self.neighbors = as_neighbors(neighbors, len(self.points))
+        refuse_too_few(self.points, self.degree)
+        frame = Frame.around(self.points)
+        require_unisolvent(
+            self.points, monomials(frame.local(self.points), self.degree), self.degree
+        )
+        # Lengths in a unit of the cloud's size: no square of a distance overflows. Coordinates are
+        # not shifted here, which would round close points together; differences are local anyway.
+        self.unit = frame.scale
+        self.sites = self.points / self.unit
+        self.search = self._searched()
+        self.place = places(self.points)
+        self.coincident = int(self.place.max()) + 1 < len(self.points)
+        self.interpolates = self._interpolates()
+
+    def _interpolates(self) -> bool:
+        n, d = self.points.shape
+        infinite = isinstance(self.weight, inverse_square) and self.weight.epsilon == 0
+        exact = (self.neighbors or n) == dimension(d, self.degree)
+        # where sites coincide, their data cannot all come back
+        return (infinite or exact) and not self.coincident
+
+    def _searched(self) -> Search:
+        if self.neighbors is not None:
+            return Nearest(self.sites, self.neighbors)
+        if math.isfinite(self.weight.support):
+            return WithinRadius(self.sites, self.weight.support / self.unit)
+        return AllSites(self.sites)
+
+    @valid.finite("the weights in H_MLS")
+    def matrix(self, x: ArrayLike) -> np.ndarray:
+        """Matrix H_MLS(x) = B^T W(x)^2 B of the notes, in the points' coordinates; for inspection.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries.
+
+        Returns
+        -------
+        (..., q, q) ndarray
+            One symmetric matrix for each query.
+
+        Raises
+        ------
+        OverflowError
+            If its entries do not fit into floating-point numbers in this unit of length.
+        """
+        x = valid.as_queries(x, self.points.shape[1])
+        b = monomial_matrix(self.points, self.degree)
+        near = self.search(self.in_units(x.reshape(-1, x.shape[-1])))
+        a = self._true_weights(near)[..., None] * b[near.index]
+        return (a.mT @ a).reshape((*x.shape[:-1], b.shape[1], b.shape[1]))
+
+    @valid.finite("the objective's squares")
+    def objective(self, values: ArrayLike, x: ArrayLike, normalized: bool = False) -> np.ndarray:
+        """Objective psi_MLS(x) = 1/2 sum_i w_i(x)^2 (b(p_i)^T c(x) - f_i)^2 at its minimum.
+
+        It is the weighted residual of the local fit, not the error at x: as epsilon grows it falls,
+        whatever the data. Normalized, it is divided by sum_i w_i^2.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            Data.
+        x : (..., d) array_like
+            Queries.
+        normalized : bool
+            Whether to divide by the sum of the squared weights.
+
+        Returns
+        -------
+        (..., *v) ndarray
+            One number for each query and component of the data.
+
+        Raises
+        ------
+        OverflowError
+            If the squares do not fit into floating-point numbers in this unit.
+        """
+        values = valid.as_values(values, len(self.points))
+        queries = valid.as_queries(x, self.points.shape[1])
+        flat = queries.reshape(-1, queries.shape[-1])
+        columns = values.reshape(len(values), -1)
+        psi = np.empty((len(flat), columns.shape[1]))
+        rows = self._chunk_rows(columns.shape[1])
+        for start in range(0, len(flat), rows):
+            part = slice(start, start + rows)
+            psi[part] = self._objective_rows(flat[part], columns, normalized)
+        return psi.reshape((*queries.shape[:-1], *values.shape[1:]))
+
+    def _objective_rows(self, x: np.ndarray, values: np.ndarray, normalized: bool) -> np.ndarray:
+        fit = LocalFit(self, x)
+        residual = fit.residuals(values[fit.near.index])
+        w = fit.weight if normalized else self._true_weights(fit.near)
+        # an infinite weight has a residual of zero, and w^2 r^2 has the limit zero
+        w = np.where(np.isfinite(w), w, 0.0)
+        psi = half_sum_of_squares(w[..., None] * residual, axis=1)
+        return psi / (fit.weight**2).sum(axis=1)[:, None] if normalized else psi
+
+    def in_units(self, x: np.ndarray) -> np.ndarray:
+        """Queries (m, d) in units of the cloud's size, no farther than squares of distances go."""
+        local = x / self.unit
+        far = np.flatnonzero(~(np.abs(local).max(axis=1, initial=0.0) < 1e150))
+        if len(far):
+            where = valid.place(x[far[0]])
+            raise OverflowError(
+                f"the query ({where}) is too far away: the square of its distance from the sites "
+                "exceeds the range of floating-point numbers"
+            )
+        return local
+
+    def _true_weights(self, near: Neighborhood) -> np.ndarray:
+        """Weights w(r) in the points' own unit of length."""
+        if near.reach is not None:
+            # where all of them coincide with the query, so does the one that sets the scale
+            return self.weight(near.distance / np.where(near.reach > 0, near.reach, 1.0)[:, None])
+        r = np.where(near.missing, 0.0, near.distance) * self.unit
+        return np.where(near.missing, 0.0, self.weight(r))
+
+    def left_out(
+        self,
+        values: ArrayLike,
+        sites: np.ndarray | None = None,
+        progress: Progress | None = None,
+    ) -> np.ndarray:
+        """Values at sites (all by default), each reconstructed from the data of the other sites."""
+        n, k = len(self.points), self.neighbors
+        if k is not None and k + 2 > n:
+            raise ValueError(
+                f"to leave one point out, neighbors={k} needs {k + 2} points: {k}, the next one, "
+                f"which sets the scale, and the one left out; got {n}"
+            )
+        values = valid.as_values(values, n)
+        columns = values.reshape(n, -1)
+        sites = np.arange(len(columns)) if sites is None else sites
+        result = np.empty_like(columns[sites])
+        work = partial(self._left_out, columns)
+        rows = self._chunk_rows(columns.shape[1])
+        for part, rows_of_result in chunked(work, sites, rows, progress=progress):
+            result[part] = rows_of_result
+        return result.reshape((len(sites), *values.shape[1:]))
+
+    def _left_out(self, columns: np.ndarray, sites: np.ndarray) -> np.ndarray:
+        fit = LocalFit(self, self.points[sites], without=sites)
+        weights = fit.coefficient_weights(1)[:, 0]
+        return np.einsum("mk,mkv->mv", weights, columns[fit.near.index])
+
+    def own_weights(self) -> np.ndarray:
+        """Diagonal (n,) of H(X): how much each datum decides the value at its own site."""
+        result = np.empty(len(self.points))
+        rows = self._chunk_rows(1)
+        for start in range(0, len(result), rows):
+            part = np.arange(start, min(start + rows, len(result)))
+            fit = LocalFit(self, self.points[part])
+            own = (fit.near.index == part[:, None]) & ~fit.near.missing
+            result[part] = np.where(own, fit.coefficient_weights(1)[:, 0], 0.0).sum(axis=1)
+        return result
+
+    def _value_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        fit = LocalFit(self, x)
+        data = prepared.take(fit.near.index, axis=0)
+        return np.einsum("mk,mkv->mv", fit.coefficient_weights(1)[:, 0], data)
+
+    def _gradient_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        fit = LocalFit(self, x)
+        data = prepared.take(fit.near.index, axis=0)
+        return np.einsum("mkd,mkv->mvd", fit.gradient_weights(), data) / self.unit
+
+    def _weight_rows(self, x: np.ndarray) -> Weights:
+        if not self.search.local:
+            self._refuse_if_too_large(len(x))
+        parts = []
+        for fit in self._fits(x):
+            parts.append(self._matrix_of(fit.near, fit.coefficient_weights(1)[:, 0]))
+        return self._stacked(parts)
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
+        d = x.shape[1]
+        if not self.search.local:
+            self._refuse_if_too_large(len(x), d)
+        parts: list[list[Weights]] = [[] for _ in range(d)]
+        for fit in self._fits(x):
+            g = fit.gradient_weights() / self.unit
+            for k in range(d):
+                parts[k].append(self._matrix_of(fit.near, g[..., k]))
+        return tuple(self._stacked(p) for p in parts)
+
+    def _fits(self, x: np.ndarray):  # type: ignore[no-untyped-def]
+        rows = self._chunk_rows(1)
+        for start in range(0, max(len(x), 1), rows):
+            yield LocalFit(self, x[start : start + rows])
+
+    def _matrix_of(self, near: Neighborhood, a: np.ndarray) -> Weights:
+        if not self.search.local:
+            return a
+        keep = ~near.missing
+        pointer = np.concatenate([[0], np.cumsum(keep.sum(axis=1))])
+        shape = (len(a), len(self.points))
+        matrix = sparse.csr_array((a[keep], near.index[keep], pointer), shape=shape)
+        matrix.sort_indices()
+        return matrix
+
+    def _stacked(self, parts: list[Weights]) -> Weights:
+        if self.search.local:
+            return sparse.csr_array(sparse.vstack(parts, format="csr"))
+        return np.concatenate(parts)
+
+    def _chunk_rows(self, columns: int) -> int:
+        q = dimension(self.points.shape[1], self.degree)
+        k = self.search.typical_size()
+        return rows_of(8 * (k * (2 * q + 4 * self.points.shape[1] + columns + 6) + 2 * q * q))
+
+
+# A weight this much above those at the size of the cloud stands for infinity: the difference is far
+# below rounding, and its square and the inverse of that are still numbers.
+_INFINITE = 1e120
+
+
+class LocalFit:
+    """The fits at a batch of queries: neighbourhoods, frames, bases and weights, of size one."""
+
+    def __init__(
+        self,
+        method: MovingLeastSquares,
+        x: np.ndarray,
+        without: np.ndarray | None = None,
+    ) -> None:
+        self.method = method
+        self.x = x
+        local = method.in_units(x)
+        self.near = near = method.search(local, without)
+        there = np.isfinite(near.distance)
+        distance = np.where(there, near.distance, 0.0)
+        size = distance.max(axis=1, initial=0.0) if near.reach is None else near.reach
+        # a power of two, so that scaling rounds nothing
+        self.size = np.exp2(np.ceil(np.log2(np.where(size > 0, size, 1.0))))[:, None]
+        offset = method.sites.take(near.index, axis=0)  # in half the time of sites[index]
+        offset -= local[:, None, :]
+        offset *= (there / self.size)[..., None]
+        self.offset = offset
+        self.basis = monomials(self.offset, method.degree)
+        self.scaled_weight, self.r = self._scaled(near, distance)
+        w = np.where(there, np.minimum(self.scaled_weight(self.r), _INFINITE), 0.0)
+        top = w.max(axis=1, initial=0.0)
+        self.weight = w / np.where(top > 0, top, 1.0)[:, None]
+
+    def _scaled(self, near: Neighborhood, distance: np.ndarray) -> tuple[Radial, np.ndarray]:
+        """The weight, and the distances as it sees them."""
+        if near.reach is not None:
+            reach = np.where(near.reach > 0, near.reach, 1.0)
+            return self.method.weight, distance / reach[:, None]
+        return self.method.weight.in_units(self.method.unit), distance
+
+    def coefficient_weights(self, rows: int) -> np.ndarray:
+        """C (m, rows, k): C f are the first local coefficients, and the very first is the value."""
+        try:
+            if self.method.coincident:
+                return self._shared_weights(rows)
+            return coefficient_weights(self.basis, self.weight, rows, self._tolerance())
+        except Undetermined as error:
+            where = place(self.x[error.query])
+            counted = int((self.weight[error.query] > 0).sum())
+            who = f"the {counted} sites that count at the query ({where}) do"
+            d, degree = self.x.shape[1], self.method.degree
+            raise undetermined(d, degree, error.rank, who) from None
+
+    def _shared_weights(self, rows: int) -> np.ndarray:
+        """C where sites coincide: one counts for all in the fit, and all share its weights.
+
+        Alike rows are redundant, and the rounding in them may outweigh all lighter rows.
+        """
+        k = self.weight.shape[1]
+        nowhere = len(self.method.points) + np.arange(k)
+        place = np.where(self.near.missing, nowhere, self.method.place[self.near.index])
+        lead, count = gathered(place)
+        w = np.where(lead == np.arange(k), np.sqrt(count) * self.weight, 0.0)
+        c = coefficient_weights(self.basis, w, rows, self._tolerance())
+        return np.take_along_axis(c, lead[:, None, :], axis=2) / count[:, None, :]
+
+    def residuals(self, data: np.ndarray) -> np.ndarray:
+        """Residuals V - B c (m, k, v) of the data (m, k, v).
+
+        Sum_i w_i^2 r_i = 0: the residual of the heaviest site, which rounding spoils and its weight
+        magnifies, is found from those of the others.
+        """
+        c = self.coefficient_weights(self.basis.shape[-1])
+        r = data - self.basis @ (c @ data)
+        np.put_along_axis(r, self._heaviest, 0.0, axis=1)
+        rest = (self.weight[..., None] ** 2 * r).sum(axis=1, keepdims=True)
+        np.put_along_axis(r, self._heaviest, -rest, axis=1)
+        return r
+
+    @property
+    def _heaviest(self) -> np.ndarray:
+        return np.argmax(self.weight, axis=1)[:, None, None]
+
+    def gradient_weights(self) -> np.ndarray:
+        """Weights (m, k, d) of the data in the gradient, per unit of the cloud's size.
+
+        grad f = (c_1 ... c_d) + sum_i a_i (grad w_i^2 / w_i^2) r_i, with r = V - B c
+        and a the first row of C.
+        """
+        d = self.offset.shape[-1]
+        c = self.coefficient_weights(self.basis.shape[-1])
+        a = c[:, 0]
+        u = a[..., None] * self._log_gradient()
+        # the residual of the heaviest site by those of the others, as in `residuals`
+        u = u - self.weight[..., None] ** 2 * np.take_along_axis(u, self._heaviest, axis=1)
+        change = u - (c.mT @ (self.basis.mT @ u))
+        if self.method.degree == 0:
+            return change
+        return c[:, 1 : d + 1].mT / self.size[..., None] + change
+
+    def _log_gradient(self) -> np.ndarray:
+        """Gradient of log w_i^2 by x, (m, k, d), per unit of the cloud's size."""
+        steepness = 2 * self.scaled_weight.slope(self.r) / self.scaled_weight(self.r)
+        # a site without weight has no part in it, nor one of infinite weight, where x - p = 0
+        known = (self.weight > 0) & np.isfinite(steepness)
+        steepness = np.where(known, steepness, 0.0)[..., None]
+        offset = self.offset * self.size[..., None]
+        if self.near.reach is None or self.near.reach_index is None:
+            return -steepness * offset
+        # w(r / rho): rho moves with x as well
+        rho = np.where(self.near.reach > 0, self.near.reach, 1.0)[:, None, None]
+        local = self.x / self.method.unit
+        to_reach = (self.method.sites[self.near.reach_index] - local)[:, None, :]
+        return -steepness * (offset - self.r[..., None] ** 2 * to_reach) / rho**2
+
+    def _tolerance(self) -> np.ndarray:
+        """Rounding of the offsets relative to their size, (m,): below it a rank means nothing."""
+        reach = np.abs(self.x).max(axis=1) / (self.size[:, 0] * self.method.unit)
+        return 4 * EPS * (max(self.basis.shape[1:]) + max(self.method.degree, 1) * (1 + reach))

@@ -1,0 +1,247 @@
+"""Levels of patches, and the part that each patch has in the value at a query.
+
+Where the patches of a level cover a query badly, those of the next level, which has a fraction of
+the sites, take over: with W the sum of the weights, by c (1 - W/c)^3 for W < c and by nothing
+otherwise, so that the parts are twice continuously differentiable. The last level covers all space.
+
+Blended patches as matrices: sparse weights of the data, their gradients, and the adjoint.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import repeat
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from fieldrecon._core.chunks import Progress, passes
+from fieldrecon._numerics.kd_partition import Boxes
+from fieldrecon.methods.partition_of_unity.patch_systems import PatchSystems, Problem
+from fieldrecon.methods.partition_of_unity.patches import SITES_PER_BOX, Patches, bump, systems_of
+
+COVERED = 5e-3
+"""The sum c of the weights from which on patches are alone."""
+FEW_COLUMNS = 3
+"""Up to which sums by counting are faster than by a sparse matrix."""
+PASSES = 5
+"""Parts of the set-up: cuts, balls, what these reach, systems; and all coarser levels."""
+ALONE = 4
+"""As many sites as these many patches hold are a patch of their own."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """Patches on some of the sites.
+
+    Attributes
+    ----------
+    sites : (s,) ndarray
+        Which of all sites.
+    patches : Patches
+        Where they are.
+    systems : tuple of PatchSystems
+        Their problems, those of one size together.
+    group, member : (p,) ndarray
+        In which of the systems each patch is, and where in it.
+    """
+
+    sites: np.ndarray
+    patches: Patches
+    systems: tuple[PatchSystems, ...]
+    group: np.ndarray
+    member: np.ndarray
+
+
+class Share(NamedTuple):
+    """The part of patches of one level in the values at queries, ordered by query.
+
+    Attributes
+    ----------
+    level : Level
+        Whose patches.
+    query, patch : (p,) ndarray
+        The pairs.
+    weight : (p,) ndarray
+        Over all shares, the weights of a query sum to one.
+    gradient : (p, d) ndarray
+        Their gradients.
+    """
+
+    level: Level
+    query: np.ndarray
+    patch: np.ndarray
+    weight: np.ndarray
+    gradient: np.ndarray
+
+    def systems(self) -> Iterator[tuple[PatchSystems, int, np.ndarray, np.ndarray]]:
+        """Yield each of the systems, its number, the pairs of its patches, and which they are."""
+        group = self.level.group[self.patch]
+        for number, systems in enumerate(self.level.systems):
+            pairs = np.flatnonzero(group == number)
+            yield systems, number, pairs, self.level.member[self.patch[pairs]]
+
+
+def levels_of(
+    points: np.ndarray, k: int, problem: Problem, progress: Progress | None = None
+) -> Iterator[Level]:
+    """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
+    sites = np.arange(len(points))
+    tell: Iterator[Progress | None] = passes(progress, len(points), PASSES)
+    while True:
+        alone = len(sites) <= ALONE * k
+        size = len(sites) if alone else max(1, SITES_PER_BOX * k)
+        boxes = Boxes.around(points[sites], size, next(tell))
+        boxes, order = boxes.in_order()
+        sites = sites[order]
+        own = points[sites]
+        tree = cKDTree(own)
+        told = next(tell), next(tell)
+        patches = Patches.single(own, boxes) if alone else Patches.of(own, tree, boxes, k, *told)
+        yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(tell)))
+        tell = repeat(None)
+        if alone:
+            if progress is not None:
+                progress(len(points), len(points))
+            return
+        sites = sites[patches.representatives]
+
+
+def shares(levels: Sequence[Level], x: np.ndarray, gradients: bool) -> Iterator[Share]:
+    """Yield the shares of the levels in the values at the queries (m, d).
+
+    Without gradients, those of the weights have no columns.
+    """
+    columns = x.shape[1] if gradients else 0
+    query, left, slope = np.arange(len(x)), np.ones(len(x)), np.zeros((len(x), columns))
+    for number, level in enumerate(levels):
+        own, patch, offset = level.patches.containing(x[query])
+        weight, gradient = bump(offset)
+        gradient = gradient[:, :columns] / level.patches.radii[patch, None]
+        total, change = summed(own, weight, len(query)), summed(own, gradient, len(query))
+        behind = 1.0 - total / COVERED if number + 1 < len(levels) else np.zeros_like(total)
+        behind = np.maximum(behind, 0.0)[:, None]
+        rest, restchange = COVERED * behind[:, 0] ** 3, -3.0 * behind**2 * change
+        whole, wholechange = total + rest, change + restchange
+        left = left / whole
+        slope = slope / whole[:, None] - left[:, None] * wholechange / whole[:, None]
+        part = left[own] * weight
+        yield Share(
+            level,
+            query[own],
+            patch,
+            part,
+            left[own, None] * gradient + slope[own] * weight[:, None],
+        )
+        slope = slope * rest[:, None] + left[:, None] * restchange
+        left = left * rest
+        further = np.flatnonzero(rest)
+        if not len(further):
+            return
+        query, left, slope = query[further], left[further], slope[further]
+
+
+def summed(query: np.ndarray, terms: np.ndarray, m: int) -> np.ndarray:
+    """Sums (m, ...) of the terms (p, ...) of each query, which are in the order of queries."""
+    columns = terms.reshape(len(terms), math.prod(terms.shape[1:]))
+    if columns.dtype == float and columns.shape[1] <= FEW_COLUMNS:
+        sums = np.empty((m, columns.shape[1]))
+        for total, column in zip(sums.T, columns.T, strict=True):
+            total[:] = np.bincount(query, column, m)
+    else:
+        start = np.searchsorted(query, np.arange(m + 1))
+        pairs = np.ones(len(query)), np.arange(len(query)), start
+        sums = sparse.csr_array(pairs, (m, len(query))) @ columns
+    return sums.reshape(m, *terms.shape[1:])
+
+
+def weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.csr_array]:
+    """Weights (m, n) of the data of n sites in the values at queries (m, d), as a list of one."""
+    triples = []
+    for share in shares(levels, x, gradients=False):
+        for systems, _, pairs, member in share.systems():
+            query = share.query[pairs]
+            terms = systems.basis(member, x[query]) * share.weight[pairs, None]
+            sites = share.level.sites[systems.sites[member]]
+            triples.append((query, sites, systems.of_data(member, terms)))
+    return [_matrix(triples, (len(x), n))]
+
+
+def gradient_weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.csr_array]:
+    """Weights in each component of the gradient, d matrices (m, n)."""
+    triples: list[list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = [[] for _ in x.T]
+    for share in shares(levels, x, gradients=True):
+        for systems, _, pairs, member in share.systems():
+            query = share.query[pairs]
+            basis = systems.basis(member, x[query])
+            change = systems.basis_gradient(member, x[query])
+            sites = share.level.sites[systems.sites[member]]
+            for k, component in enumerate(triples):
+                terms = change[..., k] * share.weight[pairs, None]
+                terms += basis * share.gradient[pairs, k, None]
+                component.append((query, sites, systems.of_data(member, terms)))
+    return [_matrix(component, (len(x), n)) for component in triples]
+
+
+def _matrix(
+    triples: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]
+) -> sparse.csr_array:
+    """The matrix of entries (p, k) in rows (p,) and columns (p, k); entries of one place add."""
+    rows = [np.repeat(query, sites.shape[1]) for query, sites, _ in triples]
+    columns = [sites.ravel() for _, sites, _ in triples]
+    entries = [weights.ravel() for _, _, weights in triples]
+    place = np.concatenate(rows), np.concatenate(columns)
+    return sparse.coo_array((np.concatenate(entries), place), shape).tocsr()
+
+
+class Moments:
+    """Sums of the bases of patches at queries, times what is given there."""
+
+    def __init__(self, levels: Sequence[Level], v: int, dtype: np.dtype) -> None:
+        self._levels = levels
+        self._sums = [
+            [np.zeros((len(s), s.size, v), dtype=dtype) for s in level.systems] for level in levels
+        ]
+
+    def add(self, parts: Iterable[tuple[int, int, np.ndarray, np.ndarray]]) -> None:
+        """Add what `moments` gives for some queries."""
+        for level, number, patch, sums in parts:
+            self._sums[level][number][patch] += sums
+
+    def of_sites(self, n: int) -> np.ndarray:
+        """H^T f (n, v): the sums carried over to the sites."""
+        v = self._sums[0][0].shape[2]
+        total = np.zeros((n, v), dtype=self._sums[0][0].dtype)
+        for level, sums in zip(self._levels, self._sums, strict=True):
+            for systems, own in zip(level.systems, sums, strict=True):
+                sites = level.sites[systems.sites].ravel()
+                where, rows = _gathered(sites, systems.adjoint(own).reshape(len(sites), v))
+                total[where] += rows
+        return total
+
+
+def moments(
+    levels: Sequence[Level], x: np.ndarray, f: np.ndarray, rows: np.ndarray
+) -> list[tuple[int, int, np.ndarray, np.ndarray]]:
+    """Of some of the queries (m, d) with f (m, v): level, number of systems, patches, sums."""
+    x, f = x[rows], f[rows]
+    found = []
+    for number, share in enumerate(shares(levels, x, gradients=False)):
+        for systems, own, pairs, member in share.systems():
+            query = share.query[pairs]
+            basis = systems.basis(member, x[query]) * share.weight[pairs, None]
+            terms = basis[..., None] * f[query, None, :]
+            found.append((number, own, *_gathered(member, terms)))
+    return found
+
+
+def _gathered(rows: np.ndarray, terms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows, each once and rising, and the sums of their terms (p, ...)."""
+    order = np.argsort(rows, kind="stable")
+    rows = rows[order]
+    new = np.diff(rows, prepend=-1) > 0
+    return rows[new], summed(np.cumsum(new) - 1, terms[order], int(new.sum()))

@@ -1,0 +1,282 @@
+"""The interpolation problems of many patches at once, each in its own frame.
+
+    [ A + smoothing I   P ] [lambda]   [f]
+    [ P^T               0 ] [  c   ] = [0]
+
+Sites of one patch lie within distance one of its centre. Where they do not determine a polynomial,
+the least one in Bombieri's norm is taken of those that agree on them; of sites in a plane that is
+the polynomial of the plane, constant across it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from functools import cached_property, partial, reduce
+from operator import iadd
+
+import numpy as np
+
+from fieldrecon._core.chunks import Progress, chunked, rows_of
+from fieldrecon._core.validation import place, without_warnings
+from fieldrecon.kernels.radial import Radial
+from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each
+from fieldrecon.methods.partition_of_unity.polynomial_rank import leverages, ranks
+from fieldrecon.polynomials import dimension, monomial_gradients, monomials
+
+MOST_LEVERAGE = 1 - 1e-4
+"""Of a site in the least-squares polynomial of its patch, if the others determine it without."""
+_TOLERATED_MISS = 1e-2  # of the size of the data, before a field is refused
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is interpolated with: kernel, degree of the polynomials, and smoothing of size one."""
+
+    kernel: Radial
+    degree: int
+    smoothing: float
+
+
+@dataclass(frozen=True)
+class PatchSystems:
+    """Patches with equally many sites, k of them.
+
+    Attributes
+    ----------
+    points : (n, d) ndarray
+        All sites.
+    sites : (p, k) ndarray
+        The sites of each patch.
+    problem : Problem
+        What is interpolated with.
+    origin : (p, d) ndarray
+        Mean of its sites, where its monomials have their centre.
+    radius : (p,) ndarray
+        Unit of length of each patch.
+    reduced : dict
+        For patches that do not determine their polynomials: the matrix (q, q) that makes those
+        that they do determine, followed by columns of zeros.
+    """
+
+    points: np.ndarray
+    sites: np.ndarray
+    problem: Problem
+    origin: np.ndarray
+    radius: np.ndarray
+    reduced: dict[int, np.ndarray] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.sites)
+
+    @property
+    def degree(self) -> int:
+        """Degree of the polynomials."""
+        return self.problem.degree
+
+    def rows(self, columns: int = 0) -> int:
+        """Patches of one chunk."""
+        return rows_of(8 * self.size * (3 * self.size + 2 * columns))
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients, k + q."""
+        return self.sites.shape[1] + dimension(self.points.shape[1], self.degree)
+
+    def frames(self, patch: np.ndarray) -> np.ndarray:
+        """Sites (p, k, d) of patches (p,) in their frames."""
+        return self._offsets(patch[:, None], self.points[self.sites[patch]])
+
+    def _offsets(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Places x (..., d) in the frames of patches (...)."""
+        return (x - self.origin[patch]) / self.radius[patch][..., None]
+
+    def matrices(self, patch: np.ndarray) -> np.ndarray:
+        """Matrices (p, k + q, k + q) of the patches."""
+        k = self.sites.shape[1]
+        q = self.size - k
+        matrix = np.zeros((len(patch), k + q, k + q))
+        y = self._coordinates[:, patch]
+        matrix[:, :k, :k] = self._kernel(patch, (a[..., None] - a[:, None] for a in y))
+        matrix[:, range(k), range(k)] += self._smoothing(patch)[:, None]
+        basis = monomials(self.frames(patch), self.degree)
+        for i, transform in self._reduced_among(patch):
+            basis[i] = basis[i] @ transform
+            matrix[i, range(k, k + q), range(k, k + q)] = ~transform.any(axis=0)
+        matrix[:, :k, k:] = basis
+        matrix[:, k:, :k] = basis.mT
+        return matrix
+
+    def fitted(
+        self, values: np.ndarray, executor: Executor | None, progress: Progress | None
+    ) -> np.ndarray:
+        """Coefficients (p, k + q, v) of all patches for the data (n, v) of all sites."""
+        found = np.empty((len(self), self.size, values.shape[1]), dtype=values.dtype)
+        work = partial(without_warnings, self.coefficients, values)
+        rows = self.rows(values.shape[1])
+        for part, some in chunked(work, np.arange(len(self)), rows, executor, progress):
+            found[part] = some
+        return found
+
+    def coefficients(self, values: np.ndarray, patch: np.ndarray) -> np.ndarray:
+        """Coefficients (p, k + q, v) of patches (p,) for the data (n, v) of all sites."""
+        matrix = self.matrices(patch)
+        data = values[self.sites[patch]]
+        k = data.shape[1]
+        right = np.zeros((len(patch), self.size, data.shape[2]), dtype=data.dtype)
+        right[:, :k] = data
+        found = solved(matrix, right)
+        self._refuse_a_miss(patch, matrix, found, right)
+        for i, transform in self._reduced_among(patch):
+            found[i, k:] = transform @ found[i, k:]
+        return found
+
+    def left_out(self, values: np.ndarray, patch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals (p, k, v) of the sites, each against the others of its patch; where they tell.
+
+        lambda_i / (S^-1)_ii; they tell (p, k) where the others determine the polynomials too.
+        """
+        k = self.sites.shape[1]
+        unit = np.zeros((len(patch), self.size, k))
+        unit[:, range(k), range(k)] = 1.0
+        inverse = solved(self.matrices(patch), unit)[:, :k]
+        tell = leverages(self.frames(patch), self.degree) <= MOST_LEVERAGE
+        diagonal = np.where(tell, inverse[:, range(k), range(k)], 1.0)
+        residuals = inverse @ values[self.sites[patch]] / diagonal[..., None]
+        return np.where(tell[..., None], residuals, 0.0), tell
+
+    def values(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+        """Values (p, v) at places x (p, d), with the coefficients of all patches."""
+        return np.einsum("ps,psv->pv", self.basis(patch, x), coefficients[patch])
+
+    def gradients(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+        """Gradients (p, v, d) at places x (p, d)."""
+        return np.einsum("psd,psv->pvd", self.basis_gradient(patch, x), coefficients[patch])
+
+    def of_data(self, patch: np.ndarray, terms: np.ndarray) -> np.ndarray:
+        """Sums t^T c of coefficients, t (p, k + q), as weights (p, k) of their data.
+
+        The systems are symmetric: S w = t gives them more accurately than t^T S^-1, whose rows
+        are large where sites are close.
+        """
+        k, rows = self.sites.shape[1], self.rows(COLUMNS)
+        return solved_for_each(self._solved_for_data, patch, terms, k, rows)
+
+    def adjoint(self, moments: np.ndarray) -> np.ndarray:
+        """C^T m (p, k, v) of moments (p, k + q, v), without forming C."""
+        result = np.empty((len(self), self.sites.shape[1], moments.shape[2]), dtype=moments.dtype)
+        work = partial(self._adjoint, moments)
+        for part, rows in chunked(work, np.arange(len(self)), self.rows(moments.shape[2])):
+            result[part] = rows
+        return result
+
+    def _adjoint(self, moments: np.ndarray, patch: np.ndarray) -> np.ndarray:
+        return self._solved_for_data(patch, moments[patch])
+
+    def _solved_for_data(self, patch: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """The first k rows (p, k, v) of the solutions of the transposed systems."""
+        k = self.sites.shape[1]
+        for i, transform in self._reduced_among(patch):
+            right[i, k:] = transform.T @ right[i, k:]
+        return solved(self.matrices(patch), right)[:, :k]
+
+    def basis(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Kernels and monomials (p, k + q) of the patches (p,) at places x (p, d)."""
+        b = np.empty((len(patch), self.size))
+        k = self.sites.shape[1]
+        b[:, :k] = self._kernel(patch, self._from_sites(patch, x))
+        b[:, k:] = monomials(self._offsets(patch, x), self.degree)
+        return b
+
+    def basis_gradient(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Their gradients (p, k + q, d) by x."""
+        g = np.empty((len(patch), self.size, x.shape[1]))
+        k, unit = self.sites.shape[1], self._unit(patch)[:, None]
+        y = self._from_sites(patch, x)
+        squared = np.einsum("apk,apk->pk", y, y) * unit**2
+        if not self.problem.kernel.differentiable and (squared == 0).any():
+            raise ValueError(
+                f"{self.problem.kernel!r} has no gradient at a site, and some of the queries are "
+                "sites"
+            )
+        slope = self.problem.kernel.slope_of_squared(squared) * unit**2
+        g[:, :k] = np.moveaxis(slope * y, 0, 2)
+        g[:, k:] = monomial_gradients(self._offsets(patch, x), self.degree)
+        return g / self.radius[patch, None, None]
+
+    def least_degree(self) -> int:
+        """Highest degree of which every patch reproduces all polynomials."""
+        degree, some = self.degree, self.frames(np.array(list(self.reduced), dtype=int))
+        while len(some) and (ranks(some, degree) < dimension(some.shape[2], degree)).any():
+            degree -= 1
+        return degree
+
+    def _reduced_among(self, patch: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        if not self.reduced:
+            return []
+        return [(i, self.reduced[j]) for i, j in enumerate(patch.tolist()) if j in self.reduced]
+
+    def _from_sites(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """From the sites of patches (p,) to places x (p, d), by axis (d, p, k), in their frames."""
+        y = self._coordinates[:, patch]
+        return np.subtract(self._offsets(patch, x).T[:, :, None], y, out=y)
+
+    def _kernel(self, patch: np.ndarray, y: Iterable[np.ndarray]) -> np.ndarray:
+        """Kernel (p, ...) between places that are y (p, ...) apart by axis, which is written to.
+
+        One axis after the other: in many variables all together would not fit into memory.
+        """
+        unit = None if self._is_homogeneous else self.radius[patch]
+        return self.problem.kernel.of_squared(reduce(iadd, (_squared(a, unit) for a in y)))
+
+    @cached_property
+    def _coordinates(self) -> np.ndarray:
+        """Sites of all patches in their frames, by axis (d, p, k): a patch's lie together."""
+        local = self.frames(np.arange(len(self)))
+        return np.ascontiguousarray(np.moveaxis(local, 2, 0))
+
+    def _smoothing(self, patch: np.ndarray) -> np.ndarray:
+        return (
+            self.problem.smoothing
+            * (self._unit(patch) / self.radius[patch]) ** self.problem.kernel.homogeneity
+        )
+
+    def _unit(self, patch: np.ndarray) -> np.ndarray:
+        """Length of the kernel's unit in each patch's."""
+        return np.ones(len(patch)) if self._is_homogeneous else self.radius[patch]
+
+    @cached_property
+    def _is_homogeneous(self) -> bool:
+        """Whether a factor that the polynomials take up is all that a unit of length changes."""
+        return self.problem.kernel.in_units(2.0) is self.problem.kernel
+
+    def _refuse_a_miss(
+        self, patch: np.ndarray, matrix: np.ndarray, found: np.ndarray, right: np.ndarray
+    ) -> None:
+        missed = np.abs(matrix @ found - right).max(axis=1)
+        size = np.abs(right).max(axis=1)
+        relative = missed / np.where(size > 0, size, 1.0)
+        if not (relative <= _TOLERATED_MISS).all():
+            worst = int(np.argmax(np.where(np.isnan(relative), np.inf, relative).max(axis=1)))
+            raise _too_flat(self.origin[patch[worst]])
+
+
+def _squared(y: np.ndarray, unit: np.ndarray | None) -> np.ndarray:
+    if unit is not None:
+        y *= _per_patch(unit, y)
+    y *= y
+    return y
+
+
+def _per_patch(factor: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """Factors (p,) as an array that multiplies one of shape (p, ...)."""
+    return factor.reshape(len(factor), *(1 for _ in like.shape[1:]))
+
+
+def _too_flat(where: np.ndarray) -> np.linalg.LinAlgError:
+    return np.linalg.LinAlgError(
+        f"the field of the patch about ({place(where)}) would miss its data, by rounding: the "
+        "kernel is too flat for sites this close and data this rough; choose a smaller scale, a "
+        "rougher kernel or some smoothing"
+    )

@@ -1,0 +1,250 @@
+"""Radial basis functions augmented by polynomials."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
+
+from fieldrecon._core import validation as valid
+from fieldrecon._core.chunks import rows_of
+from fieldrecon.kernels.radial import Radial
+from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of, tiles
+from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix
+from fieldrecon.methods.solvability import (
+    as_augmentation,
+    as_finite,
+    as_kernel,
+    refuse_a_miss,
+    refuse_duplicates,
+    refuse_sites,
+    within_range,
+)
+from fieldrecon.polynomials import (
+    Frame,
+    dimension,
+    monomial_gradients,
+    monomials,
+    powers_of_scale,
+    refuse_too_few,
+    require_unisolvent,
+)
+from fieldrecon.reconstruction import Reconstruction
+
+
+class RBF(Reconstruction):
+    """Augmented radial basis functions, f(x) = b(x)^T c + sum_j lambda_j phi(|x - p_j|).
+
+    Interpolation f(p_i) = f_i with the side conditions sum_j lambda_j b(p_j) = 0 gives a symmetric
+    indefinite system. It has a unique solution if the points are distinct and no polynomial of the
+    degree vanishes on them; it is factored by Cholesky on the null space of the side conditions.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Sites, distinct unless there is smoothing.
+    kernel : Radial
+        Kernel phi, for instance `thin_plate_spline()`.
+    degree : int, optional
+        Degree of the polynomial; `kernel.order - 1` by default, and no less. -1 for none.
+    smoothing : float
+        Added to the diagonal: minimises |f(p) - f|^2 + smoothing * energy. In units of the kernel.
+
+    Raises
+    ------
+    ValueError
+        If points coincide, or an argument has the wrong form.
+    numpy.linalg.LinAlgError
+        If the points do not determine the polynomial, or the kernel is too flat for them; later,
+        if it is too flat for the data, so that rounding would make the field miss them.
+    MemoryError
+        If the system would not fit into this machine's memory.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 11-13 (whose matrix is indefinite, not positive definite);
+    Wendland (2005), theorem 8.21.
+
+    Examples
+    --------
+    >>> import numpy as np, fieldrecon as fr
+    >>> points = fr.datasets.halton(200, 2)
+    >>> s = RBF(points, fr.thin_plate_spline()).field(fr.datasets.franke(points))
+    >>> bool(abs(s([0.5, 0.5]) - fr.datasets.franke([0.5, 0.5])) < 1e-3)
+    True
+    """
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        kernel: Radial,
+        degree: int | None = None,
+        smoothing: float = 0.0,
+    ) -> None:
+        self.points = valid.as_points(points)
+        self.kernel = as_kernel(kernel, self.points.shape[1])
+        self.degree = as_augmentation(degree, kernel)
+        self.smoothing = valid.as_length(smoothing, "smoothing", zero_allowed=True)
+        self.interpolates = self.smoothing == 0
+        self._frame = Frame.around(self.points)
+        refuse_too_few(self.points, self.degree)
+        p = self._basis(self.points)
+        require_unisolvent(self.points, p, self.degree)
+        if self.interpolates:
+            refuse_duplicates(self.points)
+        self._corners = None if kernel.differentiable else cKDTree(self.points)
+        sites = self.points / self._frame.scale
+        self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))
+        self._system = self._pairs.system(p, self._unit_smoothing())
+
+    @valid.finite("the entries of H_RBF")
+    def matrix(self) -> np.ndarray:
+        """Matrix H_RBF of the notes, kernel bordered by polynomials, in the points' coordinates.
+
+        Returns
+        -------
+        (n + q, n + q) ndarray
+            Symmetric and indefinite: n positive and q negative eigenvalues.
+
+        Raises
+        ------
+        OverflowError
+            If its entries do not fit into floating-point numbers in this unit of length.
+        """
+        p = monomial_matrix(self.points, self.degree)
+        n, q = p.shape
+        self._refuse_if_too_large(n + q)
+        self._require_squares("the matrix")
+        h = np.zeros((n + q, n + q))
+        h[:n, :n] = self.kernel.of_squared(cdist(self.points, self.points, "sqeuclidean"))
+        h[range(n), range(n)] += self.smoothing
+        h[:n, n:], h[n:, :n] = p, p.T
+        return h
+
+    @valid.finite("the coefficients")
+    def coefficients(self, values: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Coefficients (lambda, c) in the points' own coordinates.
+
+        Parameters
+        ----------
+        values : (n, ...) array_like
+            Data.
+
+        Returns
+        -------
+        lambda : (n, ...) ndarray
+            Coefficients of the kernels; orthogonal to the polynomials.
+        c : (q, ...) ndarray
+            Coefficients of the polynomial in the basis 1, x_1 ... x_d, then by total degree.
+
+        Raises
+        ------
+        OverflowError
+            If they do not fit into floating-point numbers in this unit of length.
+        """
+        values = valid.as_values(values, len(self.points))
+        columns = values.reshape(len(values), -1)
+        self._require_squares("the coefficients")
+        power = np.array([-self.kernel.homogeneity])
+        lam = self._prepare(columns)[0]
+        lam = lam * powers_of_scale(self._frame.scale, power, "the coefficients")
+        shape = values.shape[1:]
+        if self.degree < 0:
+            return lam.reshape((len(lam), *shape)), np.zeros((0, *shape))
+        # What the kernels leave of the data is the polynomial; a change of unit of r^2 log r adds
+        # to it, so it is found here anew.
+        rest = columns - self._kernel_sum(lam) - self.smoothing * lam
+        c = LeastSquares(self.points, self.degree).coefficients(rest)
+        return lam.reshape((len(lam), *shape)), c.reshape((len(c), *shape))
+
+    def inverse_diagonal(self) -> np.ndarray:
+        """Diagonal (n,) of the inverse of H_RBF, up to the kernel's unit, for leave-one-out."""
+        return self._system.inverse_diagonal()
+
+    def _require_squares(self, what: str) -> None:
+        powers_of_scale(self._frame.scale, np.array([2, self.kernel.homogeneity]), what)
+
+    def _kernel_sum(self, lam: np.ndarray) -> np.ndarray:
+        total = np.zeros_like(lam)
+        for part, values in type(self._pairs)(self.points, self.kernel).values(self.points):
+            total += values @ lam[part]
+        return total
+
+    def _unit_smoothing(self) -> float:
+        power = np.array([-self.kernel.homogeneity])
+        if self.smoothing == 0:
+            return 0.0
+        unit = powers_of_scale(self._frame.scale, power, "the smoothing")
+        smoothing = valid.without_warnings(np.multiply, self.smoothing, unit)
+        return float(within_range(smoothing, "values of the smoothing")[0])
+
+    def _basis(self, x: np.ndarray) -> np.ndarray:
+        return monomials(self._frame.local(x), self.degree)
+
+    def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        lam, c = self._system.solve(values)
+        # in the unit frame no two points are farther apart than this
+        farthest = 2.0 * math.sqrt(self.points.shape[1])
+        refuse_a_miss(lam, self._pairs.kernel(np.array([0.0, farthest])), values)
+        return lam, c
+
+    def _value_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        lam, c = prepared
+        total = self._basis(x) @ c
+        for part, values in self._pairs.values(x / self._frame.scale):
+            total += values @ lam[part]
+        return total
+
+    def _gradient_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        lam, c = prepared
+        total = np.einsum("mqd,qv->mvd", monomial_gradients(self._frame.local(x), self.degree), c)
+        for part, slopes in self._gradients(x):
+            for k, slope in enumerate(slopes):
+                total[..., k] += slope @ lam[part]
+        return total / self._frame.scale
+
+    def _gradients(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[Block, ...]]]:
+        if self._corners is not None:
+            refuse_sites(self.kernel, x, self._corners)
+        return self._pairs.gradients(x / self._frame.scale)
+
+    def _weight_rows(self, x: np.ndarray) -> np.ndarray:
+        self._refuse_if_too_large(len(x))
+        rows = np.empty((len(x), len(self.points)))
+        for some in tiles(len(x)):
+            right = np.empty((len(self.points), len(x[some])))
+            for part, values in self._pairs.values(x[some] / self._frame.scale):
+                right[part] = dense(values).T
+            rows[some] = self._system.solve(right, self._basis(x[some]).T)[0].T
+        return rows
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        d = x.shape[1]
+        self._refuse_if_too_large(len(x), 3 * d)
+        rows = np.empty((d, len(x), len(self.points)))
+        for some in tiles(len(x)):
+            right = np.empty((d, len(self.points), len(x[some])))
+            for part, slopes in self._gradients(x[some]):
+                for k, slope in enumerate(slopes):
+                    right[k, part] = dense(slope).T
+            of_basis = monomial_gradients(self._frame.local(x[some]), self.degree)
+            for k in range(d):
+                rows[k, some] = self._system.solve(right[k], of_basis[..., k].T)[0].T
+        return tuple(rows / self._frame.scale)
+
+    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
+        moments = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
+        for some in tiles(len(x)):
+            for part, values in self._pairs.values(x[some] / self._frame.scale):
+                moments[part] += values.T @ f[some]
+        return self._system.solve(moments, self._basis(x).T @ f)[0]
+
+    def _chunk_rows(self, columns: int) -> int:
+        q = dimension(self.points.shape[1], self.degree)
+        return rows_of(
+            self._pairs.bytes_per_query() + 8 * (q + columns) * (self.points.shape[1] + 2)
+        )

@@ -1,0 +1,85 @@
+"""Distances of points to triangles in space."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from fieldrecon._core.chunks import Progress, chunked
+
+_ROWS = 4096
+_VERTICES = 6
+
+
+def distances_to_triangles(
+    x: np.ndarray, points: np.ndarray, triangles: np.ndarray, progress: Progress | None = None
+) -> np.ndarray:
+    """Distance of places to the triangles about the vertices that are nearest to them.
+
+    That is the distance to the surface where its triangles are about as long as they are wide;
+    elsewhere it may be more, never less.
+
+    Parameters
+    ----------
+    x : (k, 3) ndarray
+    points : (n, 3) ndarray
+        Vertices.
+    triangles : (m, 3) ndarray of int
+    progress : callable, optional
+        Called as progress(done, total) with numbers of places.
+
+    Returns
+    -------
+    (k,) ndarray
+
+    References
+    ----------
+    Ericson, Real-time collision detection (2005), section 5.1.5.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> places = np.array([[0.2, 0.2, 3.0], [-1, 0, 0], [1, 1, 0]])
+    >>> distances_to_triangles(places, corners, np.array([[0, 1, 2]])).round(6)
+    array([3.      , 1.      , 0.707107])
+    """
+    middle = points.mean(axis=0)
+    p = points - middle
+    used = np.unique(triangles)
+    tree = cKDTree(p[used])
+    rows, corners = np.repeat(np.arange(len(triangles)), 3), triangles.ravel()
+    about = sparse.csr_array(
+        (np.ones(len(rows), dtype=np.int8), (corners, rows)), shape=(len(p), len(triangles))
+    )
+
+    def work(some: np.ndarray) -> np.ndarray:
+        nearest = tree.query(some, range(1, min(_VERTICES, len(used)) + 1))[1]
+        incident = about[used[nearest.ravel()]]
+        place = np.repeat(np.arange(nearest.size) // nearest.shape[1], np.diff(incident.indptr))
+        squared = _squared(some[place], p[triangles[incident.indices]])
+        least = np.full(len(some), np.inf)
+        np.minimum.at(least, place, squared)
+        return np.sqrt(least)
+
+    result = np.empty(len(x))
+    for part, found in chunked(work, x - middle, _ROWS, progress=progress):
+        result[part] = found
+    return result
+
+
+def _squared(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Squared distance (k,) of each place (k, 3) to its triangle (k, 3, 3)."""
+    a, b, c = corners.swapaxes(0, 1)
+    normal = np.cross(b - a, c - a)
+    inside = np.ones(len(x), dtype=bool)
+    least = np.full(len(x), np.inf)
+    for p, q in ((a, b), (b, c), (c, a)):
+        along, to = q - p, x - p
+        inside &= np.einsum("kd,kd->k", np.cross(normal, along), to) >= 0
+        length = np.einsum("kd,kd->k", along, along)
+        share = np.clip(np.einsum("kd,kd->k", to, along) / np.where(length > 0, length, 1), 0, 1)
+        least = np.minimum(least, ((to - share[:, None] * along) ** 2).sum(axis=1))
+    size = np.einsum("kd,kd->k", normal, normal)
+    height = np.einsum("kd,kd->k", normal, x - a) ** 2 / np.where(size > 0, size, 1)
+    return np.where(inside & (size > 0), height, least)

@@ -1,0 +1,133 @@
+"""Bring the whole report up to date, and do nothing that is done already."""
+
+from __future__ import annotations
+
+import argparse
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
+from fieldrecon.cli.progress import Bar
+from fieldreport import experiments
+from fieldreport.build import unchanged
+from fieldreport.build.compute import Job, compute, jobs_of
+from fieldreport.build.document import Document, unquoted_facts
+from fieldreport.build.failure import BuildError
+from fieldreport.build.lock import only_build_in
+from fieldreport.build.manifest import manifest, versions
+from fieldreport.build.sources import code_behind, keeping
+from fieldreport.build.steps import Steps, content_digest, digest, digests
+from fieldreport.framework.result_files import read_result
+
+
+def build(arguments: argparse.Namespace) -> None:
+    """Run, draw, compile, and write the manifest, as far as each is out of date."""
+    source, out = arguments.source, arguments.out or arguments.source / "build"
+    key = unchanged.key(arguments)  # before anything is read: what is edited meanwhile counts
+    document = Document(source, out)
+    if not document.chapters:
+        raise BuildError(f"there are no chapters in {source / 'chapters'}; is this the checkout?")
+    settings = _settings(unchanged.settings_file(arguments))
+    with Bar() as progress, only_build_in(out, progress.say), keeping(out / ".state/code.json"):
+        _sweep(out)
+        steps = Steps(out)
+        jobs = jobs_of(settings, out / "experiments")
+        read = {path: content_digest(path) for job in jobs for path in job.inputs()}
+        chosen = _chosen(jobs, arguments.only)
+        compute(chosen, steps, max(1, min(arguments.jobs, len(chosen))), progress)
+        if not arguments.only:
+            _remove_others(jobs, out / "experiments")
+            _finish(document, jobs, steps, progress)
+            unchanged.record(steps, key, read)
+
+
+def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) -> None:
+    """Compile the text and write the manifest."""
+    values = {job.name: _values(job) for job in jobs}
+    made = [*_results(jobs), document.out / "report.html", document.out / "report.pdf"]
+    key = digest(
+        {
+            "text": digests(document.inputs, document.source),
+            "results": digests(_results(jobs), document.out),
+            "values": values,
+            "versions": versions(),
+            "code": code_behind("fieldreport.build.document"),
+        }
+    )
+    if not steps.done("document", key):
+        progress.add(1)
+        document.compile(values, {"version": versions()["fieldrecon"]})
+        steps.record("document", key, made[-2:])
+        progress.done("set the text")
+        _tell_unquoted(document, values, progress)
+    content = manifest(values, made, document.out)
+    path = document.out / "manifest.json"
+    if not path.exists() or path.read_bytes() != content:
+        write_atomically(path, content)
+    progress.say(f"{made[-2]} and {made[-1]} are up to date")
+
+
+def _values(job: Job) -> dict[str, Any]:
+    """Return what the text may take from an experiment."""
+    result = read_result(job.folder)
+    meanings = job.experiment.meanings
+    return {
+        "title": job.experiment.title,
+        "facts": dict(result.facts),
+        "params": asdict(result.params),
+        "fields": [{"name": name, "meaning": text} for name, text in meanings.items()],
+        "tables": {
+            name: {"columns": table.columns, "rows": table.rows}
+            for name, table in result.tables.items()
+        },
+        "figures": list(job.experiment.plots),
+    }
+
+
+def _results(jobs: list[Job]) -> list[Path]:
+    return [
+        path
+        for job in jobs
+        for path in [*job.result_files(), *map(job.figure_file, job.experiment.plots)]
+    ]
+
+
+def _tell_unquoted(document: Document, values: Mapping[str, Any], progress: Bar) -> None:
+    for name, facts in unquoted_facts(document.chapters, values).items():
+        progress.say(f"no chapter quotes these facts of {name}: {', '.join(facts)}")
+
+
+def _settings(path: Path) -> dict[str, dict[str, Any]]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise BuildError(f"there is no {path}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise BuildError(f"{path}: {error}") from error
+
+
+def _chosen(jobs: list[Job], only: list[str]) -> list[Job]:
+    unknown = set(only) - {job.name for job in jobs}
+    if unknown:
+        known = ", ".join(experiments.names())
+        raise BuildError(f"no experiment {', '.join(sorted(unknown))}; there are {known}")
+    return [job for job in jobs if not only or job.name in only]
+
+
+def _sweep(out: Path) -> None:
+    """Remove what a killed build was writing: files under a temporary name."""
+    for folder in (out, out / ".state", *(out / "experiments").glob("*/")):
+        for path in folder.glob(".*"):
+            if TEMPORARY.fullmatch(path.name):
+                path.unlink()
+
+
+def _remove_others(jobs: list[Job], folder: Path) -> None:
+    """Remove the results of experiments that are no more."""
+    for stale in set(folder.iterdir()) - {job.folder for job in jobs}:
+        for file in stale.iterdir():
+            file.unlink()
+        stale.rmdir()

@@ -1,0 +1,189 @@
+"""Run the experiments whose parameters or code changed, and redraw the figures that changed.
+
+Workers compute and draw; only this process writes, under the lock of the build. A worker ends when
+this process does, so that a killed build leaves nobody behind.
+"""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.blas_threads import one_blas_thread
+from fieldreport import experiments
+from fieldreport.build.failure import BuildError
+from fieldreport.build.pins import pins
+from fieldreport.build.sources import code_behind
+from fieldreport.build.steps import Steps, content_digest, digest, digests
+from fieldreport.build.workers import workers
+from fieldreport.framework.experiment import Experiment, Result
+from fieldreport.framework.result_files import figure_bytes, read_result, write_result
+from fieldreport.framework.settings import with_settings
+
+RUN_NAMES = ("DIGITS", "Params", "run")
+FORMAT = "svg"
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One experiment of the report with the parameters it is to be run with."""
+
+    experiment: Experiment
+    params: Any
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        """The experiment's name."""
+        return self.experiment.name
+
+    def run_key(self) -> str:
+        """Return the digest of all that the result depends on."""
+        code = code_behind(self.experiment.module.__name__, RUN_NAMES)
+        params = asdict(self.params)
+        for name, path in self.experiment.inputs(self.params).items():
+            params[name] = content_digest(path)
+        return digest({"name": self.name, "params": params, "code": code, "pins": pins()})
+
+    def figure_key(self, plot: Callable[[Result], Any]) -> str:
+        """Return the digest of all that a figure depends on: its code and the files of the run."""
+        code = code_behind(self.experiment.module.__name__, [plot.__name__])
+        result = digests(self.result_files(), self.folder)
+        return digest({"code": code, "result": result, "pins": pins()})
+
+    def inputs(self) -> list[Path]:
+        """List the files that the parameters name."""
+        return list(self.experiment.inputs(self.params).values())
+
+    def result_files(self) -> list[Path]:
+        """List the files of the run."""
+        return sorted(p for p in self.folder.iterdir() if p.suffix in {".json", ".csv", ".npz"})
+
+    def figure_file(self, figure: str) -> Path:
+        """Return the path of a figure."""
+        return self.folder / f"{figure}.{FORMAT}"
+
+
+def jobs_of(settings: Mapping[str, Mapping[str, Any]], folder: Path) -> list[Job]:
+    """List the experiments of the report, in the order of the settings, then by name.
+
+    Raises
+    ------
+    BuildError
+        If the settings name an experiment or a parameter that does not exist.
+    """
+    unknown = [name for name in settings if name not in experiments.names()]
+    if unknown:
+        known = ", ".join(experiments.names())
+        raise BuildError(f"experiments.toml: no experiment {unknown[0]!r}; there are {known}")
+    order = [*settings, *(name for name in experiments.names() if name not in settings)]
+    return [_job(name, settings.get(name, {}), folder) for name in order]
+
+
+def _job(name: str, changes: Mapping[str, Any], folder: Path) -> Job:
+    experiment = experiments.get(name)
+    try:
+        params = with_settings(experiment.defaults, changes)
+    except ValueError as error:
+        raise BuildError(f"experiments.toml, [{name}]: {error}") from error
+    return Job(experiment, params, folder / name)
+
+
+def compute(jobs: list[Job], steps: Steps, processes: int, progress: Any) -> None:
+    """Bring results and figures of all jobs up to date.
+
+    Parameters
+    ----------
+    jobs : list of Job
+        Started in this order.
+    steps : Steps
+        What is done already.
+    processes : int
+        How many compute.
+    progress : object
+        Has ``add(count)``, ``done(text)``.
+    """
+    with workers(processes) as pool:
+        work: dict[Future, Callable[[Any], dict]] = {}
+        for job in jobs:
+            work |= _start(job, steps, pool, progress)
+        while work:
+            finished, _ = wait(work, return_when=FIRST_COMPLETED)
+            for future in [one for one in work if one in finished]:
+                work |= work.pop(future)(future)
+
+
+def _start(job: Job, steps: Steps, pool: Executor, progress: Any) -> dict:
+    """Submit the run of a job, or, where that is done, its figures."""
+    key = job.run_key()
+    if steps.done(f"run-{job.name}", key):
+        return _start_figures(job, steps, pool, progress)
+
+    def finish(future: Future) -> dict:
+        parts = _outcome(future, f"experiment {job.name}")
+        files = write_result(Result(job.params, *parts), job.folder)
+        steps.record(f"run-{job.name}", key, files)
+        progress.done(f"ran {job.name}")
+        return _start_figures(job, steps, pool, progress)
+
+    progress.add(1)
+    return {pool.submit(_run, job.name, job.params): finish}
+
+
+def _start_figures(job: Job, steps: Steps, pool: Executor, progress: Any) -> dict:
+    """Submit the figures of a job that changed, and remove those that it no longer draws."""
+    work = {}
+    current = {job.figure_file(figure) for figure in job.experiment.plots}
+    for stale in set(job.folder.glob(f"*.{FORMAT}")) - current:
+        stale.unlink()
+    for figure, plot in job.experiment.plots.items():
+        key = job.figure_key(plot)
+        if not steps.done(f"draw-{figure}", key):
+            progress.add(1)
+            future = pool.submit(_draw, job.folder, figure)
+            work[future] = _finish_figure(job, figure, key, steps, progress)
+    return work
+
+
+def _finish_figure(job: Job, figure: str, key: str, steps: Steps, progress: Any) -> Callable:
+    def finish(future: Future) -> dict:
+        path = job.figure_file(figure)
+        write_atomically(path, _outcome(future, f"figure {figure}"))
+        steps.record(f"draw-{figure}", key, [path])
+        progress.done(f"drew {figure}")
+        return {}
+
+    return finish
+
+
+def _run(name: str, params: Any) -> tuple[dict, dict, dict]:
+    """Run an experiment; return tables, facts and arrays in a form that travels."""
+    result = experiments.get(name).run(params)
+    return dict(result.tables), dict(result.facts), dict(result.arrays)
+
+
+def _draw(folder: Path, figure: str) -> bytes:
+    result = read_result(folder)
+    with one_blas_thread():
+        return figure_bytes(experiments.get(folder.name).plots[figure](result), FORMAT)
+
+
+def _outcome(future: Future, what: str) -> Any:
+    """Return what a worker found, or say what failed and where."""
+    try:
+        return future.result()
+    except BrokenProcessPool as error:
+        raise BuildError(f"{what}: the worker died (out of memory?)") from error
+    except (BuildError, OSError):
+        raise
+    except Exception as error:
+        trace = "".join(traceback.format_exception(error))
+        raise BuildError(f"{what} failed\n{trace}") from error

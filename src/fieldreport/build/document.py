@@ -1,0 +1,235 @@
+"""From chapters to one HTML file and one PDF: pandoc, its Lua passes, and Typst."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, cast
+
+from fieldrecon._core.atomic_files import write_atomically
+from fieldreport.build.failure import BuildError
+from fieldreport.build.manifest import versions
+from fieldreport.build.sources import code_behind
+from fieldreport.build.steps import Steps, digest
+
+PDF_STANDARD: Final = "ua-1"
+NO_DATE = 0
+"""Seconds since 1970 that Typst writes as the time of creation, were the document to show one."""
+
+
+@dataclass(frozen=True)
+class Document:
+    """The text of the report and where it goes.
+
+    Parameters
+    ----------
+    source : Path
+        Folder with ``chapters``, ``filters``, the templates, ``style.css``, ``metadata.yaml`` and
+        ``references.bib``.
+    out : Path
+        The build folder.
+    """
+
+    source: Path
+    out: Path
+
+    @property
+    def chapters(self) -> list[Path]:
+        """The chapters in order of their names."""
+        return sorted((self.source / "chapters").glob("*.md"))
+
+    @property
+    def inputs(self) -> list[Path]:
+        """All files of the text."""
+        names = ("style.css", "template.html", "template.typ", "metadata.yaml", "references.bib")
+        return [
+            *self.chapters,
+            *sorted((self.source / "filters").glob("*.lua")),
+            *(self.source / name for name in names),
+        ]
+
+    def compile(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> list[Path]:
+        """Write ``report.html`` and ``report.pdf``; return them.
+
+        Parameters
+        ----------
+        values : mapping
+            Facts, parameters, tables and figures of each experiment, for the Lua passes.
+        metadata : mapping
+            Added to ``metadata.yaml``.
+
+        Raises
+        ------
+        BuildError
+            All that is wrong with the text, with file and line where they can be found.
+        """
+        page, print_ = self.convert(values, metadata)
+        return [
+            write_atomically(self.out / "report.html", self._dressed(page).encode()),
+            write_atomically(self.out / "report.pdf", self._typeset(print_)),
+        ]
+
+    def convert(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> tuple[str, str]:
+        """Return the text as HTML, still without style and fonts, and as Typst."""
+        state = self.out / ".state"
+        write_atomically(state / "values.json", json.dumps(values).encode())
+        places = {"values": state / "values.json", "figures": self.out / "experiments"}
+        told = {**metadata, **{key: str(path.resolve()) for key, path in places.items()}}
+        document = self._read(told)
+        with ThreadPoolExecutor(2) as both:
+            page, print_ = (both.submit(self._written, to, document) for to in ("html5", "typst"))
+            problems = _all_lines(page.exception(), print_.exception())
+        if problems:
+            raise BuildError("\n".join(problems))
+        return page.result(), print_.result()
+
+    def _read(self, metadata: Mapping[str, str]) -> str:
+        """Return the chapters with their numbers as JSON of pandoc, made once for both outputs."""
+        return self._pandoc(
+            "--from=markdown",
+            "--to=json",
+            "--metadata-file=metadata.yaml",
+            *(f"--metadata={key}:{value}" for key, value in metadata.items()),
+            "--lua-filter=filters/report.lua",
+            *(str(path.relative_to(self.source)) for path in self.chapters),
+        )
+
+    def _written(self, to: str, document: str) -> str:
+        suffix = "typ" if to == "typst" else "html"
+        return self._pandoc(
+            "--from=json",
+            f"--to={to}",
+            "--standalone",
+            "--wrap=none",
+            f"--template=template.{suffix}",
+            "--lua-filter=filters/output.lua",
+            "--citeproc",
+            "--bibliography=references.bib",
+            "--toc",
+            "--toc-depth=3",
+            "--section-divs",
+            "--mathml",
+            document=document,
+        )
+
+    def _pandoc(self, *options: str, document: str | None = None) -> str:
+        command = [str(pandoc()), *options, "--fail-if-warnings"]
+        run = subprocess.run(
+            command,
+            cwd=self.source,
+            input=document,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            check=False,
+        )
+        if run.returncode:
+            raise BuildError(self._explained(run.stderr))
+        return run.stdout
+
+    def _explained(self, stderr: str) -> str:
+        """Tell the passes' problems with their place in the text; all else as pandoc says it."""
+        lines = [line.split("\t") for line in stderr.splitlines() if line.startswith("PROBLEM\t")]
+        if not lines:
+            return f"pandoc: {stderr.strip()}"
+        return "\n".join(self._place(token) + message for _, message, token in lines)
+
+    def _place(self, token: str) -> str:
+        for path in self.chapters if token else ():
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                if token in line:
+                    return f"{self.source.name}/chapters/{path.name}:{number}: "
+        return ""
+
+    def _dressed(self, page: str) -> str:
+        """Put style sheet, fonts and figures into the page."""
+        css = (self.source / "style.css").read_text(encoding="utf-8")
+        page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
+        page = page.replace("/* style */", self._fonts(page) + css, 1)
+        return self.with_figures(page)  # last, since they make it twenty times as long
+
+    def with_figures(self, page: str) -> str:
+        """Put the figures into the page, which names them."""
+        return FIGURE.sub(self._embedded, page)
+
+    def _fonts(self, page: str) -> str:
+        """Return the rules of the fonts, which are cut down anew only if other characters occur."""
+        from fieldreport.build.webfonts import code_points, faces_of
+
+        points = code_points(page)
+        key = digest(
+            {
+                "points": [sorted(some) for some in points],
+                "versions": versions(),
+                "code": code_behind("fieldreport.build.webfonts"),
+            }
+        )
+        steps, path = Steps(self.out), self.out / ".state" / "fonts.css"
+        if not steps.done("fonts", key):
+            write_atomically(path, faces_of(*points).encode())
+            steps.record("fonts", key, [path])
+        return path.read_text(encoding="utf-8")
+
+    def _embedded(self, source: re.Match[str]) -> str:
+        content = (self.out / "experiments" / html.unescape(source[0])).read_bytes()
+        return f"data:image/svg+xml;base64,{base64.b64encode(content).decode()}"
+
+    def _typeset(self, text: str) -> bytes:
+        import typst
+
+        path = write_atomically(self.out / ".state" / "report.typ", text.encode())
+        fonts = typst.Fonts(include_system_fonts=False)
+        compiler = typst.Compiler(str(path), root=str(self.out), font_paths=fonts)
+        try:
+            pdf, warnings = compiler.compile_with_warnings(
+                format="pdf", timestamp=NO_DATE, pdf_standards=[PDF_STANDARD]
+            )
+        except typst.TypstError as error:
+            raise BuildError(f"typst: {error.diagnostic}") from error
+        if warnings:
+            raise BuildError("\n".join(f"typst: {warning.diagnostic}" for warning in warnings))
+        return cast(bytes, pdf)
+
+
+UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
+"""Pandoc leaves the operator to the browser, which would slant it like a variable."""
+FIGURE = re.compile(r'(?<=<img src=")[^":]+\.svg(?=")')
+QUOTATION = re.compile(r"\{\{(\w+)\.(params\.)?(\w+)(?::[^{}]*)?\}\}")
+
+
+def pandoc() -> Path:
+    """Return the pandoc of the wheel, whatever other one is installed."""
+    import pypandoc
+
+    name = "pandoc.exe" if sys.platform == "win32" else "pandoc"
+    return Path(pypandoc.__file__).parent / "files" / name
+
+
+def unquoted_facts(chapters: list[Path], values: Mapping[str, Any]) -> dict[str, list[str]]:
+    """List the facts that no chapter quotes, by experiment; those with none left out."""
+    text = "\n".join(path.read_text(encoding="utf-8") for path in chapters)
+    quoted = {(name, fact) for name, params, fact in QUOTATION.findall(text) if not params}
+    left = {
+        name: [fact for fact in experiment["facts"] if (name, fact) not in quoted]
+        for name, experiment in values.items()
+    }
+    return {name: facts for name, facts in left.items() if facts}
+
+
+def _all_lines(*errors: BaseException | None) -> list[str]:
+    """Return the lines of all errors, each once, in order."""
+    found: dict[str, None] = {}
+    for error in errors:
+        if isinstance(error, BuildError):
+            found |= dict.fromkeys(str(error).splitlines())
+        elif error is not None:
+            raise error
+    return list(found)

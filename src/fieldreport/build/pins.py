@@ -1,0 +1,130 @@
+"""The pins: environment variables that fix the code paths of OpenBLAS and NumPy in the workers.
+
+OpenBLAS and NumPy choose among several versions of each routine by the processor. The versions
+differ in their rounding, and so in the last bits of all results. On x86-64 Linux with AVX2 every
+processor can run the version made for Haswell, so the workers use that one. Elsewhere nothing is
+pinned. The variables must be set before NumPy loads, since they are read only then.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from fieldreport.build.failure import BuildError
+
+X86_64_V3 = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"}
+"""What the Haswell kernels and NumPy's X86_V3 need, as ``/proc/cpuinfo`` names it."""
+
+UP_TO_X86_V3 = {
+    *("X86_V2", "X86_V3"),
+    *("SSE", "SSE2", "SSE3", "SSSE3", "SSE41", "POPCNT", "SSE42", "AVX", "F16C", "FMA3", "AVX2"),
+}
+"""NumPy's dispatch that stays on: its levels since 2.4, and the single features before."""
+
+NUMERICAL = ("GLIBC_TUNABLES", "GOTO", "NPY_", "OMP_", "OPENBLAS_", "SCIPY_")
+"""Beginnings of the names of the variables that may change a number."""
+
+
+def pins() -> dict[str, str]:
+    """Return the environment variables that the workers get; none where nothing is pinned."""
+    return _haswell() if has_x86_64_v3() else {}
+
+
+def dispatch() -> list[str]:
+    """Name the levels, or features, of processors for which NumPy has code of their own."""
+    return list(_numpy_core().__cpu_dispatch__)
+
+
+def _numpy_core() -> Any:
+    return import_module("numpy._core._multiarray_umath")
+
+
+def _haswell() -> dict[str, str]:
+    beyond = [name for name in dispatch() if name not in UP_TO_X86_V3]
+    return {
+        "NPY_DISABLE_CPU_FEATURES": " ".join(beyond),
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_CORETYPE": "Haswell",
+        "OPENBLAS_NUM_THREADS": "1",
+    }
+
+
+@cache
+def has_x86_64_v3(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
+    """Whether the processor has AVX2 and its companions, by the kernel's list.
+
+    NumPy's own list leaves out what the caller has disabled.
+    """
+    if sys.platform != "linux" or platform.machine() != "x86_64":
+        return False
+    lines = cpuinfo.read_text(encoding="utf-8").splitlines()
+    return any(line.startswith("flags") and set(line.split()) >= X86_64_V3 for line in lines)
+
+
+@contextmanager
+def environment(pinned: Mapping[str, str]) -> Iterator[None]:
+    """Give what starts inside the ``with`` the pins instead of the caller's own such variables."""
+    if not pinned:
+        yield
+        return
+    callers = {name: x for name, x in os.environ.items() if name.startswith(NUMERICAL)}
+    for name in callers:
+        del os.environ[name]
+    os.environ.update(pinned)
+    try:
+        yield
+    finally:
+        for name in pinned:
+            del os.environ[name]
+        os.environ.update(callers)
+
+
+def run_pinned(pinned: Mapping[str, str], work: Callable, /, *args: Any, **kwargs: Any) -> Any:
+    """Call a function, once it is certain that the pins of this process took effect.
+
+    Raises
+    ------
+    BuildError
+        If they did not: OpenBLAS ignores a core that it was not built with, without a word.
+    """
+    if pinned:
+        require(pinned)
+    return work(*args, **kwargs)
+
+
+def require(pinned: Mapping[str, str]) -> None:
+    """Refuse libraries that do not run what the pins say."""
+    wrong = {
+        name: core for name, core in cores().items() if core != pinned["OPENBLAS_CORETYPE"]
+    } | {name: "on" for name in pinned["NPY_DISABLE_CPU_FEATURES"].split() if _dispatched(name)}
+    if wrong:
+        found = ", ".join(f"{name}: {x}" for name, x in wrong.items())
+        wanted = ", ".join(f"{name}={x}" for name, x in pinned.items())
+        raise BuildError(f"the settings {wanted} had no effect ({found}); {REMEDY}")
+
+
+REMEDY = "use the NumPy and SciPy of requirements.lock"
+
+
+def cores() -> dict[str, str]:
+    """Return the core whose kernels each BLAS of this process uses, by the library's file name."""
+    import scipy.linalg  # noqa: F401  (loads SciPy's BLAS; NumPy's is loaded with it)
+    from threadpoolctl import threadpool_info
+
+    return {
+        Path(library["filepath"]).name: library.get("architecture", library["internal_api"])
+        for library in threadpool_info()
+        if library["user_api"] == "blas"
+    }
+
+
+def _dispatched(name: str) -> bool:
+    return bool(_numpy_core().__cpu_features__[name])

@@ -1,0 +1,95 @@
+"""What is done already: each step of a build leaves a note of what went in and what came out.
+
+The note is written last. A build that was killed finds steps without a note, and does them again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from fieldrecon._core.atomic_files import write_atomically
+
+
+def digest(x: Any) -> str:
+    """Return the SHA-256 of a value as JSON, keys sorted.
+
+    Examples
+    --------
+    >>> digest({"a": 1, "b": 2}) == digest({"b": 2, "a": 1})
+    True
+    """
+    text = json.dumps(x, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def file_digest(path: Path) -> str:
+    """Return the SHA-256 of a file's content."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def content_digest(path: Path) -> str:
+    """Return the SHA-256 of a file's content, or nothing where there is no file."""
+    return file_digest(path) if path.is_file() else ""
+
+
+def digests(paths: Iterable[Path], root: Path) -> dict[str, str]:
+    """Return the SHA-256 of files by their path below a folder, sorted."""
+    return {path.relative_to(root).as_posix(): file_digest(path) for path in sorted(paths)}
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The notes of one build folder.
+
+    Parameters
+    ----------
+    out : Path
+        The build folder; notes lie in ``out/.state``.
+    """
+
+    out: Path
+
+    def done(self, step: str, key: str) -> bool:
+        """Tell whether a step was done with this key and all it made is still there, unchanged."""
+        try:
+            note = self._read(step)
+            made = {self.out / name: old for name, old in note["made"].items()}
+            return (
+                note["key"] == key
+                and all(file_digest(p) == old for p, old in made.items())
+                and all(content_digest(Path(p)) == old for p, old in note["read"].items())
+            )
+        except (OSError, ValueError, KeyError):
+            return False
+
+    def made(self, step: str) -> set[Path]:
+        """Return the files of a step that was done."""
+        return {self.out / name for name in self._read(step)["made"]}
+
+    def record(
+        self,
+        step: str,
+        key: str,
+        made: Iterable[Path],
+        read: Mapping[Path, str] = MappingProxyType({}),
+    ) -> None:
+        """Note that a step is done; `made` are its files, `read` digests of what is not in the key.
+
+        Files are read before they are made from, so the digests are those from then.
+        """
+        told = {str(path): content for path, content in read.items()}
+        note = {"key": key, "made": digests(made, self.out), "read": told}
+        write_atomically(self._note(step), json.dumps(note, indent=1).encode())
+
+    def _read(self, step: str) -> Any:
+        return json.loads(self._note(step).read_text(encoding="utf-8"))
+
+    def _note(self, step: str) -> Path:
+        return self.out / ".state" / f"{step}.json"

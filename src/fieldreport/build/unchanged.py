@@ -1,0 +1,96 @@
+"""Whether anything changed since the last whole build, told from files alone.
+
+A build that has nothing to do would import all experiments to find that out. Here the contents
+count of every file that a build reads, comments included, and of every file that it wrote. Where
+one differs, the steps of the build find out what is to be done.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import fieldrecon
+import fieldreport
+from fieldreport import experiments
+from fieldreport.build.document import Document
+from fieldreport.build.lock import only_build_in
+from fieldreport.build.manifest import machine
+from fieldreport.build.pins import pins
+from fieldreport.build.steps import Steps, content_digest, digest
+
+STEP = "build"
+HIDDEN = {".state", ".lock"}
+
+
+def told(arguments: argparse.Namespace) -> bool:
+    """Say that the report is up to date, if it is."""
+    out = out_folder(arguments)
+    if not out.is_dir():
+        return False
+    with only_build_in(out, _say):
+        steps = Steps(out)
+        done = steps.done(STEP, key(arguments)) and steps.made(STEP) == set(_outputs(out))
+    if done:
+        _say(f"{out / 'report.html'} and {out / 'report.pdf'} are up to date")
+    return done
+
+
+def key(arguments: argparse.Namespace) -> str:
+    """Return the digest of all that a whole build depends on but the inputs of experiments."""
+    source = arguments.source
+    text = Document(source, out_folder(arguments)).inputs
+    files = [settings_file(arguments), *text, *_code()]
+    return digest(
+        {
+            "files": {str(path): content_digest(path) for path in sorted(files)},
+            "packages": sorted(_packages()),
+            "python": sys.version,
+            "machine": machine(),
+            "pins": pins(),
+        }
+    )
+
+
+def record(steps: Steps, key: str, read: Mapping[Path, str]) -> None:
+    """Note that the whole build is done; `read` are the inputs of experiments, as they were."""
+    steps.record(STEP, key, _outputs(steps.out), read)
+
+
+def out_folder(arguments: argparse.Namespace) -> Path:
+    """Return the build folder."""
+    out: Path = arguments.out or arguments.source / "build"
+    return out
+
+
+def settings_file(arguments: argparse.Namespace) -> Path:
+    """Return the file of the parameters that differ from the defaults."""
+    path: Path = arguments.experiments or arguments.source / "experiments.toml"
+    return path
+
+
+def _code() -> Iterator[Path]:
+    """Yield every module that a build may import, and of experiments also those elsewhere."""
+    for folder in {*fieldrecon.__path__, *fieldreport.__path__, *experiments.__path__}:
+        yield from Path(folder).rglob("*.py")
+
+
+def _packages() -> Iterator[str]:
+    """Yield the names of what describes installed packages; the version is part of them."""
+    for folder in map(Path, sys.path):
+        yield from (str(path) for path in folder.glob("*.*-info"))
+
+
+def _outputs(out: Path) -> list[Path]:
+    """List all that a build wrote, and whatever else lies there."""
+    return [
+        path
+        for path in sorted(out.rglob("*"))
+        if path.is_file() and path.relative_to(out).parts[0] not in HIDDEN
+    ]
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr)

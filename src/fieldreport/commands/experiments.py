@@ -1,0 +1,104 @@
+"""``fieldrecon experiments``: list, show and run the experiments."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fieldrecon.cli.console import print_table, say
+from fieldreport.experiments import get, titles
+
+if TYPE_CHECKING:
+    from fieldreport.framework.experiment import Experiment, Map
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the subcommands."""
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands.add_parser("list", help="the experiments").set_defaults(command=_list)
+    show = commands.add_parser("show", help="what an experiment is, and its parameters")
+    show.add_argument("name", metavar="NAME")
+    show.set_defaults(command=_show)
+    run = commands.add_parser("run", help="run an experiment and write its files")
+    run.add_argument("name", metavar="NAME")
+    run.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="replace a parameter"
+    )
+    run.add_argument("--seed", help="the same as --set seed=SEED")
+    run.add_argument("--out", type=Path, default=Path("results"), metavar="DIR")
+    run.add_argument("--jobs", type=_positive, default=1, metavar="N", help="processes (1)")
+    run.set_defaults(command=_run)
+
+
+def _positive(text: str) -> int:
+    if not re.fullmatch(r"0*[1-9]\d*", text):
+        raise argparse.ArgumentTypeError(f"must be a positive whole number; got {text!r}")
+    return int(text)
+
+
+def _list(_: argparse.Namespace) -> None:
+    print_table(("experiment", "what it is about"), tuple(titles().items()))
+
+
+def _show(options: argparse.Namespace) -> None:
+    _print_experiment(get(options.name))
+
+
+def _print_experiment(experiment: Experiment) -> None:
+    """Print what an experiment is about, and its parameters."""
+    say(experiment.title)
+    print()
+    for paragraph in experiment.description.split("\n\n"):
+        listed = "\n---" in paragraph
+        say(paragraph if listed else " ".join(paragraph.split()))
+        print()
+    rows = [
+        (name, value, experiment.meanings[name])
+        for name, value in asdict(experiment.defaults).items()
+    ]
+    print_table(("parameter", "default", "what it is"), rows)
+    say(f"Figures: {', '.join(experiment.plots)}")
+
+
+def _run(options: argparse.Namespace) -> None:
+    from fieldrecon.cli.terminal import print_files, progress
+    from fieldreport.framework import result_files as files
+    from fieldreport.framework.settings import with_settings
+
+    experiment = get(options.name)
+    settings = dict(map(_setting, options.set)) | ({"seed": options.seed} if options.seed else {})
+    params = with_settings(experiment.defaults, settings)
+    with _pool_map(options.jobs) as pool_map, progress(pool_map, experiment.name) as each:
+        result = experiment.run(params, each)
+    folder = options.out / experiment.name
+    written = files.write_result(result, folder) + files.write_figures(experiment, result, folder)
+    for name, table in result.tables.items():
+        print_table(table.columns, table.rows, title=f"{experiment.name}: {name}")
+    print_table(("fact", ""), tuple(result.facts.items()))
+    print_files(written)
+
+
+def _setting(text: str) -> tuple[str, str]:
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise ValueError(f"--set wants KEY=VALUE; got {text!r}")
+    return key.strip(), value
+
+
+@contextmanager
+def _pool_map(jobs: int) -> Iterator[Map]:
+    """Give a map over so many processes, each with BLAS on one thread."""
+    if jobs == 1:
+        yield map
+        return
+    from concurrent.futures import ProcessPoolExecutor
+
+    from threadpoolctl import threadpool_limits
+
+    with ProcessPoolExecutor(jobs, initializer=threadpool_limits, initargs=(1,)) as pool:
+        yield pool.map

@@ -1,0 +1,95 @@
+"""``fieldrecon report``: its options, and what went wrong in a sentence.
+
+What computes and draws is imported only if there is something to do.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from fieldrecon._core.extras import require
+from fieldreport.build import unchanged
+from fieldreport.build.failure import BuildError, disk_failure
+
+INTERRUPTED = 130
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``fieldrecon report``."""
+    parser.add_argument(
+        "--source",
+        type=Path,
+        default=Path("report"),
+        metavar="DIR",
+        help="folder of the text (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results (default: SOURCE/build)"
+    )
+    parser.add_argument(
+        "--experiments",
+        type=Path,
+        metavar="FILE",
+        help="parameters that differ from the defaults (default: SOURCE/experiments.toml)",
+    )
+    parser.add_argument(
+        "--jobs",
+        type=int,
+        default=os.cpu_count() or 1,
+        metavar="N",
+        help="processes that compute (default: one per processor, %(default)s)",
+    )
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        default=[],
+        metavar="EXPERIMENT",
+        help="bring only these experiments up to date, and set no text",
+    )
+    parser.add_argument(
+        "--check-reproducible",
+        action="store_true",
+        help="build twice under different settings and compare every byte",
+    )
+    parser.add_argument(
+        "--against",
+        type=Path,
+        metavar="MANIFEST",
+        help="compare the facts with those of another machine's manifest.json",
+    )
+    parser.set_defaults(command=main)
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Build as the options say; tell in a sentence what went wrong, and return the exit status."""
+    from fieldreport.build import reproducible
+
+    require("matplotlib", "fontTools", "pypandoc", "typst")
+    try:
+        if arguments.check_reproducible:
+            return reproducible.check(arguments)
+        if arguments.only or not unchanged.told(arguments):
+            from fieldreport.build.build import build
+
+            build(arguments)
+        if arguments.against:
+            return reproducible.compare_facts(arguments)
+    except BuildError as error:
+        return _fail(error)
+    except OSError as error:
+        known = disk_failure(error)
+        if known is None:
+            raise
+        return _fail(known)
+    except KeyboardInterrupt:
+        print("interrupted; the next build goes on from here", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def _fail(error: BuildError) -> int:
+    print(f"fieldrecon report: {error}", file=sys.stderr)
+    return 1

@@ -1,0 +1,146 @@
+"""A front in a swirling flow, on sites that follow it and on sites that stay.
+
+A steep round front is drawn out by a flow that reverses, so that it should come back. Sites come
+where leaving one out shows that they are needed, and go where it does not; the error at the end
+is compared with that of as many sites, and more, that stay.
+
+References
+----------
+Wendland, Scattered Data Approximation (2005), section 1.3; Behrens and Iske (2002).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.advection.adaptation import adapted_points
+from fieldrecon.advection.departure_points import departure_points
+from fieldrecon.advection.semi_lagrangian import State, semi_lagrangian
+from fieldrecon.datasets.synthetic import halton, uniform
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.plotting.style import FULL_WIDTH, figure
+from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldreport.experiments.advection.advection import DISC, RADIUS, deforming, method_on
+from fieldreport.experiments.methods.convergence import rms
+from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+
+FRAMES = 4
+NOISE = 1e-6  # of the bound for coarsening: residuals below are rounding, and say nothing of order
+
+
+@dataclass(frozen=True)
+class Params:
+    """The front, the flow, and the rules by which sites come and go."""
+
+    sites: int = parameter(800, "sites at the beginning, before they are adapted")
+    fixed: tuple[int, ...] = parameter((1000, 2000, 4000, 8000), "sites that stay")
+    steps: int = parameter(30, "steps there and back")
+    period: float = parameter(1.5, "time there and back")
+    steepness: float = parameter(40.0, "slope of the front")
+    refine: float = parameter(0.01, "residual above which sites come")
+    coarsen: float = parameter(0.001, "residual below which sites go")
+    spacing: float = parameter(0.008, "least distance of new sites")
+    widest: float = parameter(0.05, "distance to the nearest beyond which sites stay")
+    rounds: int = parameter(4, "times the sites are adapted to the beginning")
+    shift: float = parameter(1e-4, "side of the squares in which sites are shifted at random")
+    seed: int = parameter(0, "seed of the shifts")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, sites=50, fixed=50, steps=6, rounds=0)
+
+
+QUICK = Params(sites=200, fixed=(200, 400), steps=6, spacing=0.03, rounds=1)
+
+
+def front(params: Params, x: np.ndarray) -> np.ndarray:
+    """One inside the disc and zero outside, with a steep slope between."""
+    away = np.linalg.norm(x - DISC, axis=-1) - RADIUS
+    return (1 - np.tanh(params.steepness * away)) / 2
+
+
+def following(params: Params, state: State, t: float) -> PartitionOfUnityRBF:
+    """The method on the sites of the next step: adapted to this one, and then carried along."""
+    eta = np.abs(leave_one_out(state.method, state.values))
+    eta[eta < NOISE * params.coarsen] = 0
+    rules = {"refine": params.refine, "coarsen": params.coarsen, "spacing": params.spacing}
+    rules["widest"] = params.widest
+    x = shifted(params, adapted_points(state.method.points, eta, **rules))
+    flow = partial(deforming, params.period)
+    return method_on(departure_points(x, flow, state.time, state.time - t))
+
+
+def shifted(params: Params, x: np.ndarray) -> np.ndarray:
+    """Shift sites a little, so that no two distances are equal and rounding chooses no neighbour.
+
+    Distances between midpoints are often equal, and so are those of the sites at the beginning.
+    """
+    return x + params.shift * (uniform(len(x), 2, params.seed) - 0.5)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Carry the front on sites that follow, and on all numbers of sites that stay."""
+    jobs = (0, *params.fixed)
+    found = list(each(partial(carried, params), jobs))
+    counts, error, frames = found[0]
+    rows = [("follow", int(counts.mean()), error)]
+    rows += [("stay", n, e) for n, (_, e, _) in zip(params.fixed, found[1:], strict=True)]
+    stay = np.array([e for _, e, _ in found[1:]])
+    facts: dict[str, Cell] = {
+        "mean_sites": float(counts.mean()),
+        "most_sites": int(counts.max()),
+        "error": error,
+        "best_fixed_error": float(stay.min()),
+    }
+    arrays = {f"sites_{k}": x for k, x in enumerate(frames)}
+    return Result(
+        params=params,
+        tables={"errors": Table(("sites", "number", "rms error"), tuple(rows))},
+        facts=facts,
+        arrays=arrays | {"counts": counts},
+    )
+
+
+def carried(params: Params, fixed: int) -> tuple[np.ndarray, float, list[np.ndarray]]:
+    """Numbers of sites, error at the end, and sites with values (n, 3) at a few times.
+
+    The error is taken on a lattice against the beginning. With no number of fixed sites they
+    follow the front.
+    """
+    follow = fixed == 0
+    x = shifted(params, halton(params.sites, 2)) if follow else halton(fixed, 2)
+    for _ in range(params.rounds if follow else 0):
+        x = following(params, State(0.0, method_on(x), front(params, x)), 0.0).points
+    states = semi_lagrangian(
+        method_on(x),
+        front(params, x),
+        partial(deforming, params.period),
+        np.linspace(0, params.period, params.steps + 1),
+        sites=partial(following, params) if follow else None,
+    )
+    counts, frames = [], []
+    shown = np.linspace(0, params.steps / 2, FRAMES).round()
+    for k, state in enumerate(states):
+        counts.append(len(state.values))
+        if k in shown:
+            frames.append(np.column_stack([state.method.points, state.values]))
+    g = (np.arange(150) + 0.5) / 150
+    lattice = np.stack(np.meshgrid(g, g), axis=-1)
+    end = state.method.field(state.values)(lattice)
+    return np.array(counts), rms((end - front(params, lattice))[..., None]), frames
+
+
+def plot(result: Result) -> Figure:
+    """The sites that follow, and what they carry, at four times until the flow reverses."""
+    with figure(FULL_WIDTH, height=1.75, columns=FRAMES, sharey=True) as (page, axes):
+        half = result.params.period / 2
+        for k, panel in enumerate(axes):
+            x, y, u = result.arrays[f"sites_{k}"].T
+            panel.scatter(x, y, 1.5, u, cmap="cividis", vmin=0, vmax=1, linewidths=0)
+            panel.set(title=f"$t = {k * half / (FRAMES - 1):.2f}$", aspect="equal")
+            panel.set(xlim=(0, 1), ylim=(0, 1), xticks=[0, 1], yticks=[0, 1])
+            panel.grid(visible=False)
+    return page

@@ -1,0 +1,260 @@
+"""Shapes carried by a flow on scattered sites, turned round once, or deformed and back.
+
+A cone, a smooth hump and a slotted disc turn with the plane, and are drawn out by a flow that
+reverses, so that in both cases the end is the beginning. Errors, extrema and mass are recorded,
+with and without bounds and mass being kept; orders in the step and in the spacing are measured,
+and the powers of the matrix of one step.
+
+References
+----------
+Wendland, Scattered Data Approximation (2005), section 1.3; Zalesak (1979); LeVeque (1996).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.advection.departure_points import SCHEMES, Velocity, departure_points
+from fieldrecon.advection.semi_lagrangian import semi_lagrangian
+from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldreport.experiments.advection.advection_figures import (
+    draw_turn,
+    plot_deformation,
+    plot_history,
+    plot_orders,
+)
+from fieldreport.experiments.methods.convergence import order, rms
+from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+
+__all__ = ["QUICK", "Params", "plot", "plot_deformation", "plot_history", "plot_orders", "run"]
+
+DISC, CONE, HUMP = np.array([[0.5, 0.75], [0.5, 0.25], [0.25, 0.5]])
+RADIUS = 0.15
+VARIANTS: dict[str, dict[str, bool]] = {
+    "free": {"bounded": False, "massive": False},
+    "bounded": {"bounded": True, "massive": False},
+    "bounded, with its mass": {"bounded": True, "massive": True},
+}
+
+
+@dataclass(frozen=True)
+class Params:
+    """Sites, in the unit square or its inner disc, and steps."""
+
+    sites: int = parameter(5000, "sites that turn, about")
+    steps: int = parameter(40, "steps of one turn")
+    deformed_sites: int = parameter(3000, "sites in the flow that reverses")
+    deformed_steps: int = parameter(30, "steps there and back")
+    period: float = parameter(1.5, "time there and back")
+    counts: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "sites, for the order in h")
+    divisions: tuple[int, ...] = parameter(
+        (16, 32, 64, 128), "steps of a turn, for the order in dt"
+    )
+    powers: int = parameter(700, "sites whose matrix is raised to powers")
+    grid: int = parameter(120, "points of the pictures along a side")
+
+    def __post_init__(self) -> None:
+        least = {"sites": 100, "deformed_sites": 100, "counts": 100, "powers": 50}
+        require_at_least(self, **least, steps=2, deformed_steps=2, divisions=2, grid=5)
+
+
+QUICK = Params(
+    sites=700,
+    steps=8,
+    deformed_sites=300,
+    deformed_steps=4,
+    counts=(300, 600),
+    divisions=(4, 8),
+    powers=100,
+    grid=20,
+)
+
+
+def disc(n: int) -> np.ndarray:
+    """About n sites in the disc that touches the sides of the square, which turns into itself."""
+    x = halton(round(4 / np.pi * n), 2)
+    return x[np.linalg.norm(x - 0.5, axis=1) < 0.5]
+
+
+def turning(x: np.ndarray, _: float) -> np.ndarray:
+    """One turn about the middle of the square in the time one."""
+    return 2 * np.pi * (x - 0.5)[:, ::-1] * [-1, 1]
+
+
+def deforming(period: float, x: np.ndarray, t: float) -> np.ndarray:
+    """The flow of LeVeque (1996), which reverses after half its period."""
+    wave, double = np.sin(np.pi * x) ** 2, np.sin(2 * np.pi * x)
+    return np.cos(np.pi * t / period) * wave * double[:, ::-1] * [1, -1]
+
+
+def shapes(x: np.ndarray) -> np.ndarray:
+    """The slotted disc, the cone and the hump of height one, (m, 3)."""
+    away = [np.linalg.norm(x - center, axis=1) / RADIUS for center in (DISC, CONE, HUMP)]
+    slot = (np.abs(x[:, 0] - DISC[0]) < 0.025) & (x[:, 1] < DISC[1] + 0.1)
+    disc = (away[0] <= 1) & ~slot
+    cone = np.maximum(1 - away[1], 0)
+    hump = (1 + np.cos(np.pi * np.minimum(away[2], 1))) / 2
+    return np.column_stack([disc.astype(float), cone, hump])
+
+
+def smooth(x: np.ndarray) -> np.ndarray:
+    """A hill that no site set resolves too badly, for the orders."""
+    return np.exp(-60 * ((x - HUMP) ** 2).sum(axis=1))
+
+
+def method_on(x: np.ndarray) -> PartitionOfUnityRBF:
+    """Cubes and linear polynomials on patches, which overshoot little."""
+    return PartitionOfUnityRBF(x, polyharmonic(3), 1)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Turn, deform, refine."""
+    jobs = [(flow, variant) for flow in ("turn", "deformation") for variant in VARIANTS]
+    told = dict(zip(jobs, each(partial(carried, params), jobs), strict=True))
+    time_jobs = [(scheme, k) for scheme in SCHEMES for k in params.divisions]
+    in_time = np.reshape(list(each(time_error, time_jobs)), (len(SCHEMES), -1))
+    in_space = np.array(list(each(space_error, params.counts)))
+    norms, radii = norms_of_powers(params)
+    x = (np.arange(params.grid) + 0.5) / params.grid
+    arrays = {"x": x}
+    for (flow, variant), (history, frames) in told.items():
+        name = f"{flow}_{list(VARIANTS).index(variant)}"
+        arrays |= {f"{name}_history": history, f"{name}_frames": frames}
+    arrays |= {"in_time": in_time, "in_space": in_space, "norms": norms}
+    return Result(
+        params=params,
+        tables={"errors": _table(told)},
+        facts=_facts(params, told, in_time, in_space, norms, radii),
+        arrays=arrays,
+    )
+
+
+def carried(params: Params, job: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
+    """History (step, shape, [rms error, mean error, least, most, mass]) and frames on a grid.
+
+    The errors are those against the beginning, which is right at the end only. The frames are the
+    beginning, the middle and the end of the three shapes together, (3, g, g).
+    """
+    flow, variant = job
+    turn = flow == "turn"
+    x = disc(params.sites) if turn else halton(params.deformed_sites, 2)
+    steps = params.steps if turn else params.deformed_steps
+    velocity: Velocity = turning if turn else partial(deforming, params.period)
+    keep = VARIANTS[variant]
+    first = shapes(x)
+    states = semi_lagrangian(
+        method_on(x),
+        first,
+        velocity,
+        np.linspace(0, 1.0 if turn else params.period, steps + 1),
+        steady=turn,
+        bounded=keep["bounded"],
+        masses=np.full(len(x), 1 / len(x)) if keep["massive"] else None,
+    )
+    g = (np.arange(params.grid) + 0.5) / params.grid
+    places = np.stack(np.meshgrid(g, g), axis=-1)
+    history, frames = [], []
+    for k, state in enumerate(states):
+        u = state.values
+        size = np.sqrt(np.mean(first**2, axis=0)), np.mean(first, axis=0)
+        away = np.sqrt(np.mean((u - first) ** 2, axis=0)), np.mean(np.abs(u - first), axis=0)
+        mass = u.sum(axis=0) / first.sum(axis=0)
+        history.append([away[0] / size[0], away[1] / size[1], u.min(axis=0), u.max(axis=0), mass])
+        if k in (0, steps // 2, steps):
+            frame = state.method.field(u.sum(axis=1))(places)
+            reached = np.linalg.norm(places - 0.5, axis=-1) < 0.5
+            frames.append(np.where(reached | (not turn), frame, 0.0))
+    return np.array(history).transpose(0, 2, 1), np.array(frames)
+
+
+def time_error(job: tuple[str, int]) -> float:
+    """Error of the places after one turn, relative to the distance from the middle."""
+    scheme, k = job
+    x = halton(200, 2)
+    y = x
+    for j in range(k):
+        y = departure_points(y, turning, 1 - j / k, 1 / k, scheme)
+    return rms(y - x) / rms(x - 0.5)
+
+
+def space_error(n: int) -> float:
+    """Error of the smooth hill after one turn in 20 steps whose feet are right to rounding."""
+    x = disc(n)
+    c, s = np.cos(2 * np.pi / 20), np.sin(2 * np.pi / 20)
+    feet = 0.5 + (x - 0.5) @ np.array([[c, -s], [s, c]])
+    h, u = method_on(x).weights(feet), smooth(x)
+    for _ in range(20):
+        u = h @ u
+    return rms(u - smooth(x)) / rms(smooth(x))
+
+
+def norms_of_powers(params: Params) -> tuple[np.ndarray, np.ndarray]:
+    """Norms of H^k for k = 1, 2, 4, ... 1024 of one step, and spectral radii: disc, and square.
+
+    The corners of the square come from outside, where the field is continued; the disc turns into
+    itself. Norms beyond 1e9 are told as that.
+    """
+    norms, radii = np.full((2, 11), 1e9), np.empty(2)
+    for k, x in enumerate((disc(params.powers), halton(params.powers, 2))):
+        feet = departure_points(x, turning, 1 / params.steps, 1 / params.steps)
+        h = method_on(x).weights(feet) @ np.eye(len(x))
+        radii[k] = np.abs(np.linalg.eigvals(h)).max()
+        for power in range(11):
+            found = float(np.linalg.norm(h, 2))
+            if found > 1e9:
+                break
+            norms[k, power] = found
+            h = h @ h
+    return norms, radii
+
+
+def _table(told: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> Table:
+    columns = ("rms error", "mean error", "least", "most", "mass")
+    rows = [
+        (flow, shape, variant, *history[-1, k])
+        for (flow, variant), (history, _) in told.items()
+        for k, shape in enumerate(("slotted disc", "cone", "hump"))
+    ]
+    return Table(("flow", "shape", "variant", *columns), tuple(rows))
+
+
+def _facts(
+    params: Params,
+    told: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]],
+    in_time: np.ndarray,
+    in_space: np.ndarray,
+    norms: np.ndarray,
+    radii: np.ndarray,
+) -> dict[str, Cell]:
+    steps, h = 1 / np.array(params.divisions), np.array(params.counts) ** -0.5
+    facts: dict[str, Cell] = {
+        f"order_{scheme}": order(steps[-2:], errors[-2:])
+        for scheme, errors in zip(SCHEMES, in_time, strict=True)
+    }
+    facts |= {
+        "order_in_space": order(h, in_space),
+        "largest_norm_disc": float(norms[0].max()),
+        "radius_disc": float(radii[0]),
+        "radius_square": float(radii[1]),
+    }
+    histories = {variant: told["turn", variant][0] for variant in VARIANTS}
+    for name, history in zip(("free", "bounded", "kept"), histories.values(), strict=True):
+        facts[f"{name}_disc_error"] = history[-1, 0, 1]
+        facts[f"{name}_cone_most"] = history[-1, 1, 3]
+        facts[f"{name}_hump_error"] = history[-1, 2, 0]
+    facts["least"] = histories["free"][:, 0, 2].min()
+    facts["most"] = histories["free"][:, 0, 3].max()
+    back = told["deformation", "free"][0]
+    facts["deformed_hump_error"] = back[-1, 2, 0]
+    return facts
+
+
+def plot(result: Result) -> Figure:
+    """The shapes at the beginning, and after one turn without and with bounds and mass."""
+    return draw_turn(result)

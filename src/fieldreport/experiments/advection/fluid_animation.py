@@ -1,0 +1,265 @@
+"""A fluid on a mesh that is another in each frame: velocities carried over and made to balance.
+
+A vortex in a box keeps turning, and a drop of ink in it is drawn out. Each frame has a mesh of its
+own, fine where the rim of the ink is. All that is known of the flow are normal velocities of faces:
+from these come velocities of vertices, from these the normal velocities of the next mesh, a step
+ago along the characteristics; then the pressure takes out what does not balance. The vortex is a
+steady flow of an ideal fluid, so its energy and its velocities are known at all times.
+
+References
+----------
+Klingner, Feldman, Chentanez and O'Brien, Fluid animation with dynamic meshes (2006); Zehnder,
+Narain and Thomaszewski, An advection-reflection solver (2018).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from fieldrecon.advection.departure_points import departure_points
+from fieldrecon.advection.incompressible import (
+    carried_normal_velocities,
+    divergence_free,
+    flow_energy,
+)
+from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.plotting.style import FULL_WIDTH, figure, line
+from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.velocity.vertex_velocities import divergence, vertex_velocities
+from fieldreport.experiments.meshes.frame_meshes import box_mesh, near_rim
+from fieldreport.experiments.methods.convergence import rms
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    Table,
+    order_of_magnitude,
+    parameter,
+    require_at_least,
+)
+
+INK = np.array([0.5, 0.72])
+RADIUS = 0.16
+FRAMES = 6
+ENERGY = 0.25  # of the vortex, for ever
+EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
+
+
+@dataclass(frozen=True)
+class Params:
+    """Meshes and steps."""
+
+    spacing: float = parameter(0.06, "edges of the mesh away from the ink")
+    finest: float = parameter(0.025, "edges of the mesh at the rim of the ink")
+    steps: int = parameter(10, "steps, of two meshes each")
+    time: float = parameter(2.0, "time; the middle turns once in two")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, spacing=0.005, finest=0.002, steps=FRAMES - 1)
+
+
+QUICK = Params(spacing=0.2, finest=0.15, steps=5, time=0.5)
+
+
+def vortex(x: np.ndarray) -> np.ndarray:
+    """The steady vortex of Taylor and Green in the unit square, whose walls it does not cross."""
+    s, c = np.sin(np.pi * x), np.cos(np.pi * x)
+    return np.stack([s[..., 0] * c[..., 1], -c[..., 0] * s[..., 1]], axis=-1)
+
+
+def on_patches(x: np.ndarray) -> Reconstruction:
+    """Radial basis functions on patches."""
+    return PartitionOfUnityRBF(x)
+
+
+def moving_planes(x: np.ndarray) -> Reconstruction:
+    """Moving least squares of degree one on the nearest vertices."""
+    return MovingLeastSquares(x, inverse_square(EPSILON), degree=1, neighbors=9)
+
+
+@dataclass(frozen=True)
+class Way:
+    """How velocities at vertices become a field; whether there is a pressure; is it reflected."""
+
+    name: str
+    method: Callable[[np.ndarray], Reconstruction]
+    pressure: bool = True
+    reflected: bool = False
+
+
+WAYS = (
+    Way("reflected", on_patches, reflected=True),
+    Way("reflected, planes", moving_planes, reflected=True),
+    Way("plain", on_patches),
+    Way("without pressure", on_patches, pressure=False),
+)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A mesh, its normal velocities (f,), those that it hands on (f,), and ink at vertices (n,)."""
+
+    mesh: SimplexMesh
+    v: np.ndarray
+    carried: np.ndarray
+    ink: np.ndarray
+
+    def field(self, method: Callable[[np.ndarray], Reconstruction], v: np.ndarray) -> Field:
+        """The field of velocities from normal ones."""
+        u = vertex_velocities(self.mesh, v, inverse_square(EPSILON)).values
+        return method(self.mesh.points).field(u)
+
+    @property
+    def energy(self) -> float:
+        """Kinetic energy at density one."""
+        return float(self.v @ (flow_energy(self.mesh) @ self.v)) / 2
+
+
+def walled(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
+    """Nothing goes through the boundary."""
+    return np.where(mesh.face_cells[:, 1] < 0, 0.0, v)
+
+
+def first(params: Params) -> Frame:
+    """The exact fluxes of the vortex, on a mesh that is fine at the rim of the drop."""
+    mesh = box_mesh(partial(near_rim, params.spacing, params.finest, None), seed=0)
+    for _ in range(2):
+        rim = np.abs(np.linalg.norm(mesh.points - INK, axis=1) - RADIUS) < params.finest
+        mesh = box_mesh(partial(near_rim, params.spacing, params.finest, mesh.points[rim]), seed=0)
+    psi = np.sin(np.pi * mesh.points).prod(axis=1) / np.pi
+    start, end = mesh.faces.T
+    along = mesh.points[end] - mesh.points[start]
+    across = along[:, ::-1] * [1, -1]
+    turned = np.sign((across * mesh.face_normals).sum(axis=1))
+    v = turned * (psi[end] - psi[start]) / mesh.face_measures
+    away = np.linalg.norm(mesh.points - INK, axis=1) - RADIUS
+    return Frame(mesh, v, v, np.clip(0.5 - away / (2 * params.finest), 0, 1))
+
+
+def next_frame(params: Params, way: Way, k: int, now: Frame) -> Frame:
+    """What the flow brings in half a step to a mesh that is fine where the rim goes."""
+    dt = params.time / params.steps / 2
+    flow = now.field(way.method, now.v)
+    rim = now.mesh.points[(now.ink > 0.1) & (now.ink < 0.9)]
+    goes = departure_points(rim, flow, 0.0, -dt) if len(rim) else rim
+    mesh = box_mesh(partial(near_rim, params.spacing, params.finest, goes), seed=k)
+    carried = now.field(way.method, now.carried)
+    met = walled(mesh, carried_normal_velocities(flow, mesh, 0.0, dt, carried))
+    v = divergence_free(mesh, met) if way.pressure else met
+    feet = departure_points(mesh.points, flow, 0.0, dt)
+    ink = way.method(now.mesh.points).field(now.ink)(feet)
+    reflect = way.reflected and k % 2 == 1
+    return Frame(mesh, v, 2 * v - met if reflect else v, np.clip(ink, 0, 1))
+
+
+def animated(params: Params, way: Way) -> tuple[np.ndarray, list[Frame]]:
+    """Energy, error and divergence (steps + 1, 3) at the end of each step, and the frames then."""
+    frames, now = [first(params)], first(params)
+    for k in range(1, 2 * params.steps + 1):
+        now = next_frame(params, way, k, now)
+        if k % 2 == 0:
+            frames.append(now)
+    return np.array([judged(frame) for frame in frames]), frames
+
+
+def judged(frame: Frame) -> tuple[float, float, float]:
+    """Energy, root mean square error of the velocities of vertices, largest divergence."""
+    u = vertex_velocities(frame.mesh, frame.v, inverse_square(EPSILON)).values
+    outflow = np.abs(divergence(frame.mesh, frame.v)).max()
+    return frame.energy, rms(u - vortex(frame.mesh.points)), float(outflow)
+
+
+def exact_rim(time: float, count: int = 400) -> np.ndarray:
+    """Points (count, 2) of the rim of the drop at a time, traced through the exact flow."""
+    angle = np.linspace(0, 2 * np.pi, count)
+    x = INK + RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    steps = max(1, round(time / 0.02))
+    for _ in range(steps):
+        x = departure_points(x, lambda y, _: vortex(y), 0.0, -time / steps)
+    return x
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Animate in all ways, and keep some frames of the first."""
+    found = list(each(partial(animated, params), WAYS))
+    history = np.array([h for h, _ in found])
+    frames = found[0][1]
+    left = history[:, -1, 0] / ENERGY
+    rows = [(w.name, e, h[-1, 1], h[-1, 2]) for w, e, h in zip(WAYS, left, history, strict=True)]
+    shown = np.linspace(0, params.steps, FRAMES).round().astype(int)
+    arrays = {"history": history, "times": shown * params.time / params.steps}
+    for k, at in enumerate(shown):
+        frame = frames[at]
+        arrays |= {f"points_{k}": frame.mesh.points, f"cells_{k}": frame.mesh.cells}
+        arrays |= {f"ink_{k}": frame.ink, f"rim_{k}": exact_rim(arrays["times"][k])}
+    counts = [len(frame.mesh.points) for frame in frames]
+    facts: dict[str, Cell] = {
+        "meshes": 2 * params.steps,
+        "fewest": min(counts),
+        "most": max(counts),
+        "divergence": order_of_magnitude(float(history[0, :, 2].max())),
+    }
+    for name, energy, (_, error, _) in zip(
+        ("reflected", "planes", "plain", "loose"), left, history[:, -1], strict=True
+    ):
+        facts |= {f"{name}_energy": energy, f"{name}_error": float(error)}
+    return Result(
+        params=params,
+        tables={
+            "ways": Table(
+                ("frames", "energy left", "error", "divergence"),
+                tuple((name, e, error, max(d, 1e-12)) for name, e, error, d in rows),
+            )
+        },
+        facts=facts,
+        arrays=arrays,
+    )
+
+
+def plot(result: Result) -> Figure:
+    """Six frames: the mesh, the ink, and where its rim ought to be."""
+    with figure(FULL_WIDTH, height=4.1, rows=2, columns=3) as (page, axes):
+        for k, (panel, t) in enumerate(zip(axes.flat, result.arrays["times"], strict=True)):
+            drawn(panel, *(result.arrays[f"{name}_{k}"] for name in ("points", "cells", "ink")))
+            panel.plot(*result.arrays[f"rim_{k}"].T, color="#c48600", linewidth=0.9)
+            panel.set(title=f"$t = {t:.1f}$", aspect="equal", xlim=(0, 1), ylim=(0, 1))
+            panel.set_axis_off()
+    return page
+
+
+def drawn(panel: Axes, points: np.ndarray, cells: np.ndarray, ink: np.ndarray) -> None:
+    """The ink in four shades, and the mesh as one broken line."""
+    x, y = points.T
+    shades = [0.2, 0.4, 0.6, 0.8, 1.01]
+    panel.tricontourf(Triangulation(x, y, cells), ink, shades, cmap="Blues", vmin=-0.4)
+    around = np.concatenate(
+        [points[cells[:, [0, 1, 2, 0]]], np.full((len(cells), 1, 2), np.nan)], 1
+    )
+    panel.plot(*around.reshape(-1, 2).T, color="#777777", linewidth=0.2)
+
+
+def plot_history(result: Result) -> Figure:
+    """Energy left and error of the velocities over time."""
+    history, params = result.arrays["history"], result.params
+    t = np.linspace(0, params.time, params.steps + 1)
+    styles = ("RBF", "MLS", "PU", "LS")
+    with figure(FULL_WIDTH, height=2.4, columns=2) as (page, axes):
+        for way, row, style in zip(WAYS, history, styles, strict=True):
+            axes[0].plot(t, row[:, 0] / ENERGY, **line(style, label=way.name))
+            axes[1].plot(t, row[:, 1], **line(style, label=way.name))
+        axes[0].axhline(1, color="black", linewidth=0.6)
+        axes[0].set(xlabel="time", title="kinetic energy, of the exact one", ylim=(0, 1.1))
+        axes[1].set(xlabel="time", title="error of velocities", yscale="log")
+        handles, labels = axes[0].get_legend_handles_labels()
+        page.legend(handles, labels, loc="outside upper center", ncols=4)
+    return page

@@ -1,0 +1,148 @@
+"""Barycentric coordinates as textbooks write them: slow, or fragile, and independent.
+
+Each function here is a second way to the weights of a convex polytope: the quotient of the slides,
+the volumes of the polar dual from a hull, the corners split by moving the faces apart, rational
+numbers, and the closed forms of simplices and cubes.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import combinations
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from fieldreport.experiments.barycentric.convex_shapes import Planes
+
+
+def affine(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the weights (m, d + 1) of a simplex: the solution of sum w = 1, sum w p = x."""
+    system = np.vstack([corners.T, np.ones(len(corners))])
+    return np.linalg.solve(system, np.vstack([x.T, np.ones(len(x))])).T
+
+
+def multilinear(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the weights (m, 2**d) of a square or cube with corners (±r, ±r, ...)."""
+    return ((1 + x[:, None] / corners) / 2).prod(axis=2)
+
+
+def quotient(planes: Planes, x: np.ndarray, faces: int | None = None) -> np.ndarray:
+    """Return the slides' weights (m, n), |det N_i| / prod n_a^T (p_i - x) over their sum.
+
+    Parameters
+    ----------
+    planes : Planes
+        The polytope.
+    x : (m, d) ndarray
+        Queries.
+    faces : int, optional
+        The first so many of the faces at each corner; all of them, which must be d, by default.
+    """
+    w = np.empty((len(x), len(planes.corners)))
+    for i, p in enumerate(planes.corners):
+        normals = planes.normals[planes.on[i]][:faces]
+        w[:, i] = abs(np.linalg.det(normals)) / ((p - x) @ normals.T).prod(axis=1)
+    return w / w.sum(axis=1, keepdims=True)
+
+
+def polar(planes: Planes, x: np.ndarray) -> np.ndarray:
+    """Return the weights (m, n) as volumes of the polar dual about each query, found by Qhull.
+
+    The dual has a corner n_a / (n_a^T (p_a - x)) for each face, and for each corner p_i a facet on
+    the plane y^T (p_i - x) = 1; w_i is the volume of the cone from the origin over that facet.
+    """
+    w = np.zeros((len(x), len(planes.corners)))
+    for row, q in zip(w, x, strict=True):
+        dual = planes.normals / (planes.offsets - planes.normals @ q)[:, None]
+        hull = ConvexHull(dual)
+        away = planes.corners - q
+        away /= np.linalg.norm(away, axis=1)[:, None]
+        corner = (hull.equations[:, :-1] @ away.T).argmax(axis=1)
+        np.add.at(row, corner, np.abs(np.linalg.det(dual[hull.simplices])))
+    return w / w.sum(axis=1, keepdims=True)
+
+
+def split(planes: Planes, shifts: np.ndarray) -> tuple[Planes, np.ndarray]:
+    """Return the polyhedron with its faces moved out by these shifts, and whence its corners come.
+
+    A corner of more than three faces comes apart into corners of three. They are found by trying
+    all triples of faces.
+    """
+    offsets = planes.offsets + shifts
+    triples = np.array([*combinations(range(len(offsets)), 3)])
+    triples = triples[np.abs(np.linalg.det(planes.normals[triples])) > 1e-9]
+    p = np.linalg.solve(planes.normals[triples], offsets[triples][..., None])[..., 0]
+    inside = (p @ planes.normals.T <= offsets + 1e-13).all(axis=1)
+    corners, triples = p[inside], triples[inside]
+    on = np.zeros((len(corners), len(offsets)), dtype=bool)
+    np.put_along_axis(on, triples, values=True, axis=1)
+    apart = np.linalg.norm(corners[:, None] - planes.corners, axis=2)
+    return Planes(planes.normals, offsets, corners, on), apart.argmin(axis=1)
+
+
+def added_up(w: np.ndarray, origin: np.ndarray, n: int) -> np.ndarray:
+    """Return the weights (m, n) of corners as sums of those of the corners they came apart into."""
+    return w @ (origin[:, None] == np.arange(n))
+
+
+def rational(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the exact weights (n,) at x of a polygon, its corners given anticlockwise."""
+    p = [[Fraction(c) for c in row] for row in corners.tolist()]
+    q = [Fraction(c) for c in x.tolist()]
+    n = len(p)
+    edges = [[b - a for a, b in zip(p[a], p[(a + 1) % n], strict=True)] for a in range(n)]
+    to = [[c - b for b, c in zip(p[a], q, strict=True)] for a in range(n)]
+    h = [_cross(edge, away) for edge, away in zip(edges, to, strict=True)]
+    w = []
+    for i in range(n):
+        term = _cross(edges[i - 1], edges[i])
+        for a in range(n):
+            term *= 1 if a in (i, (i - 1) % n) else h[a]
+        w.append(term)
+    total = sum(w)
+    return np.array([float(term / total) for term in w])
+
+
+def _cross(a: list[Fraction], b: list[Fraction]) -> Fraction:
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def adjoint(planes: Planes, x: np.ndarray) -> np.ndarray:
+    """Return the common denominator (m,) of the coordinates of a polygon, sum of the products.
+
+    It is a polynomial of degree n - 3, for the highest terms cancel.
+    """
+    h = planes.offsets - x @ planes.normals.T
+    total = np.zeros(len(x))
+    for on in planes.on:
+        total += abs(np.linalg.det(planes.normals[on])) * h[:, ~on].prod(axis=1)
+    return total
+
+
+def crossings(planes: Planes) -> np.ndarray:
+    """Return the points (n (n - 3) / 2, 2) where edges of a polygon that do not meet would."""
+    pairs = [
+        (a, b)
+        for a, b in combinations(range(len(planes.offsets)), 2)
+        if not (planes.on[:, a] & planes.on[:, b]).any()
+    ]
+    return np.array([np.linalg.solve(planes.normals[[*p]], planes.offsets[[*p]]) for p in pairs])
+
+
+def curve_through(points: np.ndarray, degree: int) -> np.ndarray:
+    """Return the coefficients of the polynomial of this degree that vanishes at these points.
+
+    There must be as many points as its coefficients, less one: it is unique to a factor then.
+    """
+    return np.linalg.svd(_monomials(points, degree))[2][-1]
+
+
+def on_curve(coefficients: np.ndarray, degree: int, x: np.ndarray) -> np.ndarray:
+    """Return the values (m,) of that polynomial at points (m, 2)."""
+    return _monomials(x, degree) @ coefficients
+
+
+def _monomials(x: np.ndarray, degree: int) -> np.ndarray:
+    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    return np.stack([x[:, 0] ** i * x[:, 1] ** j for i, j in powers], axis=1)

@@ -1,0 +1,233 @@
+"""Voronoi coordinates on a spiral inside a hexagon, and inside other stars of cells.
+
+The slides' exercise as asked: a regular hexagon, values at the circumcentres of its six triangles,
+a spiral from near an edge of the dual cell to its middle. Then what it leaves out: hexagons turned
+and moved, one with the first point of the spiral on an edge, stars at random, and stars in space.
+On all of them the slides' quotients are compared with products.
+
+References
+----------
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 45); Meyer,
+Barr, Lee and Desbrun, Generalized Barycentric Coordinates on Irregular Polygons, Journal of
+Graphics Tools 7 (2002), for the same weights from areas.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.barycentric.voronoi import VoronoiCell
+from fieldreport.experiments.barycentric.hexagon_spiral_figures import draw_errors, draw_stars
+from fieldreport.experiments.barycentric.stars import (
+    Star,
+    at_random,
+    from_areas,
+    hexagon,
+    icosahedron,
+    quotients,
+    spiral,
+)
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    Table,
+    order_of_magnitude,
+    parameter,
+    require_at_least,
+)
+
+ROUNDING = 1e-16
+FORMS = ("quotient", "quotient, one height", "product")
+
+
+@dataclass(frozen=True)
+class Params:
+    """The spiral, the stars, and how near the edge of a cell is approached."""
+
+    steps: int = parameter(50, "points N of the spiral")
+    turn: float = parameter(20.0, "angle by which a hexagon is turned, in degrees")
+    center: tuple[float, ...] = parameter((-1.5, 0.5), "centre of the hexagon that is moved")
+    scattered: int = parameter(60, "points at random, in the unit square and in the unit cube")
+    nearest: int = parameter(16, "smallest distance from an edge, as a negative power of ten")
+    places: int = parameter(200, "points along the edge at each distance")
+    seed: int = parameter(0, "seed of the points at random")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, steps=7, scattered=40, nearest=2, places=2, seed=0)
+        if len(self.center) != 2:
+            raise ValueError(f"parameter center must be two coordinates; got {self.center}")
+
+
+QUICK = Params(steps=12, nearest=6, places=9)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Reconstruct three fields in every star, and approach an edge of one."""
+    stars = stars_of(params)
+    found = dict(zip(stars, each(partial(measure, params.steps), stars.values()), strict=True))
+    distances = 10.0 ** -np.arange(1, params.nearest + 1)
+    near = np.array([errors_near_an_edge(params, distance) for distance in distances])
+    return Result(
+        params=params,
+        tables={
+            "stars": _stars_table(stars, found),
+            "spiral": _spiral_table(params.steps),
+            "edge": Table(
+                ("distance", *FORMS),
+                tuple((d, *map(_told, row)) for d, row in zip(distances, near, strict=True)),
+            ),
+        },
+        facts=_facts(params, found) | _facts_near(distances, near),
+        arrays={"distances": distances, "near": near} | _drawn(params),
+    )
+
+
+def stars_of(params: Params) -> dict[str, Star]:
+    """Return the stars by name; in one of them the spiral begins on an edge of the dual cell."""
+    on_edge, (x, y) = 360 / params.steps, params.center
+    return {
+        "regular hexagon": hexagon(),
+        f"turned by {params.turn:g}°": hexagon(params.turn),
+        f"moved to ({x:g}, {y:g})": hexagon(0.0, params.center),
+        f"moved, and turned by {on_edge:g}°": hexagon(on_edge, params.center),
+        "at random in the plane": at_random(params.scattered, 2, params.seed),
+        "icosahedron": icosahedron(),
+        "at random in space": at_random(params.scattered, 3, params.seed),
+    }
+
+
+def measure(steps: int, star: Star) -> dict[str, float]:
+    """Return the smallest weight on the spiral, and the largest errors of three kinds of data."""
+    cell, s = VoronoiCell(*star), spiral(star, steps)
+    w = cell.weights(s)
+    squares = ((cell.points - star.center) ** 2).sum(axis=1)
+    return {
+        "smallest": w.min(),
+        "constant": np.abs(w.sum(axis=1) - 1).max(),
+        "linear": linear_error(w, cell.points, s).max(),
+        "quotient": linear_error(quotients(star, s), star.corners, s).max(),
+        "quadratic": np.abs(w @ squares - ((s - star.center) ** 2).sum(axis=1)).max(),
+    }
+
+
+def linear_error(w: np.ndarray, corners: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the error of the sum of coordinates at each query, over the data; 1 for no value."""
+    error = np.abs(w @ corners.sum(axis=1) - x.sum(axis=1)) / np.abs(corners.sum(axis=1)).max()
+    return np.where(np.isfinite(error), error, 1.0)
+
+
+def errors_near_an_edge(params: Params, distance: float) -> list[float]:
+    """Return the largest error of linear data, by the three forms, so near to an edge inside."""
+    star = hexagon(params.turn)
+    cell, spoke = VoronoiCell(*star), star.spokes[0]
+    a, b = cell.points[np.argsort(cell.points @ spoke)[-2:]]  # the ends of the edge
+    x = a + np.linspace(0.05, 0.95, params.places)[:, None] * (b - a) - distance * spoke
+    return [
+        linear_error(quotients(star, x), star.corners, x).max(),
+        linear_error(quotients(star, x, one_height=True), star.corners, x).max(),
+        linear_error(cell.weights(x), cell.points, x).max(),
+    ]
+
+
+def _stars_table(stars: dict[str, Star], found: dict[str, dict[str, float]]) -> Table:
+    columns = (
+        "star",
+        "dimension",
+        "corners",
+        "faces",
+        "smallest weight",
+        "constant",
+        "linear",
+        "linear, quotient",
+        "quadratic",
+    )
+    rows = (_star_row(name, star, found[name]) for name, star in stars.items())
+    return Table(columns, tuple(rows))
+
+
+def _star_row(name: str, star: Star, m: dict[str, float]) -> tuple[Cell, ...]:
+    smallest = m["smallest"] if m["smallest"] > 100 * ROUNDING else 0.0
+    errors = (_told(m[data]) for data in ("constant", "linear", "quotient"))
+    size = len(star.center), len(star.corners), len(star.spokes)
+    return name, *size, smallest, *errors, m["quadratic"]
+
+
+def _spiral_table(steps: int) -> Table:
+    """The exercise: each point, its smallest weight, and values beside the true ones."""
+    star = hexagon()
+    cell, s = VoronoiCell(*star), spiral(star, steps)
+    smallest = cell.weights(s).min(axis=1)
+    linear, quadratic = cell.points.sum(axis=1), (cell.points**2).sum(axis=1)
+    values = (cell.field(linear)(s), s.sum(axis=1), cell.field(quadratic)(s), (s**2).sum(axis=1))
+    numbers = np.round(np.column_stack([s, smallest, *values]), 13) + 0.0
+    columns = ("n", "x", "y", "smallest weight", "linear", "x + y", "quadratic", "x² + y²")
+    return Table(columns, tuple((n + 1, *row) for n, row in enumerate(numbers.tolist())))
+
+
+def _told(error: float) -> float:
+    return order_of_magnitude(max(error, ROUNDING))
+
+
+def _facts(params: Params, found: dict[str, dict[str, float]]) -> dict[str, Cell]:
+    star = hexagon()
+    cell, s = VoronoiCell(*star), spiral(star, params.steps)
+    around = np.argsort(np.arctan2(*cell.points.T))
+    areas = from_areas(cell.points[around], s)
+    first = _spiral_table(params.steps).rows[0]
+    return {
+        "turn_on_edge": 360 / params.steps,
+        "margin": 0.5 - float(s[0, 0]),
+        "smallest_weight": first[3],
+        "first_value": first[4],
+        "quadratic": first[6],
+        "quadratic_first": first[7],
+        "constant_error": _told(max(m["constant"] for m in found.values())),
+        "linear_error": _told(max(m["linear"] for m in found.values())),
+        "from_areas": _told(np.abs(cell.weights(s)[:, around] - areas).max()),
+    }
+
+
+def _facts_near(distances: np.ndarray, near: np.ndarray) -> dict[str, Cell]:
+    half = len(distances) // 2 - 1
+    return {
+        "half_way": float(distances[half]),
+        "quotient_half_way": _told(near[half, 0]),
+        "product_near": _told(near[:, 2].max()),
+    }
+
+
+def _drawn(params: Params) -> dict[str, np.ndarray]:
+    stars = {
+        "asked": hexagon(),
+        "moved": hexagon(360 / params.steps, params.center),
+        "space": icosahedron(),
+    }
+    arrays: dict[str, np.ndarray] = {}
+    for name, star in stars.items():
+        cell, s = VoronoiCell(*star), spiral(star, params.steps)
+        values = cell.field(cell.points.sum(axis=1))
+        arrays |= {
+            f"{name}_edges": star.mesh.points[star.mesh.edges],
+            f"{name}_dual": star.dual_edges,
+            f"{name}_corners": cell.points,
+            f"{name}_spiral": s,
+            f"{name}_values": values(s) - values(star.center),
+            f"{name}_product": linear_error(cell.weights(s), cell.points, s),
+            f"{name}_quotient": linear_error(quotients(star, s), star.corners, s),
+        }
+    return arrays
+
+
+def plot(result: Result) -> Figure:
+    """The stars, their Voronoi cells, and the spirals coloured by value."""
+    return draw_stars(result.arrays)
+
+
+def plot_errors(result: Result) -> Figure:
+    """Errors of linear data along the spiral that begins on an edge, and ever nearer to an edge."""
+    return draw_errors(result.arrays, FORMS)

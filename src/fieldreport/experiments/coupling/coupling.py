@@ -1,0 +1,296 @@
+"""Loads from a wing's skin to its structure: by interpolation, and by the transpose.
+
+A pressure with a known lift acts on the skin of a wing. It is handed to the nodes of a few spars,
+which neither match the skin nor reach its edges, in ways that look reasonable. Lift, moments, and
+the deflection of the tip of a uniform cantilever under the loads that arrive are compared with
+their closed forms; then it is shown where the load of one point of the skin goes.
+
+References
+----------
+Wendland, Scattered Data Approximation (2005), section 1.2; Farhat, Lesoinne and Le Tallec (1998).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.spatial import cKDTree
+
+from fieldrecon.coupling.flat_structures import FlatCoupling, blended_plates
+from fieldrecon.coupling.rigid_motions import resultants
+from fieldrecon.coupling.transfer import Coupling, Transfer
+from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
+from fieldrecon.methods.rbf import RBF
+from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
+from fieldreport.experiments.coupling.precice_mappings import integrated, separate
+from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+
+THICKNESS = 0.12  # of the profile, as a part of the chord
+SPARS = (0.2, 0.45, 0.7)  # places along the chord
+SPAR_HEIGHT = 0.8  # of the spars, as a part of the thickness there
+SPARRED = 0.95  # of the span
+REACH = 0.5  # of the kernel that is compared with preCICE, as a part of the half span
+ROUNDING = 1e-12  # errors below are rounding, and told as this
+
+
+@dataclass(frozen=True)
+class Params:
+    """The wing of half span 1, its meshes, and the load."""
+
+    chord: float = parameter(0.3, "chord of the wing, as a part of the half span")
+    stations: tuple[int, ...] = parameter(
+        (4, 8, 16, 32), "stations of the structure along the span"
+    )
+    shown: int = parameter(8, "stations in the table")
+    pictured: int = parameter(40, "stations in the picture of where a load goes")
+    across: int = parameter(20, "points of the skin along the chord, on each side")
+    along: int = parameter(60, "points of the skin along the span")
+    drag: float = parameter(0.05, "drag as a part of the lift, everywhere")
+
+    def __post_init__(self) -> None:
+        require_at_least(
+            self, chord=0.01, stations=3, shown=3, pictured=3, across=4, along=4, drag=0
+        )
+
+
+QUICK = Params(stations=(4, 8), pictured=16, across=8, along=16)
+
+
+@dataclass(frozen=True)
+class Wing:
+    """Skin and loads: points (m, 3), areas (m,), forces (m, 3)."""
+
+    skin: np.ndarray
+    areas: np.ndarray
+    forces: np.ndarray
+
+
+def height(c: np.ndarray) -> np.ndarray:
+    """Half thickness of the profile at parts c of the chord, in chords."""
+    return THICKNESS * np.sqrt(np.maximum(c * (1 - c), 0.0))
+
+
+def wing(params: Params) -> Wing:
+    """Lift that is elliptic along the span and falls linearly along the chord, half on each side.
+
+    The total is one: with y = sin θ each point carries its part exactly, by the rule of Gauss and
+    Chebyshev along the span, and by the midpoint rule along the chord.
+    """
+    k = np.arange(1, params.along + 1)
+    angle = k * np.pi / (2 * params.along + 1)
+    y = np.cos(angle)
+    lift = 4 / (2 * params.along + 1) * np.sin(angle) ** 2
+    c = (np.arange(params.across) + 0.5) / params.across
+    places = np.meshgrid(np.arange(params.along), c, [1.0, -1.0], indexing="ij")
+    span, part, side = (a.ravel() for a in places)
+    skin = np.column_stack([params.chord * part, y[span], side * params.chord * height(part)])
+    widths = np.pi / (2 * params.along + 1) * np.sin(angle)
+    areas = params.chord / params.across * widths[span]
+    loads = lift[span] * 2 * (1 - part) / params.across / 2
+    return Wing(skin, areas, loads[:, None] * [params.drag, 0.0, 1.0])
+
+
+def spars(params: Params, stations: int, sides: tuple[float, ...] = (1.0, -1.0)) -> np.ndarray:
+    """Nodes of the structure; with the side 0, in its middle plane."""
+    y = SPARRED * np.arange(stations) / (stations - 1)
+    c, span, side = (a.ravel() for a in np.meshgrid(SPARS, y, sides, indexing="ij"))
+    return np.column_stack([params.chord * c, span, side * SPAR_HEIGHT * params.chord * height(c)])
+
+
+def interpolated_loads(nodes: np.ndarray, given: Wing) -> np.ndarray:
+    """Forces interpolated as they are."""
+    return RBF(given.skin, thin_plate_spline()).field(given.forces)(nodes)
+
+
+def interpolated_pressures(nodes: np.ndarray, given: Wing) -> np.ndarray:
+    """Forces per area interpolated, times the area of the skin nearest to each node."""
+    pressures = given.forces / given.areas[:, None]
+    areas = np.bincount(cKDTree(nodes).query(given.skin)[1], given.areas, len(nodes))
+    return areas[:, None] * RBF(given.skin, thin_plate_spline()).field(pressures)(nodes)
+
+
+def nearest_node(nodes: np.ndarray, given: Wing) -> np.ndarray:
+    """Each force to the nearest node."""
+    total = np.zeros((len(nodes), 3))
+    np.add.at(total, cKDTree(nodes).query(given.skin)[1], given.forces)
+    return total
+
+
+def transposed(make: Callable[[np.ndarray, np.ndarray], Transfer]) -> Callable[..., np.ndarray]:
+    """Loads by the transpose of a coupling."""
+    return lambda nodes, given: make(nodes, given.skin).loads(given.forces)
+
+
+COUPLINGS: dict[str, Callable[[np.ndarray, np.ndarray], Transfer]] = {
+    "transpose, constants": lambda x, y: Coupling(RBF(x, polyharmonic(1)), y),
+    "transpose, linear": lambda x, y: Coupling(RBF(x, thin_plate_spline()), y),
+    "transpose, patches": lambda x, y: Coupling(blended_plates(x), y),
+    "transpose, flat": lambda x, y: FlatCoupling(x, y, partial(RBF, kernel=polyharmonic(3))),
+}
+WAYS: dict[str, Callable[[np.ndarray, Wing], np.ndarray]] = {
+    "forces interpolated": interpolated_loads,
+    "pressures interpolated": interpolated_pressures,
+    "nearest node": nearest_node,
+} | {name: transposed(make) for name, make in COUPLINGS.items()}
+QUANTITIES = ("lift", "root bending", "twisting moment", "tip deflection")
+
+
+def closed_forms(params: Params) -> np.ndarray:
+    """Lift 1; moments about x and y at the root; deflection of the tip for bending stiffness 1.
+
+    With the lift q = (4/π) √(1 - y²): ∫ q y = 4/(3π), and the tip of the cantilever moves by
+    ∫ q y² (3 - y) / 6 = 1/8 - 4/(45 π). Along the chord the lift acts at a third of it.
+    """
+    return np.array([1.0, 4 / (3 * np.pi), -params.chord / 3, 1 / 8 - 4 / (45 * np.pi)])
+
+
+def quantities(points: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """The same of forces at points, about the front of the root in the middle plane."""
+    total = resultants(points, forces)
+    y = points[:, 1]
+    return np.array([total[2], total[3], total[4], forces[:, 2] @ (y**2 * (3 - y)) / 6])
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Hand the load over in all ways, for all numbers of stations."""
+    jobs = [(way, k) for way in WAYS for k in (*params.stations, params.shown)]
+    found = dict(zip(jobs, each(partial(errors_of, params), jobs), strict=True))
+    errors = np.array([[found[way, k] for k in params.stations] for way in WAYS])
+    rows = [(way, *found[way, params.shown]) for way in WAYS]
+    given = wing(params)
+    places, weights = footprints(params, given)
+    maps = mappings(params, given)
+    return Result(
+        params=params,
+        tables={
+            "errors": Table(("way", *QUANTITIES), tuple(rows)),
+            "mappings": Table(
+                ("polynomial", "displacements", "loads", *QUANTITIES[:3]),
+                tuple(maps),
+            ),
+        },
+        facts=_facts(params, given, found) | {"precice_difference": maps[1][2]},
+        arrays={"errors": errors, "skin": given.skin, "places": places, "weights": weights},
+    )
+
+
+def errors_of(params: Params, job: tuple[str, int]) -> np.ndarray:
+    """Relative errors of the quantities, against what acts on the skin."""
+    way, stations = job
+    given = wing(params)
+    nodes = spars(params, stations, (0.0,) if way.endswith("flat") else (1.0, -1.0))
+    wanted = quantities(given.skin, given.forces)
+    errors = np.abs(quantities(nodes, WAYS[way](nodes, given)) / wanted - 1)
+    return np.maximum(errors, ROUNDING)
+
+
+def footprints(params: Params, given: Wing) -> tuple[np.ndarray, np.ndarray]:
+    """Where a unit load on one point of the skin goes: weights of two couplings on the nodes."""
+    nodes = spars(params, params.pictured)
+    inner = np.abs(given.skin - [0.35 * params.chord, 0.5, 0.05 * params.chord]).sum(axis=1)
+    one = given.skin[[int(np.argmin(inner))]]
+    load = np.array([[0.0, 0.0, 1.0]])
+    both = [
+        COUPLINGS[name](nodes, one).loads(load)[:, 2]
+        for name in ("transpose, linear", "transpose, patches")
+    ]
+    return np.vstack([nodes, one]), np.array(both)
+
+
+def mappings(params: Params, given: Wing) -> list[tuple[Cell, ...]]:
+    """PreCICE's two mappings against the coupling with the same kernel, and their own errors.
+
+    Largest differences, relative to the largest entries; then relative errors of what arrives.
+    """
+    nodes, kernel = spars(params, params.shown), wendland(3, 2, REACH)
+    ours = np.asarray(RBF(nodes, kernel, degree=1).weights(given.skin))
+    wanted = quantities(given.skin, given.forces)[:3]
+    rows: list[tuple[Cell, ...]] = []
+    for name, made in (("integrated", integrated), ("separate", separate)):
+        there, back = made(nodes, given.skin, kernel)
+        away = [np.abs(h - g).max() / np.abs(g).max() for h, g in ((there, ours), (back, ours.T))]
+        errors = np.abs(quantities(nodes, back @ given.forces)[:3] / wanted - 1)
+        rows.append((name, *np.maximum([*away, *errors], ROUNDING)))
+    return rows
+
+
+def _facts(
+    params: Params, given: Wing, found: dict[tuple[str, int], np.ndarray]
+) -> dict[str, Cell]:
+    exact = quantities(given.skin, given.forces) / closed_forms(params) - 1
+    nodes = spars(params, params.shown)
+    facts: dict[str, Cell] = {
+        "nodes": len(nodes),
+        "skin_points": len(given.skin),
+        "skin_against_closed_forms": float(np.abs(exact).max()),
+    }
+    for way in list(WAYS)[:3]:
+        lift, _, twist, tip = found[way, params.shown]
+        name = way.replace(" ", "_")
+        facts |= {f"{name}_lift": lift, f"{name}_twist": twist, f"{name}_tip": tip}
+    facts["linear_tip"] = found["transpose, linear", params.shown][3]
+    linear = Coupling(RBF(nodes, thin_plate_spline()), given.skin)
+    facts["most_amplified"] = float(np.abs(linear.method.weights(given.skin)).sum(axis=1).max())
+    parts = (given.skin[:, 1] > 0.5).astype(int), (nodes[:, 1] > 0.5).astype(int)
+    lift = linear.shares(given.forces, *parts)[..., 2]
+    facts["outer_lift_to_outer_part"] = float(lift[1, 1] / lift[1].sum())
+    return facts
+
+
+def plot(result: Result) -> Figure:
+    """Errors of lift, root bending and tip deflection against the stations of the structure."""
+    stations, errors = result.params.stations, result.arrays["errors"]
+    styles = ("data", "LS", "truth", "MLS", "RBF", "PU", "RBF")
+    marks = (".", "s", "x", "o", "^", "D", "v")
+    shown = {"lift": 0, "twisting moment": 2, "tip deflection": 3}
+    with figure(FULL_WIDTH, height=3.0, columns=3) as (page, axes):
+        for panel, (title, k) in zip(axes, shown.items(), strict=True):
+            for way, row, style, mark in zip(WAYS, errors, styles, marks, strict=True):
+                look = line(style, label=way, marker=mark)
+                if style == "data":
+                    look |= {"linestyle": (0, (3, 1, 1, 1, 1, 1))}
+                if way.endswith("flat"):
+                    look |= {"markerfacecolor": "white", "linewidth": 0.7}
+                panel.plot(stations, row[:, k], **look)
+            panel.set(xscale="log", yscale="log", xlabel="stations along the span", title=title)
+            panel.set_xticks(stations, [str(s) for s in stations])
+            panel.minorticks_off()
+        axes[0].set_ylabel("relative error")
+        handles, labels = axes[0].get_legend_handles_labels()
+        page.legend(handles, labels, loc="outside upper center", ncols=4)
+    return page
+
+
+def plot_footprint(result: Result) -> Figure:
+    """The nodes of the upper side that share the load of one point of the skin, in plan view."""
+    places, weights = result.arrays["places"], result.arrays["weights"]
+    nodes, one = places[:-1], places[-1]
+    upper = nodes[:, 2] > 0
+    x, y = nodes[upper, 0], nodes[upper, 1]
+    with figure(FULL_WIDTH, height=2.6, rows=2, sharex=True) as (page, axes):
+        for panel, w, title in zip(axes, weights, ("thin plates", "on patches"), strict=True):
+            size = np.abs(w[upper])
+            panel.plot(y, x, "o", markersize=3.5, markerfacecolor="white", color="#999999")
+            reached = size > ROUNDING
+            shades = panel.scatter(
+                y[reached],
+                x[reached],
+                22,
+                np.log10(size[reached]),
+                cmap=SEQUENTIAL,
+                vmin=-6,
+                vmax=0,
+                zorder=3,
+            )
+            panel.plot(one[1], one[0], "+", color="black", markersize=8)
+            panel.set(title=title, ylabel="chord", ylim=(0, result.params.chord))
+            panel.grid(visible=False)
+        axes[-1].set_xlabel("span")
+        bar = page.colorbar(shades, ax=axes, label="part of the load")
+        bar.set_ticks([-6, -4, -2, 0], labels=["$10^{-6}$", "$10^{-4}$", "1 %", "all"])
+    return page

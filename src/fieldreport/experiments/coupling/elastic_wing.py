@@ -1,0 +1,251 @@
+"""A swept wing that bends in the air that it bends in, to the steady state.
+
+A transport's wing at Mach 0.8: a lattice of vortices for the air, a plate of finite elements for
+the skins, and a coupling between their nodes. Air and structure take turns, plainly and relaxed.
+How fast that converges, and where it cannot, is compared with the eigenvalues of the coupled
+problem, and the parts with closed forms. Then loads are handed over pointwise instead.
+
+References
+----------
+Wendland, Scattered Data Approximation (2005), section 1.2 and figure 1.4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.optimize import brentq
+
+from fieldrecon.coupling.flat_structures import FlatCoupling
+from fieldreport.experiments.coupling.elastic_wing_checks import checks
+from fieldreport.experiments.coupling.elastic_wing_figures import (
+    draw_wing,
+    plot_section,
+    plot_span,
+    plot_turns,
+)
+from fieldreport.experiments.coupling.pointwise_loads import compared
+from fieldreport.experiments.coupling.standard_atmosphere import TOP, standard_atmosphere
+from fieldreport.experiments.coupling.swept_wings import Plan, built_incidences, elastic, skin
+from fieldreport.experiments.coupling.wing import ElasticWing
+from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+
+__all__ = ["QUICK", "Params", "plot", "plot_section", "plot_span", "plot_turns", "run"]
+
+RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
+SKIN = (16, 29)  # pieces of the skin that is drawn, along half its section and along the span
+SETTLED = 1e-8  # residual at which factors are observed, well above rounding
+NONE = 100  # times the flight's dynamic pressure: what diverges there only, does not
+ROUNDING = 1e-12  # errors below are rounding, and told as this
+
+
+@dataclass(frozen=True)
+class Params:
+    """The flight, the wing, and the meshes."""
+
+    mach: float = parameter(0.8, "Mach number")
+    angle: float = parameter(-0.087, "angle of attack, degrees")
+    height: float = parameter(10498.0, "height of the flight, m")
+    half_span: float = parameter(29.0, "half span, m")
+    root_chord: float = parameter(10.5, "chord at the root, m")
+    taper: float = parameter(0.25, "chord at the tip, as a part of that at the root")
+    sweep: float = parameter(30.0, "sweep of the quarter chords, degrees")
+    thickness: float = parameter(0.12, "thickness of the profile, as a part of the chord")
+    camber: float = parameter(0.02, "height of the mean line, as a part of the chord")
+    incidence: tuple[float, ...] = parameter((4.5, 0.0), "incidence at root and tip, degrees")
+    skin: tuple[float, ...] = parameter((0.009, 0.003), "the skins at root and tip, m")
+    plate: tuple[float, ...] = parameter((0.03, 0.97), "the plate's edges, as parts of the chord")
+    young: float = parameter(70e9, "Young's modulus, Pa")
+    poisson: float = parameter(0.33, "Poisson's ratio")
+    pieces: tuple[int, ...] = parameter((30, 120), "pieces of the plate along chord and span")
+    panels: tuple[int, ...] = parameter((12, 32), "panels of the lattice along chord and span")
+    section: float = parameter(0.77, "section shown, as a part of the half span")
+    sweeps: tuple[float, ...] = parameter((30.0, 0.0, -20.0), "sweeps compared, degrees")
+    pressures: tuple[float, ...] = parameter(
+        (0.5, 1.0, 1.5, 2.0, 2.5), "dynamic pressures compared, as parts of that of the flight"
+    )
+
+    def __post_init__(self) -> None:
+        require_at_least(self, half_span=1, root_chord=0.1, pieces=2, panels=2, pressures=0.01)
+
+    def plan(self, sweep: float) -> Plan:
+        """The wing with this sweep."""
+        named = {field.name: getattr(self, field.name) for field in fields(Plan)}
+        return Plan(**named | {"sweep": sweep})
+
+    def wing(self, sweep: float) -> ElasticWing:
+        """The same, with its meshes, at the Mach number."""
+        return elastic(self.plan(sweep), self.pieces, self.panels, self.mach)
+
+    def incidences(self, sweep: float) -> np.ndarray:
+        """Incidences of its panels as built."""
+        return built_incidences(self.plan(sweep), self.panels, self.angle)
+
+    @property
+    def pressure(self) -> float:
+        """Dynamic pressure of the flight, Pa."""
+        return standard_atmosphere(self.height).dynamic_pressure(self.mach)
+
+
+QUICK = Params(pieces=(4, 12), panels=(3, 6), sweeps=(30.0, -20.0), pressures=(0.5, 1.0))
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Let the wing settle and hand its loads over in all ways; sweep it; check the parts."""
+    jobs = (
+        partial(flight, params),
+        *(partial(swept, params, s) for s in params.sweeps),
+        partial(checked, params),
+    )
+    (facts, arrays, ways), *found, rows = each(_done, jobs)
+    sweeps = tuple(row for row, _ in found)
+    return Result(
+        params=params,
+        tables={
+            "loads": Table(("loads by", "lift", "bending", "work", "tip", "lift lost"), ways),
+            "sweeps": Table(
+                ("sweep", "factor", "contracts below", "observed", "diverges at"), sweeps
+            ),
+            "checks": Table(("quantity", "computed", "closed form", "error"), rows),
+        },
+        facts=facts | _divergence(params, sweeps[-1][-1]),
+        arrays=arrays | {"rates": np.array([r for _, r in found])},
+    )
+
+
+def _done(job: partial) -> tuple:
+    return job()
+
+
+def checked(params: Params) -> tuple[tuple[Cell, ...], ...]:
+    """Rows of the parts against closed forms."""
+    found = checks(params.mach)
+    return tuple((*c, abs(c.computed / c.closed_form - 1)) for c in found)
+
+
+def swept(params: Params, sweep: float) -> tuple[tuple[Cell, ...], np.ndarray]:
+    """The factor of a plain turn in flight; pressures in kPa; contraction at each pressure.
+
+    The pressures are those at which plain turns cease to contract, by the largest eigenvalue and as
+    observed, and at which the wing diverges.
+    """
+    wing, incidences = params.wing(sweep), params.incidences(sweep)
+    pressures = np.array(params.pressures) * params.pressure
+    turns = [wing.steady_state(q, incidences, 1.0, tolerance=SETTLED) for q in pressures]
+    rates = np.array([t.contraction for t in turns])
+    factor = params.pressure * wing.eigenvalues[0].real
+    limits = (1 / wing.contraction(1.0), pressures[-1] / rates[-1])
+    diverges = wing.divergence_pressure
+    last = "none" if diverges > NONE * params.pressure else diverges / 1000
+    return (sweep, factor, *(q / 1000 for q in limits), last), rates
+
+
+def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tuple]:
+    """Facts, arrays and the table of ways, of the wing that flies."""
+    wing, incidences = params.wing(params.sweep), params.incidences(params.sweep)
+    q, air = params.pressure, wing.lattice
+    turns = {
+        name: wing.steady_state(q, incidences, relaxation=omega, most=300)
+        for name, omega in RELAXATIONS.items()
+    }
+    w, plain = turns["aitken"].value, turns["plain"].residuals
+    middle = plain[len(plain) // 2 :][:2]
+    stiff, bent = air.circulations(incidences), wing.circulations(w, incidences)
+    z = wing.heights(w).reshape(air.shape[0] + 1, -1)
+    before, after = drawn(params, wing, w)
+    ways = compared(wing, q, incidences)
+    corners = air.points.reshape(*z.shape, 2)
+    chord = corners[-1, :, 0] - corners[0, :, 0]
+    arrays = {
+        "y": corners[0, :, 1] / params.half_span,
+        "rise": z.mean(axis=0),
+        "twist": np.degrees((z[0] - z[-1]) / chord),
+        "section": np.array([at_section(params, wing, air.pressures(g)) for g in (stiff, bent)]),
+        "lift": 2 * np.array([g.sum(axis=0) for g in (stiff, bent)]),
+        "before": before,
+        "after": after,
+        "profile": np.array([profile_at(params, p) for p in (before, after)]),
+    } | {name: t.residuals / t.residuals[0] for name, t in turns.items()}
+    facts = _flight_facts(params, wing, stiff, bent)
+    facts |= {f"{name}_turns": len(t.residuals) - 1 for name, t in turns.items()}
+    facts |= {
+        "contraction": wing.contraction(q),
+        "observed_contraction": float(middle[1] / middle[0]),
+        "tip": float(arrays["rise"][-1]),
+        "tip_nose_down": float(-arrays["twist"][-1]),
+    }
+    rows = [(way, *np.maximum(errors, ROUNDING), tip, lost) for way, *errors, tip, lost in ways]
+    for way, lift, _, work, *_ in rows[2:]:
+        facts |= {
+            f"{way.replace(' ', '_')}_{name}": x for name, x in (("lift", lift), ("work", work))
+        }
+    return facts, arrays, tuple(rows)
+
+
+def at_section(params: Params, wing: ElasticWing, panels: np.ndarray) -> np.ndarray:
+    """What is known of panels (a, b), between their middles at the section shown, (a,)."""
+    y = wing.lattice.points.reshape(wing.lattice.shape[0] + 1, -1, 2)[0, :, 1]
+    middles = (y[1:] + y[:-1]) / 2
+    return np.array([np.interp(params.section * params.half_span, middles, row) for row in panels])
+
+
+def drawn(params: Params, wing: ElasticWing, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points of the skin before, and where the plate's deflections take them."""
+    before = skin(params.plan(params.sweep), *SKIN)
+    points = before.reshape(-1, 3)
+    moved = FlatCoupling(wing.coupling.structure, points).displacements(w[:, None] * [0, 0, 1.0])
+    return before, (points + moved).reshape(before.shape)
+
+
+def profile_at(params: Params, points: np.ndarray) -> np.ndarray:
+    """Outline (k, 2) of the skin's section, along the stream and upwards."""
+    where = params.section * (points.shape[1] - 1)
+    k, part = int(where), where % 1
+    return ((1 - part) * points[:, k] + part * points[:, k + 1])[:, [0, 2]]
+
+
+def _flight_facts(
+    params: Params, wing: ElasticWing, stiff: np.ndarray, bent: np.ndarray
+) -> dict[str, Cell]:
+    air, lattice = standard_atmosphere(params.height), wing.lattice
+    lifts = [lattice.lift_coefficient(g) for g in (stiff, bent)]
+    sections = [at_section(params, wing, 2 * g).sum() for g in (stiff, bent)]
+    return {
+        "nodes": len(wing.plate.mesh.points),
+        "unknowns": wing.plate.stiffness.shape[0],
+        "panels": lattice.spans.size,
+        "corners": len(lattice.points),
+        "temperature": air.temperature,
+        "density": air.density,
+        "speed": params.mach * air.sound_speed,
+        "pressure_kpa": params.pressure / 1000,
+        "stiff_lift": lifts[0],
+        "elastic_lift": lifts[1],
+        "lift_lost": 1 - lifts[1] / lifts[0],
+        "section_lost": 1 - sections[1] / sections[0],
+        "carried_tonnes": lifts[1] * 2 * lattice.area * params.pressure / 9.80665 / 1000,
+    }
+
+
+def _divergence(params: Params, kilopascals: Cell) -> dict[str, Cell]:
+    """Height below which the wing of the last sweep diverges at the Mach number, and the speed."""
+    facts: dict[str, Cell] = {"divergence_kpa": kilopascals}
+    if isinstance(kilopascals, str):
+        return facts
+
+    def excess(height: float) -> float:
+        return standard_atmosphere(height).dynamic_pressure(params.mach) / 1000 - kilopascals
+
+    if excess(TOP) < 0 < excess(0.0):
+        height = float(brentq(excess, 0.0, TOP))
+        speed = params.mach * standard_atmosphere(height).sound_speed
+        facts |= {"divergence_height": height / 1000, "divergence_speed": speed}
+    return facts
+
+
+def plot(result: Result) -> Figure:
+    """The wing before and after, at its true scale."""
+    return draw_wing(result)

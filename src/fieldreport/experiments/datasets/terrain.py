@@ -1,0 +1,283 @@
+"""A real terrain from points on its isolines.
+
+A topographic map tells heights along lines. Here the lines are drawn on a known elevation model,
+so that a surface made from them can be judged at every cell: by least squares, moving least
+squares and radial basis functions, all from the same points.
+
+References
+----------
+Wendland, Scattered Data Approximation (2005), section 1.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.datasets.terrain import Terrain, terrain
+from fieldreport.experiments.datasets.landforms import LANDFORMS, phase
+from fieldreport.experiments.datasets.surfaces import (
+    GUARDED,
+    THIN_PLATE,
+    TRIANGLES,
+    Method,
+    Surface,
+    key,
+    methods,
+    scipy_thin_plate,
+    solved,
+)
+from fieldreport.experiments.datasets.terrain_errors import (
+    NEAR,
+    Problem,
+    by_distance,
+    by_landform,
+    correlation,
+    measured,
+    part,
+    rms,
+    terrace_percent,
+    windowed,
+    worst_place,
+)
+from fieldreport.experiments.datasets.terrain_figures import draw_points_surface_land
+from fieldreport.experiments.datasets.terrain_figures import plot_errors as plot_errors
+from fieldreport.experiments.datasets.terrain_figures import plot_profiles as plot_profiles
+from fieldreport.experiments.datasets.terrain_figures import plot_spacing as plot_spacing
+from fieldreport.experiments.datasets.terrain_figures import plot_terraces as plot_terraces
+from fieldreport.experiments.datasets.terrain_weights import facts_of_weights
+from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+
+PUBLISHED_SUMMIT = 1077
+"""Height of Cross Mountain in metres, by the gazetteer of the U.S. Geological Survey."""
+
+PHASES = np.linspace(-0.5, 0.5, 26)
+DISTANCES = (0.0, 0.25, 0.5, 1.0, 2.0, np.inf)
+"""Classes of distance to the nearest point, in units of the points' distance on an isoline."""
+
+QUOTED = ("inside", "outside", "median", "largest", "top_told_percent", "terrace_percent")
+SCIPY_QUERIES = 2000
+
+
+@dataclass(frozen=True)
+class Params:
+    """The isolines, the methods, and the window in which the isolines' spacing is varied."""
+
+    spacing: int = parameter(100, "difference of height between isolines, m")
+    apart: float = parameter(300.0, "least distance of points on isolines of one height, m")
+    every: int = parameter(1, "take every so manyth row and column of the elevation model")
+    degrees: tuple[int, ...] = parameter((1, 2, 4, 8, 12, 16, 20), "degrees of least squares")
+    shown_degree: int = parameter(12, "degree of least squares in maps, profiles and the window")
+    per_coefficient: int = parameter(4, "points per coefficient in a neighbourhood of MLS")
+    bound: float = parameter(3.0, "largest sum of |weights| that the guarded MLS accepts")
+    window: tuple[float, ...] = parameter((8000.0, 4000.0, 10000.0), "west, south edge, side, m")
+    spacings: tuple[int, ...] = parameter((10, 20, 40, 80, 160), "spacings tried in the window, m")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, spacing=1, apart=1, every=1, degrees=0, spacings=1)
+        require_at_least(self, per_coefficient=2, bound=1, window=0)
+        if self.shown_degree not in self.degrees:
+            raise ValueError(
+                f"parameter shown_degree must be one of degrees; got {self.shown_degree}"
+            )
+        if len(self.window) != 3 or len(set(self.spacings)) < 2:
+            raise ValueError("parameter window must hold 3 lengths, and spacings 2 or more")
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """The methods in maps, profiles and the window."""
+        return (f"LS {self.shown_degree}", "MLS 1", "MLS 2", GUARDED, THIN_PLATE)
+
+    @property
+    def quoted(self) -> dict[str, str]:
+        """The methods of which facts are told, by what the facts' names begin with."""
+        told = ("ls", "mls_1", "mls_2", "mls_guarded", "thin_plate")
+        return dict(zip(told, self.shown, strict=True)) | {
+            "ls_highest": f"LS {max(self.degrees)}",
+            "cone": "RBF −r",
+            "cubic": "RBF r³",
+            "triangles": TRIANGLES,
+        }
+
+
+QUICK = Params(apart=600.0, every=5, degrees=(1, 4), shown_degree=4, spacings=(60, 120))
+DIGITS = {"cubic_top_told_percent": 5, "thin_plate_behind_percent": 4, "difference_from_scipy": 0}
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Make the elevation model again from its isolines, and compare."""
+    return study(params, part(terrain(), np.s_[:: params.every], np.s_[:: params.every]), each)
+
+
+def study(params: Params, land: Terrain, each: Map = map) -> Result:
+    """Make a land again from its isolines, and compare."""
+    whole = Problem(land, params.spacing, params.apart)
+    window = windowed(land, params.window)
+    windows = [Problem(window, spacing, params.apart) for spacing in params.spacings]
+    tried = methods(params.degrees, params.per_coefficient, params.bound)
+    step = max(1, len(whole.truth) // SCIPY_QUERIES)
+    jobs = [
+        *(_job(method, whole) for method in tried.values()),
+        *(_job(tried[name], problem) for problem in windows for name in params.shown),
+        _job(scipy_thin_plate, whole, step),
+    ]
+    *surfaces, by_scipy = each(solved, jobs)
+    found = dict(zip(tried, surfaces, strict=False))
+    in_window = _rms_in_window(params, windows, surfaces[len(tried) :])
+    difference = by_scipy.heights - found[THIN_PLATE].heights[::step]
+    return Result(
+        params=params,
+        tables={
+            "methods": _table_of(measured, whole, found),
+            "landforms": _table_of(by_landform, whole, found),
+            "distances": _distances_table(params, whole, found),
+            "spacings": _spacings_table(params, windows, in_window),
+        },
+        facts=_facts_of_land(whole)
+        | _facts_of_methods(params, whole, found)
+        | facts_of_weights(params.bound, whole, found)
+        | _facts_of_window(params, windows, in_window)
+        | {"difference_from_scipy": np.abs(difference).max()},
+        arrays=_arrays(params, whole, found, in_window),
+    )
+
+
+def _job(
+    method: Method, problem: Problem, step: int = 1
+) -> tuple[Method, np.ndarray, np.ndarray, np.ndarray]:
+    return method, *problem.isolines, problem.land.points[::step]
+
+
+def _table_of(
+    judge: Callable[[Problem, Surface], dict[str, Cell]],
+    problem: Problem,
+    found: Mapping[str, Surface],
+) -> Table:
+    rows = {name: judge(problem, surface) for name, surface in found.items()}
+    columns = ("method", *next(iter(rows.values())))
+    return Table(columns, tuple((name, *row.values()) for name, row in rows.items()))
+
+
+def _distances_table(params: Params, problem: Problem, found: Mapping[str, Surface]) -> Table:
+    edges = np.array(DISTANCES) * problem.apart
+    share = 100 * np.histogram(problem.distance, edges)[0] / problem.distance.size
+    columns = (by_distance(problem, found[name], edges) for name in params.shown)
+    rows = zip(edges[:-1], share, *columns, strict=True)
+    return Table(("from", "cells percent", *params.shown), tuple(rows))
+
+
+def _rms_in_window(
+    params: Params, windows: list[Problem], surfaces: Iterable[Surface]
+) -> dict[str, np.ndarray]:
+    """Return the rms error for each spacing, by the method."""
+    left = iter(surfaces)
+    errors = [[rms(next(left).heights - w.truth) for _ in params.shown] for w in windows]
+    return dict(zip(params.shown, np.transpose(errors), strict=True))
+
+
+def _spacings_table(
+    params: Params, windows: list[Problem], in_window: Mapping[str, np.ndarray]
+) -> Table:
+    points = [len(problem.isolines[0]) for problem in windows]
+    rows = zip(params.spacings, points, *in_window.values(), strict=True)
+    return Table(("spacing", "points", *in_window), tuple(rows))
+
+
+def _facts_of_land(problem: Problem) -> dict[str, Cell]:
+    land = problem.land
+    return {
+        "rows": len(land.y),
+        "columns": len(land.x),
+        "cells": land.height.size,
+        "width_km": land.x[-1] / 1000,
+        "length_km": land.y[-1] / 1000,
+        "lowest": int(land.height.min()),
+        "highest": int(land.height.max()),
+        "mean_height": land.height.mean(),
+        "published_summit": PUBLISHED_SUMMIT,
+        "points": len(problem.isolines[0]),
+        "levels": len(np.unique(problem.isolines[1])),
+        "outside_percent": 100 * problem.outside.mean(),
+        "near_percent": 100 * NEAR,
+        "truth_terrace_percent": terrace_percent(problem.truth, problem.spacing),
+    } | {f"{name}_percent": 100 * np.mean(problem.form == f) for name, f in LANDFORMS.items()}
+
+
+def _facts_of_methods(
+    params: Params, problem: Problem, found: Mapping[str, Surface]
+) -> dict[str, Cell]:
+    """Return what the tables have that sentences need, and which is best inside of the hull."""
+    facts: dict[str, Cell] = {}
+    for told, name in params.quoted.items():
+        judged = measured(problem, found[name]) | by_landform(problem, found[name])
+        facts |= {f"{told}_{measure}": judged[measure] for measure in QUOTED}
+    inside = {name: float(facts[f"{told}_inside"]) for told, name in params.quoted.items()}
+    best = min(inside, key=inside.__getitem__)
+    return (
+        facts
+        | {
+            f"{told}_correlation": correlation(problem, found[name])
+            for told, name in params.quoted.items()
+            if name != TRIANGLES
+        }
+        | {
+            f"thin_plate_worst_{k}": value
+            for k, value in worst_place(problem, found[THIN_PLATE]).items()
+        }
+        | {
+            "best": best,
+            "thin_plate_behind_percent": 100 * (inside[THIN_PLATE] / inside[best] - 1),
+            "highest_degree": max(params.degrees),
+        }
+    )
+
+
+def _facts_of_window(
+    params: Params, windows: list[Problem], in_window: Mapping[str, np.ndarray]
+) -> dict[str, Cell]:
+    """Return the power of the spacing with which each error falls, and its ends."""
+    finest, coarsest = np.argmin(params.spacings), np.argmax(params.spacings)
+    facts: dict[str, Cell] = {
+        "window_finest_points": len(windows[finest].isolines[0]),
+        "window_coarsest_points": len(windows[coarsest].isolines[0]),
+    }
+    for told, name in params.quoted.items():
+        if name in in_window:
+            errors = in_window[name]
+            power = np.polyfit(np.log(params.spacings), np.log(errors), 1)[0]
+            facts |= {
+                f"window_{told}_power": power,
+                f"window_{told}_finest": errors[finest],
+                f"window_{told}_coarsest": errors[coarsest],
+            }
+    return facts
+
+
+def _arrays(
+    params: Params,
+    problem: Problem,
+    found: Mapping[str, Surface],
+    in_window: Mapping[str, np.ndarray],
+) -> dict[str, np.ndarray]:
+    land, shape = problem.land, problem.land.height.shape
+    heights = [problem.truth, *(found[name].heights for name in params.shown)]
+    shares = [np.histogram(phase(h, params.spacing), PHASES)[0] / h.size for h in heights]
+    return {
+        "x": land.x,
+        "y": land.y,
+        "truth": land.height,
+        "points": problem.isolines[0],
+        "heights": problem.isolines[1],
+        "amplification": found["MLS 2"].amplification.reshape(shape).astype(np.float32),
+        "phase_edges": PHASES,
+        "phase_shares": np.array(shares),
+        "window_rms": np.array(list(in_window.values())),
+    } | {key(name): found[name].heights.reshape(shape).astype(np.float32) for name in params.shown}
+
+
+def plot(result: Result) -> Figure:
+    """The points, the surface that they give back, and the land."""
+    return draw_points_surface_land(result)

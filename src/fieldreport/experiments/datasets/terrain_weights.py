@@ -1,0 +1,83 @@
+"""What the weights of moving least squares tell of its errors, before any height is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from fieldreport.experiments.datasets.surfaces import WEIGHT, Surface
+from fieldreport.experiments.datasets.terrain_errors import Problem, rms_or_none
+from fieldreport.framework.experiment import Cell
+
+
+def facts_of_weights(
+    bound: float, problem: Problem, found: Mapping[str, Surface]
+) -> dict[str, Cell]:
+    """Return how errors go with neighbourhoods of one height, and with large weights.
+
+    Parameters
+    ----------
+    bound : float
+        Sum of the sizes of the weights above which a place counts as unsafe.
+    problem : Problem
+    found : mapping of str to Surface
+        With those of moving least squares of degree 1 and 2.
+    """
+    linear, quadratic = found["MLS 1"], found["MLS 2"]
+    errors = linear.heights - problem.truth
+    flat = on_one_isoline(problem, linear.neighbors)
+    square = (quadratic.heights - problem.truth) ** 2
+    unsafe, worst = quadratic.amplification > bound, square.argmax()
+    away, spread = standoff(problem.isolines[0], problem.land.points[worst], quadratic.neighbors)
+    return {
+        "neighbors_1": linear.neighbors,
+        "neighbors_2": quadratic.neighbors,
+        "one_isoline_percent": 100 * flat.mean(),
+        "one_isoline_rms": rms_or_none(errors[flat]),
+        "other_rms": rms_or_none(errors[~flat]),
+        "median_amplification": np.median(quadratic.amplification),
+        "mls_2_worst_amplification": quadratic.amplification[worst],
+        "mls_2_worst_away": away,
+        "mls_2_worst_spread": spread,
+        "unsafe_percent": 100 * unsafe.mean(),
+        "unsafe_share_percent": 100 * square[unsafe].sum() / square.sum(),
+        "safe_rms": rms_or_none(np.sqrt(square[~unsafe])),
+        "mean_percent": 100 * np.mean(unsafe & (linear.amplification > bound)),
+    }
+
+
+def on_one_isoline(problem: Problem, neighbors: int) -> np.ndarray:
+    """Tell the cells whose nearest points all have the same height."""
+    points, heights = problem.isolines
+    nearest = cKDTree(points).query(problem.land.points, neighbors)[1]
+    return np.ptp(heights[nearest], axis=1) == 0
+
+
+def standoff(points: np.ndarray, x: np.ndarray, neighbors: int) -> tuple[float, float]:
+    """Return how far a place is from the mean of its neighbours, and how narrow these are.
+
+    Mean and spread are weighted as the neighbours are in moving least squares; the spread is that
+    in the direction in which it is least. Far from a narrow row of points, a fit is extrapolated.
+
+    Parameters
+    ----------
+    points : ndarray of shape (n, 2)
+    x : ndarray of shape (2,)
+    neighbors : int
+
+    Examples
+    --------
+    >>> row = np.array([[-1.0, 0.0], [0.0, 0.0], [1.0, 0.0], [9.0, 0.0]])
+    >>> standoff(row, np.array([0.0, 5.0]), 3)
+    (5.0, 0.0)
+    """
+    distance, index = cKDTree(points).query(x, neighbors + 1)
+    weight = WEIGHT(distance[:-1] / distance[-1]) ** 2
+    weight /= weight.sum()
+    near = points[index[:-1]]
+    mean = weight @ near
+    covariance = (weight[:, None] * (near - mean)).T @ (near - mean)
+    least = np.linalg.eigvalsh(covariance)[0]
+    return float(np.linalg.norm(x - mean)), float(np.sqrt(max(least, 0.0)))

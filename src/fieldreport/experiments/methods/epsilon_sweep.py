@@ -1,0 +1,262 @@
+"""Which ε suits moving least squares, and what tells it without the truth.
+
+The weight 1/(r² + ε²) has one parameter. A sweep over six decades shows the error of value and
+gradient, with exact and with noisy data, and three criteria that need the data alone: the
+minimised objective ψ, ψ divided by the sum of the squared weights, and the leave-one-out error.
+The regret of a criterion is how many times larger the error is at its ε than at the best ε.
+
+References
+----------
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 40), where
+the exercise suggests ψ as the measure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fieldrecon.datasets.synthetic import power_of_sum, uniform
+from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.plotting.style import figure, line, shades
+from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+
+MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")
+CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "leave_one_out"}
+
+
+@dataclass(frozen=True)
+class Params:
+    """The field, its samples and their noise, and the range of ε."""
+
+    power: int = parameter(3, "power n of the field (x₁ + x₂)ⁿ")
+    points: int = parameter(100, "random points in the unit square")
+    queries: int = parameter(100, "random places where the error is measured")
+    draws: int = parameter(20, "how often points, places and noise are drawn")
+    noises: tuple[float, ...] = parameter(
+        (0.0, 0.05, 0.2, 0.5, 1.0), "standard deviations of the noise, from 0; the field goes to 2ⁿ"
+    )
+    shown_noise: float = parameter(0.5, "the noise that is drawn beside the exact data")
+    smallest: float = parameter(1e-4, "smallest ε; the square has side 1")
+    largest: float = parameter(1e2, "largest ε")
+    steps: int = parameter(25, "values of ε, in geometric progression")
+    seed: int = parameter(0, "seed of the draws")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, power=2, points=8, queries=1, draws=1, noises=0, steps=3)
+        require_at_least(self, smallest=1e-6, largest=10 * self.smallest, seed=0)
+        if self.noises[0] != 0 or self.shown_noise not in self.noises[1:]:
+            raise ValueError("parameter noises must begin with 0 and hold shown_noise after it")
+
+    @property
+    def epsilons(self) -> np.ndarray:
+        """The values of ε."""
+        return np.geomspace(self.smallest, self.largest, self.steps)
+
+
+QUICK = Params(queries=20, draws=2, noises=(0.0, 0.5), steps=7)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Sweep ε on every draw, and let each criterion choose."""
+    seeds = [(params.seed, draw) for draw in range(params.draws)]
+    sweeps = np.stack(list(each(partial(sweep_of_draw, params), seeds)))
+    means = np.exp(np.log(sweeps).mean(axis=0))
+    return Result(
+        params=params,
+        tables={
+            "sweep": _sweep_table(params, means[..., 0]),
+            "sweep_noisy": _sweep_table(
+                params, means[..., params.noises.index(params.shown_noise)]
+            ),
+            "choice": _choice_table(params, sweeps),
+        },
+        facts=_facts(params, sweeps, means),
+        arrays={"epsilons": params.epsilons, "means": means}
+        | {f"regret_{key}": regrets(sweeps, c) for c, key in CRITERIA.items()}
+        | {f"chosen_{key}": chosen(params, sweeps, c) for c, key in CRITERIA.items()}
+        | {"chosen_best": chosen(params, sweeps, "error")},
+    )
+
+
+def sweep_of_draw(params: Params, seed: tuple[int, ...]) -> np.ndarray:
+    """Return the measures (measure, ε, noise) of one draw."""
+    x, queries, values, field = _drawn(params, seed)
+    truth, slopes = field(queries)[:, None], field.gradient(queries)[:, None]
+    columns = []
+    for epsilon in params.epsilons:
+        method = MovingLeastSquares(x, inverse_square(epsilon))
+        s = method.field(values)
+        columns.append(
+            [
+                _rms(s(queries) - truth),
+                np.sqrt(np.mean(np.sum((s.gradient(queries) - slopes) ** 2, axis=-1), axis=0)),
+                _rms(leave_one_out(method, values)),
+                method.objective(values, queries).mean(axis=0),
+                method.objective(values, queries, normalized=True).mean(axis=0),
+            ]
+        )
+    return np.stack(columns, axis=1)
+
+
+def chosen(params: Params, sweeps: np.ndarray, measure: str) -> np.ndarray:
+    """Return the ε (draw, noise) at which a measure is least."""
+    return params.epsilons[sweeps[:, MEASURES.index(measure)].argmin(axis=1)]
+
+
+def regrets(sweeps: np.ndarray, criterion: str) -> np.ndarray:
+    """Return the error at the ε that a criterion chooses, by the least error: (draw, noise)."""
+    errors = sweeps[:, 0]
+    choice = sweeps[:, MEASURES.index(criterion)].argmin(axis=1)
+    at_choice = np.take_along_axis(errors, choice[:, None], axis=1)[:, 0]
+    return at_choice / errors.min(axis=1)
+
+
+def _drawn(params: Params, seed: tuple[int, ...]) -> tuple:
+    rng = np.random.default_rng(seed)
+    x, queries = uniform(params.points, 2, rng), uniform(params.queries, 2, rng)
+    field = power_of_sum(params.power)
+    noise = rng.standard_normal((params.points, 1)) * np.array(params.noises)
+    return x, queries, field(x)[:, None] + noise, field
+
+
+def _rms(errors: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.mean(errors**2, axis=0))
+
+
+def _sweep_table(params: Params, means: np.ndarray) -> Table:
+    rows = np.column_stack([params.epsilons, *means])
+    return Table(("epsilon", *MEASURES), tuple(map(tuple, rows)))
+
+
+def _choice_table(params: Params, sweeps: np.ndarray) -> Table:
+    return Table(
+        (
+            "noise",
+            "best epsilon",
+            "best epsilon for the gradient",
+            *(f"epsilon by {c}" for c in CRITERIA),
+            *(f"regret of {c}" for c in CRITERIA),
+        ),
+        tuple(_choice_rows(params, sweeps)),
+    )
+
+
+def _choice_rows(params: Params, sweeps: np.ndarray) -> Iterator[tuple[Cell, ...]]:
+    for k, noise in enumerate(params.noises):
+        epsilons = (chosen(params, sweeps, m)[:, k] for m in ("error", "gradient error", *CRITERIA))
+        risks = (regrets(sweeps, c)[:, k] for c in CRITERIA)
+        yield noise, *map(_geometric_mean, epsilons), *map(_geometric_mean, risks)
+
+
+def _facts(params: Params, sweeps: np.ndarray, means: np.ndarray) -> dict[str, Cell]:
+    shown = params.noises.index(params.shown_noise)
+    psi = sweeps[:, MEASURES.index("ψ")]
+    least_squares, limit = _limit_of_psi(params)
+    facts: dict[str, Cell] = {"spacing": float(1 / np.sqrt(params.points))}
+    for label, k in (("exact", 0), ("noisy", shown)):
+        facts[f"best_epsilon_{label}"] = _geometric_mean(chosen(params, sweeps, "error")[:, k])
+        facts[f"best_epsilon_gradient_{label}"] = _geometric_mean(
+            chosen(params, sweeps, "gradient error")[:, k]
+        )
+        for criterion, key in CRITERIA.items():
+            facts[f"regret_{key}_{label}"] = _geometric_mean(regrets(sweeps, criterion)[:, k])
+    at_spacing = np.abs(np.log(params.epsilons * np.sqrt(params.points))).argmin()
+    flat = means[0, :, 0] <= 1.01 * means[0, :, 0].min()
+    return facts | {
+        "largest_epsilon_within_1_percent": params.epsilons[flat].max(),
+        "psi_falls_percent": float(100 * np.mean(np.diff(psi, axis=1) < 0)),
+        "error_at_spacing_over_smallest": means[0, at_spacing, 0] / means[0, 0, 0],
+        "error_at_largest_over_smallest": means[0, -1, 0] / means[0, 0, 0],
+        "scaled_psi": limit,
+        "psi_of_least_squares": least_squares,
+        "scaled_psi_difference_percent": 100 * abs(limit / least_squares - 1),
+    }
+
+
+def _limit_of_psi(params: Params) -> tuple[float, float]:
+    """Return half the squared residual of a fit by numpy.linalg.lstsq, and ε⁴ψ at the largest ε.
+
+    As ε grows all weights become 1/ε², so that ε⁴ψ tends to ψ of plain least squares.
+    """
+    x, queries, values, _ = _drawn(params, (params.seed, 0))
+    residual = np.linalg.lstsq(np.column_stack([np.ones(len(x)), x]), values[:, 0])[1]
+    method = MovingLeastSquares(x, inverse_square(params.largest))
+    psi = method.objective(values[:, 0], queries).mean()
+    return float(residual[0] / 2), float(params.largest**4 * psi)
+
+
+def _geometric_mean(x: np.ndarray) -> float:
+    return float(np.exp(np.mean(np.log(x))))
+
+
+LOOKS = {
+    "error": line("MLS", marker="", label="error"),
+    "gradient error": shades("MLS", 2, marker="", label="gradient error")[1],
+    "leave-one-out": line("truth", marker="", linestyle=(0, (3, 1.5)), label="leave-one-out error"),
+    "ψ": shades("truth", 2, marker="", label="ψ")[0],
+    "normalized ψ": shades("truth", 2, marker="", label="normalized ψ")[1],
+}
+
+
+def plot(result: Result) -> Figure:
+    """Errors above and ψ below, against ε; exact data on the left, noisy data on the right."""
+    params = result.params
+    columns = (
+        ("exact data", 0),
+        (f"noise σ = {params.shown_noise:g}", params.noises.index(params.shown_noise)),
+    )
+    with figure(height=4.4, rows=2, columns=2, sharex=True, sharey="row") as (page, axes):
+        for (title, k), (errors, objectives) in zip(columns, axes.T, strict=True):
+            errors.set_title(title)
+            _draw(errors, result, k, ("error", "gradient error", "leave-one-out"))
+            _draw(objectives, result, k, ("ψ", "normalized ψ"))
+            objectives.set_xlabel("ε")
+        beside_line = (1.15 / np.sqrt(params.points), 0.92)
+        objectives.text(*beside_line, "spacing", transform=objectives.get_xaxis_transform())
+        axes[0, 0].set_ylabel("root mean square")
+        axes[1, 0].set_ylabel("mean over the queries")
+        axes[0, 0].legend(loc="upper left")
+        axes[1, 0].legend(loc="lower left")
+    return page
+
+
+def _draw(axes: Axes, result: Result, noise: int, measures: tuple[str, ...]) -> None:
+    """Draw curves with a dot at the least value of each, and the spacing of the points."""
+    epsilons = result.arrays["epsilons"]
+    for measure in measures:
+        y = result.arrays["means"][MEASURES.index(measure), :, noise]
+        axes.plot(epsilons, y, **LOOKS[measure])
+        axes.plot(epsilons[y.argmin()], y.min(), "o", color=LOOKS[measure]["color"])
+    spacing = 1 / np.sqrt(result.params.points)
+    axes.axvline(spacing, color="0.6", linewidth=0.8, linestyle=":", zorder=0)
+    axes.set(xscale="log", yscale="log")
+
+
+def plot_choice(result: Result) -> Figure:
+    """The ε that each criterion chooses, and what that costs, against the noise."""
+    noises = np.array(result.params.noises)
+    names = {"best": "best", "psi": "ψ", "normalized_psi": "normalized ψ"}
+    names |= {"leave_one_out": "leave-one-out"}
+    looks = dict(zip(names, shades("truth", 4), strict=True))
+    looks["best"] = line("MLS", label="best")
+    with figure(height=2.6, columns=2) as (page, (choices, costs)):
+        for key, name in names.items():
+            look = looks[key] | {"label": name}
+            epsilon = np.exp(np.log(result.arrays[f"chosen_{key}"]).mean(axis=0))
+            choices.plot(noises, epsilon, **look)
+            if key != "best":
+                regret = np.exp(np.log(result.arrays[f"regret_{key}"]).mean(axis=0))
+                costs.plot(noises, regret, **look)
+        choices.set(title="chosen ε", xlabel="noise σ", yscale="log")
+        costs.set(title="error there / least error", xlabel="noise σ", yscale="log")
+        costs.set_yticks([1, 2, 5, 10], ["1", "2", "5", "10"])
+        costs.legend(*choices.get_legend_handles_labels(), loc="upper right")
+    return page

@@ -1,0 +1,107 @@
+"""The largest clouds once more, with the machine to themselves.
+
+Nothing is timed here: the numbers are those of ``make bench ONLY=million``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from fieldrecon.plotting.style import figure
+from fieldreport.framework.experiment import Map, Result, input_file, parameter, require_at_least
+from fieldreport.framework.measurements import measured, selected, tables
+
+USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
+RIVAL = "ferreus_rbf, thin plate"
+TITLES = {"smooth": "in the plane", "cube": "in space"}
+COLUMNS = (
+    "data",
+    "sites",
+    "method",
+    "fit s",
+    "evaluate s",
+    "total s",
+    "least s",
+    "most s",
+    "cpu s",
+    "rms error",
+    "memory MiB",
+)
+
+
+@dataclass(frozen=True)
+class Params:
+    """The measurements."""
+
+    results: str = input_file("benchmarks/results/million.json", "file that make bench wrote")
+    wanted: float = parameter(10.0, "how many times as fast as ferreus_rbf was aimed at")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, wanted=1.0)
+
+
+QUICK = Params(wanted=5.0)
+
+
+def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
+    """Read what was measured."""
+    result = measured(params.results)
+    (table,) = tables(result)
+    runs = selected(table, COLUMNS)
+    found = [dict(zip(COLUMNS, row, strict=True)) for row in runs.rows]
+    facts: dict[str, float | int | str] = {"repeats": result["parameters"]["repeats"]}
+    for comparison in result["comparisons"]:
+        if comparison["peer"] == RIVAL:
+            facts |= dict(_against(found, comparison, params.wanted))
+    return Result(params, {"runs": runs}, facts)
+
+
+def _against(
+    found: list[dict[str, Any]], comparison: Mapping[str, Any], wanted: float
+) -> Iterator[tuple[str, float | int | str]]:
+    """Yield what is told of a cloud: times and errors of the rival over ours."""
+    data = comparison["what"].partition(",")[0]
+    here = {r["method"]: r for r in found if r["data"] == data}
+    ours, theirs = here[USUAL], here[RIVAL]
+    yield f"{data}_sites", ours["sites"]
+    yield f"{data}_times", 1 / comparison["ratio"]
+    yield f"{data}_times_least", 1 / comparison["most"]
+    yield f"{data}_times_most", 1 / comparison["least"]
+    yield f"{data}_verdict", "reached" if 1 / comparison["ratio"] >= wanted else "missed"
+    yield f"{data}_seconds", ours["total s"]
+    yield f"{data}_rival_seconds", theirs["total s"]
+    yield f"{data}_cpu_times", theirs["cpu s"] / ours["cpu s"]
+    yield f"{data}_cores", ours["cpu s"] / ours["total s"]
+    yield f"{data}_error_ratio", theirs["rms error"] / ours["rms error"]
+    yield f"{data}_gigabytes", ours["memory MiB"] / 1024
+    if SMALL in here:
+        yield f"{data}_small_times", theirs["total s"] / here[SMALL]["total s"]
+        yield f"{data}_small_error_ratio", theirs["rms error"] / here[SMALL]["rms error"]
+
+
+def plot(result: Result) -> Figure:
+    """Seconds of fit and evaluation, side by side."""
+    runs = [dict(zip(COLUMNS, row, strict=True)) for row in result.tables["runs"].rows]
+    clouds = list(dict.fromkeys((str(r["data"]), int(r["sites"])) for r in runs))
+    with figure(height=2.2, columns=len(clouds)) as (page, axes):
+        for panel, (data, sites) in zip(axes, clouds, strict=True):
+            here = [r for r in runs if r["data"] == data][::-1]
+            names = [str(r["method"]) for r in here]
+            fit = [float(r["fit s"]) for r in here]
+            panel.barh(names, fit, color="0.45", label="fit")
+            panel.barh(
+                names,
+                [float(r["evaluate s"]) for r in here],
+                left=fit,
+                color="0.75",
+                label="evaluation",
+            )
+            panel.set(xlabel="seconds", title=f"{sites:,} points, {TITLES[data]}")
+            panel.grid(visible=False, axis="y")
+        page.set_layout_engine("constrained", wspace=0.06)  # names stand between the panels
+        axes[-1].legend(loc="upper right")  # where bars are short
+    return page

@@ -1,0 +1,179 @@
+"""Which kernel, degree and patch size: blended patches on smooth, steep, noisy and rough data.
+
+Radial basis functions on overlapping patches, the same sites and queries for every choice. Nothing
+is timed: the cost is a count, that of the multiplications to factor the systems of the patches and
+to evaluate the field once for each site.
+
+References
+----------
+Wendland, Scattered Data Approximation (2005), section 15.4; Franke (1982).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.interpolate import RBFInterpolator
+
+from fieldrecon.datasets.synthetic import franke, halton, uniform
+from fieldrecon.datasets.terrain import terrain
+from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.kernels.radial import Radial, polyharmonic, thin_plate_spline
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.plotting.style import figure, shades
+from fieldrecon.polynomials import dimension
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    Table,
+    order_of_magnitude,
+    parameter,
+    require_at_least,
+)
+
+DATA = ("smooth", "front", "noisy", "terrain")
+
+
+@dataclass(frozen=True)
+class Params:
+    """The sites and the choices."""
+
+    sites: int = parameter(6000, "number of sites, at random in the unit square and in the terrain")
+    queries: int = parameter(6000, "number of places where errors are measured")
+    sizes: tuple[int, ...] = parameter((16, 24, 40, 64), "numbers of sites in a patch, increasing")
+    told: int = parameter(40, "that of them of which facts are told")
+    radius: float = parameter(0.1, "radius of Wendland's function; the square has side 1")
+    steepness: float = parameter(40.0, "1 / width of the steep front")
+    seed: int = parameter(1, "of sites, queries and noise")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, sites=200, queries=1, sizes=16, radius=1e-3)
+        if self.told not in self.sizes:
+            raise ValueError(f"parameter told must be one of sizes; got {self.told}")
+
+    @property
+    def choices(self) -> dict[str, tuple[str, Radial, int]]:
+        """Label, kernel and degree, by name."""
+        return {
+            "plate": ("r² log r, degree 1", thin_plate_spline(), 1),
+            "cubic": ("r³, degree 1", polyharmonic(3), 1),
+            "wendland": ("Wendland C⁴, degree 3", wendland(2, 2, self.radius), 3),
+            "default": ("r³, degree 3", polyharmonic(3), 3),
+            "logarithmic": ("r⁴ log r, degree 3", polyharmonic(4), 3),
+            "quintic": ("r⁵, degree 3", polyharmonic(5), 3),
+            "septic": ("r⁷, degree 3", polyharmonic(7), 3),
+            "quartics": ("r³, degree 4", polyharmonic(3), 4),
+        }
+
+
+QUICK = Params(sites=600, queries=300, sizes=(24, 40))
+TITLES = {
+    "smooth": "Franke's function",
+    "front": "a steep front",
+    "noisy": "noise alone, of size one",
+    "terrain": "terrain, m",
+}
+
+
+class Samples(NamedTuple):
+    """Data (n, v) at sites (n, 2), and the truth (m, v) at queries (m, 2)."""
+
+    sites: np.ndarray
+    data: np.ndarray
+    queries: np.ndarray
+    truth: np.ndarray
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Reconstruct all data with every choice and patch size."""
+    cases = [(name, size) for name in params.choices for size in params.sizes]
+    found = np.array(list(each(partial(cost_and_errors, params), cases)))
+    found = found.reshape(len(params.choices), len(params.sizes), 1 + len(DATA))
+    rows: list[tuple[Cell, ...]] = [
+        (params.choices[name][0], size, *map(float, numbers))
+        for (name, size), numbers in zip(cases, found.reshape(len(cases), -1), strict=True)
+    ]
+    columns = ("choice", "sites of a patch", "multiplications per site", *TITLES.values())
+    return Result(
+        params=params,
+        tables={"choices": Table(columns, tuple(rows))},
+        facts=_facts(params, found)
+        | {"difference_from_scipy": order_of_magnitude(_difference(params))},
+        arrays={"cost": found[..., 0], "error": found[..., 1:]},
+    )
+
+
+def cost_and_errors(params: Params, case: tuple[str, int]) -> list[float]:
+    """Return multiplications for each site, and the rms error in each of the sets of data."""
+    name, size = case
+    _, kernel, degree = params.choices[name]
+    errors: list[float] = []
+    for samples in (square(params), land(params)):
+        method = PartitionOfUnityRBF(samples.sites, kernel, degree, size)
+        error = method.field(samples.data)(samples.queries) - samples.truth
+        errors += np.sqrt(np.mean(error**2, axis=0)).tolist()
+    # a third of the cube to factor, and all coefficients of each patch that reaches a query
+    unknowns = method.patch_sizes + dimension(2, degree)
+    cost = (unknowns**3 / 3 + method.patch_sizes * unknowns).sum() / params.sites
+    return [float(cost), *errors]
+
+
+def square(params: Params) -> Samples:
+    """Franke's function, a front, and noise whose truth is zero, side by side."""
+    rng = np.random.default_rng(params.seed)
+    x, q = uniform(params.sites, 2, rng), uniform(params.queries, 2, rng)
+    data = np.stack([franke(x), front(params, x), rng.standard_normal(len(x))], axis=1)
+    return Samples(x, data, q, np.stack([franke(q), front(params, q), 0 * q[:, 0]], axis=1))
+
+
+def front(params: Params, x: np.ndarray) -> np.ndarray:
+    """Return tanh across a curved line."""
+    return np.tanh(params.steepness * (x[:, 1] - 0.5 - 0.2 * np.sin(4 * x[:, 0])))
+
+
+def land(params: Params) -> Samples:
+    """Heights at some nodes of the terrain, to be told at others; its longer side is one."""
+    whole = terrain()
+    x, height = whole.points / whole.points.max(), whole.height.reshape(-1, 1)
+    drawn = np.random.default_rng(params.seed).permutation(len(x))
+    known, asked = np.split(drawn[: params.sites + params.queries], [params.sites])
+    return Samples(x[known], height[known], x[asked], height[asked])
+
+
+def _facts(params: Params, found: np.ndarray) -> dict[str, Cell]:
+    told = params.sizes.index(params.told)
+    facts: dict[str, Cell] = {}
+    for name, numbers in zip(params.choices, found[:, told], strict=True):
+        for what, number in zip(("cost", *DATA), numbers, strict=True):
+            facts[f"{what}_{name}"] = float(number)
+    return facts
+
+
+def _difference(params: Params) -> float:
+    """Return how far a single patch is, at most, from `scipy.interpolate`."""
+    x, q = halton(60, 2), uniform(200, 2, params.seed)
+    ours = PartitionOfUnityRBF(x).field(franke(x))(q)
+    theirs = RBFInterpolator(x, franke(x), kernel="cubic", degree=3)(q)
+    return max(float(np.abs(ours - theirs).max()), 1e-16)
+
+
+def plot(result: Result) -> Figure:
+    """Error against cost for every choice, patches growing along each curve."""
+    choices = result.params.choices
+    looks = shades("PU", len(choices))
+    with figure(height=5.0, rows=2, columns=2) as (page, panels):
+        for k, (panel, title) in enumerate(zip(panels.flat, TITLES.values(), strict=True)):
+            for i, ((label, *_), look) in enumerate(zip(choices.values(), looks, strict=True)):
+                own = {"label": label} if k == 0 else {}
+                cost, error = result.arrays["cost"][i], result.arrays["error"][i, :, k]
+                panel.plot(cost, error, **look, **own)
+            panel.set(title=f"rms error: {title}", xscale="log", yscale="log")
+        for panel in panels[1]:
+            panel.set_xlabel("multiplications per site")
+        page.legend(loc="outside lower center", ncols=3)
+    return page

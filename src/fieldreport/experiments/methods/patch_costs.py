@@ -1,0 +1,144 @@
+"""Kernel, degree, patch size and overlap of blended patches, by the clock, and growth.
+
+Nothing is timed here: the numbers are those of ``make bench``, read from the file that it wrote.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    Table,
+    input_file,
+    parameter,
+    require_at_least,
+)
+from fieldreport.framework.measurements import measured, tables
+
+
+@dataclass(frozen=True)
+class Params:
+    """The measurements, and the choice that the library makes."""
+
+    results: str = input_file("benchmarks/results/patch_sizes.json", "file that make bench wrote")
+    kernel: str = parameter("r³", "kernel that is taken by default")
+    degree: int = parameter(3, "degree of polynomials that is taken by default")
+    patch: int = parameter(40, "sites of a patch that are taken by default")
+
+    most: float = parameter(1.15, "exponent of growth that is aimed at, or less")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, degree=-1, patch=1)
+
+
+QUICK = Params(patch=24)
+
+DATA = {"smooth": "Franke's function", "front": "a steep front", "noisy": "noise"}
+STEPS = ("set-up", "fit", "evaluate")
+KERNELS = {
+    "r² log r": METHOD_COLORS["LS"],
+    "r³": METHOD_COLORS["PU"],
+    "r⁴ log r": "#6f9a3e",
+    "r⁵": METHOD_COLORS["MLS"],
+    "r⁷": METHOD_COLORS["RBF"],
+    "Wendland C⁴": "#707070",
+}
+TOLD = {
+    "linear": ("r³", 1, 40),
+    "quartic": ("r³", 4, 40),
+    "few": ("r³", 3, 16),
+    "quintic": ("r⁵", 3, 40),
+    "septic": ("r⁷", 3, 40),
+    "plate": ("r² log r", 1, 40),
+}
+"""Choices of which the text tells, besides the default."""
+MARKERS = {1: "o", 2: "s", 3: "D", 4: "^"}
+
+
+def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
+    """Read what was measured."""
+    result = measured(params.results)
+    choices, overlap, growth = tables(result)
+    grown = Table(growth.columns, tuple(r for r in growth.rows if isinstance(r[0], int)))
+    return Result(
+        params,
+        {"choices": choices, "overlap": overlap, "growth": grown},
+        {
+            "sites": result["parameters"]["sites"],
+            **_told(params, choices),
+            **dict(_of_growth(grown)),
+        },
+    )
+
+
+def _told(params: Params, choices: Table) -> dict[str, Cell]:
+    """Return seconds and errors of the default and of some others, by name."""
+    usual = (params.kernel, params.degree, params.patch)
+    facts: dict[str, Cell] = {}
+    for name, choice in {"usual": usual, **TOLD}.items():
+        (own,) = (row for row in choices.rows if row[:3] == choice)
+        numbers = dict(zip(choices.columns, own, strict=True))
+        facts[f"{name}_seconds"] = numbers["total, s"]
+        facts |= {f"{name}_{data}": numbers[f"rms error, {data}"] for data in DATA}
+    return facts | {"few_patch": TOLD["few"][2]}
+
+
+def _of_growth(growth: Table) -> Iterator[tuple[str, Cell]]:
+    """Yield exponents p of seconds C n^p in the plane, and what the largest cloud takes."""
+    plane = [r for r in growth.rows if r[1] == 2]
+    sites, steps = np.array([r[0] for r in plane]), np.array([r[2:5] for r in plane])
+    yield "most_sites", int(sites[-1])
+    yield "most_sites_seconds", float(steps[-1].sum())
+    yield "most_sites_gigabytes", plane[-1][5]
+    columns = zip(("set_up", "fit", "evaluate"), steps.T, strict=True)
+    for name, seconds in (*columns, ("fitting", steps[:, :2].sum(axis=1)), ("all", steps.sum(1))):
+        yield f"exponent_{name}", float(np.polyfit(np.log(sites), np.log(seconds), 1)[0])
+
+
+def plot(result: Result) -> Figure:
+    """Error against time, a curve for each kernel and degree along which patches grow."""
+    table = result.tables["choices"]
+    kinds = dict.fromkeys((str(row[0]), int(row[1])) for row in table.rows)
+    with figure(FULL_WIDTH, height=3.9, columns=3) as (page, axes):
+        for panel, (name, title) in zip(axes, DATA.items(), strict=True):
+            error = table.columns.index(f"rms error, {name}")
+            seconds = table.columns.index("total, s")
+            for kernel, degree in kinds:
+                own = [r for r in table.rows if r[:2] == (kernel, degree)]
+                panel.plot(
+                    [r[seconds] for r in own],
+                    [r[error] for r in own],
+                    color=KERNELS[kernel],
+                    marker=MARKERS[degree],
+                    markersize=3.6,
+                    linewidth=1.0,
+                    label=f"{kernel}, degree {degree}",
+                )
+            panel.set(title=title, xlabel="seconds", yscale="log")
+        axes[0].set_ylabel("root mean square error")
+        page.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return page
+
+
+def plot_growth(result: Result) -> Figure:
+    """Seconds of the three steps, and memory, against the number of sites."""
+    plane = [r for r in result.tables["growth"].rows if r[1] == 2]
+    sites = [r[0] for r in plane]
+    with figure(FULL_WIDTH, height=2.5, columns=2) as (page, (left, right)):
+        for k, (step, look) in enumerate(zip(STEPS, ("LS", "MLS", "PU"), strict=True)):
+            left.plot(sites, [r[2 + k] for r in plane], **line(look, label=step))
+        left.legend()
+        left.set(title="seconds", xlabel="sites, and as many queries", xscale="log", yscale="log")
+        right.plot(sites, [r[5] for r in plane], **line("PU"))
+        right.set(
+            title="memory, GB", xlabel="sites, and as many queries", xscale="log", yscale="log"
+        )
+    return page

@@ -1,0 +1,234 @@
+"""Least squares against moving least squares on powers of the sum of the coordinates.
+
+The field (x₁ + x₂)ⁿ is sampled at random points of the unit square and reconstructed at a few
+other random places, with polynomials of degree one. One draw says little about which method is
+better, and less about how much: the draw is repeated, and the errors are told with their spread.
+
+References
+----------
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 40).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.datasets.synthetic import power_of_sum, uniform
+from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.plotting.style import figure, line
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    Table,
+    order_of_magnitude,
+    parameter,
+    require_at_least,
+)
+
+METHODS = ("LS", "MLS")
+MEASURES = ("rms", "max")
+LOW, HIGH = 10, 90
+EXACT = 1e-12
+
+
+@dataclass(frozen=True)
+class Params:
+    """What is sampled, how often, and with what weight."""
+
+    powers: tuple[int, ...] = parameter((1, 2, 3, 4, 5, 6, 7, 8), "powers n of the field")
+    points: int = parameter(100, "random points at which the field is sampled")
+    queries: int = parameter(10, "random places at which it is reconstructed")
+    draws: int = parameter(1000, "how often points and places are drawn")
+    epsilon: float = parameter(0.01, "ε of the weight 1/(r² + ε²); the square has side 1")
+    seed: int = parameter(0, "seed of the draws")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, powers=1, points=4, queries=1, draws=1, epsilon=1e-6, seed=0)
+        if max(self.powers) < 2:
+            raise ValueError("parameter powers must hold 2 or more: both methods reproduce n = 1")
+
+
+QUICK = Params(powers=(1, 2, 3), draws=20)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Draw, reconstruct and measure, many times over."""
+    seeds = [(params.seed, draw) for draw in range(params.draws)]
+    errors = np.stack(list(each(partial(errors_of_draw, params), seeds)))
+    rms = np.sqrt(np.mean(errors**2, axis=2))
+    measured = {"rms": rms, "max": np.abs(errors).max(axis=2)}
+    all_draws = np.sqrt(np.mean(errors[:, 0] ** 2, axis=(0, 1)))
+    best = np.array([best_linear_rms(n) for n in params.powers])
+    return Result(
+        params=params,
+        tables={
+            "errors": _table(params, measured),
+            "best_linear": _limits(params, all_draws, best),
+        },
+        facts=_facts(params, rms)
+        | {
+            "largest_excess_percent": 100 * (all_draws[best > 0] / best[best > 0] - 1).max(),
+            "difference_from_lapack": order_of_magnitude(_difference_from_lapack(params)),
+        },
+        arrays={f"{name}_errors": values for name, values in measured.items()}
+        | {"best_linear_rms": best},
+    )
+
+
+def errors_of_draw(params: Params, seed: tuple[int, ...]) -> np.ndarray:
+    """Return the errors (method, query, power) of one draw."""
+    x, queries, values, truth = _drawn(params, seed)
+    methods = (LeastSquares(x), MovingLeastSquares(x, inverse_square(params.epsilon)))
+    return np.stack([method.field(values)(queries) - truth for method in methods])
+
+
+def best_linear_rms(n: int) -> float:
+    """Return the rms distance of (x₁ + x₂)ⁿ, over the whole square, from its best linear fit.
+
+    By symmetry the fit is a + b s with s = x₁ + x₂, so that the squared distance is
+    Var sⁿ − Cov(s, sⁿ)² / Var s, in which E sᵐ = 2 (2ᵐ⁺¹ − 1) / ((m + 1)(m + 2)). It is what
+    least squares tends to with ever more points.
+
+    Examples
+    --------
+    >>> best_linear_rms(1), round(best_linear_rms(2) ** 2 * 180, 12)
+    (0.0, 7.0)
+    """
+
+    def moment(m: int) -> float:
+        return 2 * (2 ** (m + 1) - 1) / ((m + 1) * (m + 2))
+
+    variance = moment(2 * n) - moment(n) ** 2
+    covariance = moment(n + 1) - moment(n) * moment(1)
+    left = variance - covariance**2 / (moment(2) - moment(1) ** 2)
+    return float(np.sqrt(left)) if left > EXACT else 0.0
+
+
+def _drawn(params: Params, seed: tuple[int, ...]) -> tuple[np.ndarray, ...]:
+    rng = np.random.default_rng(seed)
+    x, queries = uniform(params.points, 2, rng), uniform(params.queries, 2, rng)
+    fields = [power_of_sum(n) for n in params.powers]
+    values, truth = (np.stack([f(at) for f in fields], axis=-1) for at in (x, queries))
+    return x, queries, values, truth
+
+
+def _table(params: Params, measured: dict[str, np.ndarray]) -> Table:
+    columns = (
+        f"{method} {measure}{part}"
+        for measure in MEASURES
+        for method in METHODS
+        for part in ("", f" {LOW} %", f" {HIGH} %")
+    )
+    rows = (
+        _row(n, {m: measured[m][:, :, k] for m in MEASURES}) for k, n in enumerate(params.powers)
+    )
+    return Table(("n", *columns, "LS/MLS rms", "MLS better, % of draws"), tuple(rows))
+
+
+def _row(n: int, measured: dict[str, np.ndarray]) -> tuple[Cell, ...]:
+    cells = (
+        _told(x)
+        for measure in MEASURES
+        for method in range(len(METHODS))
+        for x in _mean_and_spread(measured[measure][:, method])
+    )
+    if _exact(measured["rms"]):
+        return n, *cells, "both exact", "both exact"
+    ls, mls = measured["rms"].T
+    return n, *cells, float(_geometric_mean(ls / mls)), float(100 * np.mean(mls < ls))
+
+
+def _limits(params: Params, all_draws: np.ndarray, best: np.ndarray) -> Table:
+    columns = ("n", "LS rms over all draws", "best linear fit rms, exact")
+    rows = zip(params.powers, map(_told, all_draws), best, strict=True)
+    return Table(columns, tuple(rows))
+
+
+def _facts(params: Params, rms: np.ndarray) -> dict[str, Cell]:
+    curved = [k for k in range(len(params.powers)) if not _exact(rms[:, :, k])]
+    ls, mls = rms[:, 0, curved], rms[:, 1, curved]
+    ratios = _geometric_mean(ls / mls)
+    facts: dict[str, Cell] = {
+        "spacing": float(1 / np.sqrt(params.points)),
+        "smallest_ratio": ratios.min(),
+        "largest_ratio": ratios.max(),
+        "mls_better_percent": float(100 * np.mean(mls < ls)),
+    }
+    for j, k in enumerate(curved):
+        n = params.powers[k]
+        facts[f"ls_rms_{n}"] = _geometric_mean(ls)[j]
+        facts[f"mls_rms_{n}"] = _geometric_mean(mls)[j]
+        facts[f"ratio_{n}"] = ratios[j]
+    flat = [k for k in range(len(params.powers)) if k not in curved]
+    return facts | (
+        {"rms_where_both_exact": order_of_magnitude(rms[:, :, flat].max())} if flat else {}
+    )
+
+
+def _difference_from_lapack(params: Params) -> float:
+    """Return how far MLS is, relative to the field, from a weighted fit by numpy.linalg.lstsq."""
+    x, queries, values, truth = _drawn(params, (params.seed, 0))
+    errors = errors_of_draw(params, (params.seed, 0))[1]
+    differences = []
+    for q, error, exact in zip(queries, errors, truth, strict=True):
+        w = 1 / (np.sum((x - q) ** 2, axis=1) + params.epsilon**2)
+        basis = np.column_stack([np.ones(len(x)), x - q])
+        coefficients = np.linalg.lstsq(w[:, None] * basis, w[:, None] * values)[0]
+        differences.append(np.abs(coefficients[0] - (exact + error)).max())
+    return max(differences) / np.abs(values).max()
+
+
+def _mean_and_spread(errors: np.ndarray) -> tuple[float, float, float]:
+    low, high = np.percentile(errors, [LOW, HIGH])
+    return float(_geometric_mean(errors)), low, high
+
+
+def _geometric_mean(errors: np.ndarray) -> np.ndarray:
+    return np.exp(np.mean(np.log(np.maximum(errors, np.finfo(float).tiny)), axis=0))
+
+
+def _exact(errors: np.ndarray) -> bool:
+    return bool(errors.max() < EXACT)
+
+
+def _told(error: float) -> float:
+    return order_of_magnitude(error) if error < EXACT else float(error)
+
+
+def plot(result: Result) -> Figure:
+    """Errors of both methods against the power, with their spread over the draws."""
+    powers = np.array(result.params.powers)
+    titles = {"rms": "root mean square error", "max": "largest error"}
+    with figure(height=2.6, columns=2, sharey=True) as (page, axes):
+        for panel, measure in zip(axes, MEASURES, strict=True):
+            errors = result.arrays[f"{measure}_errors"]
+            curved = [k for k in range(len(powers)) if not _exact(errors[:, :, k])]
+            for j, method in enumerate(METHODS):
+                look = line(method)
+                low, high = np.percentile(errors[:, j, curved], [LOW, HIGH], axis=0)
+                panel.fill_between(
+                    powers[curved], low, high, color=look["color"], alpha=0.22, linewidth=0
+                )
+                panel.plot(powers[curved], _geometric_mean(errors[:, j, curved]), **look)
+            for n in set(powers) - set(powers[curved]):
+                panel.annotate(
+                    "both\nexact", (n, 0.04), xycoords=("data", "axes fraction"), ha="center"
+                )
+            panel.set(title=titles[measure], xlabel="power $n$", yscale="log", xticks=powers)
+            panel.set_xlim(powers.min() - 0.6, powers.max() + 0.3)
+        rms = axes[0]
+        rms.plot(
+            powers[curved],
+            result.arrays["best_linear_rms"][curved],
+            **line("truth", label="best linear fit, exact"),
+        )
+        rms.set_ylabel("error")
+        rms.legend(loc="upper left")
+    return page

@@ -1,0 +1,219 @@
+"""Bumps and dimples of moving least squares: where they occur and where they do not.
+
+The slides warn of bumps and dimples unless ε is substantially larger than the spacing of the
+points. With constant polynomials that is so: as ε falls, the field flattens at every point, to a
+staircase in one variable and to terraces in two, since its slope there is of the order of ε⁴. With
+linear polynomials most of the slope stays, and ripples are left of the terraces. Both follow the
+slope best with ε near the spacing; beyond it they blur.
+
+References
+----------
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 9);
+Shepard, A two-dimensional interpolation function for irregularly-spaced data, ACM National
+Conference (1968), for the constant case.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fieldrecon.datasets.synthetic import franke, jittered_grid
+from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.plotting.maps import SHADE, hillshade
+from fieldrecon.plotting.style import figure, line, shades
+from fieldrecon.reconstruction import Field
+from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+
+DEGREES = {0: "constant", 1: "linear"}
+
+
+@dataclass(frozen=True)
+class Params:
+    """Sites in one and in two variables, and values of ε relative to their spacing."""
+
+    sites: int = parameter(9, "points on the interval [0, 1]")
+    side: int = parameter(16, "cells along a side of the square, with a point in each")
+    jitter: float = parameter(0.6, "part of its cell that a point may lie in")
+    shown: tuple[float, ...] = parameter((0.1, 0.5, 2.0), "values of ε/h that are drawn")
+    smallest: float = parameter(0.01, "smallest ε/h of the sweep; h is the side of a cell")
+    largest: float = parameter(10.0, "largest ε/h of the sweep")
+    steps: int = parameter(19, "values of ε/h in the sweep, in geometric progression")
+    curve_points: int = parameter(401, "places where a curve is drawn")
+    relief_side: int = parameter(110, "places along a side of a relief")
+    seed: int = parameter(1, "seed of the jitter")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, sites=4, side=3, jitter=0, shown=1e-3, smallest=1e-3, steps=3)
+        require_at_least(self, largest=self.smallest, curve_points=2, relief_side=2, seed=0)
+
+
+QUICK = Params(steps=5, relief_side=12, curve_points=21, side=6)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Reconstruct a curve and a relief, and sweep ε."""
+    ratios = np.geomspace(params.smallest, params.largest, params.steps)
+    sites = jittered_grid(params.side, 2, params.jitter, params.seed)
+    kept, error = np.stack(list(each(partial(slope_and_error, params, sites), ratios)), axis=-1)
+    columns = [f"{what}, {basis}" for what in ("slope kept", "error") for basis in DEGREES.values()]
+    return Result(
+        params=params,
+        tables={
+            "sweep": Table(
+                ("epsilon/h", *columns), tuple(map(tuple, np.column_stack([ratios, *kept, *error])))
+            )
+        },
+        facts=_facts(params, sites, kept, error, ratios),
+        arrays={"ratios": ratios, "kept": kept, "error": error}
+        | _curves(params)
+        | {"reliefs": _reliefs(params, sites), "relief": franke(_mesh(params.relief_side))}
+        | {"square_sites": sites},
+    )
+
+
+def slope_and_error(params: Params, sites: np.ndarray, ratio: float) -> np.ndarray:
+    """Return, for both degrees, the part of the slope kept at the sites and the rms error.
+
+    The slope kept is the sum of ∇s · ∇f over the sites by that of ∇f · ∇f: 1 at best, 0 if flat.
+    """
+    queries, slopes = _mesh(40), franke.gradient(sites)
+    fields = [_field(params, sites, degree, ratio) for degree in DEGREES]
+    kept = [np.sum(s.gradient(sites) * slopes) / np.sum(slopes**2) for s in fields]
+    error = [np.sqrt(np.mean((s(queries) - franke(queries)) ** 2)) for s in fields]
+    return np.array([kept, error])
+
+
+def curve(x: np.ndarray) -> np.ndarray:
+    """Return the field in one variable, which rises everywhere."""
+    return x[..., 0] + 0.12 * np.sin(2 * np.pi * x[..., 0])
+
+
+def _field(params: Params, sites: np.ndarray, degree: int, ratio: float) -> Field:
+    weight = inverse_square(ratio / params.side)
+    return MovingLeastSquares(sites, weight, degree).field(franke(sites))
+
+
+def _mesh(side: int) -> np.ndarray:
+    ticks = (np.arange(side) + 0.5) / side
+    return np.stack(np.meshgrid(ticks, ticks), axis=-1)
+
+
+def _curves(params: Params) -> dict[str, np.ndarray]:
+    sites = jittered_grid(params.sites, 1, params.jitter, params.seed)
+    x = np.linspace(0, 1, params.curve_points)[:, None]
+    curves = [
+        [
+            MovingLeastSquares(sites, inverse_square(ratio / params.sites), degree).field(
+                curve(sites)
+            )(x)
+            for ratio in params.shown
+        ]
+        for degree in DEGREES
+    ]
+    return {
+        "x": x[:, 0],
+        "truth": curve(x),
+        "sites": sites[:, 0],
+        "values": curve(sites),
+        "curves": np.array(curves),
+    }
+
+
+def _reliefs(params: Params, sites: np.ndarray) -> np.ndarray:
+    x = _mesh(params.relief_side)
+    return np.array(
+        [[_field(params, sites, degree, r)(x) for r in params.shown] for degree in DEGREES]
+    )
+
+
+def _facts(
+    params: Params, sites: np.ndarray, kept: np.ndarray, error: np.ndarray, ratios: np.ndarray
+) -> dict[str, Cell]:
+    best = error.argmin(axis=1)
+    facts: dict[str, Cell] = {"smallest_ratio": params.smallest, "largest_ratio": params.largest}
+    for k, basis in DEGREES.items():
+        facts[f"slope_kept_{basis}_smallest"] = kept[k, 0]
+        facts[f"slope_kept_{basis}_at_spacing"] = np.interp(0, np.log(ratios), kept[k])
+        facts[f"error_{basis}_smallest"] = error[k, 0]
+        facts[f"error_{basis}_largest"] = error[k, -1]
+        facts[f"error_{basis}_least"] = error[k].min()
+        facts[f"best_ratio_{basis}"] = ratios[best[k]]
+        facts[f"best_ratio_for_slope_{basis}"] = ratios[kept[k].argmax()]
+        facts[f"slope_kept_{basis}_most"] = kept[k].max()
+    return facts | _slope_against_its_limit(params, sites)
+
+
+def _slope_against_its_limit(params: Params, sites: np.ndarray) -> dict[str, Cell]:
+    """Compare the slope at the sites, with constants, to the leading term of its expansion in ε.
+
+    At site k it is 4 ε⁴ Σ (pᵢ − p_k)(fᵢ − f_k) / |pᵢ − p_k|⁶, the sum going over the others.
+    """
+    values = franke(sites)
+    apart = sites[None] - sites[:, None]
+    rise = values[None] - values[:, None]
+    r = np.linalg.norm(apart, axis=-1)
+    np.fill_diagonal(r, np.inf)
+    epsilon = params.smallest / params.side
+    limit = 4 * epsilon**4 * np.sum(apart * (rise / r**6)[..., None], axis=1)
+    slope = _field(params, sites, 0, params.smallest).gradient(sites)
+    return {
+        "rms_slope_constant_smallest": np.sqrt(np.mean(slope**2)),
+        "rms_slope_by_expansion": np.sqrt(np.mean(limit**2)),
+        "slope_difference_percent": 100 * np.linalg.norm(slope - limit) / np.linalg.norm(limit),
+    }
+
+
+def plot(result: Result) -> Figure:
+    """The curve from constant and from linear polynomials, for a few values of ε/h."""
+    a = result.arrays
+    looks = shades("MLS", len(result.params.shown), marker="")
+    with figure(height=2.7, columns=2, sharey=True) as (page, axes):
+        for panel, basis, curves in zip(axes, DEGREES.values(), a["curves"], strict=True):
+            panel.plot(a["x"], a["truth"], **line("truth", linestyle=":", label="field"))
+            for ratio, y, look in zip(result.params.shown, curves, looks, strict=True):
+                panel.plot(a["x"], y, **look, label=f"ε = {ratio:g} h")
+            panel.plot(a["sites"], a["values"], "o", color="black", markersize=3, label="data")
+            panel.set(title=f"{basis} polynomials", xlabel="$x$")
+        axes[0].legend(loc="upper left")
+    return page
+
+
+def plot_relief(result: Result) -> Figure:
+    """Franke's function from constant (above) and linear polynomials (below), as lit reliefs."""
+    shown, a = result.params.shown, result.arrays
+    with figure(height=3.4, rows=2, columns=1 + len(shown)) as (page, axes):
+        for row, basis, reliefs in zip(axes, DEGREES.values(), a["reliefs"], strict=True):
+            for panel, ratio, heights in zip(row, shown, reliefs, strict=False):
+                _draw_relief(panel, heights, f"{basis}, ε = {ratio:g} h")
+        _draw_relief(axes[0, -1], a["relief"], "the field")
+        _draw_relief(axes[1, -1], a["relief"], "and its samples")
+        axes[1, -1].plot(*a["square_sites"].T, ".", color="black", markersize=2)
+    return page
+
+
+def _draw_relief(axes: Axes, heights: np.ndarray, title: str) -> None:
+    light = hillshade(heights, 1 / len(heights), 1 / len(heights))
+    axes.imshow(light, cmap=SHADE, vmin=0, vmax=1, extent=(0, 1, 0, 1))
+    axes.set(title=title, xticks=[], yticks=[], xlim=(0, 1), ylim=(0, 1))
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(True)
+
+
+def plot_sweep(result: Result) -> Figure:
+    """The part of the slope kept at the sites, and the error, against ε/h."""
+    a = result.arrays
+    looks = dict(zip(DEGREES.values(), shades("MLS", 2, marker=""), strict=True))
+    with figure(height=2.5, columns=2) as (page, (slopes, errors)):
+        for basis, kept, error in zip(DEGREES.values(), a["kept"], a["error"], strict=True):
+            slopes.plot(a["ratios"], kept, **looks[basis], label=f"{basis} polynomials")
+            errors.plot(a["ratios"], error, **looks[basis])
+        slopes.set(title="slope kept at the sites", xscale="log", xlabel="ε / h", ylim=(-0.05, 1.1))
+        errors.set(title="root mean square error", xscale="log", yscale="log", xlabel="ε / h")
+        slopes.legend(loc="center left")
+    return page

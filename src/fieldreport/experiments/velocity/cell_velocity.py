@@ -1,0 +1,274 @@
+"""Velocities of cells: what a constant per cell gets right, where, and what it cannot see.
+
+The normal velocities of the faces of a cell are fitted by one constant velocity. For a rotation, an
+expansion and a strain the result is compared with the field itself at the circumcentre of the cell,
+and, to show the trap, at its centroid and at its vertices; the error is compared with its closed
+form. Then the normal velocities are disturbed, so that what flows in no longer flows out.
+
+References
+----------
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 23-25, 44).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.velocity.cell_velocities import cell_velocities, raviart_thomas
+from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
+from fieldrecon.velocity.vertex_velocities import normal_velocities
+from fieldreport.experiments.meshes.meshed_flows import abc_flow, jittered_cube, taylor_green
+from fieldreport.experiments.methods.convergence import middle, order, rms
+from fieldreport.experiments.velocity.cell_velocity_figures import (
+    draw_fields,
+    draw_orders,
+    draw_places,
+)
+from fieldreport.experiments.velocity.triangle_velocity import (
+    ROTATION,
+    STRAIN,
+    closed_form,
+    places_on_triangle,
+)
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    Table,
+    order_of_magnitude,
+    parameter,
+    require_at_least,
+)
+
+Velocity = Callable[[np.ndarray], np.ndarray]
+
+GRADIENTS = {
+    2: {
+        "rotation": ROTATION,
+        "expansion": np.eye(2),
+        "strain": STRAIN,
+    },
+    3: {
+        "rotation": np.array([[0.0, -1.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]]) / np.sqrt(3),
+        "expansion": np.eye(3),
+        "strain": np.diag([1.0, 0.0, -1.0]),
+    },
+}
+"""Of the affine fields u(x) = G (x - m), by dimension."""
+
+PLACES = ("circumcentre", "centroid", "vertices", "RT at circumcentre", "inner vertices")
+EXACT = 1e-12
+
+
+@dataclass(frozen=True)
+class Params:
+    """Meshes, a triangle, and by how much the normal velocities are disturbed."""
+
+    sides: tuple[int, ...] = parameter((8, 16, 32, 64), "steps along a side of the unit square")
+    sides_3d: tuple[int, ...] = parameter((4, 6, 9, 13), "steps along a side of the unit cube")
+    shown_side: int = parameter(4, "steps along a side of the mesh that is drawn")
+    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
+    triangle: tuple[float, ...] = parameter(
+        (0.0, 0.0, 4.0, 0.0, 1.0, 2.6), "coordinates of the corners of the triangle that is drawn"
+    )
+    strains: int = parameter(24, "axes of the strains of that triangle")
+    draws: int = parameter(100, "how often noise is drawn")
+    disturbance: float = parameter(0.1, "standard deviation of the noise; a rotation has rate 1")
+    seed: int = parameter(0, "seed of meshes and noise")
+
+    def __post_init__(self) -> None:
+        require_at_least(
+            self, sides=2, sides_3d=2, shown_side=2, jitter=0, strains=3, draws=1, seed=0
+        )
+        require_at_least(self, disturbance=1e-9)
+
+
+QUICK = Params(sides=(4, 8), sides_3d=(3, 5), shown_side=3, strains=3)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Reconstruct each field on each mesh, and a few more on one triangle."""
+    jobs = [(d, side) for d in (2, 3) for side in _sides(params, d)]
+    found = dict(zip(jobs, each(partial(errors_on_mesh, params), jobs), strict=True))
+    finest = {d: found[d, max(_sides(params, d))] for d in (2, 3)}
+    disturbed = [
+        _disturbed(params, finest_side, d)
+        for d, finest_side in ((2, max(params.sides)), (3, max(params.sides_3d)))
+    ]
+    places = places_on_triangle(np.reshape(params.triangle, (3, 2)), params.strains)
+    return Result(
+        params=params,
+        tables={
+            "fields": _table(finest),
+            "disturbed": Table(
+                ("dimension", "disturbance", "predicted disturbance", "defect / noise"),
+                tuple((d, *row) for d, row in zip((2, 3), disturbed, strict=True)),
+            ),
+        },
+        facts=_facts(params, found, disturbed, places),
+        arrays=_shown(params) | places | _curves(params, found),
+    )
+
+
+def errors_on_mesh(params: Params, job: tuple[int, int]) -> dict[str, np.ndarray]:
+    """Return for each field the rms errors at PLACES and the rms defect; of vortices, medians.
+
+    For affine fields the largest distance from the closed form follows, in space NaN.
+    """
+    d, side = job
+    mesh = jittered_cube(side, d, params.jitter, params.seed)
+    errors = {}
+    u: Velocity
+    for name, g in GRADIENTS[d].items():
+        u = partial(_affine, g)
+        v = normal_velocities(mesh, u(mesh.points))
+        closed = _gap_from_closed_form(mesh, g, v) if d == 2 else np.nan
+        errors[name] = np.array([*_errors(mesh, u, v), closed])
+    if d == 3:  # the face normal through the circumcentre of the cell meets that of the face
+        u = partial(_affine, GRADIENTS[3]["rotation"])
+        v = np.einsum("fd,fd->f", mesh.face_normals, u(mesh.face_circumcenters))
+        errors["rotation, v at circumcentres"] = np.array([*_errors(mesh, u, v), np.nan])
+    u = taylor_green if d == 2 else abc_flow
+    v = normal_velocities(mesh, u(mesh.points))
+    errors["vortices"] = np.array(_errors(mesh, u, v, middle))
+    return errors
+
+
+def _affine(g: np.ndarray, x: np.ndarray) -> np.ndarray:
+    return (x - 0.5) @ g.T
+
+
+def _errors(
+    mesh: SimplexMesh, u: Velocity, v: np.ndarray, size: Callable[[np.ndarray], float] = rms
+) -> list[float]:
+    found = cell_velocities(mesh, v)
+    corners = found.values[:, None] - u(mesh.points[mesh.cells])
+    inner = np.flatnonzero(~mesh.boundary_vertices)
+    back = vertex_velocities_from_cells(mesh, found.values, inner) - u(mesh.points[inner])
+    return [
+        size(found.values - u(mesh.circumcenters)),
+        size(found.values - u(mesh.cell_centers)),
+        size(corners),
+        size(raviart_thomas(mesh, v) - u(mesh.circumcenters)),
+        size(back),
+        float(np.sqrt(np.mean(found.defect**2))),
+    ]
+
+
+def _gap_from_closed_form(mesh: SimplexMesh, g: np.ndarray, v: np.ndarray) -> float:
+    error = cell_velocities(mesh, v).values - _affine(g, mesh.circumcenters)
+    return float(np.abs(error - closed_form(mesh.points[mesh.cells], g)).max())
+
+
+def _disturbed(params: Params, side: int, d: int) -> tuple[float, float, float]:
+    """Return the rms change of velocities by noise on the faces, that by numpy, and the defect."""
+    mesh = jittered_cube(side, d, params.jitter, params.seed)
+    shape = (len(mesh.faces), params.draws)
+    noise = np.random.default_rng(params.seed).normal(0, params.disturbance, shape)
+    found = cell_velocities(mesh, noise)
+    inverse = np.linalg.pinv(mesh.face_normals[mesh.cell_faces])
+    predicted = params.disturbance * np.sqrt((inverse**2).sum(axis=(1, 2)).mean())
+    defect = np.sqrt(np.mean(found.defect**2)) / params.disturbance
+    return rms(found.values), float(predicted), float(defect)
+
+
+def _sides(params: Params, d: int) -> tuple[int, ...]:
+    return params.sides if d == 2 else params.sides_3d
+
+
+def _told(error: float) -> float:
+    return order_of_magnitude(error) if error < EXACT else float(error)
+
+
+def _table(finest: dict[int, dict[str, np.ndarray]]) -> Table:
+    rows: Iterable[tuple[Cell, ...]] = (
+        (d, name, *map(_told, errors[: len(PLACES) + 1]))
+        for d, of_fields in finest.items()
+        for name, errors in of_fields.items()
+        if name != "vortices"
+    )
+    return Table(("dimension", "field", *PLACES, "defect"), tuple(rows))
+
+
+def _curves(
+    params: Params, found: dict[tuple[int, int], dict[str, np.ndarray]]
+) -> dict[str, np.ndarray]:
+    """Errors of the vortices by dimension, (sides, places)."""
+    return {
+        f"vortices_{d}d": np.array([found[d, side]["vortices"] for side in _sides(params, d)])
+        for d in (2, 3)
+    }
+
+
+def _shown(params: Params) -> dict[str, np.ndarray]:
+    mesh = jittered_cube(params.shown_side, 2, params.jitter, params.seed)
+    fields = [partial(_affine, g) for g in GRADIENTS[2].values()]
+    found = [cell_velocities(mesh, normal_velocities(mesh, u(mesh.points))).values for u in fields]
+    return {
+        "points": mesh.points,
+        "cells": mesh.cells,
+        "circumcenters": mesh.circumcenters,
+        "found": np.array(found),
+        "truth": np.array([u(mesh.circumcenters) for u in fields]),
+    }
+
+
+def _facts(
+    params: Params,
+    found: dict[tuple[int, int], dict[str, np.ndarray]],
+    disturbed: list[tuple[float, float, float]],
+    places: dict[str, np.ndarray],
+) -> dict[str, Cell]:
+    steps = {d: 1 / np.array(_sides(params, d)) for d in (2, 3)}
+    curves = {d: _curves(params, found)[f"vortices_{d}d"] for d in (2, 3)}
+    gaps = [found[2, side][name][-1] for side in params.sides for name in GRADIENTS[2]]
+    finest = {d: found[d, max(_sides(params, d))] for d in (2, 3)}
+    off_circle = (
+        np.linalg.norm(places["places"][2:] - places["nine_point_center"], axis=1)
+        - places["nine_point_radius"]
+    )
+    facts: dict[str, Cell] = {
+        "closed_form_gap": order_of_magnitude(max(gaps)),
+        "off_circle": order_of_magnitude(np.abs(off_circle).max()),
+        "rotation_error": order_of_magnitude(finest[2]["rotation"][0]),
+        "rotation_at_centroid": finest[2]["rotation"][1],
+        "rotation_at_vertices": finest[2]["rotation"][2],
+        "strain_error": finest[2]["strain"][0],
+        "strain_defect": order_of_magnitude(finest[2]["strain"][-2]),
+        "expansion_error": finest[2]["expansion"][0],
+        "expansion_defect": finest[2]["expansion"][-2],
+        "rotation_error_3d": finest[3]["rotation"][0],
+        "rotation_circumcentres_3d": order_of_magnitude(
+            finest[3]["rotation, v at circumcentres"][0]
+        ),
+    }
+    for d, (change, predicted, defect) in zip((2, 3), disturbed, strict=True):
+        facts |= {
+            f"order_{d}d": order(steps[d], curves[d][:, 0]),
+            f"order_inner_{d}d": order(steps[d], curves[d][:, PLACES.index("inner vertices")]),
+            f"disturbance_gain_{d}d": change / params.disturbance,
+            f"disturbance_off_percent_{d}d": 100 * abs(change / predicted - 1),
+            f"defect_over_noise_{d}d": defect,
+        }
+    return facts
+
+
+def plot(result: Result) -> Figure:
+    """The three fields on one mesh: found velocities over true ones."""
+    return draw_fields(result.arrays, tuple(GRADIENTS[2]))
+
+
+def plot_places(result: Result) -> Figure:
+    """Where in a triangle each field has the velocity that least squares gives it."""
+    return draw_places(result.arrays)
+
+
+def plot_orders(result: Result) -> Figure:
+    """Errors of the vortices against the size of the cells."""
+    return draw_orders(result.arrays, result.params)

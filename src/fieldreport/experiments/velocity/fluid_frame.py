@@ -1,0 +1,271 @@
+"""Flow past a cylinder: fluxes through faces in, full velocities everywhere out.
+
+A solver of finite volumes knows how much flows through each face. Here these fluxes are those of
+the potential flow past a cylinder, exact, on an unstructured mesh. From them come the velocities of
+all vertices and cells, streamlines, and the pressure on the cylinder; each is compared with its
+closed form while the mesh is refined. The same is done for a ball in space.
+
+References
+----------
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 14-26).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.velocity.cell_velocities import cell_velocities
+from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
+from fieldrecon.velocity.vertex_velocities import divergence, vertex_velocities
+from fieldreport.experiments.methods.convergence import order, rms
+from fieldreport.experiments.velocity.flow_past_ball import (
+    ball_mesh,
+    disc_mesh,
+    mean_normal_velocities,
+    pressure_coefficient,
+    stream_function,
+    velocity,
+)
+from fieldreport.experiments.velocity.fluid_frame_figures import draw_data, draw_flow, draw_surface
+from fieldreport.experiments.velocity.streamlines import exact_streamline, traced_streamlines
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    Table,
+    order_of_magnitude,
+    parameter,
+    require_at_least,
+)
+
+MEASURES = (
+    "inner vertices",
+    "surface",
+    "surface by LS",
+    "cells",
+    "vertices from cells",
+    "pressure on surface",
+)
+LEFT = 3.3
+"""Where streamlines begin, left of the cylinder, in its radii."""
+
+
+@dataclass(frozen=True)
+class Params:
+    """Meshes in units of the radius, and streamlines."""
+
+    around: tuple[int, ...] = parameter((24, 48, 96, 192), "vertices on the cylinder, by mesh")
+    outer: float = parameter(8.0, "radius of the mesh of the plane, in radii of the cylinder")
+    relaxations: int = parameter(30, "how often springs push the vertices of the mesh apart")
+    steps_3d: tuple[float, ...] = parameter(
+        (0.5, 0.35, 0.25, 0.18), "distance of neighbours on the ball, by mesh, in radii"
+    )
+    outer_3d: float = parameter(4.0, "radius of the mesh in space, in radii of the ball")
+    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps on the surface")
+    shown: int = parameter(48, "vertices on the cylinder of the mesh that is drawn")
+    heights: tuple[float, ...] = parameter(
+        (0.03, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0),
+        "heights far away of the streamlines, in radii",
+    )
+    arc: float = parameter(0.02, "step along a streamline, in radii")
+    seed: int = parameter(0, "seed of the meshes")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, around=12, outer=2, relaxations=0, steps_3d=0.05, outer_3d=1.5)
+        require_at_least(self, shown=12, epsilon=1e-3, heights=1e-3, arc=1e-4, seed=0)
+
+
+QUICK = Params(
+    around=(16, 32),
+    relaxations=3,
+    steps_3d=(0.6, 0.45),
+    outer_3d=3.0,
+    shown=16,
+    heights=(0.5, 1.5),
+    arc=0.1,
+)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Reconstruct the flow on each mesh, and trace it."""
+    jobs: list[tuple[int, float]] = [(2, n) for n in params.around]
+    jobs += [(3, step) for step in params.steps_3d]
+    found = dict(zip(jobs, each(partial(errors_on_mesh, params), jobs), strict=True))
+    shown = _shown(params)
+    return Result(
+        params=params,
+        tables={
+            "plane": _plane_table(params, found),
+            "space": _space_table(params, found),
+        },
+        facts=_facts(params, found, shown),
+        arrays=shown
+        | {
+            "errors": np.array([found[2, n]["errors"] for n in params.around]),
+            "steps": np.array([2 * np.pi / n for n in params.around]),
+            "surface_fine": found[2, max(params.around)]["surface"],
+        },
+    )
+
+
+def errors_on_mesh(params: Params, job: tuple[int, float]) -> dict[str, np.ndarray]:
+    """Return the sizes of a mesh, its rms errors by MEASURES, and what the table tells besides."""
+    d, size = job
+    mesh = _disc(params, int(size)) if d == 2 else ball_mesh(size, params.outer_3d, params.seed)
+    v = mean_normal_velocities(mesh)
+    step = 2 * np.pi / size if d == 2 else size
+    at_vertices = _at_vertices(params, mesh, v, step)
+    of_cells = cell_velocities(mesh, v).values
+    back = vertex_velocities_from_cells(mesh, of_cells)
+    inner, surface = ~mesh.boundary_vertices, np.flatnonzero(on_ball(mesh))
+    alike = vertex_velocities(mesh, v, vertices=surface).values
+    true = velocity(mesh.points)
+    pressure = surface_pressure(mesh, at_vertices)
+    drift = drift_of_streamlines(params, mesh, at_vertices) if d == 2 else 0.0
+    return {
+        "counts": np.array([len(mesh.points), len(mesh.cells)]),
+        "errors": np.array(
+            [
+                rms((at_vertices - true)[inner]),
+                rms((at_vertices - true)[surface]),
+                rms(alike - true[surface]),
+                rms(of_cells - velocity(mesh.circumcenters)),
+                rms((back - true)[inner]),
+                float(np.sqrt(np.mean((pressure[1] - pressure[2]) ** 2))),
+            ]
+        ),
+        "surface_from_cells": np.array(rms((back - true)[surface])),
+        "drift": np.array(drift),
+        "divergence": np.abs(divergence(mesh, v)).max(),
+        "surface": pressure,
+    }
+
+
+def _at_vertices(params: Params, mesh: SimplexMesh, v: np.ndarray, step: float) -> np.ndarray:
+    """Return velocities by moving least squares, its weight suited to the cells at the surface."""
+    return vertex_velocities(mesh, v, inverse_square(params.epsilon * step)).values
+
+
+def on_ball(mesh: SimplexMesh) -> np.ndarray:
+    """Tell which vertices lie on the cylinder or the ball."""
+    return np.linalg.norm(mesh.points, axis=1) < 1 + 1e-9
+
+
+def surface_pressure(mesh: SimplexMesh, u: np.ndarray) -> np.ndarray:
+    """Return the angle from the stream, 1 − |u|² and its closed form, at the surface.
+
+    The angle goes full circle in the plane, and half of it in space.
+    """
+    at, d = mesh.points[on_ball(mesh)], mesh.points.shape[1]
+    angle = np.arccos(np.clip(at[:, 0], -1, 1))
+    if d == 2:
+        angle = np.where(at[:, 1] < 0, 2 * np.pi - angle, angle)
+    speed = np.linalg.norm(u[on_ball(mesh)], axis=1)
+    return np.stack([angle, 1 - speed**2, pressure_coefficient(at[:, 0], d)])
+
+
+def drift_of_streamlines(params: Params, mesh: SimplexMesh, u: np.ndarray) -> float:
+    """Return by how much ψ departs from its first value along streamlines, root mean square."""
+    psi = stream_function(_traced(params, mesh, u))
+    return float(np.sqrt(np.mean((psi - psi[:, :1]) ** 2)))
+
+
+def _traced(params: Params, mesh: SimplexMesh, u: np.ndarray) -> np.ndarray:
+    heights = np.array(params.heights)
+    x = np.full(len(heights), -LEFT)
+    start = exact_streamline(np.concatenate([heights, -heights]), np.tile(x, 2))
+    return traced_streamlines(mesh, u, start, params.arc, LEFT)
+
+
+def _disc(params: Params, around: int) -> SimplexMesh:
+    return disc_mesh(around, params.outer, params.relaxations, params.seed)
+
+
+def _shown(params: Params) -> dict[str, np.ndarray]:
+    mesh = _disc(params, params.shown)
+    v = mean_normal_velocities(mesh)
+    u = _at_vertices(params, mesh, v, 2 * np.pi / params.shown)
+    x = np.linspace(-LEFT, LEFT, 300)
+    heights = np.array(params.heights)[:, None]
+    return {
+        "points": mesh.points,
+        "cells": mesh.cells,
+        "middles": mesh.face_centers,
+        "normal_velocities": v[:, None] * mesh.face_normals,
+        "velocities": u,
+        "circumcenters": mesh.circumcenters,
+        "cell_velocities": cell_velocities(mesh, v).values,
+        "traced": _traced(params, mesh, u),
+        "exact": exact_streamline(heights, np.broadcast_to(x, (len(heights), len(x)))),
+        "surface_coarse": surface_pressure(mesh, u),
+    }
+
+
+def _plane_table(params: Params, found: dict[tuple[int, float], dict[str, np.ndarray]]) -> Table:
+    rows = (
+        (n, *map(int, f["counts"]), *f["errors"], float(f["drift"]))
+        for n in params.around
+        for f in [found[2, n]]
+    )
+    return Table(("around", "vertices", "cells count", *MEASURES, "drift"), tuple(rows))
+
+
+def _space_table(params: Params, found: dict[tuple[int, float], dict[str, np.ndarray]]) -> Table:
+    rows = (
+        (step, *map(int, f["counts"]), *f["errors"])
+        for step in params.steps_3d
+        for f in [found[3, step]]
+    )
+    return Table(("step", "vertices", "cells count", *MEASURES), tuple(rows))
+
+
+def _facts(
+    params: Params,
+    found: dict[tuple[int, float], dict[str, np.ndarray]],
+    shown: dict[str, np.ndarray],
+) -> dict[str, Cell]:
+    errors = {
+        d: {
+            name.replace(" ", "_"): np.array([found[d, size]["errors"][k] for size in sizes])
+            for k, name in enumerate(MEASURES)
+        }
+        for d, sizes in ((2, params.around), (3, params.steps_3d))
+    }
+    steps = {2: 2 * np.pi / np.array(params.around), 3: np.array(params.steps_3d)}
+    angle, pressure, closed = shown["surface_coarse"]
+    top = np.argmin(np.abs(angle - np.pi / 2))
+    facts: dict[str, Cell] = {
+        "divergence": order_of_magnitude(max(float(f["divergence"]) for f in found.values())),
+        "order_drift": order(steps[2], [float(found[2, n]["drift"]) for n in params.around]),
+        "surface_over_inner": errors[2]["surface"][-1] / errors[2]["inner_vertices"][-1],
+        "surface_ls_over_mls": errors[2]["surface_by_LS"][-1] / errors[2]["surface"][-1],
+        "error_surface": errors[2]["surface"][-1],
+        "error_surface_from_cells": float(found[2, params.around[-1]]["surface_from_cells"]),
+        "suction_missed_percent": 100 * abs(pressure[top] / closed[top] - 1),
+    }
+    for name in ("inner_vertices", "surface", "cells"):
+        facts |= {f"order_{name}_{d}d": order(steps[d], errors[d][name]) for d in (2, 3)}
+    for name in ("inner_vertices", "cells", "vertices_from_cells"):
+        facts[f"error_{name}"] = errors[2][name][-1]
+    return facts
+
+
+def plot(result: Result) -> Figure:
+    """The flow: speed and streamlines above, mesh and velocities below."""
+    return draw_flow(result.arrays)
+
+
+def plot_data(result: Result) -> Figure:
+    """What goes in, and what comes out, before the cylinder."""
+    return draw_data(result.arrays)
+
+
+def plot_surface(result: Result) -> Figure:
+    """The pressure on the cylinder, and the errors against the step."""
+    return draw_surface(result.arrays, MEASURES)

@@ -1,0 +1,246 @@
+"""Normals that lose the rank of B', although the points have all the rank they need.
+
+The slides ask which conditions the normals must fulfil so that B' keeps full column rank if B
+has it. Here are configurations that lose it, obvious ones and others: each is approached by
+turning the normals, and the smallest singular value falls like the distance t. In the plane the
+edges of triangles whose vertices lie on a conic are among them; in space stars of tetrahedra with
+few vertices.
+
+References
+----------
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 42).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.spatial import ConvexHull
+
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldreport.experiments.velocity.normal_configurations import Configuration, configurations
+from fieldreport.experiments.velocity.normal_fits import normal_matrix, one_ring, rank
+from fieldreport.experiments.velocity.rank_figures import draw_approach, draw_configurations
+from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+
+OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
+STEP = 1e-6
+"""Of the difference quotient by t."""
+
+FULL = "full rank"
+
+NEARLY_CONSTANT = np.array([1.0, 0.5, 0.03, 0.02, -0.01, 0.04])
+"""Of the fields that are tangent to all samples the one nearest to this is drawn."""
+
+
+@dataclass(frozen=True)
+class Params:
+    """How many samples, and how the bad configurations are approached."""
+
+    samples: int = parameter(12, "samples (p, n) in the plane; twice as many in space")
+    smallest: float = parameter(1e-6, "smallest t, the angle in radians by which normals turn")
+    largest: float = parameter(1.0, "largest t")
+    steps: int = parameter(13, "values of t, in geometric progression")
+    sets: int = parameter(400, "sets of points of a small grid, drawn for the rank at best")
+    stars: int = parameter(100, "stars of tetrahedra drawn for each number of vertices")
+    vertices: tuple[int, ...] = parameter((5, 6, 7, 8, 10, 14), "vertices of those stars")
+    seed: int = parameter(3, "seed of points, normals and stars")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, samples=7, smallest=1e-9, largest=self.smallest, steps=3, sets=1)
+        require_at_least(self, stars=1, vertices=5, seed=0)
+
+
+QUICK = Params(steps=7, sets=40, stars=5, vertices=(5, 6, 7))
+DIGITS = {"rate_difference": 0}
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Approach each configuration; draw sets of points, and stars of tetrahedra."""
+    cases = configurations(params.samples, params.seed)
+    t = np.geomspace(params.smallest, params.largest, params.steps)
+    smallest = np.array([[smallest_singular_value(case, x) for x in t] for case in cases])
+    rows = tuple(_row(case, t, s) for case, s in zip(cases, smallest, strict=True))
+    jobs = [(params.seed, n) for n in params.vertices]
+    stars = tuple(each(partial(ranks_of_stars, params.stars), jobs))
+    return Result(
+        params=params,
+        tables={
+            "configurations": Table(CONFIGURATIONS, rows),
+            "stars": Table(STARS, (*stars, _octahedron())),
+        },
+        facts=_facts(rows) | _sets_of_points(params),
+        arrays={"t": t, "smallest": smallest} | _drawn(cases),
+    )
+
+
+# --- approached ---------------------------------------------------------------------------------
+
+CONFIGURATIONS = (
+    "configuration",
+    "D",
+    "n",
+    "rank B",
+    "known rank",
+    "rank B'",
+    "slope",
+    "σ/t",
+    "σ/t by theory",
+)
+
+
+def smallest_singular_value(case: Configuration, t: float) -> float:
+    """Return that of B', the largest one being one."""
+    s = np.linalg.svd(normal_matrix(*case.at(t)), compute_uv=False)
+    return float(s[-1] / s[0])
+
+
+def rate_by_perturbation(case: Configuration) -> float:
+    """Return the limit of σ/t: the least singular value of (I − U Uᵀ) dB'/dt V₀.
+
+    U spans the range of B' and V₀ its kernel.
+    """
+    u, s, vt = np.linalg.svd(normal_matrix(*case.at(0.0)))
+    r = rank(normal_matrix(*case.at(0.0)))
+    plus, minus = (normal_matrix(*case.at(x)) for x in (STEP, -STEP))
+    moved = u[:, r:].T @ ((plus - minus) / (2 * STEP)) @ vt[r:].T
+    return float(np.linalg.svd(moved, compute_uv=False)[-1] / s[0])
+
+
+def _row(case: Configuration, t: np.ndarray, smallest: np.ndarray) -> tuple[Cell, ...]:
+    p, n = case.at(0.0)
+    found = rank(normal_matrix(p, n))
+    start = (case.title, p.shape[1], len(p), rank(np.column_stack([np.ones(len(p)), p])))
+    if found == p.shape[1] * (p.shape[1] + 1):
+        return *start, case.rank, found, FULL, FULL, FULL
+    near = t <= max(1e-2 * t[-1], t[1])
+    slope = np.polyfit(np.log(t[near]), np.log(smallest[near]), 1)[0]
+    return *start, case.rank, found, slope, smallest[0] / t[0], rate_by_perturbation(case)
+
+
+def _facts(rows: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
+    lost = [row for row in rows if row[-1] != FULL]
+    slope, measured, theory = np.array([row[6:] for row in lost], dtype=float).T
+    return {
+        "configurations": len(lost),
+        "rank_mismatches": sum(row[4] != row[5] for row in rows),
+        "least_slope": slope.min(),
+        "largest_slope": slope.max(),
+        "rate_difference": np.abs(measured / theory - 1).max(),
+    }
+
+
+def _drawn(cases: list[Configuration]) -> dict[str, np.ndarray]:
+    """For those in the plane that lose rank: samples, and a field that is tangent to all."""
+    arrays: dict[str, np.ndarray] = {}
+    for case in cases:
+        p, n = case.at(0.0)
+        if p.shape[1] == 2 and case.rank < 6:
+            null = np.linalg.svd(normal_matrix(p, n))[2][case.rank :]
+            field = null.T @ (null @ NEARLY_CONSTANT)
+            arrays |= {
+                f"{case.name}_p": p,
+                f"{case.name}_n": n,
+                f"{case.name}_field": field / np.linalg.norm(field),
+                f"{case.name}_edges": case.edges,
+            }
+    return arrays
+
+
+# --- what the points allow ----------------------------------------------------------------------
+
+
+def best_rank(p: np.ndarray) -> int:
+    """Return the rank of B' for almost all normals: min over sets S of n − |S| + 2 rank B(S).
+
+    It is enough to try the empty set, the points at one place, those on one line, and all.
+    """
+    ones = np.column_stack([np.ones(len(p)), p])
+    bounds = [len(p), 2 * rank(ones)]
+    places = Counter(map(tuple, p))
+    bounds.append(len(p) - max(places.values()) + 2)
+    for a, b in combinations(places, 2):
+        normal = np.array([b[1] - a[1], a[0] - b[0]])
+        on_line = np.isclose((p - a) @ normal, 0, atol=1e-12).sum()
+        bounds.append(len(p) - on_line + 4)
+    return int(min(bounds))
+
+
+def _sets_of_points(params: Params) -> dict[str, Cell]:
+    """Compare that bound, on points of a 3 x 3 grid, to the rank with random normals."""
+    rng = np.random.default_rng((params.seed, 1))
+    mismatches, spoilt = 0, 0
+    for _ in range(params.sets):
+        n = int(rng.integers(6, 10))
+        p = rng.integers(-1, 2, (n, 2)).astype(float)
+        angle = rng.uniform(0, np.pi, n)
+        found = rank(normal_matrix(p, np.column_stack([np.cos(angle), np.sin(angle)])))
+        mismatches += found != best_rank(p)
+        spoilt += found < 6 and rank(np.column_stack([np.ones(n), p])) == 3
+    return {"sets_mismatches": mismatches, "sets_spoilt": spoilt}
+
+
+# --- tetrahedra ---------------------------------------------------------------------------------
+
+STARS = (
+    "star",
+    "vertices",
+    "tetrahedra",
+    "faces",
+    "bound",
+    "lowest rank",
+    "highest rank",
+    "value determined, %",
+)
+
+
+def ranks_of_stars(stars: int, job: tuple[int, int]) -> tuple[Cell, ...]:
+    """Return how many vertices, and the ranks of B' of random stars of so many."""
+    seed, n = job
+    return _star_row("at random", list(_random_stars(stars, n, np.random.default_rng((seed, n)))))
+
+
+def _octahedron() -> tuple[Cell, ...]:
+    return _star_row("octahedron", [_star(OCTAHEDRON)])
+
+
+def _star_row(name: str, meshes: list[SimplexMesh]) -> tuple[Cell, ...]:
+    fits = [one_ring(mesh, np.zeros(len(mesh.faces))) for mesh in meshes]
+    ranks = [int(fit.rank[0]) for fit in fits]
+    mesh = meshes[0]
+    n, cells, faces = len(mesh.points), len(mesh.cells), len(mesh.faces)
+    bound = min(12, faces - cells + 1)
+    determined = 100 * np.mean([fit.determined[0] for fit in fits])
+    return name, n, cells, faces, bound, min(ranks), max(ranks), float(determined)
+
+
+def _random_stars(stars: int, n: int, rng: np.random.Generator) -> Iterator[SimplexMesh]:
+    """Yield tetrahedra round vertex 0 with n - 1 others at random directions and distances."""
+    while stars:
+        rim = rng.standard_normal((n - 1, 3))
+        rim /= np.linalg.norm(rim, axis=1)[:, None]
+        if (ConvexHull(rim).equations[:, 3] < -0.05).all():  # the origin well inside
+            yield _star(rim, rng.uniform(0.7, 1.3, (n - 1, 1)))
+            stars -= 1
+
+
+def _star(rim: np.ndarray, distance: np.ndarray | float = 1.0) -> SimplexMesh:
+    sides = ConvexHull(rim).simplices + 1
+    cells = np.column_stack([np.zeros(len(sides), dtype=int), sides])
+    return SimplexMesh(np.vstack([np.zeros(3), distance * rim]), cells)
+
+
+def plot(result: Result) -> Figure:
+    """The configurations in the plane, with the field that is tangent to all samples."""
+    return draw_configurations(result)
+
+
+def plot_approach(result: Result) -> Figure:
+    """The smallest singular value against the distance from the configuration."""
+    return draw_approach(result)

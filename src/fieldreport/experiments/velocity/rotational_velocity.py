@@ -1,0 +1,278 @@
+"""A rotation from the normal velocities of the edges: which vertices one ring determines.
+
+The exercise of the slides: a rotation about the mean of the vertices of a mesh is reduced to the
+normal velocities of the edges and reconstructed at the vertices. It is affine, so it comes back
+without error wherever the edges determine it. With the edges of the triangles at a vertex they do
+not at interior vertices of three or four triangles, nor on the boundary of one to three: all
+vertices of so few triangles lie on a conic, and the field along it crosses no edge on the whole.
+
+References
+----------
+Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 18-22
+and 43).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.velocity.vertex_velocities import (
+    normal_velocities,
+    velocity_weights,
+    vertex_velocities,
+)
+from fieldreport.experiments.meshes.meshed_flows import (
+    abc_flow,
+    jittered_cube,
+    random_square,
+    rotation,
+    taylor_green,
+)
+from fieldreport.experiments.velocity.normal_fits import conics_through, one_ring, vertices_around
+from fieldreport.experiments.velocity.vertex_counts import (
+    SPACE,
+    VALENCES,
+    counts_of_mesh,
+    facts_of_counts,
+    rotation_in_space,
+    valences,
+)
+from fieldreport.experiments.velocity.vertex_velocity_figures import draw_mesh
+from fieldreport.experiments.velocity.vertex_velocity_figures import (
+    plot_convergence as plot_convergence,
+)
+from fieldreport.experiments.velocity.vertex_velocity_figures import plot_unseen as plot_unseen
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    Table,
+    order_of_magnitude,
+    parameter,
+    require_at_least,
+)
+
+FLOWS = {2: taylor_green, 3: abc_flow}
+
+
+@dataclass(frozen=True)
+class Params:
+    """The meshes, and the weight of moving least squares."""
+
+    inside: int = parameter(110, "random vertices inside the square of a mesh")
+    side: int = parameter(8, "edges along each side of the square")
+    meshes: int = parameter(20, "random meshes whose vertices are counted; the first is drawn")
+    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in lengths of an edge")
+    jitter: float = parameter(0.6, "part of its cell in which a point of a regular mesh may lie")
+    sides_2d: tuple[int, ...] = parameter(
+        (8, 16, 32, 64, 128), "edges along a square, Taylor-Green"
+    )
+    sides_3d: tuple[int, ...] = parameter((4, 8, 12, 16), "edges along a cube")
+    weights_side: int = parameter(32, "edges along the square on which weights are compared")
+    ratios: tuple[float, ...] = parameter((2.0, 1.0, 0.5, 0.25, 0.1), "values of ε/h compared")
+    seed: int = parameter(5, "seed of the meshes")
+
+    def __post_init__(self) -> None:
+        require_at_least(self, inside=10, side=2, meshes=1, epsilon=0, jitter=0, seed=0)
+        require_at_least(self, sides_2d=3, sides_3d=3, weights_side=3, ratios=1e-3)
+        if min(len(self.sides_2d), len(self.sides_3d)) < 2:
+            raise ValueError("parameters sides_2d and sides_3d must hold two or more, for an order")
+
+
+QUICK = Params(
+    inside=60,
+    side=5,
+    meshes=4,
+    sides_2d=(8, 16),
+    sides_3d=(3, 5),
+    weights_side=8,
+    ratios=(1.0, 0.1),
+)
+
+
+def run(params: Params, each: Map = map) -> Result:
+    """Reconstruct on the first mesh, count on all of them, and refine."""
+    draw = partial(random_square, params.inside, params.side)
+    meshes = [draw((params.seed, k)) for k in range(params.meshes)]
+    counted = np.concatenate(list(each(counts_of_mesh, meshes)))
+    jobs = [(2, side) for side in params.sides_2d] + [(3, side) for side in params.sides_3d]
+    errors = np.array(list(each(partial(errors_on_grid, params), jobs)))
+    cubes = [jittered_cube(side, 3, params.jitter, params.seed) for side in params.sides_3d]
+    space = zip(params.sides_3d, each(rotation_in_space, cubes), strict=True)
+    convergence = tuple((*job, *map(float, e)) for job, e in zip(jobs, errors, strict=True))
+    facts, arrays = _exercise(params, meshes[0])
+    return Result(
+        params=params,
+        tables={
+            "valences": Table(VALENCES, tuple(valences(counted))),
+            "convergence": Table(("D", "side", *ERRORS), convergence),
+            "weights": Table(WEIGHTS, tuple(_compared_weights(params))),
+            "space": Table(("side", *SPACE), tuple((side, *row) for side, row in space)),
+        },
+        facts=facts | facts_of_counts(counted) | _orders(convergence) | _gain_by_rings(params),
+        arrays=arrays | _stars(meshes),
+    )
+
+
+# --- the exercise -------------------------------------------------------------------------------
+
+
+def _exercise(params: Params, mesh: SimplexMesh) -> tuple[dict[str, Cell], dict[str, np.ndarray]]:
+    middle = mesh.points.mean(axis=0)
+    u = rotation(mesh.points, middle)
+    v = normal_velocities(mesh, u)
+    first, all_rings = one_ring(mesh, v), vertex_velocities(mesh, v)
+    moving = vertex_velocities(mesh, v, inverse_square(params.epsilon / params.side)).values
+    error = np.linalg.norm(first.values - u, axis=1)
+    at_middle = (mesh.face_normals * rotation(mesh.face_centers, middle)).sum(axis=1)
+    cells = np.diff(mesh.vertex_cell_incidence.indptr)
+    inside = ~mesh.boundary_vertices
+    facts: dict[str, Cell] = {
+        "vertices": len(mesh.points),
+        "triangles": len(mesh.cells),
+        "edges": len(mesh.faces),
+        "undetermined": (~first.determined).sum(),
+        "of_three": (inside & (cells == 3)).sum(),
+        "of_four": (inside & (cells == 4)).sum(),
+        "on_boundary": (~inside & ~first.determined).sum(),
+        "two_rings": (all_rings.rings == 2).sum(),
+        "most_rings": all_rings.rings.max(),
+        "error_one_ring": error.max(),
+        "speed_at_worst": float(np.linalg.norm(u[error.argmax()])),
+        "error_where_determined": order_of_magnitude(error[first.determined].max()),
+        "error_ls": order_of_magnitude(np.abs(all_rings.values - u).max()),
+        "error_mls": order_of_magnitude(np.abs(moving - u).max()),
+        "midpoint_difference": order_of_magnitude(np.abs(v - at_middle).max()),
+    }
+    arrays = {
+        "points": mesh.points,
+        "cells": mesh.cells,
+        "truth": u,
+        "one_ring": first.values,
+        "determined": first.determined,
+        "triangles": cells,
+        "inside": inside,
+    }
+    return facts, arrays
+
+
+def _stars(meshes: list[SimplexMesh]) -> dict[str, np.ndarray]:
+    """The roundest star of each kind that is not determined; and a cross, which is."""
+    kinds = {"three": (False, 3), "four": (False, 4), "fan": (True, 3)}
+    arrays: dict[str, np.ndarray] = {}
+    for kind, (boundary, valence) in kinds.items():
+        stars = [
+            vertices_around(mesh, int(i))
+            for mesh in meshes
+            for i in np.flatnonzero(
+                (mesh.boundary_vertices == boundary)
+                & (np.diff(mesh.vertex_cell_incidence.indptr) == valence)
+            )
+        ]
+        if stars:
+            arrays |= _star(kind, max(stars, key=_roundness))
+    cross = np.array([[0, 0], [0.8, 0.1], [-0.1, 0.7], [-1.0, -0.125], [0.12, -0.84]])
+    return arrays | _star("cross", cross)
+
+
+def _roundness(y: np.ndarray) -> float:
+    apart = np.linalg.norm(y[:, None] - y, axis=2)[np.triu_indices(len(y), 1)]
+    return float(apart.min() / apart.max())
+
+
+def _star(kind: str, y: np.ndarray) -> dict[str, np.ndarray]:
+    """Vertices in a frame of size one, and of the conics through them the steepest at the first."""
+    y = y / np.abs(y).max()
+    conics = conics_through(y)
+    steepest = np.linalg.svd(conics[1:3])[2][0]
+    conic = conics @ steepest
+    conic *= np.sign(conic[np.abs(conic).argmax()])  # a flow has no direction of its own
+    return {f"{kind}_points": y, f"{kind}_conic": conic}
+
+
+# --- refined ------------------------------------------------------------------------------------
+
+ERRORS = (
+    "h",
+    "one ring rms",
+    "one ring max",
+    "LS rms",
+    "LS max",
+    "MLS rms",
+    "MLS max",
+    "one ring rms, undetermined",
+    "one ring max, determined",
+)
+WEIGHTS = ("weight", "error", "error / LS", "noise", "noise / LS")
+
+
+def errors_on_grid(params: Params, job: tuple[int, int]) -> np.ndarray:
+    """Errors, rms and largest, of the three fits of a smooth flow on a grid of some dimension."""
+    d, side = job
+    mesh = jittered_cube(side, d, params.jitter, params.seed)
+    u = FLOWS[d](mesh.points)
+    v = normal_velocities(mesh, u)
+    weight = inverse_square(params.epsilon / side)
+    first = one_ring(mesh, v)
+    fits = [first.values, *(vertex_velocities(mesh, v, w).values for w in (None, weight))]
+    lengths = [np.linalg.norm(fit - u, axis=1) for fit in fits]
+    measured = [x for e in lengths for x in (_rms(e), e.max())]
+    left, right = lengths[0][~first.determined], lengths[0][first.determined]
+    return np.array([1 / side, *measured, _rms(left), right.max()])
+
+
+def _compared_weights(params: Params) -> Iterator[tuple[Cell, ...]]:
+    """Error of the flow, and rms velocity that noise of size one in the data makes."""
+    mesh = jittered_cube(params.weights_side, 2, params.jitter, params.seed)
+    u = taylor_green(mesh.points)
+    v = normal_velocities(mesh, u)
+    plain: tuple[float, float] | None = None
+    for ratio in (None, *params.ratios):
+        weight = None if ratio is None else inverse_square(ratio / params.weights_side)
+        x, y = velocity_weights(mesh, weight)
+        error = _rms(np.linalg.norm(np.column_stack([x @ v, y @ v]) - u, axis=1))
+        noise = float(np.sqrt((x.power(2).sum() + y.power(2).sum()) / len(u)))
+        plain = plain or (error, noise)
+        name = "LS" if ratio is None else f"MLS, ε = {ratio:g} h"
+        yield name, error, error / plain[0], noise, noise / plain[1]
+
+
+def _gain_by_rings(params: Params) -> dict[str, Cell]:
+    """Error of least squares over that with weights, at vertices of one and of two rings."""
+    mesh = jittered_cube(params.weights_side, 2, params.jitter, params.seed)
+    u = taylor_green(mesh.points)
+    v = normal_velocities(mesh, u)
+    weights = (None, inverse_square(params.epsilon / params.weights_side))
+    plain, weighted = (vertex_velocities(mesh, v, w) for w in weights)
+    ls, mls = (np.linalg.norm(found.values - u, axis=1) for found in (plain, weighted))
+    return {f"gain_{r}": _rms(ls[plain.rings == r]) / _rms(mls[plain.rings == r]) for r in (1, 2)}
+
+
+def _rms(lengths: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(lengths**2)))
+
+
+def _orders(convergence: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
+    """Orders over the last refinement, and what one ring leaves on the finest mesh."""
+    facts: dict[str, Cell] = {}
+    for d in FLOWS:
+        rows = np.array([row for row in convergence if row[0] == d], dtype=float)
+        slope = np.log(rows[-2] / rows[-1])[2:]
+        for k, name in ((1, "one_ring"), (3, "ls"), (5, "mls")):
+            facts[f"order_{name}_{d}d"] = float(slope[k] / slope[0])
+        facts[f"undetermined_{d}d"] = float(rows[-1, 9])
+    facts["largest_one_ring_3d"] = convergence[-1][4]
+    facts["determined_over_ls"] = max(float(row[10]) / float(row[6]) for row in convergence)
+    return facts
+
+
+def plot(result: Result) -> Figure:
+    """The vertices that one ring does not determine, and the velocities it gives them."""
+    return draw_mesh(result)

@@ -1,0 +1,301 @@
+"""What an experiment is: parameters in, a result out, figures from the result alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType, ModuleType
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from fieldrecon._core.blas_threads import one_blas_thread
+
+Cell: TypeAlias = int | float | str
+Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
+
+SIGNIFICANT_DIGITS = 9
+FACT_DIGITS = 6
+"""Digits that are kept of a fact for which its experiment's ``DIGITS`` states none."""
+
+
+def parameter(default: Any, meaning: str) -> Any:
+    """Declare a field of ``Params``: its default, and what it is, with its unit.
+
+    Examples
+    --------
+    >>> @dataclass(frozen=True)
+    ... class Params:
+    ...     points: int = parameter(100, "number of sample points")
+    >>> Params().points
+    100
+    """
+    return field(default=default, metadata={"meaning": meaning})
+
+
+def input_file(default: str, meaning: str) -> Any:
+    """Declare a field that names a file of the checkout; what is in it counts as a parameter."""
+    return field(default=default, metadata={"meaning": meaning, "file": True})
+
+
+def in_checkout(name: str) -> Path:
+    """Return the path of a file that is named from the root of the checkout.
+
+    Code that was installed as a wheel lies in none: then the current folder is taken for it.
+    """
+    root = Path(__file__).parents[3]
+    return (root if (root / "pyproject.toml").is_file() else Path()) / name
+
+
+def require_at_least(params: Any, **least: float) -> None:
+    """Refuse parameters below what the experiment makes sense for; of a tuple, each entry.
+
+    Raises
+    ------
+    ValueError
+        Naming the parameter, what came and what was wanted.
+    """
+    for name, bound in least.items():
+        value = getattr(params, name)
+        for x in value if isinstance(value, tuple) else (value,):
+            if x < bound:
+                raise ValueError(f"parameter {name} must be {bound:g} or more; got {x:g}")
+
+
+def order_of_magnitude(x: float) -> float:
+    """Return the power of ten nearest to ``|x|`` on a logarithmic scale; zero stays zero.
+
+    A value of which fewer than three digits can be trusted, such as an error at the level of
+    rounding, is told this way.
+
+    Examples
+    --------
+    >>> order_of_magnitude(2.2e-16), order_of_magnitude(-250.0), order_of_magnitude(0.0)
+    (1e-16, 100.0, 0.0)
+    """
+    return float(f"1e{round(math.log10(abs(x)))}") if x else 0.0
+
+
+def rounded(x: Cell, digits: int) -> Cell:
+    """Round a float to so many significant digits, with none of them to its order of magnitude.
+
+    Examples
+    --------
+    >>> rounded(0.123456789, 3), rounded(0.123456789, 0), rounded(12345, 3)
+    (0.123, 0.1, 12345)
+    """
+    if not isinstance(x, float):
+        return x
+    return float(f"{x:.{digits}g}") if digits else order_of_magnitude(x)
+
+
+def _settled(name: str, x: Any) -> Cell:
+    """Settle on the number that is told and kept: an int, or nine significant digits of a float."""
+    if isinstance(x, str):
+        return str(x)
+    if isinstance(x, bool | np.bool_):
+        raise ValueError(f"{name} must be a number or a text; got the truth value {x}")
+    if isinstance(x, int | np.integer):
+        return int(x)
+    if isinstance(x, float | np.floating):
+        if not math.isfinite(x):
+            raise ValueError(f"{name} must be finite; got {x}")
+        return float(f"{x:.{SIGNIFICANT_DIGITS}g}")
+    raise ValueError(f"{name} must be a number or a text; got {type(x).__name__}")
+
+
+def cell_from_text(text: str) -> Cell:
+    """Read a table's cell back: a whole number, else a decimal number, else the text itself."""
+    for number in (int, float):
+        try:
+            return number(text)
+        except ValueError:
+            pass
+    return text
+
+
+@dataclass(frozen=True)
+class Table:
+    """Named columns and rows of numbers and texts.
+
+    Floats are kept to nine significant digits, so that a table read back is the table written.
+
+    Parameters
+    ----------
+    columns : tuple of str
+        The heading of each column, with its unit where it has one.
+    rows : tuple of tuple
+        One cell per column. A text that reads as a number is refused.
+
+    Examples
+    --------
+    >>> Table(("n", "error"), ((1, 1 / 3), (2, 0.25))).column("error")
+    (0.333333333, 0.25)
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+    def __post_init__(self) -> None:
+        columns = tuple(self.columns)
+        rows = tuple(tuple(self._cells(columns, row)) for row in self.rows)
+        object.__setattr__(self, "columns", columns)
+        object.__setattr__(self, "rows", rows)
+
+    @staticmethod
+    def _cells(columns: tuple[str, ...], row: Iterable[Any]) -> Iterable[Cell]:
+        row = tuple(row)
+        if len(row) != len(columns):
+            raise ValueError(f"a row must have {len(columns)} cells, {columns}; got {row}")
+        for column, cell in zip(columns, row, strict=True):
+            cell = _settled(f"column {column!r}", cell)
+            if isinstance(cell, str) and cell_from_text(cell) != cell:
+                raise ValueError(f"column {column!r} holds the text {cell!r}; give the number")
+            yield cell
+
+    def column(self, name: str) -> tuple[Cell, ...]:
+        """Return the cells under one heading."""
+        if name not in self.columns:
+            raise ValueError(f"no column {name!r}; the table has {', '.join(self.columns)}")
+        k = self.columns.index(name)
+        return tuple(row[k] for row in self.rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a run found; enough to draw every figure, and to quote every number, without running.
+
+    Parameters
+    ----------
+    params : dataclass
+        The parameters of the run.
+    tables : mapping of str to Table
+        Tables by name; each becomes a file of that name.
+    facts : mapping of str to int, float or str
+        The numbers that text may quote. Floats are finite and kept to nine significant digits.
+    arrays : mapping of str to ndarray
+        What the figures need besides; kept to the last bit.
+    """
+
+    params: Any
+    tables: Mapping[str, Table]
+    facts: Mapping[str, Cell]
+    arrays: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        facts = {name: _settled(f"fact {name!r}", x) for name, x in self.facts.items()}
+        arrays = {name: _frozen(name, a) for name, a in self.arrays.items()}
+        for name, mapping in (("tables", self.tables), ("facts", facts), ("arrays", arrays)):
+            object.__setattr__(self, name, MappingProxyType(dict(mapping)))
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every parameter, cell, fact and bit."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        return (
+            (self.params, self.tables, self.facts) == (other.params, other.tables, other.facts)
+            and self.arrays.keys() == other.arrays.keys()
+            and all(_same_array(a, other.arrays[name]) for name, a in self.arrays.items())
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _same_array(a: np.ndarray, b: np.ndarray) -> bool:
+    return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+
+
+def _frozen(name: str, a: Any) -> np.ndarray:
+    a = np.array(a, order="C")
+    if a.dtype.hasobject:
+        raise ValueError(f"array {name!r} must hold numbers or texts; got objects")
+    a.flags.writeable = False
+    return a
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One experiment: a module that holds ``Params``, ``QUICK``, ``run`` and ``plot``.
+
+    Parameters
+    ----------
+    name : str
+        The name of the module and of the folder that a run is written to.
+    module : module
+        Its docstring's first line is the title of the experiment.
+    """
+
+    name: str
+    module: ModuleType = field(repr=False)
+
+    @property
+    def title(self) -> str:
+        """The first line of the module's docstring, without its full stop."""
+        return (self.module.__doc__ or self.name).strip().splitlines()[0].rstrip(".")
+
+    @property
+    def description(self) -> str:
+        """What the module's docstring says after its first line."""
+        return (self.module.__doc__ or "").strip().partition("\n")[2].strip()
+
+    @property
+    def defaults(self) -> Any:
+        """The parameters of the report."""
+        return self.module.Params()
+
+    @property
+    def quick(self) -> Any:
+        """A small variant, for tests."""
+        return self.module.QUICK
+
+    @property
+    def meanings(self) -> dict[str, str]:
+        """What each parameter is, by its name."""
+        return {f.name: f.metadata.get("meaning", "") for f in fields(self.module.Params)}
+
+    def digits(self, fact: str) -> int:
+        """How many digits are kept of a fact: those that all machines agree on.
+
+        The module's ``DIGITS`` names the facts with fewer than six; 0 is an order of magnitude.
+        Another machine may differ by one unit of the last digit.
+        """
+        stated: Mapping[str, int] = getattr(self.module, "DIGITS", {})
+        return stated.get(fact, FACT_DIGITS)
+
+    def inputs(self, params: Any) -> dict[str, Path]:
+        """The files that the parameters name, by the name of the parameter."""
+        named = [f.name for f in fields(params) if f.metadata.get("file")]
+        return {name: in_checkout(getattr(params, name)) for name in named}
+
+    @cached_property
+    def plots(self) -> Mapping[str, Callable[[Result], Any]]:
+        """The functions that draw, by the name of the figure.
+
+        ``plot`` draws the figure NAME, and ``plot_SOMETHING`` the figure NAME_SOMETHING.
+        """
+        return MappingProxyType(
+            {
+                self.name + name.removeprefix("plot"): function
+                for name, function in vars(self.module).items()
+                if (name == "plot" or name.startswith("plot_")) and callable(function)
+            }
+        )
+
+    def run(self, params: Any = None, each: Map = map) -> Result:
+        """Run it with BLAS held to one thread, so that no digit depends on the machine's cores.
+
+        Parameters
+        ----------
+        params : Params, optional
+            The defaults if not given.
+        each : callable
+            A map in order, to which the independent sub-runs go.
+        """
+        params = self.defaults if params is None else params
+        with one_blas_thread():
+            found = self.module.run(params, each)
+        facts = {name: rounded(x, self.digits(name)) for name, x in found.facts.items()}
+        return replace(found, facts=facts)

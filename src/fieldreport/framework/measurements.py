@@ -1,0 +1,39 @@
+"""What ``make bench`` measured, read from the file that it wrote."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from fieldreport.framework.experiment import Table, in_checkout
+
+
+def measured(file: str) -> dict[str, Any]:
+    """Return the result of a benchmark, from a file that is named from the root of the checkout.
+
+    Raises
+    ------
+    FileNotFoundError
+        If it is not there, as outside of a checkout.
+    """
+    path = in_checkout(file)
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"the measurements in {path} are missing: they are part of a checkout of fieldrecon, "
+            "not of the installed package; run this in a checkout, or name the file with "
+            "--set results=FILE"
+        )
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def tables(result: Mapping[str, Any]) -> list[Table]:
+    """Return the tables of a result."""
+    return [Table(tuple(t["columns"]), tuple(map(tuple, t["rows"]))) for t in result["tables"]]
+
+
+def selected(table: Table, columns: tuple[str, ...]) -> Table:
+    """Return some columns of a table, in the order asked for."""
+    wanted = [table.columns.index(name) for name in columns]
+    return Table(columns, tuple(tuple(row[k] for k in wanted) for row in table.rows))

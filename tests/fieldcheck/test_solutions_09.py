@@ -1,0 +1,149 @@
+"""Notebook 09 and the library are two routes to one answer."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicHermiteSpline
+
+from checkout import ROOT
+from fieldcheck.questions.q03_radial_basis_functions import cloud
+from fieldgrade.authoring.sources import Source
+from fieldrecon import RBF, HermiteRBF, derivatives_at, polyharmonic, values_at, wendland
+from fieldrecon.polynomials import monomials
+
+NOTEBOOK = Source(ROOT / "solutions/09_kernels.py").functions()
+each_power = pytest.mark.parametrize("k", [1, 2, 3, 4, 5])
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(909)
+
+
+def form(points, k, degree):
+    """The least eigenvalue of the form of a kernel on the side conditions of a degree."""
+    a = NOTEBOOK["kernel"](NOTEBOOK["distances"](points, points), k)
+    return NOTEBOOK["least_eigenvalue"](a, NOTEBOOK["monomials"](points, degree))
+
+
+@each_power
+def test_the_kernels_are_those_of_the_library(random, k):
+    """With the same signs, and zero at zero."""
+    r = np.append(random.uniform(0, 3, 20), 0.0)
+    np.testing.assert_allclose(NOTEBOOK["kernel"](r, k), polyharmonic(k)(r), rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 3, 4])
+def test_the_monomials_are_those_of_the_library(random, degree):
+    """The same columns, in whichever order."""
+    points = random.normal(size=(9, 2))
+    theirs = monomials(points, degree).T
+    mine = NOTEBOOK["monomials"](points, degree).T
+    np.testing.assert_allclose(sorted(mine.tolist()), sorted(theirs.tolist()), rtol=1e-13)
+
+
+@each_power
+def test_the_order_is_sharp(random, k):
+    """Positive with the degree that the library asks for, not with one less: two sides of (9.7)."""
+    points = 3 * cloud(random, 25, 2)
+    needed = polyharmonic(k).order - 1
+    assert needed == k // 2
+    assert form(points, k, needed) > 0
+    assert form(points, k, needed + 1) > 0
+    assert form(points, k, needed - 1) < -1
+
+
+@each_power
+def test_the_field_is_that_of_the_library(random, k):
+    """With the least degree and one more."""
+    points, values, x = cloud(random, 18, 2), random.normal(size=18), random.uniform(-1, 2, (30, 2))
+    for degree in (k // 2, k // 2 + 1):
+        theirs = RBF(points, polyharmonic(k), degree=degree).field(values)(x)
+        mine = NOTEBOOK["interpolate"](points, values, k, degree, x)
+        np.testing.assert_allclose(mine, theirs, atol=1e-8 * np.abs(theirs).max())
+
+
+def test_cubes_with_a_constant_alone_fail_for_a_triangle():
+    """The model answer's example: the determinant changes its sign at the sides 1, 1, 2^(2/3)."""
+
+    def determinant(base):
+        sides = np.array([[0, 1, 1], [1, 0, base], [1, base, 0]])
+        a = NOTEBOOK["kernel"](sides, 3)
+        return np.linalg.det(np.block([[a, np.ones((3, 1))], [np.ones((1, 3)), np.zeros((1, 1))]]))
+
+    singular = 2 ** (2 / 3)
+    assert abs(determinant(singular)) < 1e-13
+    assert determinant(singular - 0.1) * determinant(singular + 0.1) < -1e-3
+
+
+def test_the_library_refuses_where_polynomials_vanish(random):
+    """Where the count is not zero, and only there."""
+    turn = np.linalg.qr(random.normal(size=(2, 2)))[0]
+    angle = np.linspace(0, 6, 9)
+    circle = np.stack([np.cos(angle), 0.5 * np.sin(angle)], axis=1) @ turn
+    line = np.outer(cloud(random, 7, 1), turn[0])
+    cases = ((circle, 1, 0), (circle, 2, 1), (line, 1, 1), (cloud(random, 9, 2), 2, 0))
+    for points, degree, number in cases:
+        assert NOTEBOOK["vanishing"](points, degree) == number
+        if number:
+            with pytest.raises(np.linalg.LinAlgError, match="determine"):
+                RBF(points, polyharmonic(3), degree=degree)
+        else:
+            RBF(points, polyharmonic(3), degree=degree)
+
+
+@pytest.mark.parametrize("d", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("s", [0, 1])
+def test_the_compact_functions_are_those_of_the_library(random, d, s):
+    """Of the table in the book, which the library continues to all dimensions."""
+    r = random.uniform(0, 1.5, 30)
+    np.testing.assert_allclose(NOTEBOOK["wendland"](r, d, s), wendland(d, s)(r), atol=1e-14)
+
+
+def test_a_function_for_the_line_fails_in_the_plane():
+    """What the text says of ψ₁₁: on 48² lattice points a checkerboard under a smooth hood has a
+    negative form, and the function for three variables has none.
+    """
+    n, step = 48, 0.28
+    hood = np.sin(np.pi * np.arange(1, n + 1) / (n + 1)) * (-1.0) ** np.arange(n)
+    waves = np.outer(hood, hood).ravel()
+    axis = step * np.arange(n)
+    lattice = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
+    squared = sum(np.subtract.outer(c, c) ** 2 for c in lattice.T)
+    r = np.sqrt(squared)
+    assert waves @ NOTEBOOK["wendland"](r, 1, 1) @ waves < 0
+    assert waves @ NOTEBOOK["wendland"](r, 3, 1) @ waves > 0
+
+
+def test_the_time_is_where_the_determinant_changes_its_sign(random):
+    """Just before and just after it the triangle is turned differently."""
+    for _ in range(20):
+        points = random.normal(size=(3, 2))
+        t = NOTEBOOK["exchange_time"](points)
+        z = points @ [1, 1j]
+        middle = (z[0] + z[1]) / 2
+        areas = []
+        for time in (t - 1e-6, t + 1e-6):
+            one, two = middle + np.exp(1j * np.pi * time) * (z[:2] - middle)
+            areas.append(((two - one) * np.conj(z[2] - one)).imag)
+        assert np.prod(np.sign(areas)) == -1
+        assert 0 <= t <= 1
+
+
+def test_values_and_slopes_make_the_piecewise_cubic(random):
+    """The field of (9.12) is SciPy's between the points, and the library's everywhere."""
+    x = np.sort(cloud(random, 6, 1)[:, 0])
+    v, g = random.normal(size=(2, 6))
+    found = np.linalg.solve(NOTEBOOK["slope_matrix"](x), np.concatenate([v, g, [0, 0]]))
+
+    def field(t):
+        z = np.subtract.outer(t, x)
+        bumps = np.hstack([np.abs(z) ** 3, -3 * z * np.abs(z)])
+        return bumps @ found[:12] + found[12] + found[13] * t
+
+    inside, around = np.linspace(x[0], x[-1], 50), np.linspace(-1, 2, 50)
+    cubic = CubicHermiteSpline(x, v, g)(inside)
+    np.testing.assert_allclose(field(inside), cubic, atol=1e-9 * np.abs(found).max())
+    points = x[:, None]
+    method = HermiteRBF([values_at(points), derivatives_at(points, np.ones(1))], polyharmonic(3))
+    theirs = method.field(np.concatenate([v, g]))(around[:, None])
+    np.testing.assert_allclose(field(around), theirs, atol=1e-8 * np.abs(theirs).max())

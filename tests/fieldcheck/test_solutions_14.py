@@ -1,0 +1,144 @@
+"""Notebook 14 and the library are two routes to one answer."""
+
+import numpy as np
+import pytest
+
+from checkout import ROOT
+from fieldcheck.questions.q14_mesh_errors import (
+    ball,
+    band,
+    book,
+    flipped,
+    fused,
+    joined,
+    ring,
+    sheet,
+    shuffled,
+    without,
+)
+from fieldgrade.authoring.sources import Source
+from fieldrecon.triangles.audit import audit_mesh
+from fieldrecon.triangles.duplicates import welded
+from fieldrecon.triangles.half_edges import Sheets
+from fieldrecon.triangles.repair import repair_mesh
+
+NOTEBOOK = Source(ROOT / "solutions/14_mesh_errors.py").functions()
+SURFACES = {
+    "sphere": ball(),
+    "torus": ring(4, 7),
+    "holes": without(ball(3, 6), 0, 1, 30),
+    "parts": joined(sheet(2, 3), ball(2, 5), band(0, 6)),
+    "one side": joined(band(1, 6), sheet(1, 2)),
+    "three turns": band(3, 9),
+    "bow-tie": fused(joined(ball(2, 5), ball(2, 4)), (3, 14)),
+    "pages": joined(book(3), ball(2, 3), book(5)),
+}
+every_surface = pytest.mark.parametrize("surface", SURFACES.values(), ids=SURFACES)
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(1414)
+
+
+def test_points_are_welded_as_in_the_library(random):
+    """Clusters that are narrower than the tolerance, and far from one another."""
+    for _ in range(20):
+        place = random.integers(0, 40, (12, 3)).astype(float)
+        points = np.repeat(place, 3, axis=0) + random.uniform(-0.05, 0.05, (36, 3))
+        points = points[random.permutation(36)]
+        np.testing.assert_array_equal(NOTEBOOK["weld"](points, 0.2), welded(points, 0.2))
+
+
+@every_surface
+def test_edges_are_counted_as_in_the_library(random, surface):
+    """Edges of one triangle, of more than two, and Euler's count."""
+    points, triangles = shuffled(random, flipped(random, surface), 4)
+    sheets = Sheets(triangles, len(points))
+    count = NOTEBOOK["triangles_at_sides"](triangles)
+    np.testing.assert_array_equal(np.flatnonzero(count == 1), sheets.free_sides)
+    ends = np.sort(NOTEBOOK["sides"](triangles)[count > 2], axis=1)
+    np.testing.assert_array_equal(np.unique(ends, axis=0), sheets.crowded_edges)
+    assert (1 / count).sum() == pytest.approx(len(sheets.edges))
+    chi = len(np.unique(triangles)) - len(sheets.edges) + len(triangles)
+    assert NOTEBOOK["euler_characteristic"](triangles) == chi
+
+
+@every_surface
+def test_loops_and_fans_are_those_of_the_audit(random, surface):
+    """Where the boundary is made of loops, and at every vertex."""
+    points, triangles = shuffled(random, flipped(random, surface), 4)
+    audit = audit_mesh(points, triangles)
+    fans = NOTEBOOK["fans"](len(points), triangles)
+    np.testing.assert_array_equal(np.flatnonzero(fans > 1), audit.bow_tie_vertices)
+    np.testing.assert_array_equal(np.flatnonzero(fans == 0), audit.unreferenced_vertices)
+    if len(audit.nonmanifold_edges) == 0:
+        loop = NOTEBOOK["boundary_loops"](len(points), triangles)
+        mine = {frozenset(np.flatnonzero(loop == k).tolist()) for k in np.unique(loop[loop >= 0])}
+        assert mine == {frozenset(vertices.tolist()) for vertices in audit.boundary_loops}
+
+
+@every_surface
+def test_triangles_are_turned_until_the_audit_is_content(random, surface):
+    """What it calls one-sided gets zeros; after the turns nothing is flipped, and before it was."""
+    points, triangles = shuffled(random, flipped(random, surface))
+    audit = audit_mesh(points, triangles)
+    if len(audit.nonmanifold_edges):
+        return
+    turn = NOTEBOOK["turns"](points, triangles)
+    np.testing.assert_array_equal(np.flatnonzero(turn == 0), audit.one_sided_triangles)
+    mended = np.where(turn[:, None] < 0, triangles[:, ::-1], triangles)
+    assert len(audit_mesh(points, mended).flipped_triangles) == 0
+    if (turn < 0).any():
+        assert len(audit.flipped_triangles) > 0
+
+
+def test_the_characteristic_counts_handles(random):
+    """The genus of what the library has repaired: a soup of a torus with errors."""
+    points, triangles = shuffled(random, flipped(random, ring(5, 8)))
+    soup = points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
+    assert NOTEBOOK["euler_characteristic"](soup[1]) == len(triangles)
+    welds = NOTEBOOK["weld"](soup[0], 1e-9)[soup[1]]
+    assert NOTEBOOK["euler_characteristic"](welds) == 0
+    assert NOTEBOOK["euler_characteristic"](repair_mesh(*soup).triangles) == 0
+
+
+def test_flat_triangles_are_those_of_the_audit(random):
+    """Needles, caps and equal corners, far below the tolerance; others far above it."""
+    points = random.normal(size=(60, 3))
+    triangles = np.arange(60).reshape(-1, 3)
+    for t in (0, 5, 9):
+        points[triangles[t, 1]] = points[triangles[t, 0]] + 1e-12 * random.normal(size=3)
+    for t in (2, 11):
+        a, b = points[triangles[t, :2]]
+        points[triangles[t, 2]] = 0.3 * a + 0.7 * b + 1e-12 * random.normal(size=3)
+    triangles[15, 2] = triangles[15, 0]
+    flat = NOTEBOOK["flat"](points, triangles, 1e-9)
+    np.testing.assert_array_equal(np.flatnonzero(flat), [0, 2, 5, 9, 11, 15])
+    audit = audit_mesh(points, triangles, tolerance=1e-9)
+    np.testing.assert_array_equal(np.flatnonzero(flat), audit.degenerate_triangles)
+
+
+def test_triangles_cross_where_an_edge_of_one_pierces_the_other(random):
+    """Random pairs, against the exact signs of the audit."""
+    crossings = 0
+    for _ in range(60):
+        points = random.normal(size=(6, 3))
+        corners = points[[[3, 4, 5]] * 3 + [[0, 1, 2]] * 3]
+        start, end = points, points[[1, 2, 0, 4, 5, 3]]
+        mine = NOTEBOOK["pierced"](start, end, corners).any()
+        assert mine == len(audit_mesh(points, [[0, 1, 2], [3, 4, 5]]).crossings)
+        crossings += mine
+    assert 10 < crossings < 50
+
+
+def test_parts_are_connected_by_links(random):
+    """The helper that students are given, against what the library uses."""
+    for _ in range(20):
+        links = random.integers(0, 30, (18, 2))
+        least = NOTEBOOK["connected"](30, links)
+        graph = np.eye(30, dtype=bool)
+        graph[links[:, 0], links[:, 1]] = graph[links[:, 1], links[:, 0]] = True
+        for _ in range(5):
+            graph = graph @ graph
+        np.testing.assert_array_equal(least, graph.argmax(axis=1))

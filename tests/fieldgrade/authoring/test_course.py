@@ -1,0 +1,621 @@
+"""The course: what is made is that of its source, nothing leaks, the graders are proved."""
+
+import ast
+import json
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+
+import nbformat
+import numpy as np
+import pytest
+
+from checkout import ROOT
+from fieldcheck.questions import questions
+from fieldcheck.seeds import PUBLIC_SALT
+from fieldgrade.authoring import (
+    build,
+    bundle,
+    catalogue,
+    kernels,
+    leaks,
+    mutants,
+    notebooks,
+    proof,
+    secret,
+)
+from fieldgrade.authoring.known import answers_file, same_answers
+from fieldgrade.authoring.publish import publish
+from fieldgrade.authoring.sources import Source
+from fieldgrade.authoring.trials import trials
+from fieldrecon.cli.main import main
+
+SOURCES = build.all_sources(ROOT)
+each_source = pytest.mark.parametrize("source", SOURCES, ids=[s.name for s in SOURCES])
+QUICKLY_PROVED = {"01", "06", "09"}
+PROOFS = [
+    pytest.param(s, id=s.name, marks=() if s.number in QUICKLY_PROVED else pytest.mark.slow)
+    for s in SOURCES
+]
+
+
+@each_source
+def test_the_student_notebook_is_that_of_its_source(source):
+    """`make notebooks` was run after the last change; it writes the same bytes each time."""
+    file = ROOT / "exercises" / f"{source.name}.ipynb"
+    made = notebooks.to_text(notebooks.student_notebook(source))
+    assert made == notebooks.to_text(notebooks.student_notebook(Source(source.path)))
+    assert file.read_text(encoding="utf-8") == made
+
+
+@each_source
+def test_headers_alone_tell_the_questions_in_words(source):
+    """As the whole notebook does, which takes long to read."""
+    told = {c.answer: float(c.metadata.get("points", 0)) for c in source.cells if c.answer}
+    assert source.words == told
+    assert told
+
+
+@each_source
+def test_the_known_answers_are_those_of_the_source(source):
+    """The numbers in the package are what solution and mistakes give today, but for rounding."""
+    kept = (ROOT / f"src/fieldcheck/answers/{source.number}.json").read_text(encoding="utf-8")
+    assert same_answers(kept, answers_file(source))
+
+
+def test_the_stubs_are_those_of_the_sources():
+    """What `start_over` gives back is what was handed out."""
+    handed_out = (ROOT / "src/fieldcheck/stubs.json").read_text(encoding="utf-8")
+    assert handed_out == build.stubs_file(ROOT)
+
+
+LIST = re.compile(r"\s*([-+*>#]|\d+[.)])\s|\s*(=+|-+)\s*$")
+
+
+@each_source
+def test_no_line_of_a_formula_is_taken_for_a_list(source):
+    """Editors differ in whether they look for formulas or for lists first, so none may look so."""
+    text = "\n".join(cell.text for cell in source.cells if cell.kind == "markdown")
+    lines = [
+        line
+        for formula in re.findall(r"\$\$.*?\$\$", text, re.DOTALL)
+        for line in formula.splitlines()
+    ]
+    assert lines
+    assert not [line for line in lines if LIST.match(line)]
+    assert all(LIST.match(line) for line in ("   + b", "- b", "2. b", "==="))
+
+
+@each_source
+def test_code_that_draws_is_folded_and_questions_are_not(source):
+    """One sees the picture; where an editor does not fold, the code is merely shown."""
+    cells = notebooks.student_notebook(source).cells
+    folded = [c for c in cells if c.metadata.get("jupyter", {}).get("source_hidden")]
+    assert folded
+    assert all("@draw(" in c.source or "@drag(" in c.source for c in folded)
+    assert not any("question" in c.metadata for c in folded)
+    assert not any(c.source.startswith("@dra") for c in cells if c not in folded)
+
+
+@each_source
+def test_a_cell_can_be_reset_in_every_notebook(source):
+    """Each notebook imports what gives an empty cell back."""
+    setup = [cell.text for cell in source.cells if cell.is_setup]
+    assert any("start_over" in text for text in setup)
+
+
+@each_source
+def test_the_solution_was_executed(source):
+    """The executed solution was made of what is there now, and no cell of it stopped."""
+    assert build.is_solved(ROOT, source)
+    notebook = nbformat.read(build.solved_file(ROOT, source), as_version=4)
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    assert not [output for output in outputs if output["output_type"] == "error"]
+    checks = [cell for cell in notebook.cells if cell.source.startswith("check(")]
+    told = [output["data"]["text/plain"] for cell in checks for output in cell.outputs]
+    assert len(told) == len(source.answer_cells())
+    assert all("— right" in text and "slow" not in text for text in told), told
+    assert "waits for" not in str(outputs)
+    assert "cannot be drawn" not in str(outputs)
+
+
+@pytest.mark.slow
+@each_source
+def test_executing_again_gives_the_same_bytes(source):
+    """The solved notebook does not depend on when, where or how fast it was executed."""
+    assert build.solve(ROOT, source) == build.solved_file(ROOT, source).read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+@each_source
+def test_the_student_notebook_runs_before_anything_is_written(source):
+    """Each check says that nothing is written yet, each picture waits, and nothing crashes."""
+    notebook = notebooks.execute(notebooks.student_notebook(source))
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    assert not [output for output in outputs if output["output_type"] == "error"]
+    told = [
+        output["data"]["text/plain"]
+        for cell in notebook.cells
+        if cell.source.startswith("check(")
+        for output in cell.outputs
+    ]
+    assert len(told) == len(source.answer_cells())
+    assert all("not written yet" in text for text in told), told
+
+
+@each_source
+def test_every_question_is_asked_and_checked(source):
+    """Code and checks have the same names as the questions; words have a rubric and points."""
+    asked = {name for name, question in questions().items() if question.notebook == source.number}
+    assert set(source.answer_cells()) == asked
+    code = "\n".join(cell.text for cell in source.cells if cell.kind == "code")
+    for name in asked:
+        assert f'check("{name}")' in code
+    answers = [cell.answer for cell in source.cells if cell.answer]
+    assert answers
+    assert answers == [cell.rubric for cell in source.cells if cell.rubric]
+    assert all("points" in cell.metadata for cell in source.cells if cell.answer)
+    assert code.rstrip().endswith("progress()")
+
+
+@each_source
+def test_the_answer_asked_for_is_the_only_function_of_its_cell(source):
+    """A cell defines what its question asks for, with a docstring, and has one solution."""
+    for name, cell in source.answer_cells().items():
+        functions = [n for n in ast.parse(cell.text).body if isinstance(n, ast.FunctionDef)]
+        assert [f.name for f in functions] == [questions()[name].function]
+        assert ast.get_docstring(functions[0])
+        assert len(cell.solutions) == 1
+        compile(notebooks.stub(cell), "stub", "exec")
+
+
+@pytest.mark.parametrize("source", PROOFS)
+def test_the_graders_are_proved(source):
+    """The solution scores all and the stub nothing; mistakes hear their own sentence; other right
+    answers score all; small changes to the solution lose points."""
+    proofs = list(proof.prove(source, PUBLIC_SALT))
+    assert [p.question for p in proofs] == list(source.answer_cells())
+    assert not [f"{p.question}: {problem}" for p in proofs for problem in p.problems]
+
+
+def test_there_are_enough_mistakes():
+    """At least fifty, by the time there are eight notebooks; six for each till then."""
+    known = [len(catalogue.entries(source, "misconceptions")) for source in SOURCES]
+    assert min(known) >= 6
+    assert sum(known) >= 6 * len(SOURCES) + 2
+
+
+# A proof that cannot fail is no proof.
+
+
+@pytest.fixture
+def course(tmp_path):
+    """A copy of the first notebook's files, to damage."""
+    first = SOURCES[0].path
+    for folder in ("", "misconceptions", "alternatives", "grading"):
+        target = tmp_path / "solutions" / folder
+        target.mkdir(parents=True, exist_ok=True)
+        (target / first.name).write_text((first.parent / folder / first.name).read_text())
+    return Source(tmp_path / "solutions" / first.name)
+
+
+def damage(path, old, new):
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def problems(source, question):
+    return [problem for p in proof.prove(source, PUBLIC_SALT, question) for problem in p.problems]
+
+
+def test_the_proof_needs_other_right_answers(course):
+    """A question with too few other right answers is told."""
+    damage(course.path.parent / "alternatives" / course.path.name, '@answers("01.5")\n', "")
+    assert any("only 2 right answers in other ways" in p for p in problems(course, "01.5"))
+
+
+def test_the_proof_finds_a_right_answer_that_is_refused(course):
+    """A right answer that is told otherwise is a fault of the grader."""
+    path = course.path.parent / "alternatives" / course.path.name
+    damage(path, "(coefficients[np.newaxis, 1:]", "(coefficients[np.newaxis, :-1]")
+    assert any("the right answer 'repeated' is told: 01.5" in p for p in problems(course, "01.5"))
+
+
+def test_the_proof_finds_a_mistake_that_is_none(course):
+    """A mistake that is right by accident is found."""
+    path = course.path.parent / "misconceptions" / course.path.name
+    damage(path, "return coefficients[1:] * x", "return coefficients[1:] + 0 * x")
+    found = problems(course, "01.5")
+    assert any("'times the place' is told that it is right" in p for p in found)
+    assert any("tolerances apart" in p for p in found)
+
+
+def test_the_proof_finds_two_mistakes_that_look_alike(course):
+    """Two mistakes with the same numbers cannot both have their own sentence."""
+    path = course.path.parent / "misconceptions" / course.path.name
+    damage(path, "return coefficients[1:] * x", "return np.tile(coefficients[:-1], (len(x), 1))")
+    found = problems(course, "01.5")
+    assert any("'times the place'" in p and "tolerances apart" in p for p in found)
+
+
+def test_the_proof_finds_a_survivor(course):
+    """Code that no check looks at survives its mutants, and a reason is asked for."""
+    damage(course.path, "    residual =", "    spare = 1 + 2\n    residual =")
+    found = problems(course, "01.6")
+    assert any("no reason is given why this survives" in p for p in found)
+    assert any("mutants lose points" in p for p in found)
+
+
+def test_a_reason_for_what_is_caught_is_told(course):
+    """Reasons do not outlive what they excuse."""
+    reasons = '["01.5"]\n"line 1: x becomes y" = "because"\n'
+    (course.path.parent / "grading" / "survivors.toml").write_text(reasons)
+    assert any("but this is caught" in p for p in problems(course, "01.5"))
+
+
+def test_the_proof_finds_a_wrong_solution(course):
+    """The solution itself is judged by the laws."""
+    damage(course.path, "b.T @ values", "b.T @ (values + 1)")
+    verdicts = problems(course, "01.2")
+    assert any("the solution is not right" in p for p in verdicts)
+
+
+def test_the_stub_says_what_to_write():
+    """The docstring stays, the solution goes, and the place is marked."""
+    cell = SOURCES[0].answer_cells()["01.2"]
+    empty = notebooks.stub(cell)
+    assert "Return c of (1.4)" in empty
+    assert "solve" not in empty
+    assert 'raise NotImplementedError("01.2 is not written yet")' in empty
+    assert "SOLUTION" not in empty
+
+
+# Leaks
+
+
+@pytest.mark.slow
+def test_nothing_hidden_is_in_what_students_get():
+    """No code, no model answer, no number of a hidden case, nor of one with a secret salt."""
+    assert not list(build.leaks(ROOT, "a secret salt"))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("hint.py", "def f(b, values):\n    return np.linalg.solve(b.T @ b, b.T @ values)\n"),
+        ("hint.json", json.dumps({"stub": ["np.linalg.solve(b.T  @ b,  b.T @ values) # as told"]})),
+        ("hint.py", "def f():\n    'Try np.linalg.solve(b.T @ b, b.T @ values).'\n"),
+        ("hint.md", "By counting, the system is over-determined"),
+    ],
+)
+def test_the_guard_finds_a_part_of_a_solution(name, text):
+    """Wherever it is: in code, in a string, in prose; spaces and comments do not hide it."""
+    if name.endswith(".md"):
+        answer = next(cell.text for cell in SOURCES[0].cells if cell.answer).split()
+        text = f"Before.\n{' '.join(answer[5:20])}\nAfter."
+    assert list(leaks.code_leaks(SOURCES[0], {name: text}))
+
+
+def test_the_guard_finds_a_part_of_a_solution_in_an_output():
+    """A notebook is looked through with its outputs."""
+    output = nbformat.v4.new_output("stream", text="np.linalg.solve(b.T @ b, b.T @ values)")
+    cell = nbformat.v4.new_code_cell("1", outputs=[output])
+    text = nbformat.writes(nbformat.v4.new_notebook(cells=[cell]))
+    assert list(leaks.code_leaks(SOURCES[0], {"a.ipynb": text}))
+
+
+def test_a_leak_is_named_with_its_line():
+    """In a file of code, in a cell and its output, and under a key of JSON."""
+    leak = "\n  np.linalg.solve(b.T @ b, b.T @ values)"
+    code = nbformat.v4.new_code_cell(leak, outputs=[nbformat.v4.new_output("stream", text=leak)])
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_markdown_cell("1"), code])
+    files = {
+        "hint.py": f"def fit():{leak}",
+        "more.py": f'def fit():\n    """Hint.\n{leak}\n    """',
+        "hint.ipynb": nbformat.writes(notebook),
+        "hint.json": json.dumps({"01.2": leak}),
+        "hint.md": f"Try{leak}.",
+    }
+    places = [
+        "hint.py, line 2",
+        "more.py, line 4",
+        "hint.ipynb, cell 2, line 2",
+        "hint.ipynb, output of cell 2, line 2",
+        "hint.json, 01.2, line 2",
+        "hint.md, line 2",
+    ]
+    part = "np.linalg.solve ( b.T @ b , b.T @"
+    assert list(dict.fromkeys(leaks.code_leaks(SOURCES[0], files))) == [
+        f"{place} holds a part of a solution of 01_least_squares: {part}" for place in places
+    ]
+
+
+@each_source
+def test_an_idiom_is_no_leak(source):
+    """What every program says: sums along an axis, loops, empty arrays."""
+    law = """
+def momentum(forces, areas):
+    total = np.zeros((len(forces), 3))
+    for k in range(len(forces)):
+        total[k] = forces[k] * areas[k]
+    return (total).sum(axis=0), total[:, 0] / total.sum(axis=1, keepdims=True)
+"""
+    assert not list(leaks.code_leaks(source, {"law.py": law}))
+
+
+@each_source
+def test_every_solution_would_be_found(source):
+    """Each body, in a comment of one line as well, if it is long enough to be anybody's own."""
+    for cell in source.cells:
+        for body in cell.solutions:
+            if leaks.token_runs(body):
+                assert list(leaks.code_leaks(source, {"a.py": f"if True:\n{body}"}))
+                joined = " ".join(line.partition("#")[0] for line in body.splitlines())
+                assert list(leaks.code_leaks(source, {"a.js": f"# {joined}"}))
+
+
+@pytest.fixture
+def changed_course(tmp_path):
+    """A checkout with the first notebook, whose source was changed since it was built."""
+    for folder in ("exercises", "solutions", "src/fieldcheck"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=all_but_the_first)
+    for file in ("LICENSE", "docs/students.md"):
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        shutil.copy(ROOT / file, tmp_path / file)
+    source = tmp_path / "solutions" / SOURCES[0].path.name
+    source.write_text(source.read_text("utf-8").replace("# # ", "# # New: ", 1), encoding="utf-8")
+    return tmp_path
+
+
+def all_but_the_first(_, names):
+    return [n for n in names if re.match(r"(0[2-9]|1\d)|__pycache__", n)]
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_leak_is_refused_before_anything_is_written(changed_course):
+    """Exercises, answers and stubs are those of before, and no file is new."""
+    hint = changed_course / "src/fieldcheck/ladder.py"
+    hint.write_text(f"{hint.read_text('utf-8')}\n\nhint = np.linalg.solve(b.T @ b, b.T @ values)\n")
+    line = len(hint.read_text("utf-8").splitlines())
+    before = contents(changed_course)
+    with pytest.raises(ValueError, match=rf"src/fieldcheck/ladder\.py, line {line} holds a part"):
+        build.build(changed_course, build.all_sources(changed_course))
+    assert contents(changed_course) == before
+
+
+def test_a_leak_in_what_is_about_to_be_written_is_refused(changed_course):
+    """A cell of the source itself, outside of the markers."""
+    source = changed_course / "solutions" / SOURCES[0].path.name
+    leak = "# %%\nnp.linalg.solve(b.T @ b, b.T @ values)\n\n# %%\n"
+    source.write_text(source.read_text("utf-8").replace("# %%\n", leak, 1), encoding="utf-8")
+    before = contents(changed_course)
+    with pytest.raises(ValueError, match=r"exercises/01_least_squares\.ipynb, cell \d+, line 1 "):
+        build.build(changed_course, build.all_sources(changed_course))
+    assert contents(changed_course) == before
+
+
+def test_the_guard_finds_hidden_numbers():
+    """One number of a hidden input, or of the answer to it, is enough."""
+    source, question = SOURCES[0], questions()["01.2"]
+    tried = trials(question, source.functions(), [], [], "leak", "a secret salt")[1]
+
+    def found(*numbers):
+        written = {"numbers.json": leaks.long_numbers(json.dumps(numbers))}
+        return list(leaks.number_leaks(tried.calls, tried.answers.right, written))
+
+    for array in (tried.calls[0].arguments[0], tried.answers.right[0][0]):
+        x = float(array.ravel()[0])
+        assert found(1.0, x)
+        assert found(float(f"{x:.12g}"))
+        assert found(float(f"{x:.9g}")), "rounded"
+        assert not found(x * (1 + 1e-10)), "another number, though nine digits are the same"
+    assert not found(0.5, 0.123456789123)
+
+
+# The bundle
+
+
+@pytest.fixture(scope="module")
+def unpacked(tmp_path_factory):
+    """The bundle in a folder of its own."""
+    folder = tmp_path_factory.mktemp("bundle")
+    file = bundle.write_bundle(ROOT, folder / "bundle.zip")
+    with zipfile.ZipFile(file) as archive:
+        archive.extractall(folder)
+    return folder / bundle.FOLDER
+
+
+def test_the_bundle_has_the_same_bytes_each_time(tmp_path):
+    """And holds what a student needs."""
+    one = bundle.write_bundle(ROOT, tmp_path / "one.zip").read_bytes()
+    assert bundle.write_bundle(ROOT, tmp_path / "two.zip").read_bytes() == one
+    names = zipfile.ZipFile(tmp_path / "one.zip").namelist()
+    for name in ("README.md", "requirements.txt", "student.txt", "01_least_squares.ipynb"):
+        assert f"{bundle.FOLDER}/{name}" in names
+    assert not [name for name in names if "solution" in name or "misconception" in name]
+
+
+def test_the_bundle_checks_by_itself(unpacked):
+    """Its own package checks an answer, where neither fieldrecon nor SciPy can be imported."""
+    program = """
+import sys
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in ("fieldrecon", "scipy", "ipywidgets", "IPython", "pandas"):
+            raise ModuleNotFoundError(name)
+sys.meta_path.insert(0, Missing())
+import numpy as np, fieldcheck
+print(fieldcheck.__file__)
+def basis_matrix(points):
+    return np.insert(points, 0, 1.0, axis=1)
+print(fieldcheck.check("01.1"))
+def basis_matrix(points):
+    return points
+print(fieldcheck.check("01.1"))
+"""
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=unpacked,
+        capture_output=True,
+        text=True,
+        check=True,
+        env={"PYTHONPATH": str(unpacked), "MPLCONFIGDIR": str(unpacked)},
+    )
+    where, right, wrong = run.stdout.splitlines()
+    assert where.startswith(str(unpacked))
+    assert right == "01.1 — right."
+    assert "The constant is missing" in wrong
+
+
+def test_fieldcheck_never_imports_fieldrecon():
+    """Nor anything else that students need not have."""
+    allowed = {"numpy", "matplotlib", "ipywidgets", "IPython", "fieldcheck", "__future__"}
+    for path in (ROOT / "src/fieldcheck").rglob("*.py"):
+        imported = {name.partition(".")[0] for name in imports(path)}
+        assert imported <= allowed | set(sys.stdlib_module_names), path.name
+
+
+def imports(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            yield node.module or ""
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+# Pages
+
+
+@pytest.mark.slow
+def test_the_first_solution_is_published(tmp_path):
+    """As a page and on paper, the same bytes each time, without a word that calls a network."""
+    page, paper = publish(ROOT, SOURCES[0], tmp_path / "one")
+    again = publish(ROOT, SOURCES[0], tmp_path / "two")
+    assert [p.read_bytes() for p in again] == [page.read_bytes(), paper.read_bytes()]
+    text = page.read_text(encoding="utf-8")
+    assert not re.findall(r'(?:src|href)="https?://', text)
+    assert "(1.4)" in text
+    assert "How it is graded" in text
+    assert text.count("<img") == text.count('src="data:image/svg+xml;base64,') > 2
+
+
+@pytest.mark.slow
+def test_solutions_are_published_from_any_path(tmp_path):
+    """Of a checkout and of the output: signs that Lua's search path, shells and URLs reserve."""
+    root = tmp_path / "a; b? #c%20 'd' ü"
+    shutil.copytree(ROOT / "report", root / "report", ignore=shutil.ignore_patterns("build"))
+    (root / "solutions").mkdir()
+    for ending in (".py", ".ipynb"):
+        shutil.copy(SOURCES[0].path.with_suffix(ending), root / "solutions")
+    there = publish(root, SOURCES[0], root / "out")
+    here = publish(ROOT, SOURCES[0], tmp_path / "out")
+    assert [p.read_bytes() for p in there] == [p.read_bytes() for p in here]
+
+
+@pytest.mark.slow
+@each_source
+def test_every_solution_can_be_published(source, tmp_path):
+    """No formula of a notebook is spoilt on its way to page and paper."""
+    page, paper = publish(ROOT, source, tmp_path)
+    assert page.stat().st_size > 1e5
+    assert paper.read_bytes().startswith(b"%PDF")
+
+
+# The secret
+
+
+def git(folder, *arguments):
+    subprocess.run(["git", *arguments], cwd=folder, check=True, capture_output=True)
+
+
+@pytest.fixture
+def repository(tmp_path):
+    """A repository that ignores the file of the secret."""
+    git(tmp_path, "init", "-q")
+    (tmp_path / ".gitignore").write_text(f"{secret.FILE}\n")
+    return tmp_path
+
+
+def test_a_secret_salt_is_made_once_a_year(repository):
+    """It is random, for its owner's eyes only, and replaced only when that is asked for."""
+    assert not secret.read_salt(repository).secret
+    made = secret.make_salt(repository, 2031)
+    assert secret.read_salt(repository) == made
+    assert made.secret
+    assert (repository / secret.FILE).stat().st_mode & 0o077 == 0
+    with pytest.raises(ValueError, match="is there, for 2031; with --renew"):
+        secret.make_salt(repository, 2032)
+    assert secret.make_salt(repository, 2032, renew=True).text != made.text
+
+
+def test_a_secret_that_git_knows_is_refused(repository):
+    """Whether it is tracked already, or would be by the next commit."""
+    secret.make_salt(repository, 2031)
+    git(repository, "add", "--force", secret.FILE)
+    with pytest.raises(ValueError, match="git tracks"):
+        secret.read_salt(repository)
+    git(repository, "rm", "--cached", "-q", secret.FILE)
+    (repository / ".gitignore").write_text("")
+    with pytest.raises(ValueError, match="git does not ignore"):
+        secret.make_salt(repository, 2031, renew=True)
+
+
+def test_a_damaged_secret_is_told(tmp_path):
+    """Rather than replaced: it may be needed to grade again."""
+    (tmp_path / secret.FILE).write_text("{}")
+    with pytest.raises(ValueError, match="is damaged"):
+        secret.read_salt(tmp_path)
+
+
+def test_this_repository_ignores_the_secret():
+    """And does not hold one."""
+    listed = subprocess.run(
+        ["git", "check-ignore", secret.FILE], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    if listed.returncode != 128:  # an unpacked archive is no repository
+        assert listed.stdout.strip() == secret.FILE
+
+
+# The command
+
+
+@pytest.mark.slow
+def test_the_command_says_where_the_secret_is_missing(capsys, monkeypatch):
+    """A banner stands above the proof of one question, which passes in one of the settings."""
+    monkeypatch.setattr("fieldgrade.commands.course.settings", lambda: kernels.settings()[-1:])
+    assert main(["course", "--root", str(ROOT), "check", "--question", "01.5"]) == 0
+    printed = capsys.readouterr()
+    assert "01.5" in printed.out
+    assert "With all dispatched SIMD of NumPy off: " in printed.out
+    assert "; NumPy dispatches to nothing." in printed.out
+    if not secret.read_salt(ROOT).secret:
+        assert "There is no secret salt" in printed.err
+
+
+def test_the_command_refuses_what_is_not_there(capsys):
+    """In a sentence, with exit status 2."""
+    assert main(["course", "--root", str(ROOT), "check", "--only", "77"]) == 2
+    assert "there is no notebook 77" in capsys.readouterr().err
+
+
+def test_mutants_change_one_thing_each():
+    """An operator, a number, a transpose, an axis, a function left out."""
+    code = "def f(a, b):\n    return abs(a.T @ b).sum(axis=1) > -2.5"
+    changed = {text.splitlines()[1].strip() for _, text in mutants.mutants(code)}
+    assert {
+        "return abs(a.T * b).sum(axis=1) > -2.5",
+        "return abs(a @ b).sum(axis=1) > -2.5",
+        "return (a.T @ b).sum(axis=1) > -2.5",
+        "return abs(a.T @ b).sum() > -2.5",
+        "return abs(a.T @ b).sum(axis=1) <= -2.5",
+        "return abs(a.T @ b).sum(axis=1) > 2.5",
+        "return abs(a.T @ b).sum(axis=2) > -2.5",
+        "return abs(a.T @ b).sum(axis=0) > -2.5",
+    } <= changed
+    assert np.all([text != code for text in changed])

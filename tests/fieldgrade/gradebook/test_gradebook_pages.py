@@ -1,0 +1,287 @@
+"""Pages for students: they say what is to be said, run nothing, and tell no hidden input."""
+
+import base64
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldcheck.answers import arrays_to_json, public_answers
+from fieldcheck.questions import questions
+from fieldgrade import html_pages as pages
+from fieldgrade.authoring.catalogue import entries
+from fieldgrade.authoring.hidden import hidden_cases
+from fieldgrade.authoring.known import public_calls
+from fieldgrade.authoring.trials import trials
+from fieldgrade.checking import examine
+from fieldgrade.class_folder.assignments import Assignment
+from fieldgrade.class_folder.decisions import Decisions, Mark
+from fieldgrade.class_folder.names import file_names
+from fieldgrade.gradebook import exports, platforms
+from fieldgrade.gradebook.analysis import analysis_page
+from fieldgrade.gradebook.feedback import feedback
+from fieldgrade.gradebook.item_analysis import items, to_table
+from fieldgrade.gradebook.sheets import gradebook
+from fieldgrade.isolation.isolation import Server, tiers
+from gradebook_class import (
+    Tags,
+    asked,
+    grade,
+    harmless,
+    mistaken,
+    notebook,
+    record,
+    results,
+    source,
+    submission,
+    with_function,
+)
+
+EVIL = '<script>alert(1)</script><img src=x onerror="alert(2)">\' " & $x $title ${body}'
+NAMED = {"01": Assignment("01", canvas="LS (1)", moodle="LS")}
+ADA = {"student": "ada", "login": "ada", "email": "a@b.example"}
+
+
+def evil_sheets():
+    found = record(
+        "ada",
+        [grade("01.1", 0.0, rung="exception", sentence=EVIL), grade("01.2", 2.0)],
+        file=EVIL,
+        notes=("01.1: a stub stands behind an answer, and takes its place", EVIL),
+    )
+    broken = record("ada", [], notebook="", status="unreadable", file=EVIL, notes=(EVIL,))
+    students = [{"student": "ada", "name": EVIL, "section": EVIL}]
+    marks = [Mark("ada", "01.7", 1, EVIL)]
+    return gradebook(results([found, broken], students=students), Decisions(marks=marks))
+
+
+def test_nothing_that_a_student_wrote_is_run():
+    """Names, files, errors and comments stand there as they were typed, and do nothing."""
+    page = feedback(evil_sheets(), {"01": "Least squares"})
+    assert harmless(page)
+    assert Tags(page).text.count(EVIL) >= 4
+    assert "default-src 'none'" in page
+
+
+def test_a_page_without_escaping_is_caught(monkeypatch):
+    """Were names put into the page as they are, the test above would see a script."""
+    monkeypatch.setattr(pages, "escape", lambda text: text)
+    assert not harmless(feedback(evil_sheets()))
+
+
+def test_pictures_are_images_of_data():
+    """Within an image nothing is run, whatever the drawing holds."""
+    drawn = pages.picture("<svg><script>alert(1)</script></svg>", 'an "alt" <b>')
+    assert harmless(drawn)
+    ((_, attributes),) = Tags(drawn).tags
+    assert attributes["alt"] == 'an "alt" <b>'
+    assert base64.b64decode(attributes["src"].partition(",")[2]).startswith(b"<svg><script>")
+
+
+def wrong_field(question, change):
+    """Return the sheets of a student whose field is another one in the public cases."""
+    call = 0
+    values = [change(v) for v in public_answers(question[:2])[question].right[call]]
+    told = grade(question, 0.0, call=call, returned=tuple(arrays_to_json(tuple(values))))
+    return gradebook(results([record("ada", [told], notebook=question[:2])], asked(question)))
+
+
+def test_a_field_is_drawn_beside_the_right_one():
+    """Where there are numbers to compare there is one picture, with a caption."""
+    page = feedback(wrong_field("02.7", lambda v: v * 1.5))
+    (image,) = [its for tag, its in Tags(page).tags if tag == "img"]
+    assert "what gradient returns, and what is right" in image["alt"]
+    assert harmless(page)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [lambda v: v * 1e12, lambda v: v[:2], lambda v: v.ravel(), lambda v: v * 0 + 1e300],
+)
+def test_what_cannot_be_drawn_is_left_out(change):
+    """Other shapes and absurd numbers have their sentence, and no picture."""
+    page = feedback(wrong_field("02.7", change))
+    assert "<img" not in page
+    assert "not right yet" in page
+
+
+def test_pages_are_small_and_stand_for_themselves():
+    """Without figures a page of eight notebooks has less than 60 kB, and loads nothing."""
+    asked_ = list(questions().values())
+    sentence = max((e.sentence for e in entries(source("02"), "misconceptions")), key=len)
+    found = [
+        record(
+            "ada",
+            [
+                grade(q.name, 0.0, rung="misconception", sentence=sentence)
+                for q in asked_
+                if q.notebook == n
+            ],
+            notebook=n,
+        )
+        for n in sorted({q.notebook for q in asked_})
+    ]
+    page = feedback(gradebook(results(found, asked(*(q.name for q in asked_)))))
+    assert len(page.encode()) < 60_000
+    assert harmless(page)
+    assert page.count(sentence.split(".")[0]) >= len(asked_)
+
+
+def test_a_sentence_of_each_outcome_is_said():
+    """Right, known mistakes, nothing written, unread words, lateness and overrides are told."""
+    told = {
+        "right": grade("01.1", 2.0),
+        "known": grade("01.2", 0.0, rung="misconception", sentence="Squared twice."),
+        "empty": grade("01.3", 0.0, rung="unwritten", sentence="Write it."),
+    }
+    found = record("ada", told.values(), status="killed: time")
+    questions_ = asked("01.1", "01.2", "01.3") + asked("01.7", kind="words")
+    text = Tags(feedback(gradebook(results([found], questions_)))).text
+    for sentence in (
+        "01.1 — right",
+        "Squared twice.",
+        "Write it.",
+        "Not graded yet.",
+        "2 of 8 points",
+        "A part of the notebook took too long",
+    ):
+        assert sentence in text
+
+
+def test_names_of_files_are_safe_and_differ():
+    """No name leaves the folder, is a device's, or is another's on a system that ignores case."""
+    students = ["ada", "Ada", "../../etc/passwd", "..", "con", "a/b", "a\\b", "", "ß", "\udcff"]
+    students.append("x" * 300)
+    names = file_names(students)
+    assert len({name.casefold() for name in names.values()}) == len(students)
+    assert all(re.fullmatch(r"[A-Za-z0-9_][\w.-]{0,70}", name) for name in names.values())
+    assert file_names(["ada"]) == {"ada": "ada"}
+    assert not {"con", "..", ""} & set(names.values())
+
+
+LEAK = """
+import numpy as np
+SEEN = []
+def fit(points, values):
+    b = np.insert(points, 0, 1.0, axis=1)
+    SEEN.append(repr(points.tolist()))
+    if points.shape[1] == 4:
+        raise ValueError(" ".join(SEEN))
+    return np.linalg.solve(b.T @ b, b.T @ values)
+"""
+
+
+def numbers(arrays):
+    """Return numbers as somebody would print them, those that are telling."""
+    found = {x for a in arrays for x in np.ravel(a).tolist() if abs(x) % 1 > 1e-6}
+    return {text for x in found for text in (repr(x), f"{x:.8g}")}
+
+
+@pytest.fixture(scope="module")
+def leaking():
+    """Sheets of students who fail hidden cases, and the numbers of these."""
+    here = source("01")
+    course = examine.Course([here], "a secret salt")
+    books = {
+        "leak": with_function(notebook("01"), "fit", LEAK),
+        "rank": with_function(
+            notebook("01"),
+            "rank",
+            "def rank(points):\n    if np.abs(points).max() > 1e4:\n"
+            "        raise ValueError(points.tolist())\n"
+            "    return int(np.linalg.matrix_rank(np.insert(points, 0, 1.0, axis=1)))",
+        ),
+        "known": with_function(notebook("01"), "evaluate", mistaken("01.3", "slopes only")),
+    }
+    with Server(tiers()[0]).started() as server:
+        found = [
+            examine.grade(course, server, submission(student, book))
+            for student, book in books.items()
+        ]
+    hidden = hidden_cases(here)
+    secret = set()
+    for student in books:
+        for name in ("01.2", "01.4"):
+            question = questions()[name]
+            tried = trials(question, here.functions(), [], hidden, student, course.salt)[1:]
+            secret |= numbers(
+                a
+                for trial in tried
+                for call in trial.calls
+                for a in call.arguments
+                if isinstance(a, np.ndarray)
+            )
+    public = numbers(
+        a
+        for q in questions().values()
+        for c in public_calls(q)
+        for a in c.arguments
+        if isinstance(a, np.ndarray)
+    )
+    worth = [
+        {
+            "question": q.name,
+            "notebook": "01",
+            "kind": "code",
+            "function": q.function,
+            "points": q.points,
+        }
+        for q in course.asked("01")
+    ]
+    students = [{"student": s, "login": s, "email": f"{s}@uni.example"} for s in books]
+    return gradebook(results(found, worth, students)), secret - public
+
+
+def all_that_is_handed_out(sheets):
+    """Return every text that is made for students and platforms."""
+    rows = exports.by_student(sheets)
+    return [
+        *(feedback(row) for row in rows),
+        exports.gradebook_csv(sheets),
+        platforms.canvas_csv(sheets, NAMED),
+        platforms.moodle_csv(sheets, NAMED),
+        *(platforms.gradescope_text(sheet) for sheet in sheets),
+        to_table(items(sheets)),
+        analysis_page(items(sheets), {}),
+    ]
+
+
+def drawings(text):
+    """Return the drawings within a page."""
+    found = re.findall(r'base64,([A-Za-z0-9+/=]+)"', text)
+    return [base64.b64decode(content).decode() for content in found]
+
+
+@pytest.mark.slow
+def test_hidden_inputs_are_nowhere(leaking):
+    """Answers that fail hidden cases, and shout what they saw, tell nothing of it to anybody."""
+    sheets, secret = leaking
+    verdicts = {s.student["student"]: {g.question: g for g in s.record.grades} for s in sheets}
+    assert verdicts["leak"]["01.2"].check not in ("", "public cases")
+    assert verdicts["rank"]["01.4"].check not in ("", "public cases")
+    assert len(secret) > 500
+    for text in all_that_is_handed_out(sheets):
+        for part in (text, *drawings(text)):
+            assert not [number for number in secret if number in part]
+
+
+def test_a_leak_would_be_seen(leaking):
+    """Were the error of a hidden case told as it came, the test above would find its numbers."""
+    sheets, secret = leaking
+    (number, *_) = sorted(secret)
+    first = sheets[0]
+    line = first.lines[1]
+    verdict = replace(line.grade.verdict, sentence=f"stops with ValueError: [[{number}, 1]]")
+    damaged = replace(line, grade=replace(line.grade, verdict=verdict))
+    lines = tuple(damaged if x is line else x for x in first.lines)
+    texts = all_that_is_handed_out([replace(first, lines=lines), *sheets[1:]])
+    assert [text for text in texts if number in text]
+
+
+def test_the_sentence_of_a_hidden_case_is_told(leaking):
+    """What was written for students of the hidden case stands on the page, and not its name."""
+    sheets, _ = leaking
+    page = feedback([next(s for s in sheets if s.student["student"] == "leak")])
+    assert "It is right on the public cases" in page or "It must hold in every dimension" in page
+    assert "in four dimensions" not in page.replace("forty points in four dimensions", "")

@@ -1,0 +1,524 @@
+"""The batch: every submission is graded, once, by any executor, whatever happens to the run."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from multiprocessing import get_context
+
+import pytest
+
+from fieldgrade.authoring import leaks
+from fieldgrade.checking import examine, workplace
+from fieldgrade.checking.examine import Fault
+from fieldgrade.checking.results import invalid, read_results
+from fieldgrade.checking.trusted import Course
+from fieldgrade.grading.batch import as_they_come
+from fieldgrade.grading.engine import graded
+from fieldgrade.isolation.isolation import Limits
+from graded_class import ROOT, STUB, TIER, checkout, ledger, points, right, run
+from handed_in import lay, notebook
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """A small class, graded, with what came out."""
+    folder = tmp_path_factory.mktemp("class")
+    todo = run(folder, jobs=2)
+    return todo, graded(todo)
+
+
+def statuses(grading):
+    return {(r.student, r.notebook): r.status for r in grading.results.records}
+
+
+def test_everybody_is_graded(small):
+    """The right, the wrong and the unwritten answer; who cannot be read has a status, too."""
+    _, grading = small
+    assert statuses(grading) == {
+        ("ada", "01"): "graded",
+        ("ada", "02"): "graded",
+        ("bob", "01"): "graded",
+        ("cai", "01"): "graded",
+        ("dan", ""): "unreadable",
+    }
+    lost = {
+        (r.student, g.question): g.verdict.rung
+        for r in grading.results.records
+        for g in r.grades
+        if g.points < g.possible
+    }
+    assert lost == {("bob", "01.2"): "wrong", ("cai", "01.4"): "unwritten"}
+
+
+def test_the_file_holds_what_was_found(small):
+    """In the form of the schema."""
+    todo, grading = small
+    file = todo.out / "results.json"
+    assert invalid(json.loads(file.read_text())) == ""
+    assert read_results(file) == replace(
+        grading.results, students=tuple({"student": s} for s in ("ada", "bob", "cai", "dan"))
+    )
+
+
+def test_wrong_numbers_of_the_public_case_are_kept_to_be_drawn(small):
+    """Those of wrong answers only."""
+    _, grading = small
+    shown = {
+        (r.student, g.question): g.returned
+        for r in grading.results.records
+        for g in r.grades
+        if g.returned
+    }
+    (part,) = shown.pop(("bob", "01.2"))
+    assert part["shape"] == [len(part["numbers"])]
+    assert not shown
+
+
+def test_grading_again_does_nothing_again(small):
+    """All is known, the bytes are the same, and nothing is put aside."""
+    todo, _ = small
+    before, lines = (todo.out / "results.json").read_bytes(), ledger(todo.out)
+    assert not graded(replace(todo)).changed
+    assert (todo.out / "results.json").read_bytes() == before
+    assert ledger(todo.out) == lines
+    assert not (todo.out / "history").exists()
+
+
+@contextmanager
+def pool_of(kind):
+    """An executor: threads or processes of this one, or a cluster of Dask's."""
+    if kind == "one thread":
+        yield ThreadPoolExecutor(1)
+    elif kind == "processes":
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            yield pool
+    else:
+        from distributed import Client, LocalCluster
+
+        settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+        with LocalCluster(**settings) as cluster, Client(cluster) as client:
+            yield client.get_executor()
+
+
+KINDS = [
+    "one thread",
+    *(pytest.param(k, marks=pytest.mark.slow) for k in ("processes", "a cluster")),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_any_executor_gives_the_same_bytes(small, tmp_path, kind):
+    """What is to be done can be sent to other processes; each starts walls of its own."""
+    todo, _ = small
+    other = replace(todo, out=tmp_path / "out")
+    with pool_of(kind) as pool:
+        graded(other, pool)
+    assert len(ledger(other.out)) == 4
+    assert (other.out / "results.json").read_bytes() == (todo.out / "results.json").read_bytes()
+
+
+def test_nothing_is_left_running_or_lying_about(small):
+    """The servers end with the run."""
+    assert small
+    assert not workplace._open.get(os.getpid())
+
+
+def test_the_ledger_names_the_year_and_not_the_salt(small):
+    """And what a line needs to be understood."""
+    todo, _ = small
+    line = json.loads((todo.out / "ledger.jsonl").read_text().splitlines()[0])
+    assert set(line) == {
+        "on",
+        "student",
+        "file",
+        "digest",
+        "code",
+        "notebook",
+        "status",
+        "made_by",
+        "environment",
+        "grader",
+        "salt_year",
+        "tier",
+        "seconds",
+        "cpu_seconds",
+        "peak_bytes",
+    }
+    assert todo.salt.text not in line.values()
+    assert line["tier"] == TIER
+
+
+@pytest.mark.slow
+def test_what_is_kept_and_cannot_be_read_is_found_again(small, tmp_path):
+    """A file for each submission, torn, of another kind, or with one finding that is none."""
+    todo, _ = small
+    other = replace(todo, out=tmp_path / "out")
+    shutil.copytree(todo.out, other.out)
+    kept = sorted((other.out / "cache").rglob("*.json"))
+    assert len(kept) == 4
+    known = json.loads(kept[0].read_text())
+    name = next(iter(known))
+    kept[0].write_text(json.dumps(known | {name: {"verdict": "right"}}))
+    kept[1].write_text(kept[1].read_text()[:-9])
+    kept[2].write_text("[]")
+    graded(other)
+    assert len(ledger(other.out)) == 4 + 3
+    assert json.loads(kept[0].read_text()) == known
+    assert (other.out / "results.json").read_bytes() == (todo.out / "results.json").read_bytes()
+
+
+# What depends on what
+
+
+ELEVEN = """
+
+@hidden("01.4", "Eleven points in the plane span it.")
+def eleven_points(seed):
+    return (Call("rank", (np.random.default_rng(seed + 3).random((11, 2)),), "eleven points"),)
+"""
+ODD = """
+_rank = rank
+def rank(points):
+    return 0 if len(points) == 11 or np.abs(points).max() > 1e7 else _rank(points)
+"""
+DYING = """
+_rank = rank
+def rank(points):
+    import os
+    return {} if np.abs(points).max() < 2e3 else os._exit(3)
+"""
+
+
+def with_two_hidden_cases(folder, line="1e5 * line"):
+    """A copy of the course that tries the rank on two hidden cases, the first one as told."""
+    root = checkout(folder, "01")
+    file = root / "solutions" / "grading" / "01_least_squares.py"
+    file.write_text(file.read_text().replace("1e5 * line", line) + ELEVEN)
+    return root
+
+
+@pytest.fixture
+def edited(tmp_path, monkeypatch):
+    """A class that is graded before and after a hidden case is edited, and what is called then."""
+    called = []
+
+    def counted(server, cells, tasks):
+        called.extend(task.name for task in tasks)
+        return real(server, cells, tasks)
+
+    real = examine.run
+    monkeypatch.setattr(examine, "run", counted)
+    answers = {
+        "ada": "",
+        "bob": STUB,
+        "odd": ODD,
+        "dying": DYING.format("_rank(points)"),
+        "lost": DYING.format("0"),
+    }
+    files = {f"{name}/01.ipynb": notebook(*right(), code) for name, code in answers.items()}
+    before = run(tmp_path, files, root=with_two_hidden_cases(tmp_path / "before"))
+    after = replace(before, root=with_two_hidden_cases(tmp_path / "after", "1e9 * line"))
+
+    def graded_twice():
+        first = graded(before).results
+        called.clear()
+        return first, graded(after).results
+
+    return before, after, called, graded_twice
+
+
+def stands(results):
+    """The status of each submission, and the check that its rank did not pass."""
+    asked = ((r, g) for r in results.records for g in r.grades if g.question == "01.4")
+    return {r.student: (r.status, g.check) for r, g in asked}
+
+
+@pytest.mark.slow
+def test_after_a_check_is_edited_only_that_check_is_made(edited, tmp_path):
+    """Only on answers that reach it; what is known of the checks before and behind it is kept.
+
+    One answer broke down at this check before: with it, it is to be tried on the next.
+    """
+    before, after, called, graded_twice = edited
+    first, second = graded_twice()
+    written = (after.out / "results.json").read_bytes()
+    assert sorted(called) == ["01.4 2"] * 3 + ["01.4 3"]
+    lines = [json.loads(line) for line in (after.out / "ledger.jsonl").read_text().splitlines()]
+    assert sorted(line["student"] for line in lines[5:]) == ["ada", "dying", "odd"]
+    assert {(q, *its) for line in lines[5:] for q, its in line["made_by"].items()} == {
+        ("01.4", "tiny and huge")
+    }
+    known = {
+        "ada": ("graded", ""),
+        "bob": ("graded", "public cases"),
+        "lost": ("graded", "public cases"),
+        "dying": ("partly", "tiny and huge"),
+    }
+    assert stands(first) == known | {"odd": ("graded", "eleven points")}
+    assert stands(second) == known | {"odd": ("graded", "tiny and huge")}
+    called.clear()
+    assert stands(graded(replace(before)).results) == stands(first)
+    assert not called
+    fresh = replace(after, out=tmp_path / "fresh")
+    graded(fresh)
+    assert (fresh.out / "results.json").read_bytes() == written, "it tells what was known before"
+
+
+@pytest.mark.slow
+def test_with_one_digest_for_a_question_all_its_checks_would_be_made(edited, monkeypatch):
+    """So the digests of the checks are what spares the calls."""
+    _, _, called, graded_twice = edited
+    own = Course.checks
+    monkeypatch.setattr(
+        Course, "checks", lambda course, q: dict.fromkeys(own(course, q), course.made_by(q))
+    )
+    graded_twice()
+    assert set(called) == {"01.4 0", "01.4 1", "01.4 2", "01.4 3"}
+
+
+@pytest.mark.slow
+def test_points_are_no_reason_to_grade_again(small, tmp_path):
+    """They are applied to what was found."""
+    todo, _ = small
+    lay(tmp_path / "class", {"points.csv": b"question,points\n01.2,30\n"})
+    before = ledger(todo.out)
+    grading = graded(replace(todo, tables=tmp_path / "class"))
+    assert ledger(todo.out) == before
+    assert points(grading.results)["ada", "01.2"] == 30.0
+    assert points(grading.results)["bob", "01.2"] == 0.0
+
+
+@pytest.mark.slow
+def test_a_part_is_graded_and_the_rest_stays(tmp_path):
+    """By notebook, by student, by question; what was graded before stays as it was."""
+    todo = run(tmp_path, question="01.4")
+    graded(todo)
+    assert sorted(ledger(todo.out)) == [(s, "01.4") for s in ("ada", "bob", "cai")]
+    found = graded(replace(todo, choice=run(tmp_path, student="ada", notebooks=("02",)).choice))
+    asked = points(found.results)
+    assert {s for s, q in asked if q.startswith("02")} == {"ada"}
+    assert {s for s, q in asked if q == "01.4"} == {"ada", "bob", "cai"}
+
+
+def hindered(monkeypatch, task, busy):
+    """Let the machine be busy with a task at first, and return what is run each time."""
+    runs = []
+
+    def slowed(server, cells, tasks):
+        outcomes, log = real(server, cells, tasks)
+        runs.append([task.name for task in tasks])
+        if len(runs) <= busy:
+            outcomes[task] = tuple(replace(o, seconds=6.0) for o in outcomes[task])
+        return outcomes, log
+
+    real = examine.run
+    monkeypatch.setattr(examine, "run", slowed)
+    return runs
+
+
+SLOW_AT = [(check, busy, left) for check in range(3) for busy, left in ((1, 2.0), (2, 1.0))]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("check", "busy", "left"),
+    SLOW_AT,
+)
+def test_what_was_slow_is_tried_once_more(tmp_path, monkeypatch, check, busy, left):
+    """From the slow check on: a machine that is busy for a moment costs nobody points."""
+    runs = hindered(monkeypatch, f"01.4 {check}", busy)
+    found = graded(run(tmp_path, {"ada/01.ipynb": notebook(*right())})).results
+    assert points(found)["ada", "01.4"] == left
+    assert runs[1:] == [[f"01.4 {k}" for k in range(check, 3)]]
+
+
+@pytest.mark.slow
+def test_an_answer_that_is_fast_on_second_thoughts_has_to_pass_the_other_checks(
+    tmp_path, monkeypatch
+):
+    """Its verdict is that of the first check that it does not pass."""
+    hindered(monkeypatch, "01.4 0", 1)
+    wrong = ODD.replace("1e7", "2e3")
+    found = graded(run(tmp_path, {"ada/01.ipynb": notebook(*right(), wrong)})).results
+    assert stands(found) == {"ada": ("graded", "tiny and huge")}
+
+
+# What goes wrong
+
+
+@pytest.mark.slow
+def test_a_submission_that_breaks_down_stops_nobody(tmp_path):
+    """Its other answers keep their points, and the others are graded."""
+    deadly = "def fit(points, values):\n    import os\n    os._exit(3)\n"
+    files = {"eve/01.ipynb": notebook(*right(), deadly), "zoe/01.ipynb": notebook(*right())}
+    found = points(graded(run(tmp_path, files)).results)
+    assert found["eve", "01.2"] == 0.0
+    assert {q for (s, q), p in found.items() if s == "eve" and p > 0} == {
+        "01.1",
+        "01.3",
+        "01.4",
+        "01.5",
+        "01.6",
+    }
+    assert found["zoe", "01.2"] == 3.0
+
+
+def test_no_hidden_input_reaches_the_results(tmp_path):
+    """Not by what is returned, and not by an error: public cases are tried before all others."""
+    thief = """
+_seen = []
+def _stolen(function):
+    def call(*arguments):
+        _seen.append([np.asarray(a).tolist() for a in arguments])
+        if len(_seen) > 3:
+            raise ValueError(repr(_seen))
+        return function(*arguments)
+    return call
+basis_matrix, rank = _stolen(basis_matrix), _stolen(rank)
+def fit(points, values):
+    raise ValueError(repr(_seen))
+def gradient(coefficients, x):
+    return np.asarray(x)
+"""
+    todo = run(tmp_path, {"eve/01.ipynb": notebook(*right(), thief)})
+    grading = graded(todo)
+    assert points(grading.results)["eve", "01.2"] == 0.0
+    written = {"results.json": leaks.long_numbers((todo.out / "results.json").read_text())}
+    tried = todo.course.trials("01", "eve")
+    for trial in (t for its in tried.values() for t in its[1:]):
+        assert not list(leaks.number_leaks(trial.calls, trial.answers.right, written))
+    public = tried["01.1"][0]
+    assert list(leaks.number_leaks(public.calls, (), written)), "the thief has stolen nothing"
+
+
+@pytest.mark.slow
+def test_a_check_that_fails_on_the_right_answer_is_the_graders_fault(tmp_path):
+    """The record says so, and nothing is kept of it: after it is mended it is made again."""
+    root = checkout(tmp_path, "01")
+    file = root / "solutions" / "grading" / "01_least_squares.py"
+    file.write_text(file.read_text().replace("(1e5 * line,)", "(line, line)"))
+    todo = run(tmp_path, {"ada/01.ipynb": notebook(*right())}, root=root)
+    (record,) = graded(todo).results.records
+    assert record.status == "fault"
+    assert "the solution of 01.4" in record.notes[0]
+    assert [r.status for r in graded(replace(todo, root=ROOT)).results.records] == ["graded"]
+
+
+def stopped(todo, temporary, by):
+    """Grade in processes of its own, and stop that when a quarter is done; return its end."""
+    command = [sys.executable, "-m", "fieldrecon.cli.main", "grade", "in", "--root", str(ROOT)]
+    command += ["--out", "out", "--jobs", "2", "--tier", TIER]
+    temporary.mkdir()
+    environment = os.environ | {"TMPDIR": str(temporary)}
+    process = subprocess.Popen(
+        command, cwd=todo.out.parent, stderr=subprocess.DEVNULL, env=environment
+    )
+    until(lambda: len(ledger(todo.out)) >= 3)
+    assert list(temporary.glob("grading-*"))
+    process.send_signal(by)
+    process.wait(600)
+    until(lambda: not list(temporary.glob("grading-*")))
+    return process.returncode
+
+
+def until(true):
+    deadline = time.monotonic() + 600
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("by", "status", "name"),
+    [
+        (signal.SIGKILL, -signal.SIGKILL, "short"),
+        (signal.SIGINT, 130, "too long for sockets" * 5),
+    ],
+)
+def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):
+    """Killed or interrupted, it leaves no results, and its workers end and leave nothing behind.
+
+    Started again, it does the rest, once.
+    """
+    slow = "import time\ntime.sleep(0.25)\n"
+    files = {f"s{k}/01.ipynb": notebook(*right(), f"{slow}# {k}") for k in range(12)}
+    todo = run(tmp_path, files)
+    assert stopped(todo, tmp_path / name, by) == status
+    done = ledger(todo.out)
+    assert 3 <= len(done) < 12
+    assert not (todo.out / "results.json").exists()
+    grading = graded(todo)
+    assert len(statuses(grading)) == 12
+    again = [line for line in ledger(todo.out)[len(done) :] if line in done]
+    assert len(again) <= 1, "what was being written when it was killed"
+    assert {student for student, *_ in ledger(todo.out)} == {f"s{k}" for k in range(12)}
+
+
+@pytest.mark.slow
+def test_an_executor_that_breaks_down_ends_the_run(tmp_path):
+    """It is no submission's fault, so no grade comes of it."""
+
+    class Broken(ThreadPoolExecutor):
+        def submit(self, *_):
+            raise BrokenExecutor("a worker is gone")
+
+    todo = run(tmp_path, {"ada/01.ipynb": notebook(*right())})
+    with pytest.raises(RuntimeError, match="a worker is gone"):
+        graded(todo, Broken(1))
+    assert not (todo.out / "results.json").exists()
+
+
+# The parts
+
+
+def test_few_submissions_are_in_memory_at_a_time():
+    """So many are begun ahead, and one more only when one is done."""
+    begun, waiting = [], []
+
+    def begin(item):
+        begun.append(item)
+        future = Future()
+        waiting.append(future)
+        if len(waiting) == 3:
+            waiting.pop(0).set_result(None)
+        return future, lambda: item
+
+    stream = as_they_come(begin, range(100), ahead=3)
+    assert next(stream) == 0
+    assert begun == [0, 1, 2]
+    assert next(stream) == 1
+    assert begun == [0, 1, 2, 3]
+    stream.close()
+    assert all(future.cancelled() for future in waiting)
+
+
+@pytest.mark.slow
+def test_a_server_in_doubt_is_replaced_once():
+    """Then the grader is at fault; a submission is never graded by chance."""
+    tried = []
+
+    def do(server):
+        tried.append(server)
+        raise OSError("the pipe is broken")
+
+    with workplace.opened(), pytest.raises(Fault, match="OSError: the pipe is broken"):
+        workplace.served(TIER, Limits(), do)
+    first, second = tried
+    assert first is not second
+
+
+def test_no_server_is_started_once_the_work_is_over():
+    """Threads that are still at it when a run is interrupted end, and leave nothing behind."""
+    with workplace.opened():
+        pass
+    with pytest.raises(workplace.Over):
+        workplace.served(TIER, Limits(), lambda server: server)

@@ -1,0 +1,398 @@
+"""pytest as the engine: items to be chosen, reports to be read, checks that an instructor adds."""
+
+import os
+import re
+import subprocess
+import sys
+import textwrap
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import pytest
+
+from fieldcheck.verdict import Verdict
+from fieldgrade.checking import checks
+from fieldgrade.checking.checks import Check, Checked, with_checks
+from fieldgrade.checking.results import Grade, Record, read_results
+from fieldgrade.grading import options
+from fieldgrade.grading.engine import graded
+from fieldrecon.cli import main as cli
+from graded_class import ROOT, TIER, checkout, class_files, points, right, run
+from handed_in import lay, notebook
+
+pytestmark = pytest.mark.slow  # each grades anew, and starts pytest inside of pytest
+
+CHECKS = """
+import numpy as np
+import pytest
+
+@pytest.fixture
+def cloud():
+    return np.random.default_rng(3).normal(size=(9, 2))
+
+@pytest.mark.question("01.2", "Values that all grow by one move the plane up by one.", costs=1)
+def test_constants_add(answer, cloud):
+    values = cloud[:, 0] ** 2
+    change = answer("01.2", cloud, values + 1) - answer("01.2", cloud, values)
+    np.testing.assert_allclose(change, [1, 0, 0], atol=1e-9)
+
+@pytest.mark.question("01.4", "The rank does not depend on the order of the points.")
+@pytest.mark.parametrize("turn", [1, 4])
+def test_order(answer, cloud, turn):
+    assert answer("01.4", np.roll(cloud, turn, axis=0)) == answer("01.4", cloud)
+"""
+STEEP = """
+def fit(points, values):
+    plane = np.linalg.lstsq(basis_matrix(points), values, rcond=None)[0]
+    return plane * (2 if len(points) == 9 else 1)
+"""
+"""Right on all inputs that the course tries, wrong on those of the instructor."""
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """The calls that instructors' checks make behind the walls, counted."""
+    made = []
+
+    def counted(server, cells, tasks):
+        made.append(tasks[0].calls[0].function)
+        return real(server, cells, tasks)
+
+    real = checks.run
+    monkeypatch.setattr(checks, "run", counted)
+    return made
+
+
+def with_own_checks(folder, text=CHECKS, files=None):
+    lay(folder / "class", {"checks/test_own.py": text.encode()})
+    files = {"ada/01.ipynb": notebook(*right()), "eve/01.ipynb": notebook(*right(), STEEP)} | (
+        files or {}
+    )
+    return run(folder, files, tables=folder / "class")
+
+
+def grades(grading):
+    return {(r.student, g.question): g for r in grading.results.records for g in r.grades}
+
+
+# Checks of instructors
+
+
+def test_a_check_of_an_instructor_has_its_say(tmp_path):
+    """Its sentence is told, it costs what it says, and its inputs are not told."""
+    found = grades(graded(with_own_checks(tmp_path)))
+    lost, kept = found["eve", "01.2"], found["ada", "01.2"]
+    assert (lost.points, kept.points) == (2.0, 3.0)
+    assert str(lost.verdict).endswith("Values that all grow by one move the plane up by one.")
+    assert (lost.check, kept.check) == ("constants add", "")
+    assert lost.made_by == kept.made_by != found["ada", "01.1"].made_by
+
+
+def test_the_check_that_is_shown_to_instructors_works(tmp_path, calls):
+    """As it stands in the docs."""
+    page = (ROOT / "docs" / "instructors.md").read_text(encoding="utf-8")
+    shown = textwrap.dedent(re.search(r"^ *```python\n(.*?)^ *```", page, re.M | re.S)[1])
+    text = shown.replace("test_order", "test_shown")
+    found = grades(graded(with_own_checks(tmp_path, text)))
+    assert calls == ["fit"] * 4
+    assert found["ada", "01.2"].points == found["eve", "01.2"].points == 3.0
+
+
+def test_an_edited_check_is_made_again_and_no_other(tmp_path, calls):
+    """Nor is anything when nothing was changed."""
+    todo = with_own_checks(tmp_path)
+    graded(todo)
+    assert sorted(set(calls)) == ["fit", "rank"]
+    calls.clear()
+    graded(replace(todo))
+    assert calls == []
+    text = CHECKS.replace("[1, 0, 0]", "(1, 0, 0)")
+    lay(tmp_path / "class", {"checks/test_own.py": text.encode()})
+    graded(replace(todo))
+    assert set(calls) == {"fit"}
+
+
+def test_a_fixture_that_is_edited_counts(tmp_path, calls):
+    """It is a part of the checks that use it."""
+    todo = with_own_checks(tmp_path)
+    graded(todo)
+    calls.clear()
+    lay(tmp_path / "class", {"checks/test_own.py": CHECKS.replace("rng(3)", "rng(4)").encode()})
+    graded(todo)
+    assert set(calls) == {"fit", "rank"}
+
+
+def test_a_check_that_fails_on_the_solution_costs_nobody(tmp_path):
+    """It is the grader's fault, which is told."""
+    unfair = CHECKS.replace("[1, 0, 0], atol", "[2, 0, 0], atol")
+    grading = graded(with_own_checks(tmp_path, unfair))
+    assert [f for f in grading.findings.faults if "constants add fails on the solution" in f]
+    assert points(grading.results)["eve", "01.2"] == points(grading.results)["ada", "01.2"] == 3.0
+
+
+def test_what_is_wrong_anyway_is_not_tried(tmp_path, calls):
+    """A check is for answers that are right so far."""
+    files = {name: content for name, content in class_files().items() if name[:3] == "bob"}
+    todo = with_own_checks(tmp_path, files=files)
+    grading = graded(replace(todo, choice=run(tmp_path, {}, student="bob", question="01.2").choice))
+    assert points(grading.results)["bob", "01.2"] == 0.0
+    assert calls == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('"01.2", "Values', '"01.99", "Values', "asked for in question '01.99'"),
+        ("Values that all grow by one move the plane up by one.", " ", "needs a sentence"),
+        ("costs=1", "costs=0", "costs points, not 0"),
+        ("costs=1", "price=1", "write @pytest.mark.question"),
+        ("(answer, cloud):", "(cloud):", "needs both"),
+    ],
+)
+def test_a_check_that_is_marked_wrongly_is_refused(tmp_path, old, new, told):
+    """The sentence says what is wrong, and nothing is graded."""
+    assert old in CHECKS
+    todo = with_own_checks(tmp_path, CHECKS.replace(old, new, 1))
+    with pytest.raises(ValueError, match=told):
+        graded(todo)
+    assert not (todo.out / "results.json").exists()
+
+
+def test_what_does_not_return_numbers_does_not_pass(tmp_path):
+    """Whatever the check does with it, and without harm to other answers."""
+    odd = """
+def rank(points):
+    points = np.asarray(points)
+    return "many" if points.shape == (9, 2) else np.linalg.matrix_rank(basis_matrix(points))
+"""
+    files = {"odd/01.ipynb": notebook(*right(), odd)}
+    found = grades(graded(with_own_checks(tmp_path, files=files)))
+    assert found["odd", "01.4"].points == 0.0
+    assert found["odd", "01.2"].points == 3.0
+
+
+def grade(rung="right", points=3.0):
+    return Grade("01.2", points, 3.0, Verdict("01.2", rung, ""), made_by="m")
+
+
+@pytest.mark.parametrize(
+    ("costs", "left"), [((1.0,), 2.0), ((1.0, 1.5), 0.5), ((1.0, None), 0.0), ((2.0, 2.0), 0.0)]
+)
+def test_what_checks_cost_adds_up(costs, left):
+    """To all that there is, at most."""
+    record = Record("a", "a.ipynb", "d", "01", "graded", "none", grades=(grade(),))
+    made = [
+        Checked(Check("01.2", f"Sentence {k}.", c), f"check {k}", str(k), False)
+        for k, c in enumerate(costs)
+    ]
+    (found,) = with_checks(record, made).grades
+    assert found.points == left
+    assert found.verdict.sentence == " ".join(f"Sentence {k}." for k in range(len(costs)))
+    assert with_checks(record, reversed(made)).grades == (found,)
+
+
+# Items
+
+
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory):
+    """What pytest writes of a small class, test by test."""
+    folder = tmp_path_factory.mktemp("reported")
+    files = {n: c for n, c in class_files().items() if n[:3] in ("bob", "cai", "dan")}
+    todo = run(folder, files)
+    graded(todo, options=[f"--junit-xml={folder / 'junit.xml'}", "-q"])
+    return folder, todo
+
+
+def test_each_check_of_each_answer_is_told_in_the_report(reported):
+    """Those before the one that is not passed are passed, those behind it not reached."""
+    folder, _ = reported
+    cases = {
+        (case.get("classname"), case.get("name")): [part.tag for part in case]
+        for case in ET.parse(folder / "junit.xml").iter("testcase")
+    }
+    assert cases["bob.01.ipynb.01.2", "public cases"] == ["failure"]
+    assert cases["bob.01.ipynb.01.2", "own inputs"] == ["skipped"]
+    assert cases["bob.01.ipynb.01.4", "tiny and huge"] == []
+    assert cases["cai.01.ipynb.01.4", "public cases"] == ["failure"]
+    assert cases["dan.01.ipynb", "can be read"] == ["failure"]
+    told = {
+        c.get("name"): f.get("message")
+        for c in ET.parse(folder / "junit.xml").iter("testcase")
+        for f in c.iter("failure")
+        if c.get("classname") == "cai.01.ipynb.01.4"
+    }
+    assert "not written yet" in told["public cases"]
+
+
+def test_with_x_the_first_failure_ends_it(reported, tmp_path, capsys):
+    """As with any tests."""
+    _, todo = reported
+    graded(replace(todo, out=tmp_path), options=["-x", "-q", "-p", "no:randomly"])
+    assert "1 failed" in capsys.readouterr().out
+
+
+def test_with_k_only_whole_questions_reach_the_results(reported, tmp_path):
+    """A grade stands on all checks of its question, so a part of them writes none."""
+    _, todo = reported
+    some = graded(replace(todo, out=tmp_path), options=["-k", "cai and 01.1", "-q"])
+    assert set(points(some.results)) == {("cai", "01.1")}
+    part = graded(replace(todo, out=tmp_path), options=["-k", "bob and public", "-q"])
+    assert set(points(part.results)) == {("cai", "01.1")}
+
+
+def test_nothing_chosen_is_an_error(reported, tmp_path):
+    """In words."""
+    _, todo = reported
+    with pytest.raises(ValueError, match="nothing was chosen"):
+        graded(replace(todo, out=tmp_path), options=["-k", "nobody", "-q"])
+
+
+HOSTILE = "raise SystemError('a file of somebody else is read')"
+
+
+def test_pytest_hears_of_nothing_but_the_run(reported, tmp_path, monkeypatch):
+    """Settings, tests and conftest.py of the folder in which it is called do not count."""
+    _, todo = reported
+    lay(
+        tmp_path,
+        {
+            "conftest.py": HOSTILE.encode(),
+            "tests/conftest.py": HOSTILE.encode(),
+            "test_it.py": HOSTILE.encode(),
+            "pytest.ini": b"[pytest]\naddopts = --no-such-option\n",
+        },
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTEST_ADDOPTS", "--no-such-option")
+    monkeypatch.setenv("PYTEST_PLUGINS", "no_such_plugin")
+    assert len(graded(replace(todo, out=tmp_path / "out")).results.records) == 3
+
+
+@pytest.mark.slow
+def test_processes_of_pytest_give_the_same_bytes(tmp_path):
+    """Each has walls of its own; a submission is graded by one of them, and checks come along."""
+    todo = with_own_checks(tmp_path, files=class_files())
+    graded(todo)
+    other = replace(todo, out=tmp_path / "other")
+    graded(other, options=["-n", "2", "-q"])
+    assert (other.out / "results.json").read_bytes() == (todo.out / "results.json").read_bytes()
+
+
+@pytest.mark.slow
+def test_pytest_can_be_called_by_itself(reported, tmp_path):
+    """With the plugin and the folders; its exit status says that not all is right."""
+    _, todo = reported
+    command = [sys.executable, "-m", "pytest", "-p", "fieldgrade.grading.plugin", "-q"]
+    command += ["--submissions", todo.submissions, "--out", tmp_path / "out", "--root", ROOT]
+    command += ["--tier", TIER, "-c", "/dev/null", "-p", "no:cacheprovider"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 1, done.stdout
+    assert "FAILED" in done.stdout
+    assert read_results(tmp_path / "out" / "results.json").records
+    wrong = subprocess.run([*command, "--only", "99"], cwd=tmp_path, capture_output=True, text=True)
+    assert (wrong.returncode, "there is no notebook 99" in wrong.stderr) == (4, True)
+
+
+# The command
+
+
+def grade_by_command(folder, *more):
+    return cli.main(
+        [
+            "grade",
+            str(folder / "in"),
+            "--out",
+            str(folder / "out"),
+            "--root",
+            str(ROOT),
+            "--tier",
+            TIER,
+            "--jobs",
+            "1",
+            *more,
+        ]
+    )
+
+
+def test_the_command_tells_what_came_out(tmp_path, capsys):
+    """However bad answers are, the exit status is 0."""
+    run(tmp_path)
+    assert grade_by_command(tmp_path) == 0
+    printed = capsys.readouterr()
+    assert f"5 submissions, walls: {TIER}; 4 graded, 1 unreadable" in printed.out
+    assert "dan, 01.ipynb: the file is no complete notebook" in printed.out
+    assert str(tmp_path / "out" / "results.json") in printed.out
+    assert "fieldrecon course feedback" in printed.out
+    assert "There is no secret salt" in printed.err
+    assert "Traceback" not in printed.err
+    assert grade_by_command(tmp_path, "--student", "ada", "--only", "02", "--diff") == 0
+    printed = capsys.readouterr().out
+    assert "1 submission," in printed
+    assert "4 of earlier runs stay as they were" in printed
+    assert "no grade changed" in printed
+
+
+def test_names_of_files_do_no_harm(tmp_path, capsys):
+    """Neither to the terminal, nor to the report, nor to others."""
+    odd = os.fsdecode(b"eve\xe4\x1b[2J\n.ipynb")
+    files = {odd: notebook(*right()), "zoe/01.ipynb": notebook(*right()), "\x1b]0;.ipynb": b"{"}
+    run(tmp_path, files)
+    report = f"--pytest=-v --junit-xml={tmp_path / 'junit.xml'}"
+    assert grade_by_command(tmp_path, report) == 0
+    printed = capsys.readouterr()
+    assert "2 graded, 1 unreadable" in printed.out
+    assert "\x1b" not in printed.out + printed.err
+    assert ET.parse(tmp_path / "junit.xml").getroot().tag == "testsuites"
+    assert read_results(tmp_path / "out" / "results.json").records
+
+
+def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
+    """A script notices that something has to be done."""
+    root = checkout(tmp_path, "01")
+    file = root / "solutions" / "grading" / "01_least_squares.py"
+    file.write_text(file.read_text().replace("(1e5 * line,)", "(line, line)"))
+    run(tmp_path, {"ada/01.ipynb": notebook(*right())})
+    assert grade_by_command(tmp_path, "--root", str(root)) == 1
+    assert "1 fault" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (["--only", "99"], "there is no notebook 99"),
+        (["--question", "01.99"], "asked for in question '01.99'"),
+        (["--question", "01.2", "--only", "02"], "question 01.2 is not in 02"),
+        (["--student", "nobody"], "holds nothing of what was chosen"),
+        (["--class", "nowhere"], "nowhere is no folder with the tables of a class"),
+        (["--out", "IN/graded"], "results are no submissions"),
+        (["--pytest", "--no-such"], "pytest does not understand --no-such"),
+    ],
+)
+def test_what_cannot_be_is_said(tmp_path, capsys, more, told):
+    """With the exit status of a mistake of the user's."""
+    run(tmp_path, {"ada/01.ipynb": notebook(*right())})
+    more = [word.replace("IN", str(tmp_path / "in")) for word in more]
+    more = ["=".join(more)] if more[0] == "--pytest" else more
+    assert grade_by_command(tmp_path, *more) == 2
+    assert told in capsys.readouterr().err
+
+
+def test_errors_in_tables_are_told_line_by_line(tmp_path, capsys):
+    """Before anything is run."""
+    run(tmp_path, {"ada/01.ipynb": notebook(*right())})
+    lay(tmp_path / "class", {"points.csv": b"question,points\n01.2,many\n01.99,3\n"})
+    assert grade_by_command(tmp_path, "--class", str(tmp_path / "class")) == 2
+    printed = capsys.readouterr().err
+    assert "points.csv:2" in printed
+    assert "points.csv:3: there is no question 01.99" in printed
+
+
+def test_without_walls_it_is_loud_or_refuses(monkeypatch):
+    """As the instructor wishes."""
+    monkeypatch.setattr("fieldgrade.grading.run.tiers", lambda: ("none",))
+    assert options.chosen_tier()[1].startswith("NOT ISOLATED")
+    with pytest.raises(ValueError, match="neither bubblewrap nor Landlock"):
+        options.chosen_tier(require_isolation=True)
+    with pytest.raises(ValueError, match="bubblewrap does not work on this machine"):
+        options.chosen_tier("bubblewrap")

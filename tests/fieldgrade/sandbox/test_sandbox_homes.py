@@ -1,0 +1,98 @@
+"""Homes are measured and emptied, whatever is in them."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from fieldgrade.sandbox import homes
+
+
+@pytest.fixture
+def home(tmp_path):
+    (tmp_path / "home").mkdir()
+    return tmp_path / "home"
+
+
+def deep(folder, depth):
+    """Folders in folders, deeper than any path may be long."""
+    here = os.open(folder, os.O_RDONLY)
+    for _ in range(depth):
+        os.mkdir("d" * 100, dir_fd=here)
+        inner = os.open("d" * 100, os.O_RDONLY, dir_fd=here)
+        os.close(here)
+        here = inner
+    os.close(here)
+
+
+def closed(folder, _):
+    """Folders that cannot be listed, with something in them."""
+    for name in ("a", "b"):
+        (folder / name / "inner").mkdir(parents=True)
+        (folder / name / "inner" / "file").write_text("x")
+        (folder / name / "inner").chmod(0)
+        (folder / name).chmod(0o500)
+
+
+def linked(folder, _):
+    """Links to what must stay, to nothing, and to themselves; a pipe."""
+    (folder / "out").symlink_to(folder.parent / "kept")
+    (folder / "root").symlink_to("/")
+    (folder / "nothing").symlink_to("nothing at all")
+    (folder / "self").symlink_to("self")
+    os.mkfifo(folder / "pipe")
+
+
+def many(folder, count):
+    """Many files, with names that are odd."""
+    for k in range(count):
+        (folder / f"-{k}\n\udcff").touch()
+
+
+@pytest.mark.parametrize(("fill", "size"), [(deep, 200), (closed, 0), (linked, 0), (many, 3000)])
+def test_a_home_is_emptied(fill, size, home):
+    """Nothing is left, and what links lead to is untouched; the folder itself stays the same."""
+    kept = home.parent / "kept"
+    kept.mkdir()
+    (kept / "file").write_text("kept")
+    number = home.stat().st_ino
+    fill(home, size)
+    homes.empty(str(home))
+    assert list(home.iterdir()) == []
+    assert home.stat().st_ino == number
+    assert (kept / "file").read_text() == "kept"
+    homes.remove(str(home))
+    assert not home.exists()
+
+
+def test_what_cannot_be_removed_stays(home, monkeypatch):
+    """A folder that the system does not let go holds up nobody."""
+    (home / "a" / "b").mkdir(parents=True)
+
+    def refuse(*_):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "rename", refuse)
+    homes.empty(str(home))
+    assert (home / "a" / "b").is_dir()
+
+
+def test_a_home_is_measured(home):
+    """By the number of what is in it, by the room it takes on the disk, and by its depth."""
+    assert not homes.is_overfull(str(home))
+    linked(home, 0)
+    many(home, 10)
+    assert not homes.is_overfull(str(home))
+    with (home / "holes").open("wb") as file:
+        file.truncate(10 * homes.MOST_BYTES)
+    assert not homes.is_overfull(str(home))
+    (home / "large").write_bytes(bytes(homes.MOST_BYTES + 1))
+    assert homes.is_overfull(str(home))
+    (home / "large").unlink()
+    many(home, homes.MOST_ENTRIES + 1)
+    assert homes.is_overfull(str(home))
+    homes.empty(str(home))
+    deep(home, 60)
+    assert homes.is_overfull(str(home))
+    homes.empty(str(home))
+    assert not homes.is_overfull(str(Path(home) / "no such folder"))

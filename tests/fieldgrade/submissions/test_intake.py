@@ -1,0 +1,490 @@
+"""Every file finds its student and its notebook, and whatever came is graded or told."""
+
+import hashlib
+import io
+import os
+import resource
+import zipfile
+import zlib
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_unpack import encrypted, link
+
+from fieldcheck.questions import questions
+from fieldgrade.checking import examine
+from fieldgrade.class_folder.roster import Student
+from fieldgrade.submissions import collection
+from fieldgrade.submissions.archive import Archive
+from fieldgrade.submissions.intake import Intake
+from handed_in import ANSWER, FUNCTIONS, STUB, code, lay, notebook, packed
+
+RIGHT, OTHER = notebook(ANSWER), notebook("x = 2", ANSWER)
+SECOND = notebook("def weights(x): return x\ndef field(x): return x")
+ADA = Student("s1", "Ada Lovelace", "ada@x.org", "alove", "12", "77", "", "512")
+BOB = Student("s2", "Bob Byte", "bob@x.org", "bbyte", "13", "78", "", "513")
+ROSTER = {"s1": ADA, "s2": BOB}
+
+
+def intake(tmp_path, **options):
+    return Intake(Archive(tmp_path / "received"), FUNCTIONS, **options)
+
+
+def taken(tmp_path, files, **options):
+    """What is taken of files that lie in a folder."""
+    return intake(tmp_path, **options).take(lay(tmp_path / "class", files))
+
+
+def graded(handed):
+    """Which file of whom is graded as which notebook."""
+    return {(h.student, h.notebook): h.file.name for h in handed if h.notebook}
+
+
+CANVAS = {
+    "lovelaceada_12_345_01.ipynb": RIGHT,
+    "bytebob_LATE_13_346_01-2.ipynb": OTHER,
+}
+MOODLE_FLAT = {
+    "Ada Lovelace_512_assignsubmission_file_01.ipynb": RIGHT,
+    "Bob Byte_513_assignsubmission_file_my work (1).ipynb": OTHER,
+}
+MOODLE = {
+    "Ada Lovelace_512_assignsubmission_file_/01.ipynb": RIGHT,
+    "Ada Lovelace_512_assignsubmission_onlinetext_/onlinetext.html": b"<p>Done</p>",
+    "Bob Byte_513_assignsubmission_file/sub/01.ipynb": OTHER,
+}
+METADATA = b"""---
+submission_901:
+  :submitters:
+  - :name: Ada Lovelace
+    :sid: '77'
+    :email: ada@x.org
+  :created_at: 2026-11-20 12:00:00.123456789 Z
+  :score: 0.0
+  :results:
+    tests:
+    - :name: Bob Byte
+      :email: bob@x.org
+  :history:
+  - :id: 1
+    :created_at: 2026-01-01 12:00:00 Z
+submission_902:
+  :submitters:
+  - :name: Bob Byte
+    :sid: s2
+    :email:
+  :created_at: 2026-11-20 23:30:00 -07:00
+"""
+GRADESCOPE = {
+    "assignment_1_export/submission_metadata.yml": METADATA,
+    "assignment_1_export/submission_901/01.ipynb": RIGHT,
+    "assignment_1_export/submission_902/01.ipynb": OTHER,
+}
+PLAIN = {"s1/01.ipynb": RIGHT, "s2/deep/er/01 (3).ipynb": OTHER}
+LOOSE = {"s1_01.ipynb": RIGHT, "Bob Byte 01 (2).ipynb": OTHER}
+ZIPS = {"s1.zip": packed({"work/01.ipynb": RIGHT}), "bbyte.zip": packed({"01.ipynb": OTHER})}
+FORMS = {
+    "Canvas": CANVAS,
+    "Moodle, flat": MOODLE_FLAT,
+    "Moodle": MOODLE,
+    "Gradescope": GRADESCOPE,
+    "plain folders": PLAIN,
+    "loose files": LOOSE,
+    "zip files": ZIPS,
+}
+
+
+def bulk(files):
+    """What platforms make of it: one zip file."""
+    return packed(dict(sorted(files.items())))
+
+
+@pytest.mark.parametrize("files", FORMS.values(), ids=FORMS)
+@pytest.mark.parametrize("way", ["folder", "zip", "zip in a folder", "zip with a folder"])
+def test_every_form_of_a_class_is_taken(tmp_path, files, way):
+    """Unpacked or not, each file goes to its student."""
+    place = tmp_path / "class"
+    if way == "folder":
+        lay(place, files)
+    elif way == "zip":
+        place.write_bytes(bulk(files))
+    elif way == "zip with a folder":
+        place.write_bytes(bulk({f"hand-ins/{n}": c for n, c in files.items()}))
+        if files in (LOOSE, ZIPS):  # files of people in one folder of a zip file of a class
+            place.write_bytes(bulk(files))
+    else:
+        lay(place, {"submissions.zip": bulk(files)})
+        if files in (LOOSE, ZIPS):  # might be what one student packed
+            place = place / "submissions.zip"
+    handed = intake(tmp_path, roster=ROSTER).take(place)
+    content = {h.student: h.submission(Archive(tmp_path / "received")).content for h in handed}
+    assert content == {"s1": RIGHT, "s2": OTHER}
+    assert [h.notebook for h in handed] == ["01", "01"]
+    assert not [note for h in handed for note in h.notes if "roster" in note]
+
+
+def test_what_a_platform_tells_is_kept(tmp_path):
+    """The mark of Canvas; the time of Gradescope, in UTC, of the submission and not of another."""
+    canvas = taken(tmp_path / "canvas", CANVAS, roster=ROSTER)
+    assert [h.file.late_mark for h in canvas] == [False, True]
+    scope = taken(tmp_path / "scope", GRADESCOPE, roster=ROSTER)
+    assert [(h.file.received, h.file.received_by) for h in scope] == [
+        ("2026-11-20T12:00:00+00:00", "platform"),
+        ("2026-11-21T06:30:00+00:00", "platform"),
+    ]
+
+
+def test_several_downloads_are_taken_together(tmp_path):
+    """One for each notebook, as a platform makes them; each tells whose its folders are."""
+    second = METADATA.replace(b"submission_90", b"submission_80")
+    files = {
+        "one.zip": bulk(GRADESCOPE),
+        "two.zip": bulk({"submission_metadata.yml": second, "submission_802/b.ipynb": SECOND}),
+    }
+    handed = taken(tmp_path, files, roster=ROSTER)
+    assert [(h.student, h.notebook) for h in handed] == [("s1", "01"), ("s2", "01"), ("s2", "02")]
+    folders = {f"hw{k}/{name}": content for k in (1, 2) for name, content in CANVAS.items()}
+    handed = taken(tmp_path / "folders", folders, roster=ROSTER)
+    assert [(h.student, h.notebook) for h in handed] == [("s1", "01"), ("s2", "01")]
+
+
+def test_a_list_of_owners_that_cannot_be_read_is_told(tmp_path):
+    """The folders are graded under their own names."""
+    place = tmp_path / "class.zip"
+    files = {"submission_metadata.yml": METADATA, "submission_901/01.ipynb": RIGHT}
+    place.write_bytes(encrypted(packed(files)))
+    taking = intake(tmp_path)
+    (only,) = taking.take(place)
+    assert (only.student, only.problem) == ("submission_901", "it is encrypted")
+    assert taking.strays == ["submission_metadata.yml: it is encrypted"]
+
+
+def test_a_group_of_gradescope_hands_in_for_each(tmp_path):
+    """One file, a record for each member."""
+    bob = b"  - :name: Bob Byte\n    :sid: '78'\n  :created_at"
+    group = METADATA.replace(b"  :created_at", bob, 1)
+    files = {"submission_metadata.yml": group, "submission_901/01.ipynb": RIGHT}
+    handed = taken(tmp_path, files, roster=ROSTER)
+    assert [h.student for h in handed] == ["s1", "s2"]
+    assert len({h.file.digest for h in handed}) == 1
+
+
+ATTACKS = {
+    "a zip file with names of Canvas": ("s1.zip", packed({"bytebob_13_346_01.ipynb": RIGHT})),
+    "a zip file with an export of Gradescope": (
+        "s1.zip",
+        packed({"submission_metadata.yml": METADATA, "submission_902/01.ipynb": RIGHT}),
+    ),
+    "a folder with an export of Gradescope": ("s1/submission_902/01.ipynb", RIGHT),
+    "names of Canvas in a folder": ("s1/bytebob_13_346_01.ipynb", RIGHT),
+    "a name of Moodle in a name of Moodle": (
+        "Ada Lovelace_512_assignsubmission_file_Bob Byte_513_assignsubmission_file_01.ipynb",
+        RIGHT,
+    ),
+    "a name of Canvas in a name of Canvas": ("lovelaceada_12_345_bytebob_13_346_01.ipynb", RIGHT),
+    "a zip file of the class": ("s1.zip", packed({"s1/01.ipynb": RIGHT, "s2/01.ipynb": RIGHT})),
+    "a way out of a zip file": ("s1.zip", packed({"01.ipynb": RIGHT, "../s2/01.ipynb": RIGHT})),
+}
+
+
+@pytest.mark.parametrize("attack", ATTACKS.values(), ids=ATTACKS)
+@pytest.mark.parametrize("beside", [{"s2/01.ipynb": OTHER}, {"s2.ipynb": OTHER}, {}])
+def test_nobody_hands_in_for_somebody_else(tmp_path, attack, beside):
+    """Whatever names a student gives to files, they are that student's."""
+    name, content = attack
+    files = {name: content} | beside
+    if name == "s1/submission_902/01.ipynb":
+        files["s1/submission_metadata.yml"] = METADATA
+    handed = taken(tmp_path, files, roster=ROSTER)
+    theirs = [h for h in handed if h.student == "s2"]
+    assert {h.student for h in handed} == ({"s1", "s2"} if beside else {"s1"})
+    assert [(h.file.name, h.notes) for h in theirs] == [
+        (name.rpartition("s2/")[2], ()) for name in beside
+    ]
+
+
+def test_names_that_lead_out_of_a_bulk_download_are_nobodys(tmp_path):
+    """They are told, and the others are graded."""
+    place = tmp_path / "class.zip"
+    place.write_bytes(bulk({"../s2/01.ipynb": RIGHT, "/s2/01.ipynb": RIGHT, "s1/01.ipynb": OTHER}))
+    taking = intake(tmp_path, roster=ROSTER)
+    assert graded(taking.take(place)) == {("s1", "01"): "01.ipynb"}
+    assert taking.strays == ["s2/01.ipynb: its name leads out of the folder"] * 2
+
+
+def test_the_latest_attempt_counts_and_the_others_are_told(tmp_path):
+    """By the number behind the name, where the times are the same."""
+    files = {
+        f"s1/{name}.ipynb": notebook(f"k = {k}", ANSWER)
+        for k, name in enumerate(["01", "01 (10)", "01 (9)", "01-2"])
+    }
+    handed = taken(tmp_path, files)
+    assert graded(handed) == {("s1", "01"): "01 (10).ipynb"}
+    assert handed[0].notes == (
+        "01.ipynb is not graded: 01-2.ipynb came later",
+        "01-2.ipynb is not graded: 01 (9).ipynb came later",
+        "01 (9).ipynb is not graded: 01 (10).ipynb came later",
+    )
+
+
+def test_the_time_goes_before_the_number(tmp_path):
+    """What came later is later, whatever it is called."""
+    folder = lay(tmp_path / "class", {"s1/01 (2).ipynb": RIGHT, "s1/b.ipynb": OTHER})
+    os.utime(folder / "s1/01 (2).ipynb", (100, 100))
+    os.utime(folder / "s1/b.ipynb", (200, 200))
+    assert graded(intake(tmp_path).take(folder)) == {("s1", "01"): "b.ipynb"}
+
+
+def test_a_notebook_goes_before_a_script(tmp_path):
+    """A module that was handed in too does not take the place of the notebook."""
+    handed = taken(tmp_path, {"s1/a.ipynb": RIGHT, "s1/z.py": ANSWER.encode()})
+    assert graded(handed) == {("s1", "01"): "a.ipynb"}
+    assert handed[0].notes == ("z.py is not graded: a.ipynb is the notebook",)
+
+
+def test_two_notebooks_of_a_student_are_both_graded(tmp_path):
+    """And what is no notebook is told with the first."""
+    files = {"s1/a.ipynb": RIGHT, "s1/b.ipynb": SECOND, "s1/report.pdf": b"%PDF", "s1/x.py": b"1"}
+    handed = taken(tmp_path, files)
+    assert graded(handed) == {("s1", "01"): "a.ipynb", ("s1", "02"): "b.ipynb"}
+    assert handed[0].notes == (
+        "x.py is not graded: it defines none of the functions that are asked for",
+        "report.pdf is not graded: it is no notebook",
+    )
+
+
+def test_a_damaged_notebook_beside_a_whole_one_is_told(tmp_path):
+    """It was meant to be graded, so it has a record of its own."""
+    handed = taken(tmp_path, {"s1/a.ipynb": RIGHT, "s1/b.ipynb": SECOND[:50]})
+    assert [(h.notebook, h.problem) for h in handed] == [
+        ("01", ""),
+        ("", "the file is no complete notebook: its JSON is broken"),
+    ]
+
+
+BROKEN = {
+    "an empty file": (b"", "the file is empty"),
+    "a cut file": (RIGHT[:30], "JSON is broken"),
+    "bytes": (bytes(range(256)), "the file is no text"),
+    "a list": (b"[]", "it has no cells"),
+}
+
+
+@pytest.mark.parametrize(("content", "problem"), BROKEN.values(), ids=BROKEN)
+def test_one_that_cannot_be_read_stops_nobody(tmp_path, content, problem):
+    """The student has a record that says so, and the next one is graded."""
+    first, second = taken(tmp_path, {"s1/01.ipynb": content, "s2/01.ipynb": RIGHT})
+    assert (first.student, first.notebook) == ("s1", "")
+    assert problem in first.problem
+    assert graded([second]) == {("s2", "01"): "01.ipynb"}
+
+
+def test_a_student_without_any_notebook_has_a_record(tmp_path):
+    """Nobody who handed something in is forgotten."""
+    (only,) = taken(tmp_path, {"s1/letter.docx": b"PK", "s1/photo.png": b"\x89PNG"})
+    assert (only.student, only.problem) == ("s1", "it is no notebook")
+    assert len(only.notes) == 1
+
+
+def bomb(members=20, size=40 << 20):
+    """A zip file whose members unpack to a thousand times their size."""
+    return packed({f"{k}.ipynb": b"0" * size for k in range(members)})
+
+
+def nested(times=6):
+    """A zip file in a zip file, and so on."""
+    pack = packed({"01.ipynb": RIGHT})
+    for _ in range(times):
+        pack = packed({"in.zip": pack})
+    return pack
+
+
+PACKS = {
+    "no zip file": (lambda: b"PK", "the zip file is damaged"),
+    "encrypted": (lambda: encrypted(packed({"01.ipynb": RIGHT})), "it is encrypted"),
+    "a link": (lambda: packed([(link("01.ipynb"), b"/etc/passwd")]), "it is a link"),
+    "a bomb": (bomb, "more than"),
+    "empty": (lambda: packed({}), "there is nothing in it"),
+    "too deep": (nested, "it is a zip file in too many others"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("pack", "problem"), PACKS.values(), ids=PACKS)
+def test_a_zip_file_that_cannot_be_unpacked_is_told(tmp_path, pack, problem):
+    """With the reason, and its bytes are kept."""
+    pack = pack()
+    handed = taken(tmp_path, {"s1.zip": pack, "s2/01.ipynb": RIGHT})
+    assert problem in handed[0].problem
+    assert {h.student for h in handed} == {"s1", "s2"}
+    assert graded(handed) == {("s2", "01"): "01.ipynb"}
+    digest = hashlib.sha256(pack).hexdigest()
+    assert Archive(tmp_path / "received").path(digest).read_bytes() == pack
+
+
+def test_a_bomb_fills_no_disk(tmp_path, monkeypatch):
+    """What is unpacked of a student's zip files is bounded, all together."""
+    monkeypatch.setattr(collection, "MOST_UNPACKED", 3 << 20)
+    inner = packed({f"{k}.txt": bytes([k]) * (1 << 20) for k in range(20)})
+    taken(tmp_path, {"s1.zip": packed({"a.zip": inner, "b.zip": inner, "01.ipynb": RIGHT})})
+    kept = sum(f.stat().st_size for f in (tmp_path / "received").rglob("*") if f.is_file())
+    assert kept < 4 << 20
+
+
+def test_a_zip_file_in_a_zip_file_is_unpacked(tmp_path):
+    """As when somebody packs a download once more."""
+    inner = packed({"work/01.ipynb": RIGHT})
+    handed = taken(tmp_path, {"s1.zip": packed({"more.zip": inner}), "s2/01.ipynb": RIGHT})
+    assert graded(handed)["s1", "01"] == "s1.zip/more.zip/work/01.ipynb"
+
+
+def test_of_thousands_of_files_the_notebooks_come_first(tmp_path):
+    """What is left out is told, and counted."""
+    files = {f"data/{k:04}.csv": b"%d" % k for k in range(3000)} | {"z/01.ipynb": RIGHT}
+    (only,) = taken(tmp_path, {"s1/all.zip": packed(files)})
+    assert only.notebook == "01"
+    left_out = 3001 - (collection.MOST_FILES - 1)
+    told = f"all.zip/… is not graded: there are too many files: {left_out} are left out"
+    assert told in only.notes
+
+
+def test_a_class_of_thousands_of_files_is_taken(tmp_path):
+    """Each student has a record, and it takes seconds."""
+    roster = {f"s{k}": Student(f"s{k}", f"First{k} Last{k}") for k in range(1000)}
+    place = tmp_path / "class.zip"
+    place.write_bytes(
+        bulk(
+            {
+                f"last{k}first{k}_{k}_{k}_{n}.ipynb": RIGHT if n == "01" else SECOND
+                for k in range(1000)
+                for n in ("01", "02")
+            }
+        )
+    )
+    handed = intake(tmp_path, roster=roster).take(place)
+    assert {*graded(handed)} == {(s, n) for s in roster for n in ("01", "02")}
+
+
+def test_a_zip_file_for_each_of_many_is_taken(tmp_path):
+    """More than a process may have open at a time."""
+    most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    count = 60
+    resource.setrlimit(resource.RLIMIT_NOFILE, (len([*Path("/dev/fd").iterdir()]) + 40, _))
+    try:
+        pack = packed({"01.ipynb": RIGHT})
+        handed = taken(tmp_path, {f"s{k}.zip": pack for k in range(count)})
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, _))
+    assert len(graded(handed)) == count
+
+
+def test_two_students_with_the_same_file_are_both_graded(tmp_path):
+    """The archive holds it once."""
+    handed = taken(tmp_path, {"s1/01.ipynb": RIGHT, "s2/01.ipynb": RIGHT})
+    assert graded(handed) == {("s1", "01"): "01.ipynb", ("s2", "01"): "01.ipynb"}
+    assert len([f for f in (tmp_path / "received").rglob("*") if f.is_file()]) == 1
+
+
+def test_the_same_file_twice_is_one(tmp_path):
+    """A copy is no other attempt."""
+    (only,) = taken(tmp_path, {"s1/01.ipynb": RIGHT, "s1/copy.ipynb": RIGHT})
+    assert only.notes == ()
+
+
+def test_who_is_not_on_the_roster_is_graded_and_told(tmp_path):
+    """Somebody may have joined late, or misspelled the name."""
+    first, _ = taken(tmp_path, {"eve/01.ipynb": RIGHT, "s1/01.ipynb": RIGHT}, roster=ROSTER)
+    assert (first.student, first.notes) == ("eve", ("eve is not on the roster",))
+
+
+def test_two_strangers_of_one_name_are_two(tmp_path):
+    """Without a roster, the numbers of the platform tell them apart."""
+    handed = taken(tmp_path, {"leeann_1_10_01.ipynb": RIGHT, "leeann_2_11_01.ipynb": OTHER})
+    assert [h.student for h in handed] == ["leeann (1)", "leeann (2)"]
+
+
+def test_a_list_of_times_goes_before_files(tmp_path):
+    """It says by whom the time is told."""
+    times = {("s1", "01"): "2026-11-20T12:00:00+01:00"}
+    (only,) = taken(tmp_path, {"s1/01.ipynb": RIGHT}, times=times)
+    assert (only.file.received, only.file.received_by) == (times["s1", "01"], "list")
+
+
+def test_the_time_of_what_a_student_packed_is_that_of_the_zip_file(tmp_path):
+    """What stands in it is of the student's clock."""
+    early = zipfile.ZipInfo("01.ipynb", date_time=(1999, 1, 1, 0, 0, 0))
+    folder = lay(tmp_path / "class", {"s1/all.zip": packed([(early, RIGHT)])})
+    os.utime(folder / "s1/all.zip", (1_000_000_000, 1_000_000_000))
+    (only,) = intake(tmp_path).take(folder)
+    assert only.file.received == "2001-09-09T01:46:40+00:00"
+
+
+def test_received_files_are_not_touched(tmp_path):
+    """Neither their bytes nor their names, nor is anything added."""
+    files = PLAIN | ZIPS | CANVAS
+    folder = lay(tmp_path / "class", files)
+    intake(tmp_path).take(folder)
+    there = [path for path in folder.rglob("*") if path.is_file()]
+    assert {str(path.relative_to(folder)): path.read_bytes() for path in there} == files
+
+
+def test_taking_twice_gives_the_same(tmp_path):
+    """In the same order, and nothing is archived again."""
+    folder = lay(tmp_path / "class", PLAIN | ZIPS | CANVAS | {"s9/x.ipynb": b""})
+    first, second = (intake(tmp_path, roster=ROSTER).take(folder) for _ in range(2))
+    assert first == second
+
+
+@pytest.mark.parametrize("files", [{}, {".hidden": b""}, {"student.txt": b"s1"}])
+def test_an_empty_class_is_told(tmp_path, files):
+    (tmp_path / "class").mkdir()
+    with pytest.raises(ValueError, match="nothing was handed in"):
+        taken(tmp_path, files)
+
+
+def test_a_file_in_place_of_the_class_is_told(tmp_path):
+    """A notebook is no class."""
+    with pytest.raises(ValueError, match="the zip file is damaged"):
+        intake(tmp_path).take(lay(tmp_path, {"a.ipynb": RIGHT}) / "a.ipynb")
+
+
+def test_a_stale_stub_behind_an_answer_is_told(tmp_path):
+    """It takes the place of the answer, whatever ids and metadata say, and the instructor hears."""
+    answer, copy = (code(text, id="q-01-2") for text in (ANSWER, STUB))
+    stale, fresh = notebook(answer, copy), notebook(copy, answer)
+    handed = taken(tmp_path, {"s1/01.ipynb": stale, "s2/01.ipynb": fresh})
+    told = [list(_notes_on(h, Archive(tmp_path / "received"))) for h in handed]
+    assert told == [["01.2: a stub stands behind an answer, and takes its place"], []]
+
+
+def _notes_on(handed, archive):
+    fit = [question for question in questions().values() if question.name == "01.2"]
+    return examine._notes(handed.submission(archive), fit, {})
+
+
+names = st.text(st.characters(exclude_characters="/\0", codec="utf-8"), min_size=1, max_size=30)
+kinds = st.sampled_from([".ipynb", ".py", ".zip", "", "/01.ipynb", "/submission_metadata.yml"])
+contents = (
+    st.binary(max_size=200)
+    | st.sampled_from([RIGHT, RIGHT[:40], METADATA, packed({"../a.ipynb": RIGHT}), bulk(CANVAS)])
+    | st.binary(max_size=60).map(lambda junk: packed({"01.ipynb": RIGHT})[:-30] + junk)
+    | st.binary(max_size=60).map(lambda junk: b'{"cells": [' + zlib.compress(junk))
+)
+
+
+@given(st.dictionaries(st.tuples(names, kinds).map("".join), contents, min_size=1, max_size=5))
+def test_no_bytes_and_no_names_stop_a_class(tmp_path_factory, files):
+    """Whatever else lies in a bulk download, the honest student's work is graded as it was."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as pack:
+        for name, content in files.items():
+            pack.writestr(name, content)
+        pack.writestr("s1/01.ipynb", RIGHT)
+        pack.writestr("s2/x/01.ipynb", OTHER)
+    folder = tmp_path_factory.mktemp("any")
+    (folder / "class.zip").write_bytes(stream.getvalue())
+    handed = Intake(Archive(folder / "received"), FUNCTIONS, ROSTER).take(folder / "class.zip")
+    assert all(h.notebook in FUNCTIONS or h.problem for h in handed)
+    assert {("s1", "01"), ("s2", "01")} <= set(graded(handed))

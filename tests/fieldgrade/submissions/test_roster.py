@@ -1,0 +1,150 @@
+"""The tables of a class say what is meant or what is wrong, and names find their students."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldgrade.class_folder.examples import HEADERS, LINES
+from fieldgrade.class_folder.roster import Student, columns, read_points, read_roster, read_times
+from fieldgrade.submissions.owners import Owner, students_of
+from fieldgrade.submissions.platforms import is_platform, place
+
+QUESTIONS = ("01.1", "01.3", "01.5", "01.10")
+
+
+def table(tmp_path, text):
+    file = tmp_path / "table.csv"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def example(tmp_path, name):
+    return table(tmp_path, "\n".join([",".join(HEADERS[name]), *LINES[name]]))
+
+
+def test_the_examples_are_read(tmp_path):
+    """The lines that instructors copy mean something."""
+    students = read_roster(example(tmp_path, "roster.csv"))
+    assert students["ada"].name == "Lovelace, Ada"
+    assert columns(students["alan"])["canvas_id"] == "1205"
+    assert read_points(example(tmp_path, "points.csv"), QUESTIONS) == {"01.3": 4.0, "01.5": 1.5}
+    assert read_times(example(tmp_path, "received.csv")) == {
+        ("ada", "01"): "2026-11-30T22:10:00+01:00"
+    }
+
+
+def test_only_the_first_column_of_a_roster_must_be_there(tmp_path):
+    """In any order, as spreadsheets save it."""
+    file = tmp_path / "roster.csv"
+    file.write_bytes("\ufeffName;Student\r\nAda Müller;s1\r\n;s2\r\n\r\n# gone;s3\r\n".encode())
+    assert read_roster(file) == {"s1": Student("s1", "Ada Müller"), "s2": Student("s2")}
+
+
+BAD = {
+    "roster": (
+        read_roster,
+        "student,name\nada,Ada\n,Nobody\nbob\nADA,Again\nx,y,z\n",
+        [
+            "table.csv:3: nothing stands under student",
+            "table.csv:5: ADA stands in line 2 already",
+            "table.csv:6: there are 3 cells in the line, and 2 columns",
+        ],
+    ),
+    "points": (
+        lambda file: read_points(file, QUESTIONS),
+        "question,points\n01.1,two\n1.1,2\n09.9,1\n01.3,2\n01.3,3\n01.5,\n01.10,-1\n",
+        [
+            "table.csv:2: points are a number such as 1.5, not 'two'",
+            "table.csv:3: a question is written as 01.2, not '1.1'; spreadsheets shorten such names"
+            " unless the column is formatted as text",
+            "table.csv:4: there is no question 09.9",
+            "table.csv:6: 01.3 stands in line 5 already",
+            "table.csv:7: nothing stands under points",
+            "table.csv:8: points are a number such as 1.5, not '-1'",
+        ],
+    ),
+    "times": (
+        read_times,
+        "student,notebook,received\nada,1,2026-11-30\nada,one,2026-11-30T12:00Z\n"
+        "bob,01,2026-11-30T12:00\nbob,02,yesterday\n",
+        [
+            "table.csv:2: '2026-11-30' has no time zone: write it as 2026-11-30+01:00 or "
+            "2026-11-30Z",
+            "table.csv:3: a notebook is written as 02, not 'one'",
+            "table.csv:4: '2026-11-30T12:00' has no time zone: write it as "
+            "2026-11-30T12:00+01:00 or 2026-11-30T12:00Z",
+            "table.csv:5: a time is written as 2026-11-30T23:59+01:00, not 'yesterday'",
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize(("read", "text", "problems"), BAD.values(), ids=BAD)
+def test_all_bad_lines_are_told_at_once(tmp_path, read, text, problems):
+    """With their numbers, each in a sentence."""
+    with pytest.raises(ValueError, match="table") as error:
+        read(table(tmp_path, text))
+    assert str(error.value).splitlines() == problems
+
+
+ADA = Student("s123", "Ada King Lovelace", "ada@x.org", "alove", "12", "77", "", "512")
+BOB = Student("bob", "Bob Byte", "bob@x.org", "bbyte", "13", "78", "", "513")
+ROSTER = {s.student: s for s in (ADA, BOB)}
+SIGNS = {
+    "the number of Canvas": Owner("anybody", "12", platform="canvas"),
+    "the number of Moodle": Owner("Participant", "512", platform="moodle"),
+    "the number of Gradescope": Owner("A. L.", "77", platform="gradescope"),
+    "the address": Owner("A. L.", "", "ADA@x.org", "gradescope"),
+    "an address as a name": Owner("ada@x.org"),
+    "the login": Owner("ALove"),
+    "the name": Owner("Ada King Lovelace"),
+    "the name of Canvas": Owner("lovelaceadaking", "", platform="canvas"),
+    "the name, last in front": Owner("Lovelace, Ada King"),
+    "the name with accents": Owner("Ada Kíng  Lovelacé"),
+    "the number in a text": Owner("hand-in_s123 (final)"),
+}
+
+
+@pytest.mark.parametrize("owner", SIGNS.values(), ids=SIGNS)
+def test_a_student_is_found_by_any_sign(owner):
+    """By numbers and addresses, by names as platforms turn them, by a number in a text."""
+    assert students_of([owner], ROSTER) == {owner: "s123"}
+
+
+STRANGERS = {
+    "a part of a name": Owner("Bob"[:2]),
+    "a word of a text": Owner("Maria de bob"),
+    "another number": Owner("bytebob", "99", platform="canvas"),
+    "nothing": Owner(""),
+}
+
+
+@pytest.mark.parametrize("owner", STRANGERS.values(), ids=STRANGERS)
+def test_a_stranger_is_nobody_on_the_roster(owner):
+    """A likeness is not enough: work must not count as another's."""
+    assert students_of([owner], ROSTER) == {owner: owner.text}
+
+
+def test_where_two_fit_equally_well_nobody_is_chosen():
+    """Two of one name are told apart by a surer sign, or not at all."""
+    twins = {k: Student(k, "Kim Lee", canvas_id=n) for k, n in (("k1", "1"), ("k2", "2"))}
+    plain = Owner("Kim Lee")
+    assert students_of([plain], twins) == {plain: "Kim Lee"}
+    numbered = Owner("leekim", "2", platform="canvas")
+    assert students_of([numbered], twins) == {numbered: "k2"}
+
+
+@pytest.mark.slow
+@given(st.text(max_size=60), st.text(max_size=20), st.text(max_size=20))
+def test_any_text_belongs_to_one_student_at_most(text, number, email):
+    """Nothing in a name is an error."""
+    owner = Owner(text, number, email, "moodle")
+    assert students_of([owner], ROSTER)[owner] in {text, f"{text} ({number})", "s123", "bob"}
+
+
+@given(st.text(min_size=1).filter(lambda name: "/" not in name), st.text(max_size=5))
+def test_any_name_is_placed(first, rest):
+    """A path tells of one owner, whatever stands in it."""
+    where = place([first, *([rest] if rest else [])], {})
+    assert len(where.owners) == 1
+    assert isinstance(is_platform(first), bool)

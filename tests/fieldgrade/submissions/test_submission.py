@@ -1,0 +1,238 @@
+"""Code is found in whatever state it is handed in, and nothing of it is run."""
+
+import json
+import pickle
+from contextlib import suppress
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldgrade.submissions import definitions, submission
+from fieldgrade.submissions.definitions import defined, plain, statements
+from fieldgrade.submissions.submission import Submission, Unreadable
+from handed_in import ANSWER, FUNCTIONS, STUB, code, notebook, of_format_3, prose
+
+PERCENT = f"# %%\nimport numpy\n\n# %% [markdown]\n# Text\n\n# %%\n{ANSWER}"
+NBCONVERT = f"#!/usr/bin/env python\n\n# In[1]:\n\nimport numpy\n\n# In[ ]:\n{ANSWER}"
+WAYS = {
+    "a notebook": ("01.ipynb", notebook(ANSWER)),
+    "renamed by a browser": ("ps1 (1).ipynb", notebook(ANSWER)),
+    "renamed by a person": ("final FINAL", notebook(ANSWER)),
+    "of format 3": ("01.ipynb", of_format_3(ANSWER)),
+    "of another kernel": (
+        "01.ipynb",
+        notebook(ANSWER, kernelspec={"name": "conda-env-mine-py", "language": "R"}),
+    ),
+    "without metadata": ("01.ipynb", b'{"cells": [' + json.dumps(code(ANSWER)).encode() + b"]}"),
+    "with lists of lines": ("01.ipynb", notebook(code(ANSWER.splitlines(keepends=True)))),
+    "with a byte order mark": ("01.ipynb", b"\xef\xbb\xbf" + notebook(ANSWER)),
+    "in UTF-16": ("01.ipynb", notebook(ANSWER).decode().encode("utf-16")),
+    "with ends of lines of Windows": ("01.ipynb", notebook(ANSWER.replace("\n", "\r\n"))),
+    "with ids twice": ("01.ipynb", notebook(code(STUB, id="q-01-2"), code(ANSWER, id="q-01-2"))),
+    "with a damaged cell": ("01.ipynb", notebook("def broken(", 7, None, code(3), [], ANSWER)),
+    "with magics": ("01.ipynb", notebook(f"%matplotlib inline\n!pip install x\nfit?\n{ANSWER}")),
+    "timed": ("01.ipynb", notebook(f"%%time\n{ANSWER}")),
+    "a script with marks": ("01.py", PERCENT.encode()),
+    "a script of nbconvert": ("01.py", NBCONVERT.encode()),
+    "a script without marks": ("01.py", f"import numpy\n1 / 0\n{ANSWER}".encode()),
+    "a script of old Windows": ("01.py", f"# Größe\n{ANSWER}".encode("cp1252")),
+    "a script with a mark": ("01.py", b"\xef\xbb\xbf" + PERCENT.replace("\n", "\r\n").encode()),
+    "a notebook called a script": ("01.py", notebook(ANSWER)),
+    "in a branch": ("01.ipynb", notebook("try:\n    import numpy\nfinally:\n    fit = max")),
+}
+
+
+@pytest.mark.parametrize(("name", "content"), WAYS.values(), ids=WAYS)
+def test_an_answer_is_found_by_the_name_of_its_function(name, content):
+    """However the file is called, and whatever became of its form."""
+    found = Submission("ada", name, content)
+    assert found.definitions["fit"][-1] is False
+    assert found.notebook(FUNCTIONS) == "01"
+
+
+BAD = {
+    "empty": (b"", "the file is empty"),
+    "blank": (b" \n\n", "the file is empty"),
+    "cut": (notebook(ANSWER)[:60], "its JSON is broken"),
+    "deep": (b"[" * 100_000, "its JSON is broken"),
+    "huge number": (b"9" * 10_000, "its JSON is broken"),
+    "a list": (b"[]", "it has no cells"),
+    "cells that are none": (b'{"cells": 3}', "it has no cells"),
+    "no text": (b"\x89PNG\r\n\x1a\n\x00\xff", "the file is no text"),
+    "half of UTF-16": (b"\xff\xfe\x00", "the file is no text"),
+    "no answer": (notebook("x = 1"), "it defines none of the functions that are asked for"),
+    "too long": (b" " * 30 + b"x" * (20 << 20), "more than 20 MiB"),
+    "too much code": (notebook("x = 1\n" * 200_000), "more than 1 MiB of code"),
+}
+
+
+@pytest.mark.parametrize(("content", "sentence"), BAD.values(), ids=BAD)
+def test_what_cannot_be_graded_is_told_in_a_sentence(content, sentence):
+    """Each way in which a file is no notebook has its words, and no other error."""
+    with pytest.raises(Unreadable, match=sentence):
+        Submission("ada", "01.ipynb", content).notebook(FUNCTIONS)
+
+
+jsons = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: (
+        st.lists(inner)
+        | st.dictionaries(
+            st.sampled_from(
+                ["cells", "worksheets", "source", "input", "cell_type", "metadata", "id", "course"]
+            )
+            | st.text(),
+            inner,
+        )
+    ),
+)
+sources = st.text() | st.lists(st.text() | st.none()) | jsons
+kinds = st.just("code") | jsons
+cells = st.fixed_dictionaries({"cell_type": kinds, "source": sources, "id": jsons})
+noise = (
+    st.binary()
+    | jsons.map(lambda data: json.dumps(data).encode())
+    | st.lists(cells).map(lambda made: json.dumps({"cells": made, "metadata": {}}).encode())
+)
+
+
+@pytest.mark.slow
+@given(noise, st.sampled_from(["01.ipynb", "01.py", "", "x/\ud800.ipynb"]))
+def test_no_bytes_raise_anything_but_that(content, name):
+    """Whatever bytes are handed in, they are a submission or unreadable."""
+    found = Submission("ada", name, content)
+    with suppress(Unreadable):
+        assert found.notebook(FUNCTIONS) in FUNCTIONS
+        assert all(isinstance(cell, str) for cell in found.cells)
+
+
+NESTED = {
+    "minus": "-" * 200_000 + "1",
+    "brackets": "(" * 200_000,
+    "sums": "1" + "+1" * 20_000,
+    "calls": "f" + "()" * 20_000,
+    "lambdas": "lambda:" * 30_000 + "1",
+    "branches": "if 1: pass\n" + "elif 1: pass\n" * 15_000,
+    "blocks": "\n".join(" " * i + "if 1:" for i in range(90)) + "\n" + " " * 90 + "pass",
+    "nul": "x = '\0'",
+    "half a character": "x = '\ud800'",
+    "digits": "9" * 100_000,
+    "statements": "a;" * 30_000,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cell", NESTED.values(), ids=NESTED)
+def test_no_code_is_too_intricate_to_be_left_aside(cell):
+    """A cell that no parser can stand defines nothing; the others still do."""
+    assert defined(cell) == ()
+    found = Submission("ada", "01.ipynb", notebook(cell, ANSWER))
+    assert list(found.definitions) == ["fit"]
+    assert "".join(statements(cell)) == cell
+
+
+def test_a_tree_is_made_of_so_much_code_only():
+    """A cell of more than a person writes is not parsed, since trees take a thousand times more."""
+    long = "x = 1\n" * (definitions.MOST_PARSED // 6 + 1)
+    assert defined(long + ANSWER) == ()
+    assert defined(long[:6000] + ANSWER)[-1] == ("fit", False)
+
+
+def test_bad_escapes_are_no_errors():
+    """Code that Python only warns of counts, though warnings are errors here."""
+    assert defined('def fit(x):\n    return "\\d"\n') == (("fit", False),)
+
+
+def test_only_what_is_no_python_is_taken_for_a_magic():
+    """A line that begins with % and goes on with an expression stays."""
+    cell = "x = (7\n  % 2)\n"
+    assert plain(cell) == cell
+    assert plain("%%writefile x.py\nfit = 1") == plain("%%bash\nls") == ""
+    assert plain("%%capture\nfit = 1").strip() == "fit = 1"
+    assert plain("found = !ls\n  %timeit f()\nx = 1") == "found = None\n  pass\nx = 1"
+
+
+def test_what_stands_in_functions_and_classes_is_no_answer():
+    """Only names at top level can be called."""
+    assert defined("class A:\n    def fit(self): ...\ndef outer():\n    def rank(p): ...") == (
+        ("outer", False),
+    )
+    assert defined("for k in 1, 2:\n    def fit(): return k\nfrom x import rank as gradient") == (
+        ("fit", False),
+        ("gradient", False),
+    )
+
+
+@pytest.mark.parametrize(
+    ("body", "stub"),
+    [
+        ("...", True),
+        ("pass", True),
+        ('"""What it does."""', True),
+        ('"""What it does."""\n    raise NotImplementedError("01.2")', True),
+        ("n = len(points)\n    raise NotImplementedError", True),
+        ("raise ValueError", True),
+        ("if not len(points):\n        raise NotImplementedError\n    return points", False),
+        ("return None", False),
+    ],
+)
+def test_a_stub_is_told_from_an_answer(body, stub):
+    """What was handed out has not been written, also where some lines are given."""
+    assert defined(f"def fit(points):\n    {body}\n") == (("fit", stub),)
+
+
+def test_a_stub_behind_an_answer_is_seen():
+    """The order of definitions is kept, so that what takes the place of what can be told."""
+    found = Submission("ada", "01.ipynb", notebook(ANSWER, STUB))
+    assert found.definitions["fit"] == (False, True)
+
+
+def test_pieces_of_a_script_are_the_script():
+    """Nothing of a script is lost, and decorated functions stay whole."""
+    function = "@a.b\n# why\n@a.c(\n  1)\ndef f():\n    x = '''\n\x0cdef g(): ...\n'''\n\n\n"
+    script = f"import a\n\n{function}y = 1"
+    assert "".join(statements(script)) == script
+    assert statements(script) == ["import a\n\n", function, "y = 1"]
+
+
+def test_a_question_of_two_notebooks_is_settled_by_what_was_handed_out():
+    """Metadata goes before identifiers, and both before the name of the file."""
+    shared = "def gradient(c, x):\n    return c\n"
+    course = {"course": {"source": "02_moving_least_squares"}}
+    by_id = code(shared, id="q-02-7")
+    assert number("x.ipynb", notebook(code(shared, id="q-01-5"), **course)) == "02"
+    assert number("01.ipynb", notebook(by_id)) == "02"
+    assert number("hw02 (3).ipynb", notebook(shared)) == "02"
+    assert number("2024-2031.ipynb", notebook(shared)) == "01"
+
+
+def test_functions_go_before_hints():
+    """What is defined decides, whatever metadata, identifiers and names say."""
+    lies = {"course": {"source": "02_moving_least_squares"}}
+    assert number("02.ipynb", notebook(code(ANSWER, id="q-02-7"), **lies)) == "01"
+
+
+def test_a_notebook_without_any_function_is_known_by_what_was_handed_out():
+    """It is graded, with nothing in it; a name alone does not make a notebook of the course."""
+    course = {"course": {"source": "02_moving_least_squares"}}
+    assert number("x.ipynb", notebook("def weights(:", **course)) == "02"
+    assert number("x.ipynb", notebook(prose("text", id="q-02-3"))) == "02"
+    with pytest.raises(Unreadable, match="none of the functions"):
+        number("02.ipynb", notebook("def weights(:"))
+
+
+def number(name, content):
+    return Submission("ada", name, content).notebook(FUNCTIONS)
+
+
+def test_what_was_found_travels():
+    """A process elsewhere need not look for the definitions again."""
+    found = Submission("ada", "01.ipynb", notebook(ANSWER))
+    assert found.definitions == {"fit": (False,)}
+    assert "definitions" in vars(pickle.loads(pickle.dumps(found)))
+
+
+def test_the_limits_are_above_what_people_write():
+    """The notebooks of this course are a tenth of what is read."""
+    assert submission.MOST_CODE >= 10 * 50_000

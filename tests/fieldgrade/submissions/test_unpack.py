@@ -1,0 +1,280 @@
+"""Folders and zip files are read file by file, and nothing in them leads anywhere else."""
+
+import io
+import os
+import stat
+import struct
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldgrade.submissions import unpack
+from fieldgrade.submissions.archive import Archive, NotTaken
+from fieldgrade.submissions.unpack import NoZip, folder_items, zip_items
+from handed_in import lay, packed
+
+
+def items_of(tmp_path, content):
+    file = tmp_path / "pack.zip"
+    file.write_bytes(content)
+    return zip_items(file)
+
+
+def told(items):
+    return {item.name: item.refused for item in items}
+
+
+def link(name):
+    info = zipfile.ZipInfo(name)
+    info.create_system, info.external_attr = 3, (stat.S_IFLNK | 0o777) << 16
+    return info
+
+
+NAMES = {
+    "../../bob/01.ipynb": "bob/01.ipynb",
+    "/etc/passwd": "etc/passwd",
+    "a/../b.ipynb": "a/b.ipynb",
+    "..\\..\\b.ipynb": "b.ipynb",
+    "C:\\Users\\b.ipynb": "C:/Users/b.ipynb",
+    "C:b.ipynb": "C:b.ipynb",
+    "./b.ipynb": "b.ipynb",
+    "..": "?",
+    "a//b.ipynb": "a/b.ipynb",
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_name_that_leads_elsewhere_is_refused(tmp_path, name):
+    """Parents, roots and drives; what is told of it is a harmless name."""
+    assert told(items_of(tmp_path, packed({name: b""}))) == {NAMES[name]: unpack.LEADS_OUT}
+
+
+def test_names_of_windows_are_folders_and_names(tmp_path):
+    """Backslashes part them, and a colon in the middle of a title is no drive."""
+    found = items_of(tmp_path, packed({"work\\01.ipynb": b"1", "Homework: 1.ipynb": b"2"}))
+    assert told(found) == {"Homework: 1.ipynb": "", "work/01.ipynb": ""}
+
+
+def test_links_and_long_names_in_a_zip_file_are_refused(tmp_path):
+    """The content of a link is a path, not a file."""
+    pack = packed(
+        [
+            (link("01.ipynb"), b"/etc/passwd"),
+            ("n" * 60_000, b""),
+            ("d/" * 5000, b""),
+            ("d/" * 5000 + "x", b""),
+        ]
+    )
+    assert told(items_of(tmp_path, pack)) == {
+        "01.ipynb": "it is a link",
+        "n" * 255: "its name is too long",
+        "d/" * 99 + "x": "its name is too long",
+    }
+
+
+def encrypted(pack):
+    """Set the mark of encryption on every member."""
+    data = bytearray(pack)
+    for magic, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        at = data.find(magic)
+        while at >= 0:
+            data[at + offset] |= 1
+            at = data.find(magic, at + 4)
+    return bytes(data)
+
+
+def test_encrypted_files_are_told(tmp_path):
+    """Nobody asks for a password."""
+    pack = encrypted(packed({"01.ipynb": b"{}"}))
+    assert told(items_of(tmp_path, pack)) == {"01.ipynb": "it is encrypted"}
+
+
+def test_what_is_not_the_students_work_is_left_out(tmp_path):
+    """Junk of systems, caches, hidden files, and the checks that were handed out."""
+    junk = [
+        "__MACOSX/._01.ipynb",
+        "._01.ipynb",
+        ".DS_Store",
+        "Thumbs.db",
+        "student.txt",
+        ".ipynb_checkpoints/01-checkpoint.ipynb",
+        "fieldcheck/calls.py",
+        "venv/lib/x.py",
+        "a/__pycache__/x.pyc",
+    ]
+    files = dict.fromkeys([*junk, "a/01.ipynb"], b"x")
+    assert [item.name for item in items_of(tmp_path, packed(files))] == ["a/01.ipynb"]
+    assert [i.name for i in folder_items(lay(tmp_path / "class", files))] == ["a/01.ipynb"]
+
+
+def test_the_bytes_are_those_of_the_member(tmp_path):
+    """Also of two members of one name."""
+    with pytest.warns(UserWarning, match="Duplicate name"):
+        pack = packed([("01.ipynb", b"first"), ("01.ipynb", b"second")])
+    assert [item.open().read() for item in items_of(tmp_path, pack)] == [b"first", b"second"]
+
+
+@pytest.mark.parametrize("content", [b"", b"no zip", b"PK\x05\x06" + b"\0" * 17])
+def test_what_is_no_zip_file_is_told(tmp_path, content):
+    with pytest.raises(NoZip, match="the zip file is damaged"):
+        items_of(tmp_path, content)
+
+
+@given(st.data())
+def test_no_damage_to_a_zip_file_raises_anything_else(tmp_path_factory, data):
+    """Any byte may be any other: it is no zip file, or its members are taken or not."""
+    pack = bytearray(packed({"a/01.ipynb": b"{}" * 50, "b.txt": b"text"}))
+    for at in data.draw(st.lists(st.integers(0, len(pack) - 1), max_size=6)):
+        pack[at] = data.draw(st.integers(0, 255))
+    folder = tmp_path_factory.mktemp("zip")
+    archive = Archive(folder / "archive")
+    try:
+        found = items_of(folder, bytes(pack))
+    except NoZip:
+        return
+    for item in found:
+        try:
+            stream = item.open()
+        except Exception:  # what the intake makes a problem of the file
+            continue
+        with stream:
+            try:
+                archive.put(stream, 1000)
+            except NotTaken as error:
+                assert str(error)  # noqa: PT017
+
+
+def test_a_zip_file_of_too_many_is_not_read(tmp_path, monkeypatch):
+    """They are counted before a list of them is made in memory."""
+    pack = packed({f"{k}.txt": b"" for k in range(30)})
+    monkeypatch.setattr(unpack, "MOST_MEMBERS", 29)
+    monkeypatch.setattr(unpack.zipfile, "ZipFile", None)
+    with pytest.raises(NoZip, match="more than 29 files"):
+        items_of(tmp_path, pack)
+
+
+def test_a_zip_file_that_says_that_it_unpacks_to_too_much_is_told(tmp_path, monkeypatch):
+    """What it says is believed, if it is against it."""
+    monkeypatch.setattr(unpack, "MOST_UNPACKED", 2_000_000)
+    with pytest.raises(NoZip, match="more than 1 MiB"):
+        items_of(tmp_path, packed({"a": b"0" * 1_500_000, "b": b"0" * 1_500_000}))
+
+
+def test_a_member_that_is_larger_than_it_says_is_cut(tmp_path):
+    """No more is unpacked than the list of the zip file tells."""
+    pack = bytearray(packed({"a": b"0" * 100_000}))
+    at = pack.find(b"PK\x01\x02")
+    pack[at + 24 : at + 28] = struct.pack("<I", 10)
+    (item,) = items_of(tmp_path, bytes(pack))
+    with pytest.raises(NotTaken, match="it cannot be read"):
+        Archive(tmp_path / "archive").put(item.open(), 1 << 20)
+
+
+def test_links_pipes_and_devices_in_a_folder_are_refused(tmp_path):
+    """None of them is opened, and no link is followed, to a folder or to a file."""
+    folder = lay(tmp_path / "class", {"ada/01.ipynb": b"{}"})
+    (folder / "bob.ipynb").symlink_to("/etc/passwd")
+    (folder / "cid").symlink_to(tmp_path)
+    os.mkfifo(folder / "dan.ipynb")
+    assert told(folder_items(folder)) == {
+        "ada/01.ipynb": "",
+        "bob.ipynb": "it is a link",
+        "cid": "it is a link",
+        "dan.ipynb": "it is no file",
+    }
+
+
+def test_folders_may_lie_deep_in_each_other(tmp_path):
+    """Deeper than functions may call each other."""
+    folder = tmp_path / "class"
+    folder.mkdir()
+    start = os.open(folder, os.O_RDONLY)
+    at = start
+    for _ in range(1500):
+        os.mkdir("d", dir_fd=at)
+        inner = os.open("d", os.O_RDONLY, dir_fd=at)
+        if at != start:
+            os.close(at)
+        at = inner
+    os.close(at)
+    os.close(start)
+    (folder / "01.ipynb").write_bytes(b"{}")
+    try:
+        assert [item.name for item in folder_items(folder)] == ["01.ipynb"]
+    finally:
+        subprocess.run(["rm", "-rf", folder], check=True)  # what pytest uses would go too deep
+
+
+def test_a_folder_that_cannot_be_read_is_told(tmp_path, monkeypatch):
+    """The others are taken."""
+    folder = lay(tmp_path / "class", {"ada/01.ipynb": b"{}", "bob/01.ipynb": b"{}"})
+    whole = Path.iterdir
+
+    def iterdir(path):
+        if path.name == "bob":
+            raise PermissionError(13, "Permission denied")
+        return whole(path)
+
+    monkeypatch.setattr(Path, "iterdir", iterdir)
+    assert told(folder_items(folder)) == {
+        "ada/01.ipynb": "",
+        "bob": "it cannot be read (Permission denied)",
+    }
+
+
+def test_strange_names_are_told_as_text(tmp_path):
+    """Controls for terminals, and bytes that are no UTF-8 as Python reads them."""
+    (tmp_path / "a\x1b[2J\nb.ipynb").touch()
+    assert [item.name for item in folder_items(tmp_path)] == ["a?[2J?b.ipynb"]
+    assert unpack._printable(os.fsdecode(b"\xff.ipynb")).encode() == b"\\udcff.ipynb"
+
+
+def test_times_are_told_in_utc(tmp_path):
+    """Those of files as they are, those of zip files as of here; impossible ones are none."""
+    (tmp_path / "01.ipynb").touch()
+    os.utime(tmp_path / "01.ipynb", (0, 0))
+    assert folder_items(tmp_path)[0].time == "1970-01-01T00:00:00+00:00"
+    info = zipfile.ZipInfo("01.ipynb", date_time=(2026, 11, 20, 12, 0, 0))
+    never = zipfile.ZipInfo("02.ipynb", date_time=(1980, 0, 0, 0, 0, 0))
+    first, second = items_of(tmp_path, packed([(info, b""), (never, b"")]))
+    assert first.time.endswith("+00:00")
+    assert (first.by, second.time) == ("zip", "")
+
+
+def test_what_is_archived_stays_as_it_was_received(tmp_path):
+    """Under its digest, once, whole, and not to be written."""
+    archive = Archive(tmp_path / "received")
+    digests = {archive.put(io.BytesIO(b"content"), 100) for _ in range(2)}
+    (digest,) = digests
+    file = archive.path(digest)
+    assert file.read_bytes() == archive.read(digest, 100) == b"content"
+    assert stat.S_IMODE(file.stat().st_mode) == 0o444
+    assert [p for p in (tmp_path / "received").rglob("*") if p.is_file()] == [file]
+    assert archive.read(digest, 3) == b"cont"
+
+
+class Failing(io.BytesIO):
+    def read(self, _size=-1):
+        raise EOFError("compressed file ended")
+
+
+@pytest.mark.parametrize(
+    ("stream", "sentence"),
+    [(io.BytesIO(b"0" * (2 << 20)), "more than 1 MiB"), (Failing(), "cannot be read .compressed")],
+)
+def test_what_cannot_be_kept_leaves_nothing(tmp_path, stream, sentence):
+    """Too much, or damaged."""
+    with pytest.raises(NotTaken, match=sentence):
+        Archive(tmp_path).put(stream, 1 << 20)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_fault_of_the_archive_is_not_the_students(tmp_path):
+    """A full disk stops the grader, and is not written into somebody's record."""
+    (tmp_path / "received").touch()
+    with pytest.raises(FileExistsError):
+        Archive(tmp_path / "received").put(io.BytesIO(b"x"), 10)

@@ -1,0 +1,112 @@
+"""Sites that follow what they carry: where they come and go, and what that gains."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull, cKDTree
+
+from fieldrecon.advection.adaptation import adapted_points
+from fieldrecon.advection.semi_lagrangian import semi_lagrangian
+from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.selection.leave_one_out import leave_one_out
+
+RULES = {"refine": 0.5, "coarsen": 0.1, "spacing": 0.01}
+
+
+def pairs(x: np.ndarray) -> set[tuple[float, ...]]:
+    return set(map(tuple, x.tolist()))
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_points_come_where_the_indicator_is_large_and_keep_their_distance(d):
+    """Each is the midpoint between such a point and a neighbour."""
+    x = halton(300, d)
+    eta = np.where(x[:, 0] > 0.7, 1.0, 0.3)
+    spacing = 0.01 if d > 1 else 1e-4
+    found = adapted_points(x, eta, **RULES | {"spacing": spacing})
+    assert pairs(x) < pairs(found)
+    fresh = found[len(x) :]
+    assert cKDTree(found).query(found, 2)[0][len(x) :, 1].min() >= spacing * (1 - 1e-9)
+    near = cKDTree(x).query(x, 2 * d + 1)[1][:, 1:]
+    middle = (x[:, None] + x[near]) / 2
+    assert cKDTree(middle[eta > 0.5].reshape(-1, d)).query(fresh)[0].max() < 1e-12
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_points_go_where_the_indicator_is_small_but_not_side_by_side(d):
+    """And the convex hull stays as it is."""
+    x = halton(300, d)
+    eta = np.where(x[:, 0] > 0.5, 0.0, 0.3)
+    found = adapted_points(x, eta, **RULES)
+    assert pairs(found) < pairs(x)
+    gone = np.array([tuple(p) not in pairs(found) for p in x.tolist()])
+    assert (x[gone, 0] > 0.5).all()
+    first = cKDTree(x).query(x, 2)[1][:, 1]
+    assert not (gone & gone[first]).any()
+    if d > 1:
+        assert ConvexHull(found).volume == pytest.approx(ConvexHull(x).volume, rel=1e-12)
+    else:
+        assert np.ptp(found) == np.ptp(x)
+
+
+def test_points_far_from_others_do_not_go():
+    """However smooth it is there."""
+    x = halton(300, 2)
+    found = adapted_points(x, np.zeros(300), **RULES, widest=0.03)
+    nearest = cKDTree(x).query(x, 2)[0][:, 1]
+    gone = np.array([tuple(p) not in pairs(found) for p in x.tolist()])
+    assert 0 < gone.sum() < 100
+    assert nearest[gone].max() <= 0.03
+    assert (nearest[~gone] < 0.03).any()
+
+
+def test_sites_that_follow_a_front_carry_it_better():
+    """Than as many that stay: a steep ring, in a turning flow about another centre."""
+
+    def front(x: np.ndarray) -> np.ndarray:
+        return np.tanh(30 * (np.linalg.norm(x - [0.5, 0.65], axis=-1) - 0.15))
+
+    def turning(x: np.ndarray, _: float) -> np.ndarray:
+        return (x - 0.5)[:, ::-1] * [-1, 1]
+
+    def method(x):
+        return PartitionOfUnityRBF(x, polyharmonic(3), 1)
+
+    def following(state, _):
+        eta = np.abs(leave_one_out(state.method, state.values))
+        rules = {"refine": 0.02, "coarsen": 0.004, "spacing": 0.012}
+        return method(adapted_points(state.method.points, eta, **rules))
+
+    def carried(x, sites):
+        *_, state = semi_lagrangian(
+            method(x), front(x), turning, np.linspace(0, 1, 11), sites=sites
+        )
+        return state
+
+    adapted = carried(halton(800, 2), following)
+    fixed = carried(halton(len(adapted.values), 2), None)
+    c, s = np.cos(1.0), np.sin(1.0)
+    q = 0.2 + 0.6 * halton(3000, 2, seed=3)
+    exact = front(0.5 + (q - 0.5) @ np.array([[c, -s], [s, c]]))
+    errors = [
+        np.sqrt(np.mean((state.method.field(state.values)(q) - exact) ** 2))
+        for state in (adapted, fixed)
+    ]
+    assert errors[0] < 0.6 * errors[1]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"coarsen": 2.0}, "coarsen be at most refine"),
+        ({"spacing": 0.0}, "spacing must be a positive number"),
+        ({"indicator": np.ones((9, 1))}, "indicator must hold one number for each point"),
+        ({"indicator": np.ones(3)}, "indicator must have one entry for each point"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(changes, words):
+    """In words that name it."""
+    given = {"indicator": np.ones(9), **RULES, **changes}
+    with pytest.raises(ValueError, match=words):
+        adapted_points(halton(9, 2), given.pop("indicator"), **given)

@@ -1,0 +1,239 @@
+"""Normal velocities that are carried to another mesh, and made to balance."""
+
+import numpy as np
+import pytest
+
+from fieldrecon.advection.incompressible import (
+    carried_normal_velocities,
+    divergence_free,
+    flow_energy,
+)
+from fieldrecon.datasets.synthetic import halton
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.velocity.cell_velocities import raviart_thomas
+from fieldrecon.velocity.vertex_velocities import divergence, normal_velocities
+from fieldreport import experiments
+from fieldreport.experiments.advection import fluid_animation
+from fieldreport.experiments.meshes.frame_meshes import box_mesh
+from laws import VISIBLE, assert_close
+
+
+def scattered(d: int = 2) -> SimplexMesh:
+    return SimplexMesh.delaunay(halton(60, d))
+
+
+def of_stream(mesh: SimplexMesh, psi: np.ndarray) -> np.ndarray:
+    """Normal velocities whose flow through a face is the difference of ψ at its ends."""
+    start, end = mesh.faces.T
+    along = mesh.points[end] - mesh.points[start]
+    side = np.sign((along[:, ::-1] * [1, -1] * mesh.face_normals).sum(axis=1))
+    return side * (psi[end] - psi[start]) / mesh.face_measures
+
+
+def some_flow(mesh: SimplexMesh) -> np.ndarray:
+    """Anything inside, and nothing through the walls."""
+    v = np.random.default_rng(0).normal(size=len(mesh.faces))
+    return np.where(mesh.face_cells[:, 1] < 0, 0.0, v)
+
+
+# --- energy -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_energy_is_that_of_the_field(d):
+    """Of u = a + b x, which the fields of Raviart and Thomas represent, by its integral."""
+    mesh, a, b = scattered(d), np.arange(1.0, d + 1), 0.7
+    v = normal_velocities(mesh, a + b * mesh.points)
+    corners = mesh.points[mesh.cells]
+    center = corners.mean(axis=1)
+    spread = ((corners - center[:, None]) ** 2).sum(axis=(1, 2)) / ((d + 1) * (d + 2))
+    exact = mesh.cell_measures @ (((a + b * center) ** 2).sum(axis=1) + b**2 * spread)
+    assert_close(v @ (flow_energy(mesh) @ v), exact, 1e-10)
+    at_centers = raviart_thomas(mesh, v, mesh.cell_centers)
+    assert_close(at_centers, a + b * mesh.cell_centers, 1e-9)
+
+
+def test_energy_is_positive():
+    """Of any normal velocities but none, and symmetric."""
+    m = flow_energy(scattered()).toarray()
+    assert_close(m, m.T, 1e-12)
+    assert np.linalg.eigvalsh(m)[0] > 0
+
+
+# --- the nearest flow that balances ---------------------------------------------------------------
+
+
+def it_balances(project) -> None:
+    """In each cell; and what goes through the boundary is kept."""
+    for d in (2, 3):
+        mesh = scattered(d)
+        rim = mesh.face_cells[:, 1] < 0
+        steady = normal_velocities(mesh, np.tile(np.arange(1.0, d + 1), (len(mesh.points), 1)))
+        w = project(mesh, steady + some_flow(mesh))
+        assert_close(w[rim], steady[rim], 0.0)
+        assert_close(divergence(mesh, w) * mesh.cell_measures, np.zeros(len(mesh.cells)), 1e-10)
+
+
+def it_is_the_nearest(project) -> None:
+    """The change is across, in energy, to all flows that balance: those of stream functions."""
+    mesh = scattered()
+    v = some_flow(mesh)
+    change = flow_energy(mesh) @ (project(mesh, v) - v)
+    inner = np.flatnonzero(~mesh.boundary_vertices)
+    for i in inner:
+        z = of_stream(mesh, (np.arange(len(mesh.points)) == i).astype(float))
+        assert_close(z @ change, 0.0, 1e-10)
+
+
+LAWS = [it_balances, it_is_the_nearest]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.__name__)
+def test_laws_of_balance(law):
+    """Both, which say what is left to choose."""
+    law(divergence_free)
+
+
+def left_as_it_is(mesh, v):  # noqa: ARG001
+    return v
+
+
+def nearest_in_numbers(mesh, v):
+    """The nearest in the plain sum of squares, whatever the sizes of faces and cells."""
+    n = len(mesh.faces)
+    inside = mesh.face_cells[:, 1] >= 0
+    d = np.zeros((len(mesh.cells), n))
+    np.put_along_axis(
+        d, mesh.cell_faces, mesh.cell_face_signs * mesh.face_measures[mesh.cell_faces], 1
+    )
+    w = v.copy()
+    w[inside] -= np.linalg.pinv(d[:, inside]) @ (d @ v)
+    return w
+
+
+def walls_let_through(mesh, v):
+    """Balances, by opening the walls."""
+    d = np.zeros((len(mesh.cells), len(mesh.faces)))
+    np.put_along_axis(
+        d, mesh.cell_faces, mesh.cell_face_signs * mesh.face_measures[mesh.cell_faces], 1
+    )
+    return v - np.linalg.pinv(d) @ (d @ v)
+
+
+@pytest.mark.parametrize(
+    ("law", "mutant"),
+    [
+        (it_balances, left_as_it_is),
+        (it_balances, walls_let_through),
+        (it_is_the_nearest, nearest_in_numbers),
+    ],
+)
+def test_each_law_can_fail(law, mutant):
+    """On what misses it."""
+    with pytest.raises(AssertionError):
+        law(mutant)
+
+
+def test_it_is_the_flow_of_a_stream_function():
+    """In the plane: that ψ, zero on the wall, whose flow is nearest; a system of its own."""
+    mesh = scattered()
+    v = some_flow(mesh)
+    inner = np.flatnonzero(~mesh.boundary_vertices)
+    basis = np.column_stack([of_stream(mesh, row) for row in np.eye(len(mesh.points))[inner]])
+    m = flow_energy(mesh)
+    psi = np.linalg.solve(basis.T @ (m @ basis), basis.T @ (m @ v))
+    assert_close(divergence_free(mesh, v), basis @ psi, 1e-9)
+
+
+def test_a_flow_that_balances_stays_and_no_energy_is_added():
+    """Twice is once."""
+    mesh = scattered()
+    v = some_flow(mesh)
+    once, m = divergence_free(mesh, v), flow_energy(mesh)
+    assert_close(divergence_free(mesh, once), once, 1e-10)
+    assert once @ (m @ once) < v @ (m @ v)
+    assert np.abs(once - v).max() > VISIBLE
+
+
+def test_each_part_of_a_mesh_balances_alone():
+    """Two triangles far apart have no face inside, and what flows in must flow out of each."""
+    mesh = SimplexMesh([[0, 0], [1, 0], [0, 1], [5, 0], [6, 0], [5, 1]], [[0, 1, 2], [3, 4, 5]])
+    v = normal_velocities(mesh, np.ones((6, 2)))
+    assert_close(divergence_free(mesh, v), v, 0.0)
+    with pytest.raises(ValueError, match="let in through the boundary as much as out; 1 more"):
+        divergence_free(mesh, v + np.where(np.arange(6) == 0, 1.0, 0.0))
+    with pytest.raises(ValueError, match="v must be one number for each face"):
+        divergence_free(mesh, np.ones((6, 2)))
+
+
+# --- carried --------------------------------------------------------------------------------------
+
+
+def test_what_is_carried_is_that_of_the_feet():
+    """In a turning flow, whose feet are known: its own velocities, and others."""
+    x, mesh = halton(30, 2), scattered()
+    middle = np.array([0.4, 0.6])
+    flow = LeastSquares(x).field((x - middle)[:, ::-1] * [-1, 1])
+    dt = 0.3
+    back = np.array([[np.cos(dt), np.sin(dt)], [-np.sin(dt), np.cos(dt)]])
+    feet = middle + (mesh.face_centers - middle) @ back.T
+    u = (feet - middle)[:, ::-1] * [-1, 1]
+    v = carried_normal_velocities(flow, mesh, 1.0, dt)
+    assert_close(v, (u * mesh.face_normals).sum(axis=1), 1e-4)
+    other = carried_normal_velocities(flow, mesh, 1.0, dt, carried=lambda y, t: y * t)
+    assert_close(other, 0.7 * (feet * mesh.face_normals).sum(axis=1), 1e-4)
+
+
+# --- the animation --------------------------------------------------------------------------------
+
+
+def test_the_vortex_is_a_steady_flow_of_an_ideal_fluid():
+    """u · ∇u is a gradient, that of -p, p = (cos 2πx + cos 2πy) / 4; nothing crosses the walls."""
+    x, h = 0.05 + 0.9 * halton(50, 2), 1e-4
+    slopes = np.stack(
+        [
+            (fluid_animation.vortex(x + h * e) - fluid_animation.vortex(x - h * e)) / (2 * h)
+            for e in np.eye(2)
+        ],
+        axis=-1,
+    )
+    carried = np.einsum("nij,nj->ni", slopes, fluid_animation.vortex(x))
+    assert_close(carried, np.pi / 2 * np.sin(2 * np.pi * x), 1e-6)
+    side = np.column_stack([np.ones(5), np.linspace(0, 1, 5)])
+    assert_close(fluid_animation.vortex(side)[:, 0], np.zeros(5), 1e-12)
+
+
+def test_the_first_frame_balances_and_has_the_energy_of_the_vortex():
+    """A quarter, to the error of its mesh; and its fluxes are those of the vortex."""
+    frame = fluid_animation.first(fluid_animation.Params(spacing=0.08, finest=0.05))
+    assert np.abs(divergence(frame.mesh, frame.v)).max() < 1e-11
+    assert abs(frame.energy / fluid_animation.ENERGY - 1) < 0.01
+    at = (fluid_animation.vortex(frame.mesh.face_centers) * frame.mesh.face_normals).sum(axis=1)
+    assert np.abs(frame.v - at).max() < 0.02
+
+
+def test_the_rim_keeps_its_area():
+    """Traced through a flow without divergence."""
+    for time in (0.0, 1.0, 2.0):
+        x, y = fluid_animation.exact_rim(time, 2000).T
+        area = (x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2
+        assert_close(area, np.pi * fluid_animation.RADIUS**2, 1e-5)
+
+
+def test_meshes_of_frames_fill_the_box_and_differ():
+    """With edges about as long as asked for."""
+    one, two = (box_mesh(lambda x: np.full(len(x), 0.1), seed) for seed in (1, 2))
+    for mesh in (one, two):
+        assert_close(mesh.cell_measures.sum(), 1.0, 1e-12)
+        assert 0.5 < np.median(mesh.face_measures) / 0.1 < 1.3
+    assert len(one.points) != len(two.points) or np.abs(one.points - two.points).max() > VISIBLE
+
+
+def test_reflection_keeps_energy_and_pressure_keeps_the_flow():
+    """Small as these meshes are."""
+    result = experiments.get("fluid_animation").run(fluid_animation.QUICK)
+    facts = result.facts
+    assert facts["plain_energy"] < facts["reflected_energy"] < 1
+    assert facts["reflected_error"] < facts["plain_error"] < facts["loose_error"]
+    assert facts["divergence"] < 1e-10

@@ -1,0 +1,506 @@
+"""The command line: what it prints, what it writes, and how it says what is wrong."""
+
+import csv
+import json
+import os
+import pty
+import subprocess
+import sys
+from contextlib import suppress
+from html.parser import HTMLParser
+from importlib.metadata import version
+
+import numpy as np
+import pytest
+
+from fieldrecon import (
+    LeastSquares,
+    OnGlobe,
+    SimplexMesh,
+    load,
+    read_mesh_and_data,
+    save,
+    write_mesh,
+)
+from fieldrecon.cli import main as cli
+from fieldrecon.cli.main import main
+from fieldrecon.datasets.synthetic import clustered, franke, uniform
+from fieldrecon.selection.models import CANDIDATES
+from fieldreport import experiments
+from fieldreport.framework import result_files as files
+
+SMALL = ["--set", "powers=2,3", "--set", "draws=3"]
+
+
+@pytest.fixture
+def survey(tmp_path):
+    """Write samples of Franke's function to a table and return its path."""
+    points = clustered(60, 2, 5, 0.2, seed=0)
+    path = tmp_path / "survey.csv"
+    rows = np.column_stack([1000 * points, 50 * franke(points)])
+    path.write_bytes(files.csv_bytes(("easting", "northing", "depth [m]"), rows.tolist()))
+    return path
+
+
+def read_csv(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_the_program_runs():
+    """As a program it tells its version and leaves with status 0."""
+    done = subprocess.run(
+        [sys.executable, "-m", "fieldrecon.cli.main", "--version"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == f"fieldrecon {version('fieldrecon')}\n"
+
+
+def test_a_program_that_fails_shows_no_traceback():
+    """A user's mistake is told in one line on standard error, with status 2."""
+    done = subprocess.run(
+        [sys.executable, "-m", "fieldrecon.cli.main", "reconstruct", "nowhere.csv"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr == "fieldrecon: nowhere.csv: no such file or directory\n"
+    assert done.stdout == ""
+
+
+@pytest.mark.slow
+def test_a_reader_that_has_seen_enough_is_no_error():
+    """When the pipe is closed early, as by head, nothing is told and the status is 0."""
+    reads, writes = os.pipe()
+    os.close(reads)
+    done = subprocess.run(
+        [sys.executable, "-m", "fieldrecon.cli.main", "experiments", "show", "power_sampling"],
+        stdout=writes,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    os.close(writes)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_list_names_every_experiment(capsys):
+    """Each with its title."""
+    assert main(["experiments", "list"]) == 0
+    shown = capsys.readouterr().out
+    assert all(name in shown for name in experiments.names())
+    assert "Least squares against moving" in shown
+
+
+@pytest.mark.parametrize("name", experiments.names())
+def test_show_tells_every_parameter(capsys, name):
+    """Name, default and meaning, and the figures."""
+    assert main(["experiments", "show", name]) == 0
+    shown = capsys.readouterr().out
+    assert all(parameter in shown for parameter in experiments.get(name).meanings)
+    assert f"Figures: {name}" in shown
+
+
+def test_run_writes_what_it_lists(capsys, tmp_path):
+    """The files it prints are all that it wrote, and hold the parameters that were set."""
+    assert main(["experiments", "run", "power_sampling", *SMALL, "--out", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    folder = tmp_path / "power_sampling"
+    listed = {line for line in shown.splitlines() if line.startswith(str(folder))}
+    assert listed == {str(path) for path in folder.iterdir()}
+    assert {"power_sampling.svg", "power_sampling.pdf", "power_sampling.png"} <= {
+        path.name for path in folder.iterdir()
+    }
+    params = json.loads((folder / "params.json").read_text())
+    assert (params["powers"], params["draws"]) == ([2, 3], 3)
+    assert "LS/MLS rms" in shown
+
+
+@pytest.mark.slow
+def test_seed_and_processes(tmp_path):
+    """A seed changes the result; the number of processes does not."""
+    runs = {"a": [], "b": ["--jobs", "2"], "c": ["--seed", "5"], "d": ["--set", "seed=5"]}
+    for out, more in runs.items():
+        arguments = [*SMALL, *more, "--out", str(tmp_path / out)]
+        assert main(["experiments", "run", "power_sampling", *arguments]) == 0
+    facts = {out: (tmp_path / out / "power_sampling" / "facts.json").read_bytes() for out in runs}
+    assert facts["a"] == facts["b"]
+    assert facts["a"] != facts["c"]
+    assert facts["c"] == facts["d"]
+
+
+def reconstruct(survey, out, *options):
+    return main(["reconstruct", str(survey), "--out", str(out), *options])
+
+
+def test_reconstruct_writes_a_grid(capsys, tmp_path, survey):
+    """Grid as table and arrays, the errors of all methods, pictures, a page; all say the same."""
+    out = tmp_path / "out"
+    assert reconstruct(survey, out, "--grid", "13x11") == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    rows = read_csv(out / "grid.csv")
+    with np.load(out / "grid.npz") as stored:
+        arrays = dict(stored)
+    assert list(rows[0]) == ["easting", "northing", "depth [m]", "error", "extrapolated"]
+    assert arrays["values"].shape == (11, 13)
+    assert [float(row["depth [m]"]) for row in rows] == arrays["values"].ravel().tolist()
+    assert [int(row["extrapolated"]) for row in rows] == arrays["extrapolated"].ravel().tolist()
+    assert float(rows[1]["easting"]) == arrays["x"][1]
+    outside = np.count_nonzero(arrays["extrapolated"] == 2)
+    assert 0 < outside < 143
+    assert f"{outside} of 143 nodes lie outside the convex hull" in shown
+    methods = read_csv(out / "methods.csv")
+    assert {row["method"] for row in methods} == set(CANDIDATES)
+    errors = [float(row["rms error"]) for row in methods if row["rms error"]]
+    assert errors == sorted(errors)
+    assert f"Evaluated: {methods[0]['method']}," in shown
+    for name in ("reconstruction", "error"):
+        assert (out / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert b"<svg" in (out / f"{name}.svg").read_bytes()
+    assert {str(path) for path in out.iterdir()} <= set(shown.split())
+
+
+def test_reconstruct_is_near_the_truth(tmp_path, survey):
+    """Inside the hull the grid is as near to the function as the error promises."""
+    assert reconstruct(survey, tmp_path / "grid.npz", "--grid", "30x30") == 0
+    with np.load(tmp_path / "grid.npz") as stored:
+        x, y, values, error, flags = (
+            stored[k] for k in ("x", "y", "values", "error", "extrapolated")
+        )
+    truth = 50 * franke(np.stack(np.meshgrid(x, y), axis=-1) / 1000)
+    missed = abs(values - truth)[flags == 0]
+    assert np.mean(missed <= error[flags == 0]) > 0.9
+    assert np.median(error[flags == 0]) < 0.3 * np.std(truth)
+
+
+def test_reconstruct_obeys(capsys, tmp_path, survey):
+    """Columns and method are those asked for."""
+    options = ["--x", "northing", "--y", "easting", "--value", "depth [m]", "--method", "ls2"]
+    assert reconstruct(survey, tmp_path / "out", *options, "--grid", "5x4") == 0
+    assert "Evaluated: ls2, least squares, degree 2." in capsys.readouterr().out
+    assert list(read_csv(tmp_path / "out" / "grid.csv")[0])[:2] == ["northing", "easting"]
+
+
+class Page(HTMLParser):
+    """The texts of a page, and whatever it would fetch."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.texts, self.open, self.fetched, self.images = [], [], [], 0
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+        self.images += tag == "img" and attributes["src"].startswith("data:image/png;base64,")
+        self.fetched += [
+            v for k, v in attributes.items() if k in ("src", "href") and not v.startswith("data:")
+        ]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+def test_the_page_is_whole_in_itself(tmp_path, survey):
+    """Picture, error, methods, parameters and remarks, and nothing fetched; names are escaped."""
+    table = survey.read_text().replace("depth [m]", "<script>&")
+    survey.write_text(table + "1,2,?\n")
+    assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11", "--method", "pu") == 0
+    text = (tmp_path / "a.html").read_text()
+    page = Page(text)
+    assert (page.open, page.fetched, page.images) == ([], [], 2)
+    assert "url(" not in text
+    assert "@import" not in text
+    words = " ".join(page.texts)
+    assert "<script>&, reconstructed" in words
+    for wanted in (
+        "PartitionOfUnityRBF",
+        "polyharmonic",
+        "13 × 11",
+        "survey.csv",
+        "1 row left out",
+        "95 of 100",
+        "GB of memory",
+        "patches of r⁵, blended",
+    ):
+        assert wanted in words, wanted
+    assert CANDIDATES["tps"].meaning not in words  # nobody asked how the others do
+
+
+def test_the_page_tells_how_each_method_did(tmp_path, survey):
+    """Where none is asked for."""
+    assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11") == 0
+    words = " ".join(Page((tmp_path / "a.html").read_text()).texts)
+    for name, candidate in CANDIDATES.items():
+        assert name in words
+        assert candidate.meaning in words or f"{name}: not tried" in words, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["csv", "npz", "vtk", "nc"])
+def test_the_suffix_names_the_format(tmp_path, survey, suffix):
+    """One file, and the page beside it."""
+    options = ["--grid", "5x4", "--method", "ls1"]
+    assert reconstruct(survey, tmp_path / "to" / f"a.{suffix}", *options) == 0
+    assert {path.name for path in (tmp_path / "to").iterdir()} == {f"a.{suffix}", "a.html"}
+
+
+@pytest.mark.slow
+def test_a_folder_holds_the_formats_that_are_asked_for(tmp_path, survey):
+    """And no other."""
+    options = ["--grid", "5x4", "--method", "ls1", "--format", "vtk, NC"]
+    assert reconstruct(survey, tmp_path / "to", *options) == 0
+    assert {"grid.vtk", "grid.nc"} == {
+        path.name for path in (tmp_path / "to").iterdir() if path.stem == "grid"
+    }
+
+
+def test_at_the_points_of_a_table_and_of_a_mesh(tmp_path, survey):
+    """The samples themselves come back where the method interpolates, the mesh with its cells."""
+    out = tmp_path / "a.csv"
+    assert reconstruct(survey, out, "--method", "tps", "--at", str(survey)) == 0
+    wanted, rows = read_csv(survey), read_csv(out)
+    for name in ("easting", "northing"):
+        assert [row[name] for row in rows] == [row[name] for row in wanted]
+    values = [[float(row["depth [m]"]) for row in table] for table in (rows, wanted)]
+    np.testing.assert_allclose(*values, atol=1e-8)
+    mesh = SimplexMesh.delaunay(1000 * uniform(30, 2, seed=0))
+    write_mesh(tmp_path / "mesh.vtk", mesh)
+    assert reconstruct(survey, tmp_path / "b.vtk", "--mesh", str(tmp_path / "mesh.vtk")) == 0
+    again, data, _ = read_mesh_and_data(tmp_path / "b.vtk")
+    assert np.array_equal(again.cells, mesh.cells)
+    assert set(data) == {"depth_[m]", "error", "extrapolated"}
+
+
+@pytest.mark.slow
+def test_points_in_space(tmp_path):
+    """On a grid of three sides, at points and on a mesh; with pictures of each."""
+    points = uniform(150, 3, seed=0)
+    values = points @ [1.0, 2.0, 3.0] + points[:, 0] ** 2
+    np.savez(tmp_path / "s.npz", points=points, values=values)
+    write_mesh(tmp_path / "mesh.vtk", SimplexMesh.delaunay(points[:40]))
+    for k, where in enumerate(
+        (
+            ["--grid", "4x5x6"],
+            ["--at", str(tmp_path / "s.npz")],
+            ["--mesh", str(tmp_path / "mesh.vtk")],
+        )
+    ):
+        out = tmp_path / f"{k}.npz"
+        assert reconstruct(tmp_path / "s.npz", out, "--z", "z", "--method", "tps", *where) == 0
+        assert (tmp_path / f"{k}.html").exists()
+    with np.load(tmp_path / "0.npz") as stored:
+        assert stored["values"].shape == (6, 5, 4)
+    with np.load(tmp_path / "1.npz") as stored:
+        assert np.abs(stored["values"] - values).max() < 0.05
+
+
+@pytest.mark.slow
+def test_across_the_date_line(tmp_path, capsys):
+    """Degrees on the globe: a grid across the line, as near to the truth as anywhere."""
+    u = uniform(400, 2, seed=0)
+    lon, lat = 170 + 20 * u[:, 0], -10 + 20 * u[:, 1]
+    field = np.sin(np.radians(6 * lon)) + np.radians(lat)
+    rows = np.column_stack([np.where(lon > 180, lon - 360, lon), lat, field])
+    table = tmp_path / "sea.csv"
+    table.write_bytes(files.csv_bytes(("lon", "lat", "t"), rows.tolist()))
+    out = tmp_path / "sea.npz"
+    assert reconstruct(table, out, "--lonlat", "--grid", "21x11", "--method", "tps") == 0
+    assert "look like degrees" not in capsys.readouterr().out
+    with np.load(out) as stored:
+        x, y, values, flags = (stored[k] for k in ("x", "y", "values", "extrapolated"))
+    assert x[0] < 180 < x[-1] < 191
+    truth = np.sin(np.radians(6 * x)) + np.radians(y)[:, None]
+    assert np.abs(values - truth)[flags == 0].max() < 1e-2
+    assert reconstruct(table, tmp_path / "flat.csv", "--grid", "5x5", "--method", "ls1") == 0
+    assert "look like degrees" in capsys.readouterr().out
+
+
+SAVED = [(False, method) for method in ("ls2", "mls1", "tps", "smooth", "pu")]
+SAVED += [(True, method) for method in ("ls1", "mls1", "tps", "smooth", "pu")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("globe", "method"), SAVED)
+def test_a_saved_field_gives_the_same_values(tmp_path, survey, method, globe):
+    """Value and error, bit for bit, from the file alone, under the same names."""
+    survey.write_text(survey.read_text().replace("easting", "lon").replace("northing", "lat"))
+    if globe:
+        header, *rows = survey.read_text().splitlines()
+        small = (",".join(str(float(cell) / 20) for cell in row.split(",")) for row in rows)
+        survey.write_text("\n".join([header, *small]))
+    options = ["--lonlat"] if globe else []
+    saved, first, second = (tmp_path / name for name in ("f.npz", "a.csv", "b.csv"))
+    where = ["--grid", "6x5"]
+    assert (
+        reconstruct(survey, first, *options, "--method", method, "--save", str(saved), *where) == 0
+    )
+    assert main(["reconstruct", "--load", str(saved), "--out", str(second), *where]) == 0
+    assert first.read_bytes() == second.read_bytes()
+    assert isinstance(load(saved).method, OnGlobe) == globe
+
+
+def test_a_terminal_sees_how_long_it_will_take(tmp_path, survey):
+    """Stages, the time left and the memory, on standard error, which a file does not see."""
+    shown, terminal = pty.openpty()
+    every_call = (
+        "import sys; from fieldrecon.cli.main import main; from fieldreport.build import progress; "
+        "progress._SECONDS_BETWEEN = 0; sys.exit(main())"
+    )
+    command = [sys.executable, "-c", every_call, "reconstruct", str(survey)]
+    where = ["--grid", "150x150", "--method", "tps", "--out", str(tmp_path / "a.npz")]
+    told = b""
+    with subprocess.Popen([*command, *where], stdout=subprocess.PIPE, stderr=terminal) as run:
+        os.close(terminal)
+        with suppress(OSError):  # which ends it on Linux
+            while more := os.read(shown, 2**16):
+                told += more
+        output = run.stdout.read().decode()
+    os.close(shown)
+    assert run.returncode == 0
+    for wanted in ("reading", "choosing a method", "evaluating", "left, ", "GB"):
+        assert wanted in told.decode()
+    assert "evaluating" not in output
+
+
+def test_what_is_wrong_with_the_samples_is_told(tmp_path, capsys, survey):
+    """Bad rows with their lines, points repeated; strictly, the first one stops it."""
+    row = survey.read_text().splitlines()[1]
+    easting, northing, _ = row.split(",")
+    survey.write_text(survey.read_text() + f"{easting},{northing},0\n1,two,3\n")
+    assert reconstruct(survey, tmp_path / "a.csv", "--grid", "5x5", "--method", "ls1") == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "1 row left out, by line: 63: northing must be a finite number; got 'two'." in shown
+    assert "1 row repeats a point" in shown
+    assert "differ at 1 point" in shown
+    assert reconstruct(survey, tmp_path / "b.csv", "--strict") == 2
+    assert "survey.csv, line 63: northing" in capsys.readouterr().err
+    assert not (tmp_path / "b.csv").exists()
+
+
+def test_samples_on_a_line_are_told_and_nothing_is_lost(tmp_path, capsys):
+    """What stood there stays."""
+    table, out = tmp_path / "a.csv", tmp_path / "b.csv"
+    table.write_text("x,y,z\n" + "".join(f"{k},{2 * k},{k}\n" for k in range(20)))
+    out.write_text("kept")
+    assert reconstruct(table, out) == 2
+    assert "all 20 points lie on one straight line" in capsys.readouterr().err
+    assert out.read_text() == "kept"
+
+
+def test_an_error_that_cannot_be_had_is_told(tmp_path, capsys):
+    """Three samples carry a plane, which none of them can be left out of."""
+    plane = LeastSquares([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).field([1.0, 2.0, 3.0])
+    save(tmp_path / "f.npz", plane)
+    out = ["--out", str(tmp_path / "a.csv"), "--grid", "3x3"]
+    assert main(["reconstruct", "--load", str(tmp_path / "f.npz"), *out]) == 0
+    assert "How far the field may be off is not known: without" in " ".join(
+        capsys.readouterr().out.split()
+    )
+    assert {row["error"] for row in read_csv(tmp_path / "a.csv")} == {"nan"}
+
+
+@pytest.mark.slow
+def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
+    """Tens of thousands of rows, thousands of nodes: the same command."""
+    points = uniform(20_000, 2, seed=0)
+    np.savez(tmp_path / "s.npz", points=points, values=franke(points))
+    assert reconstruct(tmp_path / "s.npz", tmp_path / "a.npz", "--grid", "60x50") == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "value at 20000 points: error when each of 6000 is left out" in shown
+    assert "Evaluated: pu," in shown
+    with np.load(tmp_path / "a.npz") as stored:
+        nodes = np.stack(np.meshgrid(stored["x"], stored["y"]), axis=-1)
+        missed = abs(stored["values"] - franke(nodes))[stored["extrapolated"] == 0]
+        assert missed.max() < 1e-3
+        assert np.mean(missed <= stored["error"][stored["extrapolated"] == 0]) > 0.95
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["experiments", "run", "power"], "there is no experiment 'power'; there are"),
+        (["experiments", "show", "power"], "there is no experiment 'power'; there are"),
+        (["experiments", "run", "power_sampling", "--set", "n"], "--set wants KEY=VALUE; got 'n'"),
+        (
+            ["experiments", "run", "power_sampling", "--set", "n=3"],
+            "there is no parameter 'n'; there are powers, points",
+        ),
+        (
+            ["experiments", "run", "power_sampling", "--set", "draws=few"],
+            "parameter draws must be a whole number; got 'few'",
+        ),
+        (
+            ["experiments", "run", "power_sampling", "--set", "draws=0"],
+            "parameter draws must be 1 or more; got 0",
+        ),
+        (["reconstruct", "SURVEY", "--method", "kriging"], "there is no method 'kriging'; there"),
+        (["reconstruct", "SURVEY", "--value", "d"], "has no column 'd'; it has easting"),
+        (["reconstruct", "SURVEY", "--out", "SURVEY/x"], "not a directory"),
+        (["reconstruct", "SURVEY", "--out", "a.tif"], "there is no format 'tif'; there are csv,"),
+        (["reconstruct", "SURVEY", "--format", "tif"], "there is no format 'tif'; there are csv,"),
+        (["reconstruct", "SURVEY", "--out", "a.nc", "--format", "csv"], "names another format"),
+        (["reconstruct", "SURVEY", "--out", "SURVEY"], "is read, and would be overwritten"),
+        (["reconstruct", "SURVEY", "--save", "SURVEY"], "is read, and would be overwritten"),
+        (["reconstruct"], "give either a table of samples or --load with a field"),
+        (["reconstruct", "SURVEY", "--load", "a"], "give either a table of samples or --load"),
+        (["reconstruct", "--load", "SURVEY"], "is not a file of a field"),
+        (["reconstruct", "SURVEY", "--grid", "2x2x2"], "a grid in 2 variables has 2 sides"),
+        (["reconstruct", "SURVEY", "--at", "nowhere"], "nowhere: no such file or directory"),
+        (["reconstruct", "SURVEY", "--lonlat"], "are no degrees of longitude and latitude"),
+    ],
+)
+def test_mistakes_are_told_in_a_sentence(capsys, survey, arguments, words):
+    """On standard error, with status 2 and without a traceback."""
+    assert main([a.replace("SURVEY", str(survey)) for a in arguments]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("fieldrecon: ")
+    assert words in told
+    assert told.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["reconstruct", "a.csv", "--grid", "20"], "must be such as 200x150, each 2 or more"),
+        (["reconstruct", "a.csv", "--grid", "1x20"], "must be such as 200x150, each 2 or more"),
+        (["experiments", "run", "x", "--jobs", "0"], "must be a positive whole number; got '0'"),
+        (["experiments"], "the following arguments are required: COMMAND"),
+    ],
+)
+def test_a_wrong_command_is_told_with_its_usage(capsys, arguments, words):
+    """As argparse does it, with status 2."""
+    with pytest.raises(SystemExit, match="2"):
+        main(arguments)
+    assert words in capsys.readouterr().err
+
+
+def test_an_interrupt_is_no_failure_of_the_program(capsys, monkeypatch):
+    """Ctrl-C ends with the customary status 130."""
+
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "_list", interrupted)
+    assert main(["experiments", "list"]) == 130
+    assert capsys.readouterr().err == "fieldrecon: interrupted\n"
+
+
+def test_a_developer_can_see_where(survey):
+    """With --traceback the exception comes through."""
+    with pytest.raises(ValueError, match="no method 'kriging'"):
+        main(["--traceback", "reconstruct", str(survey), "--method", "kriging"])
+
+
+def test_report_is_wired(capsys):
+    """The report's own options are known to the command line."""
+    with pytest.raises(SystemExit, match="0"):
+        main(["report", "--help"])
+    assert "--check-reproducible" in capsys.readouterr().out

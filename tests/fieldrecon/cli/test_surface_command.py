@@ -1,0 +1,121 @@
+"""The command that makes a mesh of a scan: end to end on small clouds, and what it says."""
+
+import numpy as np
+import pytest
+
+import fieldrecon as fr
+from fieldrecon.cli.main import main
+from fieldrecon.io.triangles import read_triangles
+from fieldrecon.plotting import surface_picture
+from fieldrecon.solids.shapes import Ball, Torus, sample_surface
+from fieldrecon.triangles.distances import distances_to_triangles
+from fieldreport.experiments.triangles.triangle_shapes import sphere
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Work in a folder of its own, with small pictures."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(surface_picture, "_PIXELS", 24)
+    return tmp_path
+
+
+def test_a_ball_comes_back_closed_with_a_picture_and_a_page(folder, capsys):
+    """At 1e7 from the origin; the mesh has the known volume, and its page the distances."""
+    np.savetxt("ball.xyz", 1e7 + sample_surface(Ball(1.0), 400, seed=1)[0], fmt="%.9f")
+    assert main(["surface", "ball.xyz", "--out", "ball.ply"]) == 0
+    shown = capsys.readouterr().out
+    assert "and is closed." in shown
+    assert shown.splitlines()[-3:] == ["ball.ply", "ball.png", "ball.html"]
+    points, triangles = read_triangles("ball.ply")
+    assert np.linalg.norm(points - 1e7, axis=1) == pytest.approx(1, abs=0.02)
+    assert fr.audit_mesh(points - 1e7, triangles).clean
+    page = (folder / "ball.html").read_text()
+    assert "400 of 400 points" in page
+    assert "root mean square" in page
+    assert 'src="data:image/png;base64,' in page
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_is_odd_is_said(capsys):
+    """Two bodies, copies, an outlier and a row that is none."""
+    one, other = (sample_surface(Ball(1.0, [x, 0, 0]), 300, seed=1)[0] for x in (0, 3))
+    cloud = np.concatenate([one, other, one[:3], [[1.5, 9, 0]], [[np.nan, 0, 0]]])
+    np.savetxt("two.csv", cloud, delimiter=",", header="x,y,z", comments="")
+    assert main(["surface", "two.csv", "--out", "two.obj"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "1 row was left out; the first, line 606: x must be" in shown
+    assert "3 points repeat others" in shown
+    assert "apart from all others" in shown
+    assert "The normals are estimated." in shown
+    assert "2 parts" in shown
+    assert len(read_triangles("two.obj")[1]) > 500
+
+
+def test_a_hole_is_told_and_may_stay_open(folder, capsys):
+    """Closed by default, and said to be invented; with --open the mesh has a rim, which is fine."""
+    points, normals = sample_surface(Torus(1.0, 0.5), 600, seed=1)
+    seen = points[:, 0] < 0.9
+    header = "x,y,z,nx,ny,nz"
+    np.savetxt(
+        "hole.csv", np.hstack([points, normals])[seen], delimiter=",", header=header, comments=""
+    )
+    assert main(["surface", "hole.csv"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "the surface is invented" in shown
+    assert "The normals are those of the file." in shown
+    assert (folder / "surface.png").exists()
+    assert main(["surface", "hole.csv", "--open", "0.3", "--out", "open.stl"]) == 0
+    assert "and is open; found: " in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.usefixtures("folder")
+def test_loose_triangles_become_a_closed_mesh(capsys):
+    """Torn apart, they are enclosed; the audit of the file finds holes, that of the mesh none."""
+    points, triangles = sphere(1)
+    rng = np.random.default_rng(5)
+    corners = points[triangles] + rng.uniform(-0.02, 0.02, (len(triangles), 1, 3))
+    fr.write_triangles("torn.stl", corners.reshape(-1, 3), np.arange(240).reshape(-1, 3))
+    assert not fr.audit_mesh(*read_triangles("torn.stl")).clean
+    assert main(["surface", "torn.stl", "--polygons", "0.1", "--edge", "0.15"]) == 0
+    assert "80 triangles are loose; the surface goes around them" in capsys.readouterr().out
+    mesh = read_triangles("surface.ply")
+    assert fr.audit_mesh(*mesh).clean
+    assert np.linalg.norm(mesh[0], axis=1) == pytest.approx(1, abs=0.08)
+    np.savetxt("none.xyz", points)
+    assert main(["surface", "none.xyz", "--polygons", "0"]) == 2
+    assert "holds no triangles" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["flat.xyz"], "in one plane or line"),
+        (["flat.xyz", "--out", "mesh.vtk"], "must end with .ply, .stl, .obj, .off"),
+        (["solid.xyz", "--smoothing", "-1"], "smoothing must be zero"),
+        (["none.ply"], "no such file"),
+        (["few.xyz"], "holds 3 points; a surface takes 10"),
+        (["cloud.ply", "--out", "cloud.ply"], "would be overwritten"),
+    ],
+)
+def test_what_cannot_be_is_said_with_status_2(folder, capsys, options, words):
+    """In a sentence on standard error; nothing is written."""
+    flat = np.random.default_rng(0).random((200, 3)) * [1, 1, 0]
+    np.savetxt("flat.xyz", flat)
+    np.savetxt("few.xyz", flat[:3])
+    np.savetxt("solid.xyz", sample_surface(Ball(1.0), 60, seed=1)[0])
+    assert main(["surface", *options]) == 2
+    assert words in capsys.readouterr().err
+    assert not [*folder.glob("*.html")]
+
+
+def test_distances_to_triangles_are_least_over_all_of_them():
+    """Against each triangle by a dense set of its points, near and inside a ball."""
+    points, triangles = sphere(2)
+    x = 1.1 * np.random.default_rng(3).normal(size=(12, 3))
+    shares = np.random.default_rng(4).dirichlet([0.7] * 3, 150)
+    on = np.einsum("sc,mcd->msd", shares, points[triangles]).reshape(-1, 3)
+    dense = np.linalg.norm(x[:, None] - on, axis=2).min(axis=1)
+    found = distances_to_triangles(x, points, triangles)
+    assert (found <= dense + 1e-12).all()
+    np.testing.assert_allclose(found, dense, atol=0.02)

@@ -1,0 +1,240 @@
+"""Chunks: in order, bounded, on any executor, stopped by the first error, the same everywhere."""
+
+import multiprocessing
+import os
+import tempfile
+import threading
+import tracemalloc
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info
+
+from fieldrecon._core import chunks as _chunks
+from fieldrecon._core.chunks import chunked, rows_of
+from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
+
+X = np.arange(20.0).reshape(10, 2)
+
+
+def double(x: np.ndarray) -> np.ndarray:
+    return 2 * x
+
+
+@pytest.mark.parametrize("rows", [1, 3, 10, 11])
+def test_chunks_cover_the_rows_in_order(rows):
+    """Each row once; the slices follow each other."""
+    parts = list(chunked(double, X, rows))
+    assert [s.start for s, _ in parts] == list(range(0, 10, rows))
+    np.testing.assert_array_equal(np.concatenate([r for _, r in parts]), 2 * X)
+
+
+def test_no_rows_are_no_chunks():
+    """And nothing is called."""
+    assert list(chunked(double, X[:0], 3)) == []
+
+
+def test_the_size_of_a_chunk_follows_its_bytes():
+    """CHUNK_BYTES in all, at least one row, whatever the number of cores."""
+    assert rows_of(1024) == _chunks.CHUNK_BYTES // 1024
+    assert rows_of(1e30) == 1
+    assert rows_of(0) == _chunks.CHUNK_BYTES
+
+
+@pytest.mark.parametrize("cores", [1, 2, 64])
+def test_the_number_of_cores_does_not_matter(cores, monkeypatch):
+    """The chunks are the same on any machine."""
+    sizes = []
+
+    def note(x):
+        sizes.append(len(x))
+        return x
+
+    affinity = set(range(cores))
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: affinity, raising=False)
+    list(chunked(note, X, 3))
+    assert sorted(sizes) == [1, 3, 3, 3]
+
+
+def test_progress_is_told_after_each_chunk():
+    """With the rows done and all of them."""
+    calls = []
+    list(chunked(double, X, 4, progress=lambda *call: calls.append(call)))
+    assert calls == [(4, 10), (8, 10), (10, 10)]
+
+
+class Counting(ThreadPoolExecutor):
+    """Counts what waits or runs."""
+
+    def __init__(self):
+        super().__init__(1)
+        self.open, self.most = 0, 0
+
+    def submit(self, fn, /, *args, **kwargs) -> Future:
+        self.open += 1
+        self.most = max(self.most, self.open)
+        return super().submit(fn, *args, **kwargs)
+
+
+def test_few_chunks_are_ahead():
+    """So that memory is bounded, however fast the executor and slow the reader."""
+    with Counting() as executor:
+        for _ in chunked(double, np.zeros((1000, 2)), 1, executor):
+            executor.open -= 1
+    assert executor.most <= _chunks._AHEAD
+
+
+def test_a_given_executor_stays_open():
+    """It belongs to the caller."""
+    with ThreadPoolExecutor(1) as executor:
+        list(chunked(double, X, 3, executor))
+        assert executor.submit(double, 1).result() == 2
+
+
+class Busy(Executor):
+    """One worker that has only come to the first chunk; it does the rest when it is shut down."""
+
+    def __init__(self) -> None:
+        self.submitted = 0
+        self.waiting: list[tuple[Future, Callable[[], object]]] = []
+
+    def submit(self, fn, /, *args, **kwargs) -> Future:
+        self.submitted += 1
+        self.waiting.append((Future(), partial(fn, *args, **kwargs)))
+        future = self.waiting[-1][0]
+        if self.submitted == 1:
+            self._work()
+        return future
+
+    def shutdown(self, wait=True, *, cancel_futures=False) -> None:  # noqa: ARG002
+        while self.waiting:
+            self._work()
+
+    def _work(self) -> None:
+        future, work = self.waiting.pop(0)
+        if future.set_running_or_notify_cancel():
+            try:
+                future.set_result(work())
+            except RuntimeError as error:
+                future.set_exception(error)
+
+
+@pytest.fixture(params=["default", "given"])
+def busy(request, monkeypatch):
+    """A busy worker, made by `chunked` or by its caller, and the executor to call it with."""
+    with Busy() as worker:
+        monkeypatch.setattr(_chunks, "_threads", lambda _chunks: worker)
+        yield worker, worker if request.param == "given" else None
+
+
+def test_an_error_in_a_chunk_comes_out_and_stops_the_others(busy):
+    """Chunks that have not begun never begin."""
+    worker, executor = busy
+    begun = []
+
+    def fail(x):
+        begun.append(x[0, 0])
+        raise RuntimeError("no value here")
+
+    with pytest.raises(RuntimeError, match="no value here"):
+        list(chunked(fail, X, 1, executor))
+    worker.shutdown()
+    assert begun == [0]
+    assert worker.submitted > 1
+
+
+def test_an_interrupt_stops_the_others(busy):
+    """Ctrl-C in the progress of the first chunk."""
+    worker, executor = busy
+    begun = []
+
+    def note(x):
+        begun.append(x[0, 0])
+        return x
+
+    def interrupt(_done, _total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(chunked(note, X, 1, executor, progress=interrupt))
+    worker.shutdown()
+    assert begun == [0]
+    assert worker.submitted > 1
+
+
+class Told:
+    """Work that knows how often it was packed to be sent."""
+
+    packed = 0
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        return 2 * x
+
+    def __getstate__(self) -> dict:
+        Told.packed += 1
+        return {}
+
+
+def test_processes_are_told_the_work_once(tmp_path, monkeypatch):
+    """Not with every chunk: it may hold millions of sites. And nothing stays behind."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=spawn) as processes:
+        parts = [part for _, part in chunked(Told(), X, 1, processes)]
+    np.testing.assert_array_equal(np.concatenate(parts), 2 * X)
+    assert Told.packed == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_one_chunk_needs_no_thread():
+    """It runs where it is called."""
+    where = []
+    list(chunked(lambda x: where.append(threading.current_thread()) or x, X, 100))
+    assert where == [threading.current_thread()]
+
+
+def test_blas_has_one_thread_while_chunks_run():
+    """Threads share the cores among the chunks; afterwards all is as before."""
+    np.ones((2, 2)) @ np.ones((2, 2))
+
+    def threads() -> list[int]:
+        return [i["num_threads"] for i in threadpool_info() if i["user_api"] == "blas"]
+
+    before, during = threads(), []
+    list(chunked(lambda x: during.extend(threads()) or x, X, 3))
+    assert set(during) <= {1}
+    assert threads() == before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda p: LeastSquares(p, 3),
+        lambda p: MovingLeastSquares(p, wendland(3, 1), 2, 20),
+        lambda p: RBF(p, thin_plate_spline()),
+        lambda p: PartitionOfUnityRBF(p),
+    ],
+    ids=["LS", "MLS", "RBF", "PU"],
+)
+def test_memory_stays_bounded(make):
+    """1.5 times inputs, outputs and one chunk for each thread, for any number of queries."""
+    p = np.random.default_rng(1).random((600, 2))
+    s = make(p).field(np.cos(p @ [3.0, 2.0]))
+    x = np.random.default_rng(2).random((40_000, 2))
+    with ThreadPoolExecutor(1) as executor:
+        for evaluate in (s, s.gradient):
+            evaluate(x[:10], executor=executor)
+            tracemalloc.start()
+            result = evaluate(x, executor=executor)
+            peak = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
+            assert peak < 1.5 * (x.nbytes + result.nbytes + _chunks.CHUNK_BYTES)

@@ -1,0 +1,66 @@
+"""The memory that a process may use: that of the machine, or of its container if that is less."""
+
+import pytest
+
+from fieldrecon._core import memory as _memory
+from fieldrecon._core.memory import memory_limit
+
+GIBIBYTE = 2**30
+
+
+@pytest.fixture
+def machine(tmp_path, monkeypatch):
+    """A machine of 16 GiB whose control groups are folders of the test."""
+    monkeypatch.setattr(_memory, "_physical_memory", lambda: 16 * GIBIBYTE)
+    monkeypatch.setattr(_memory, "CGROUPS", tmp_path / "cgroup")
+    monkeypatch.setattr(_memory, "OWN_CGROUPS", tmp_path / "own")
+
+    def set_up(own, limits):
+        if own is not None:
+            (tmp_path / "own").write_text(own, encoding="utf-8")
+        for name, limit in limits.items():
+            file = tmp_path / "cgroup" / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(f"{limit}\n", encoding="utf-8")
+
+    return set_up
+
+
+@pytest.mark.parametrize(
+    ("own", "limits", "least"),
+    [
+        ("0::/\n", {"memory.max": 2 * GIBIBYTE}, 2),
+        ("0::/user/job\n", {"user/job/memory.max": "max", "user/memory.max": 3 * GIBIBYTE}, 3),
+        ("0::/a\n", {"a/memory.max": 64 * GIBIBYTE}, 16),
+        ("0::/a\n", {"a/memory.max": "max"}, 16),
+        ("5:cpu,memory:/job\n0::/\n", {"memory/job/memory.limit_in_bytes": GIBIBYTE}, 1),
+        ("5:memory:/host/4d2\n", {"memory/memory.limit_in_bytes": 4 * GIBIBYTE}, 4),
+        ("5:memory:/\n", {"memory/memory.limit_in_bytes": 2**63 - 4096}, 16),
+        ("5:cpu:/job\n", {"memory/job/memory.limit_in_bytes": GIBIBYTE}, 16),
+    ],
+    ids=[
+        "container",
+        "limit of the parent",
+        "more than the machine has",
+        "no limit",
+        "version 1",
+        "version 1, path of the host",
+        "version 1, no limit",
+        "version 1, another group's",
+    ],
+)
+def test_the_limit_is_the_least_of_machine_and_containers(machine, own, limits, least):
+    """Control groups of either version, their parents included."""
+    machine(own, limits)
+    assert memory_limit() == least * GIBIBYTE
+
+
+def test_a_machine_without_control_groups_has_its_own_memory(machine):
+    """As macOS."""
+    machine(None, {})
+    assert memory_limit() == 16 * GIBIBYTE
+
+
+def test_this_machine_has_a_plausible_memory():
+    """More than a quarter of a gibibyte, less than an exbibyte."""
+    assert 2**28 < memory_limit() < 2**60

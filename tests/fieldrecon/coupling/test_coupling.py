@@ -1,0 +1,416 @@
+"""Coupling of meshes: what is kept, under which condition, and what is lost otherwise."""
+
+from collections.abc import Callable
+from functools import partial
+from unittest import mock
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import cdist
+
+import transfers
+from fieldrecon import reconstruction
+from fieldrecon.coupling.flat_structures import FlatCoupling, couple
+from fieldrecon.coupling.rigid_motions import resultants, rigid_motions
+from fieldrecon.coupling.transfer import Coupling, Transfer, applied
+from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
+from fieldreport.experiments.coupling import precice_mappings
+from laws import VISIBLE, assert_close
+
+plates = partial(RBF, kernel=thin_plate_spline())
+cubics = partial(RBF, kernel=polyharmonic(3), degree=1)
+
+
+def nodes(d: int, n: int = 40) -> np.ndarray:
+    return halton(n, d)
+
+
+def skin(d: int, m: int = 90) -> np.ndarray:
+    """Points that overlap the nodes in part: a quarter of the unit cube further along x."""
+    return halton(m, d, seed=5) + np.eye(d)[0] / 4
+
+
+def flat(d: int) -> np.ndarray:
+    """Nodes in a plane of space or on a line of the plane, askew."""
+    x = np.column_stack([halton(40, d - 1), np.zeros(40)])
+    return x @ turn(d) + 0.3
+
+
+def turn(d: int) -> np.ndarray:
+    return np.linalg.qr(np.random.default_rng(d).normal(size=(d, d)))[0]
+
+
+METHODS: dict[str, Callable[[np.ndarray], object]] = {
+    "thin plates": plates,
+    "blended patches": partial(PartitionOfUnityRBF, kernel=thin_plate_spline(), degree=1),
+    "linear fit": partial(LeastSquares, degree=1),
+    "moving linear fit": partial(MovingLeastSquares, weight=inverse_square(0.1), degree=1),
+    "moving constant": partial(MovingLeastSquares, weight=inverse_square(0.1), degree=0),
+    "kernel with a constant": partial(RBF, kernel=polyharmonic(1), degree=0),
+    "kernel alone": partial(RBF, kernel=gaussian(0.3)),
+}
+
+COUPLINGS: dict[str, Callable[[], Transfer]] = {
+    f"{name} in {d}-D": lambda make=make, d=d: Coupling(make(nodes(d)), skin(d))
+    for name, make in METHODS.items()
+    for d in (2, 3)
+} | {
+    f"{name}, flat in {d}-D": lambda make=make, d=d: FlatCoupling(flat(d), skin(d), make)
+    for name, make in {
+        "cubics": cubics,
+        "a fit of degree 0": partial(LeastSquares, degree=0),
+    }.items()
+    for d in (2, 3)
+}
+
+
+@pytest.mark.parametrize("law", transfers.LAWS, ids=lambda law: law.__name__)
+@pytest.mark.parametrize("name", COUPLINGS)
+def test_laws_of_transfer(name, law):
+    """Each coupling obeys each law, whichever side of its condition it is on."""
+    law(COUPLINGS[name]())
+
+
+def test_both_sides_of_each_condition_occur():
+    """Force and moment kept; force alone; neither: by the degree of the method."""
+    for d in (2, 3):
+        for make, force, moment in [
+            (METHODS["linear fit"], True, True),
+            (METHODS["moving constant"], True, False),
+            (METHODS["kernel with a constant"], True, False),
+            (METHODS["kernel alone"], False, False),
+        ]:
+            t = Coupling(make(nodes(d)), skin(d))
+            lost = np.abs(t.defects(transfers.loads_on(t)))
+            assert (lost[:d].max() < 1e-9) == force
+            assert (lost[d:].max() < 1e-9) == moment
+
+
+# --- mutants --------------------------------------------------------------------------------------
+
+
+class InterpolatedLoads(Coupling):
+    """Loads by evaluation of an interpolant on the surface, as they are at each place."""
+
+    def _load(self, f):
+        return plates(self.surface).field(f)(self.structure)
+
+
+class NearestNode(Coupling):
+    """Loads to the nearest node, displacements by H: force kept, work not."""
+
+    def _load(self, f):
+        total = np.zeros((len(self.structure), *f.shape[1:]))
+        np.add.at(total, cdist(self.surface, self.structure).argmin(axis=1), f)
+        return total
+
+
+class Rescaled(InterpolatedLoads):
+    """Interpolated loads, scaled so that the sums agree in each component."""
+
+    def _load(self, f):
+        loads = super()._load(f)
+        return loads * (f.sum(axis=0) / loads.sum(axis=0))
+
+
+class ForgottenTurn(FlatCoupling):
+    """Points off the plane move as their feet do."""
+
+    def _displace(self, u):
+        return applied(self._weights, u)
+
+
+class CouplesBackward(FlatCoupling):
+    """The couples of loads off the plane turn the wrong way."""
+
+    def _load(self, f):
+        here, self.heights = self.heights, -self.heights
+        loads = super()._load(f)
+        self.heights = here
+        return loads
+
+
+class DefectsOfForceOnly(Coupling):
+    """Takes moments about the origin whatever is asked."""
+
+    def defects(self, f, about=None):  # noqa: ARG002
+        return super().defects(f)
+
+
+class SharesOfAll(Coupling):
+    """Gives each part of the surface the loads of all."""
+
+    def shares(self, f, surface, structure):
+        right = super().shares(f, surface, structure)
+        return np.broadcast_to(right.sum(axis=0), right.shape)
+
+
+class MassForgotten(Coupling):
+    """Takes loads per area for loads."""
+
+    def densities(self, f, surface_mass, structure_mass=None):  # noqa: ARG002
+        return super().densities(f, np.ones(len(f)), structure_mass)
+
+
+MUTANTS = [
+    (transfers.work_is_kept, InterpolatedLoads),
+    (transfers.work_is_kept, NearestNode),
+    (transfers.work_is_kept, Rescaled),
+    (transfers.work_is_kept, CouplesBackward),
+    (transfers.work_is_kept, ForgottenTurn),
+    (transfers.forces_are_kept_if_and_only_if_translations_come_back, InterpolatedLoads),
+    (transfers.moments_are_kept_if_and_only_if_rotations_come_back, InterpolatedLoads),
+    (transfers.moments_are_kept_if_and_only_if_rotations_come_back, NearestNode),
+    (transfers.moments_are_kept_if_and_only_if_rotations_come_back, CouplesBackward),
+    (transfers.what_is_lost_is_known_beforehand, InterpolatedLoads),
+    (transfers.what_is_lost_is_known_beforehand, DefectsOfForceOnly),
+    (transfers.parts_get_what_parts_give, SharesOfAll),
+    (transfers.densities_keep_the_total_force_as_loads_do, MassForgotten),
+]
+
+
+@pytest.mark.parametrize(
+    ("law", "mutant"), MUTANTS, ids=lambda part: getattr(part, "__name__", None)
+)
+def test_each_law_can_fail(law, mutant):
+    """A wrong coupling, all else about it right."""
+    if issubclass(mutant, FlatCoupling):
+        wrong = mutant(flat(3), skin(3), cubics)
+    else:
+        make = METHODS["kernel alone" if mutant is DefectsOfForceOnly else "thin plates"]
+        wrong = mutant(make(nodes(3)), skin(3))
+    with pytest.raises(AssertionError):
+        law(wrong)
+
+
+# --- pointwise loads ------------------------------------------------------------------------------
+
+
+def test_constant_nodal_loads_cannot_come_back_and_keep_their_sum():
+    """Twelve nodes and forty: sums are 12 and 40; densities do both."""
+    t = Coupling(plates(nodes(2, 12)), halton(40, 2, seed=5))
+    ones = np.ones((40, 2))
+    pointwise = plates(t.surface).field(ones)(t.structure)
+    assert_close(pointwise.sum(axis=0), np.array([12.0, 12.0]), 1e-9)
+    assert_close(t.loads(ones).sum(axis=0), np.array([40.0, 40.0]), 1e-9)
+    areas = 0.5 + np.random.default_rng(0).random(40)
+    density = t.densities(ones, areas)
+    assert_close(density, np.ones((12, 2)), 1e-9)
+    got = t.method.adjoint(t.surface, areas)
+    assert_close((got[:, None] * density).sum(axis=0), np.full(2, areas.sum()), 1e-9)
+
+
+def test_a_constant_density_comes_back_if_and_only_if_the_masses_match():
+    """C^T M_Y 1 = M_X 1, for masses that are given."""
+    t = Coupling(plates(nodes(2, 12)), halton(40, 2, seed=5))
+    areas = 0.5 + np.random.default_rng(0).random(40)
+    matching = t.method.adjoint(t.surface, areas)
+    assert_close(t.densities(np.ones((40, 2)), areas, matching), np.ones((12, 2)), 1e-9)
+    other = matching * np.linspace(0.9, 1.1, 12)
+    found = t.densities(np.ones((40, 2)), areas, other)
+    assert_close(found, np.repeat(matching[:, None] / other[:, None], 2, axis=1), 1e-9)
+    assert np.abs(found - 1).max() > 0.05
+
+
+# --- nodes without thickness ----------------------------------------------------------------------
+
+
+def test_flat_nodes_are_found_wherever_they_lie():
+    """In any plane, far away and in any unit; and nodes that are almost flat are not."""
+    for d in (2, 3):
+        for unit, offset in ((1.0, 0.0), (1e-9, 0.0), (1e6, 3.0)):
+            x = (flat(d) + offset) * unit
+            t = couple(x, (skin(d) + offset) * unit, cubics)
+            assert isinstance(t, FlatCoupling)
+            f = transfers.loads_on(t)
+            lost = resultants(t.structure, t.loads(f)) - resultants(t.surface, f)
+            assert np.abs(lost[:d]).max() < 1e-8
+            assert np.abs(lost[d:]).max() < 1e-8 * unit * (1 + offset)
+        away = np.linalg.svd(flat(d) - flat(d).mean(axis=0))[2][-1]
+        thick = flat(d) + 1e-3 * np.cos(np.arange(40))[:, None] * away
+        assert type(couple(thick, skin(d), cubics)) is Coupling
+
+
+def test_a_method_in_space_refuses_flat_nodes_or_loses_moments():
+    """Radial basis functions refuse; blended patches keep what is determined, and say so."""
+    with pytest.raises(np.linalg.LinAlgError, match="do not determine a polynomial of degree 1"):
+        plates(flat(3))
+    t = Coupling(PartitionOfUnityRBF(flat(3), degree=1), skin(3))
+    lost = t.defects(transfers.loads_on(t))
+    assert t.method.degree == 0
+    assert np.abs(lost[:3]).max() < 1e-9
+    assert np.abs(lost[3:]).max() > VISIBLE
+
+
+def test_a_bent_plate_carries_its_normals():
+    """u = x² upwards turns the normal by 2 x: a point at height ζ moves back by 2 x ζ."""
+    x = np.column_stack([np.linspace(-1, 1, 81), np.zeros(81)])
+    u = np.column_stack([np.zeros(81), x[:, 0] ** 2])
+    y = np.array([[0.31, 0.2], [-0.57, 0.2], [0.31, -0.4], [0.31, 0.0]])
+    moved = FlatCoupling(x, y, partial(RBF, kernel=polyharmonic(3), degree=2)).displacements(u)
+    expected = np.column_stack([-2 * y[:, 0] * y[:, 1], y[:, 0] ** 2])
+    assert_close(moved, expected, 1e-6)
+
+
+def test_a_force_at_a_height_arrives_with_its_couple():
+    """One along the plate, at height ζ: normal forces that sum to zero and turn by ζ."""
+    x = np.column_stack([np.linspace(-1, 1, 9), np.zeros(9)])
+    loads = FlatCoupling(x, [[0.1, 0.5]], cubics).loads([[1.0, 0.0]])
+    assert_close(loads.sum(axis=0), np.array([1.0, 0.0]), 1e-12)
+    assert_close(resultants(x, loads), np.array([1.0, 0.0, -0.5]), 1e-12)
+
+
+def test_nodes_on_a_line_are_refused_in_words():
+    """In space, where their displacements do not tell how they twist."""
+    line = np.linspace(0, 1, 9)[:, None] * [1.0, 2.0, 3.0]
+    with pytest.raises(np.linalg.LinAlgError, match=r"lie on a line.*rigid arms"):
+        couple(line, skin(3))
+    with pytest.raises(np.linalg.LinAlgError, match="lie at one point"):
+        couple(np.ones((3, 2)), skin(2))
+
+
+def test_flat_pieces_larger_than_neighbourhoods_are_refused_in_words():
+    """The skins of a box far apart: patches on one skin see a plane; larger ones see the box."""
+    g = np.stack(np.meshgrid(np.linspace(0, 1, 20), np.linspace(0, 1, 20)), -1).reshape(-1, 2)
+    box = np.vstack([np.column_stack([g, np.full(400, z)]) for z in (0.0, 0.5)])
+    y = skin(3)
+    with pytest.raises(
+        np.linalg.LinAlgError, match="degree 0 on these nodes, and the total moment"
+    ):
+        couple(box, y)
+    t = couple(box, y, partial(PartitionOfUnityRBF, degree=1, patch_size=300))
+    assert np.abs(t.defects(transfers.loads_on(t))).max() < 1e-9
+
+
+# --- another project's formulas -------------------------------------------------------------------
+
+
+KERNEL = wendland(3, 2, 0.8)
+
+
+def test_the_mappings_of_precice_with_an_integrated_polynomial_are_these():
+    """Consistent: H; conservative: its transpose. By their block system."""
+    x, y = nodes(3), skin(3)
+    consistent, conservative = precice_mappings.integrated(x, y, KERNEL)
+    u, f = np.cos(5 * x), np.sin(7 * y)
+    t = Coupling(RBF(x, KERNEL, degree=1), y)
+    assert_close(t.displacements(u), consistent @ u, 1e-9)
+    assert_close(t.loads(f), conservative @ f, 1e-9)
+
+
+def test_the_mappings_of_precice_with_a_separate_polynomial_are_others_with_the_same_laws():
+    """A fit is subtracted first, and kernels alone interpolate the rest."""
+    x, y = nodes(3), skin(3)
+    consistent, conservative = precice_mappings.separate(x, y, KERNEL)
+    q = np.column_stack([np.ones(len(x)), x])
+    u, f = np.cos(5 * x), np.sin(7 * y)
+    rest = u - q @ np.linalg.lstsq(q, u, rcond=None)[0]
+    alone = RBF(x, KERNEL, degree=-1).field(rest)(y)
+    fitted = np.column_stack([np.ones(len(y)), y]) @ np.linalg.lstsq(q, u, rcond=None)[0]
+    assert_close(consistent @ u, alone + fitted, 1e-9)
+    assert_close(((consistent @ u) * f).sum(), (u * (conservative @ f)).sum(), 1e-9)
+    assert_close(resultants(x, conservative @ f), resultants(y, f), 1e-9)
+    t = Coupling(RBF(x, KERNEL, degree=1), y)
+    assert np.abs(t.loads(f) - conservative @ f).max() > VISIBLE
+
+
+# --- routes, parts, size --------------------------------------------------------------------------
+
+
+def test_weights_too_large_to_keep_are_not_formed():
+    """Then the field and the adjoint do it, with the same result."""
+    x, y = nodes(3), skin(3)
+    u, f = np.cos(5 * x), np.sin(7 * y)
+    kept = Coupling(plates(x), y)
+    with mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 1000):
+        t = Coupling(plates(x), y)
+        assert t._weights is None
+        assert_close(t.displacements(u), kept.displacements(u), 1e-10)
+        assert_close(t.loads(f), kept.loads(f), 1e-10)
+
+
+def test_several_load_cases_are_each_alone():
+    """And displacements (n, d, ...) too."""
+    for t in (Coupling(plates(nodes(3)), skin(3)), FlatCoupling(flat(3), skin(3), cubics)):
+        f = np.random.default_rng(1).normal(size=(90, 3, 2, 4))
+        u = np.random.default_rng(2).normal(size=(40, 3, 2, 4))
+        areas = np.ones(90)
+        own = np.ones(40)
+        for k in np.ndindex(2, 4):
+            each = (slice(None), slice(None), *k)
+            assert_close(t.loads(f)[each], t.loads(f[each]), 1e-11)
+            assert_close(t.displacements(u)[each], t.displacements(u[each]), 1e-11)
+            assert_close(t.densities(f, areas, own)[each], t.densities(f[each], areas, own), 1e-11)
+            assert_close(t.defects(f)[(slice(None), *k)], t.defects(f[each]), 1e-11)
+
+
+def test_local_methods_leave_far_parts_alone():
+    """Two surfaces at a distance: patches hand each one's load to its own nodes only."""
+    x = halton(400, 3)
+    x[:, 0] = np.where(np.arange(400) % 2, 3 + x[:, 0], x[:, 0])
+    y = x[::3] + 0.01
+    f = np.random.default_rng(0).normal(size=y.shape)
+    parts = (y[:, 0] > 2).astype(int), (x[:, 0] > 2).astype(int)
+    local = Coupling(PartitionOfUnityRBF(x, thin_plate_spline(), 1), y).shares(f, *parts)
+    everywhere = Coupling(plates(x), y).shares(f, *parts)
+    assert_close(local.sum(axis=1), everywhere.sum(axis=1), 1e-8)
+    leaked = [np.abs(shares[[0, 1], [1, 0]]).max() for shares in (local, everywhere)]
+    assert leaked[0] < 1e-12
+    assert leaked[1] > VISIBLE
+
+
+def test_moments_are_those_of_the_cross_product():
+    """In space; and in the plane its third component."""
+    p, f = skin(3), np.cos(9 * skin(3))
+    about = np.array([0.2, -0.1, 0.4])
+    moment = np.cross(p - about, f).sum(axis=0)
+    assert_close(resultants(p, f, about), np.concatenate([f.sum(axis=0), moment]), 1e-12)
+    third = (p[:, 0] * f[:, 1] - p[:, 1] * f[:, 0]).sum()
+    assert_close(resultants(p[:, :2], f[:, :2])[2], third, 1e-12)
+    assert rigid_motions(np.zeros((1, 4))).shape == (1, 4, 10)
+    stretched = rigid_motions(p)[:, :, 3:]
+    assert_close(np.einsum("md,mdr->mr", p, stretched), np.zeros((90, 3)), 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (
+            lambda t: t.loads(np.ones(90)),
+            r"f must be vectors of 3 components, shape \(90, 3, \.\.\.\)",
+        ),
+        (lambda t: t.displacements(np.ones((90, 3))), r"u must have one entry for each point"),
+        (
+            lambda t: t.densities(np.ones((90, 3)), np.ones(5)),
+            r"surface_mass must be masses \(90,\)",
+        ),
+        (
+            lambda t: t.densities(np.ones((90, 3)), np.full(90, np.nan)),
+            "surface_mass must be finite",
+        ),
+        (
+            lambda t: t.shares(np.ones((90, 3)), np.full(90, -1), np.zeros(40, int)),
+            "surface must be 90 numbers of parts",
+        ),
+        (lambda t: t.defects(np.ones((90, 3)), [1.0]), "x must have 3 coordinates"),
+        (lambda t: Coupling(t.method, np.ones((5, 2))), "x must have as many coordinates"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(call, words):
+    """In words that name it."""
+    with pytest.raises(ValueError, match=words):
+        call(Coupling(plates(nodes(3)), skin(3)))
+
+
+def test_densities_need_areas():
+    """A node far from the surface has none to refer to."""
+    x = np.vstack([nodes(2), [[9.0, 9.0]]])
+    t = Coupling(PartitionOfUnityRBF(x, degree=1, kernel=thin_plate_spline()), nodes(2) * 0.9)
+    with pytest.raises(np.linalg.LinAlgError, match=r"structural node \d+ gets the area"):
+        t.densities(np.ones((40, 2)), np.ones(40))

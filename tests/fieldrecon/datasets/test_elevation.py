@@ -1,0 +1,147 @@
+"""The terrain lies where its mountains are, and isolines lie on their levels."""
+
+import importlib.util
+
+import numpy as np
+import pytest
+from scipy.interpolate import RegularGridInterpolator
+from scipy.spatial.distance import pdist
+
+from fieldrecon.datasets import terrain as elevation
+from fieldrecon.datasets.terrain import Terrain, terrain
+
+EXACT = 1e-9
+# Of the file: west edge of the first column, north edge of the first row, size of a cell.
+WEST, NORTH, DEGREES = -84.41375, 36.44625, 1 / 1200
+
+
+@pytest.fixture(scope="module")
+def land():
+    return terrain()
+
+
+def roof(rows=5, columns=7, slope=3.0):
+    """Heights that rise with x alone, by whole metres."""
+    x, y = 10.0 * np.arange(columns), 20.0 * np.arange(rows)
+    return Terrain(x, y, np.broadcast_to(slope * np.arange(columns), (rows, columns)).copy())
+
+
+def test_the_highest_cell_is_the_summit_of_cross_mountain(land):
+    """Its cell is that of the published summit: 36.19833° N, 84.23056° W, 1077 m.
+
+    Coordinates and height of the summit as in the gazetteer of the U.S. Geological Survey. The
+    tolerance is one cell; read upside down, or from the latitude that the file calls ymin, the
+    map has its summit 9 km or more from there.
+    """
+    row, column = np.unravel_index(land.height.argmax(), land.height.shape)
+    row_from_north = len(land.y) - 1 - row
+    latitude = NORTH - (row_from_north + 0.5) * DEGREES
+    longitude = WEST + (column + 0.5) * DEGREES
+    assert (latitude, longitude) == pytest.approx((36.19833, -84.23056), abs=DEGREES)
+    assert land.height.max() == pytest.approx(1077, abs=2)
+
+
+def test_y_points_north(land):
+    """The Tennessee valley, the low land of the map, fills the south-east and not the north."""
+    rows, columns = land.height.shape
+    south_east = land.height[: rows // 4, 3 * columns // 4 :]
+    north_east = land.height[3 * rows // 4 :, 3 * columns // 4 :]
+    north_west = land.height[3 * rows // 4 :, : columns // 4]
+    assert np.median(south_east) + 50 < min(np.median(north_east), np.median(north_west))
+
+
+def test_a_cell_has_the_size_of_three_seconds_of_arc(land):
+    """A degree at 36.3° N is 89.8 km along the parallel and 111.0 km along the meridian."""
+    assert np.ptp(np.diff(land.x)) < EXACT
+    assert np.ptp(np.diff(land.y)) < EXACT
+    assert land.x[1] * 1.2 == pytest.approx(89.8, abs=0.05)
+    assert land.y[1] * 1.2 == pytest.approx(111.0, abs=0.05)
+
+
+def test_degrees_of_the_ellipsoid():
+    """At the equator a degree of longitude is π a/180; at the pole, of latitude π a²/(180 b)."""
+    a, b = 6378137.0, 6356752.314245
+    at_equator, at_pole = elevation._metres_per_degree(0.0), elevation._metres_per_degree(90.0)
+    assert at_equator == pytest.approx((np.pi * a / 180, np.pi * b**2 / a / 180), abs=1e-6)
+    assert at_pole == pytest.approx((0.0, np.pi * a**2 / b / 180), abs=1e-6)
+
+
+def test_points_and_heights_are_in_the_same_order(land):
+    """Row k of the points is where entry k of the heights was taken."""
+    columns = len(land.x)
+    k = 17 * columns + 5
+    assert land.points.shape == (344 * 403, 2)
+    assert land.points[k].tolist() == [land.x[5], land.y[17]]
+    assert land.height.ravel()[k] == land.height[17, 5]
+
+
+@pytest.mark.parametrize(("spacing", "apart"), [(10, 0), (25, 150.0), (50, 0)])
+def test_isolines_lie_on_their_levels(land, spacing, apart):
+    """The heights interpolated bilinearly, and so linearly along edges, give the level back."""
+    points, levels = land.isolines(spacing, apart)
+    height = RegularGridInterpolator((land.y, land.x), land.height)
+    np.testing.assert_allclose(height(points[:, ::-1]), levels, atol=EXACT)
+    assert set(levels) == set(np.arange(0.5, 1076, spacing)[np.arange(0.5, 1076, spacing) > 236])
+    assert len(np.unique(points, axis=0)) == len(points)
+
+
+def test_isolines_of_a_roof_by_hand():
+    """Heights 0, 3, 6, … cross the levels 0.5, 2.5, … at x = 10/3 of the level, in every row."""
+    points, levels = roof().isolines(2)
+    np.testing.assert_allclose(points[:, 0], levels * 10 / 3)
+    assert sorted(set(levels)) == [0.5, 2.5, 4.5, 6.5, 8.5, 10.5, 12.5, 14.5, 16.5]
+    assert len(points) == 5 * 9
+
+
+def test_isolines_turn_with_the_land():
+    """The isolines of the land with x and y exchanged are the isolines with x and y exchanged."""
+    land = terrain()
+    part = Terrain(land.x[:60], land.y[:50], land.height[:50, :60])
+    turned = Terrain(part.y, part.x, part.height.T)
+    (a, _), (b, _) = part.isolines(20), turned.isolines(20)
+    np.testing.assert_allclose(a[np.lexsort(a.T)], b[:, ::-1][np.lexsort(b[:, ::-1].T)], atol=EXACT)
+
+
+@pytest.mark.slow
+def test_thinned_isolines_keep_their_distance_and_lose_nothing_more(land):
+    """Points of one level are as far apart as asked; each point left out has one that is nearer."""
+    all_points, all_levels = land.isolines(100)
+    points, levels = land.isolines(100, apart=500.0)
+    for level in np.unique(all_levels):
+        kept = points[levels == level]
+        assert len(kept) < 2 or pdist(kept).min() > 500
+        left_out = all_points[all_levels == level]
+        gaps = np.linalg.norm(left_out[:, None] - kept[None], axis=-1).min(axis=1)
+        assert gaps.max() <= 500
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((2.5,), "spacing must be a whole number of metres, 1 or more; got 2.5"),
+        ((0,), "spacing must be a whole number of metres, 1 or more; got 0"),
+        ((10, -1.0), "apart must be zero or a positive number of metres; got -1.0"),
+    ],
+)
+def test_a_wrong_spacing_is_told_in_words(arguments, words):
+    """The message names the argument, what came and what was wanted."""
+    with pytest.raises(ValueError, match=words):
+        roof().isolines(*arguments)
+
+
+def test_without_matplotlib_the_remedy_is_told(monkeypatch):
+    """The terrain is a file of matplotlib's; without it, the message says what to install."""
+    monkeypatch.setattr(elevation, "find_spec", lambda _: None)
+    with pytest.raises(
+        ModuleNotFoundError, match=r"is a file of matplotlib.* extra 'report': pip install "
+    ):
+        terrain()
+
+
+def test_a_matplotlib_without_samples_is_told(monkeypatch, tmp_path):
+    """Where the file is missing, the message names the place that was looked at."""
+    spec = importlib.util.find_spec("json")
+    spec.submodule_search_locations = [str(tmp_path)]
+    monkeypatch.setattr(elevation, "find_spec", lambda _: spec)
+    with pytest.raises(FileNotFoundError, match="without the terrain: no file"):
+        terrain()

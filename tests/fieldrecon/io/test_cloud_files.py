@@ -1,0 +1,159 @@
+"""Clouds in files: every kind of PLY, OBJ, STL and tables read back; errors in words."""
+
+import struct
+
+import numpy as np
+import pytest
+
+import fieldrecon as fr
+from fieldrecon.io.clouds import read_cloud
+from fieldrecon.io.ply import read_ply, triangles_of
+from fieldreport.experiments.triangles.triangle_shapes import sphere
+
+POINTS, TRIANGLES = sphere(1)
+ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+
+
+def ply(kind, *, faces=None, strip=None, normals=None, points=POINTS, rows=None):
+    """Bytes of a PLY file written word by word, apart from the reader."""
+    names = "xyz" if normals is None else ("x", "y", "z", "nx", "ny", "nz")
+    table = points if normals is None else np.hstack([points, normals])
+    head = f"ply\nformat {kind} 1.0\ncomment a test\nelement vertex {rows or len(table)}\n"
+    head += "".join(f"property double {name}\n" for name in names)
+    lists = []
+    if faces is not None:
+        head += f"element face {len(faces)}\nproperty uchar flags\n"
+        head += "property list uchar int vertex_indices\n"
+        lists = [(7, face) for face in faces]
+    if strip is not None:
+        head += "element tristrips 1\nproperty list int int vertex_indices\n"
+    head += "end_header\n"
+    if kind == "ascii":
+        lines = [" ".join(map(repr, map(float, row))) for row in table]
+        lines += [" ".join(map(str, (flag, len(face), *face))) for flag, face in lists]
+        lines += [] if strip is None else [" ".join(map(str, (len(strip), *strip)))]
+        return (head + "\n".join(lines) + "\n").encode()
+    o = ORDERS[kind]
+    body = b"".join(struct.pack(f"{o}{len(row)}d", *row) for row in table)
+    body += b"".join(
+        struct.pack(f"{o}BB{len(face)}i", flag, len(face), *face) for flag, face in lists
+    )
+    body += b"" if strip is None else struct.pack(f"{o}{len(strip) + 1}i", len(strip), *strip)
+    return head.encode() + body
+
+
+@pytest.mark.parametrize("kind", ["ascii", *ORDERS])
+@pytest.mark.parametrize("mixed", [False, True])
+def test_ply_of_every_kind_reads_back(tmp_path, kind, mixed):
+    """Points, normals, flags, and faces of three or of several lengths."""
+    path = tmp_path / "cloud.ply"
+    faces = [list(t) for t in TRIANGLES] + ([[0, 1, 2, 3], [4, 5, 6, 7, 8]] if mixed else [])
+    path.write_bytes(ply(kind, faces=faces, normals=2 * POINTS))
+    cloud = read_cloud(path)
+    np.testing.assert_array_equal(cloud.points, POINTS)
+    np.testing.assert_array_equal(cloud.normals, 2 * POINTS)
+    np.testing.assert_array_equal(cloud.triangles[: len(TRIANGLES)], TRIANGLES)
+    assert cloud.triangles[len(TRIANGLES) :].tolist() == (
+        [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7], [4, 7, 8]] if mixed else []
+    )
+    assert np.asarray(read_ply(path)["face"]["flags"]).tolist() == [7] * len(faces)
+
+
+@pytest.mark.parametrize("kind", ["ascii", *ORDERS])
+def test_strips_become_triangles_that_turn_one_way(tmp_path, kind):
+    """Every second triangle of a strip is turned; -1 begins a new strip, and repeats add none."""
+    path = tmp_path / "strips.ply"
+    path.write_bytes(ply(kind, strip=[0, 1, 2, 3, 4, -1, 5, 6, 7, 7, 8, -1, 9, 10]))
+    assert triangles_of(read_ply(path)).tolist() == [[0, 1, 2], [2, 1, 3], [2, 3, 4], [5, 6, 7]]
+
+
+def test_normals_come_from_triangles_where_the_file_has_no_others(tmp_path):
+    """Outward, as the triangles turn, from OBJ and from STL, whose corners become one point."""
+    fr.write_triangles(tmp_path / "ball.stl", POINTS, TRIANGLES)
+    lines = [f"v {x} {y} {z}" for x, y, z in POINTS]
+    lines += [f"f {a + 1}/1 {b + 1}//2 {c - len(POINTS)}" for a, b, c in TRIANGLES]
+    (tmp_path / "ball.obj").write_text("# a ball\n" + "\n".join(lines))
+    for name in ("ball.stl", "ball.obj"):
+        cloud = read_cloud(tmp_path / name)
+        assert cloud.points.shape == POINTS.shape
+        assert cloud.normals_of == "triangles in the file"
+        n = cloud.normals / np.linalg.norm(cloud.normals, axis=1, keepdims=True)
+        assert np.einsum("ij,ij->i", n, cloud.points).min() > 0.95
+
+
+@pytest.mark.parametrize("suffix", [".xyz", ".csv", ".npz"])
+def test_tables_are_clouds(tmp_path, suffix):
+    """With normals or without; numbers without names are normals if they are about one long."""
+    path = tmp_path / f"cloud{suffix}"
+    both = np.hstack([POINTS + 5, POINTS])
+    if suffix == ".npz":
+        np.savez(path, **dict(zip(("x", "y", "z", "nx", "ny", "nz"), both.T, strict=True)))
+    else:
+        header = "x,y,z,nx,ny,nz" if suffix == ".csv" else ""
+        np.savetxt(path, both, delimiter="," if header else " ", header=header, comments="")
+    cloud = read_cloud(path)
+    np.testing.assert_allclose(cloud.points, POINTS + 5)
+    np.testing.assert_allclose(cloud.normals, POINTS)
+    if suffix == ".xyz":
+        np.savetxt(path, np.hstack([POINTS, 100 * POINTS]))
+        assert read_cloud(path).normals is None
+
+
+def test_points_that_are_none_are_left_out_and_told(tmp_path):
+    """In binary with their triangles, in text by the line."""
+    bad = POINTS.copy()
+    bad[3, 1] = np.nan
+    path = tmp_path / "cloud.ply"
+    path.write_bytes(ply("binary_little_endian", points=bad, faces=TRIANGLES.tolist()))
+    cloud = read_cloud(path)
+    assert len(cloud.points) == len(POINTS) - 1
+    assert len(cloud.triangles) == (TRIANGLES != 3).all(axis=1).sum()
+    assert "1 point has coordinates that are no finite numbers" in cloud.remarks[0]
+    np.savetxt(tmp_path / "cloud.xyz", bad)
+    assert "line 4: y must be a finite number" in read_cloud(tmp_path / "cloud.xyz").remarks[0]
+
+
+def test_points_of_a_vtk_file_come_through_meshio(tmp_path):
+    """Whatever cells there are."""
+    import meshio
+
+    mesh = meshio.Mesh(POINTS, [("vertex", np.arange(len(POINTS))[:, None])])
+    mesh.write(tmp_path / "cloud.vtk")
+    np.testing.assert_array_equal(read_cloud(tmp_path / "cloud.vtk").points, POINTS)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.ply", b"solid", "does not begin with the word ply"),
+        ("a.ply", b"ply\nformat ascii 1.0\n", "header has no end"),
+        ("a.ply", b"ply\nformat binary 1.0\nend_header\n", "the line 'format binary 1.0'"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no vertices with x"),
+        ("a.ply", ply("binary_big_endian")[:-30], "announces 42 vertices and holds 40"),
+        ("a.ply", ply("ascii", rows=50), "announces 50 vertices and holds 42"),
+        (
+            "a.ply",
+            ply("binary_little_endian", faces=[[0, 1, 2]] * 9)[:-5],
+            "announces 9 faces and holds 8",
+        ),
+        ("a.ply", ply("ascii", faces=[[0, 1, 99]]), "points that it does not hold"),
+        ("a.ply", ply("ascii").replace(b"0.0", b"zero"), "a word that is no number"),
+        ("a.obj", b"v 1 2 3\nv 1 x 2\n", "line 2: 'v 1 x 2'"),
+        ("a.obj", b"v 1 2\n", "fewer than three coordinates"),
+        ("a.xyz", b"1 2 3\n4 5 6\n", "2 points; a surface takes 10"),
+        ("a.csv", b"x,y,height\n1,2,3\n", "no column 'z'"),
+        ("a.stl", b"", "no STL file"),
+    ],
+)
+def test_errors_are_in_words(tmp_path, name, content, words):
+    """With the path, what is wrong, and where."""
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ValueError, match=words) as told:
+        read_cloud(tmp_path / name)
+    assert name in str(told.value)
+
+
+def test_a_missing_file_is_missing(tmp_path):
+    """The system's own words are good."""
+    with pytest.raises(FileNotFoundError):
+        read_cloud(tmp_path / "none.ply")

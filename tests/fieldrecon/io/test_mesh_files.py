@@ -1,0 +1,217 @@
+"""Meshes survive the way to a file and back, and what is no mesh is told with its path."""
+
+import sys
+
+import meshio
+import numpy as np
+import pytest
+
+from fieldrecon.io.meshes import read_mesh, read_mesh_and_data, read_surface, write_mesh
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+
+WITH_DATA = [".vtk", ".vtu", ".msh"]
+SURFACES = [".ply", ".stl", ".obj", ".off"]
+CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
+
+
+def mesh_in(d: int) -> SimplexMesh:
+    return SimplexMesh.delaunay(np.random.default_rng(3).normal(size=(30, d)) + 1e3)
+
+
+def corner_sets(mesh: SimplexMesh) -> set:
+    return {frozenset(map(tuple, corners)) for corners in mesh.points[mesh.cells].tolist()}
+
+
+@pytest.mark.parametrize("suffix", [*WITH_DATA, ".ply", ".obj", ".off"])
+def test_a_mesh_of_the_plane_comes_back(suffix, tmp_path):
+    """The same points and cells, to the last bit, in the same order."""
+    mesh = mesh_in(2)
+    write_mesh(tmp_path / f"mesh{suffix}", mesh)
+    back = read_mesh(tmp_path / f"mesh{suffix}")
+    assert np.array_equal(back.points, mesh.points)
+    assert np.array_equal(back.cells, mesh.cells)
+
+
+def test_stl_brings_back_the_triangles(tmp_path):
+    """Each with its corners, to the last bit; the points are in another order."""
+    mesh = mesh_in(2)
+    write_mesh(tmp_path / "mesh.stl", mesh)
+    back = read_mesh(tmp_path / "mesh.stl")
+    assert back.points.shape == mesh.points.shape
+    assert corner_sets(back) == corner_sets(mesh)
+
+
+@pytest.mark.parametrize("suffix", WITH_DATA)
+def test_tetrahedra_come_back(suffix, tmp_path):
+    """The same points and cells, to the last bit, in the same order."""
+    mesh = mesh_in(3)
+    write_mesh(str(tmp_path / f"mesh{suffix}"), mesh)
+    back = read_mesh(str(tmp_path / f"mesh{suffix}"))
+    assert np.array_equal(back.points, mesh.points)
+    assert np.array_equal(back.cells, mesh.cells)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("suffix", WITH_DATA)
+def test_data_come_back(suffix, d, tmp_path):
+    """Scalars and vectors, at points and in cells; plane vectors with a third component of zero."""
+    mesh = mesh_in(d)
+    points = {"pressure": mesh.points[:, 0], "velocity": mesh.points}
+    cells = {"size": mesh.cell_measures, "centre": mesh.cell_centers}
+    write_mesh(tmp_path / f"mesh{suffix}", mesh, points, cells)
+    _, at_points, in_cells = read_mesh_and_data(tmp_path / f"mesh{suffix}")
+    for read, written in [(at_points, points), (in_cells, cells)]:
+        for name, values in written.items():
+            assert np.array_equal(read[name].reshape(len(values), -1)[:, :d].squeeze(), values)
+
+
+def test_the_boundary_that_gmsh_marks_is_passed_over(tmp_path):
+    """Tetrahedra count, in however many blocks, with their data; their sides do not."""
+    blocks = [
+        ("vertex", [[0]]),
+        ("tetra", [[0, 1, 2, 3]]),
+        ("line", [[0, 1]]),
+        ("triangle", [[0, 1, 2], [1, 2, 4]]),
+        ("tetra", [[4, 1, 2, 3]]),
+    ]
+    regions = [[7], [8], [9], [5, 6], [4]]
+    content = meshio.Mesh(CORNERS, blocks, cell_data={"region": regions})
+    meshio.vtk.write(tmp_path / "mesh.vtk", content)
+    mesh, _, data = read_mesh_and_data(tmp_path / "mesh.vtk")
+    assert np.sort(mesh.cells).tolist() == [[0, 1, 2, 3], [1, 2, 3, 4]]
+    assert data["region"].tolist() == [8, 4]
+
+
+def test_a_plane_at_any_height_is_a_mesh_of_the_plane(tmp_path):
+    """All third coordinates are the same; they are left out."""
+    (tmp_path / "mesh.obj").write_text("v 0 0 7\nv 1 0 7\nv 0 1 7\nf 1 3 2\n")
+    mesh = read_mesh(tmp_path / "mesh.obj")
+    assert mesh.points.tolist() == [[0, 0], [1, 0], [0, 1]]
+
+
+@pytest.mark.parametrize("suffix", [*SURFACES, *WITH_DATA])
+def test_a_surface_is_read_as_one(suffix, tmp_path):
+    """Its points and triangles; as a mesh it is refused."""
+    triangles = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3]], dtype=np.int32)
+    path = tmp_path / f"surface{suffix}"
+    content = meshio.Mesh(CORNERS[:4], [("triangle", triangles)])
+    meshio.write(path, content, file_format="gmsh" if suffix == ".msh" else None)
+    points, read = read_surface(path)
+    assert np.array_equal(points[read], CORNERS[triangles])
+    with pytest.raises(ValueError, match=f"surface{suffix} holds a surface in space, not a mesh"):
+        read_mesh(path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "cell", "found"),
+    [
+        ("quad", [0, 1, 4, 2], "quad cells"),
+        ("tetra10", [*range(5), *range(5)], "tetra10 cells"),
+        ("triangle6", [*range(5), 0], "triangle6 cells"),
+        ("line", [0, 1], "line cells"),
+    ],
+)
+def test_other_cells_are_refused(kind, cell, found, tmp_path):
+    """By their name, alone and, but for lines, beside triangles."""
+    path = tmp_path / "mesh.vtk"
+    words = f"mesh.vtk holds {found}; triangles or tetrahedra were expected"
+    others = [] if kind == "line" else [("triangle", [[0, 1, 2]])]
+    for blocks in ([(kind, [cell])], [(kind, [cell]), *others]):
+        meshio.vtk.write(path, meshio.Mesh(CORNERS, blocks))
+        with pytest.raises(ValueError, match=words):
+            read_mesh(path)
+
+
+def test_tetrahedra_are_no_surface(tmp_path):
+    """What was found is told."""
+    write_mesh(tmp_path / "mesh.vtk", mesh_in(3))
+    with pytest.raises(ValueError, match="holds tetrahedra; triangles"):
+        read_surface(tmp_path / "mesh.vtk")
+
+
+@pytest.mark.parametrize("suffix", [*SURFACES, *WITH_DATA])
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"hello\n", b"ply\nformat ascii 1.0\nelement vertex 3\n", bytes(range(256)) * 3],
+    ids=["empty", "text", "cut header", "bytes"],
+)
+def test_what_is_no_mesh_is_told_with_its_path(suffix, content, tmp_path):
+    """In one sentence, whatever the reader of the format makes of it."""
+    path = tmp_path / f"no{suffix}"
+    path.write_bytes(content)
+    for read in (read_mesh, read_surface):
+        with pytest.raises(
+            ValueError, match=rf"no\{suffix} (cannot be read as a mesh: .|holds no)"
+        ):
+            read(path)
+
+
+def test_triangle_strips_are_told(tmp_path):
+    """Some scanners write them; the reason names them."""
+    header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    header += "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
+    path = tmp_path / "scan.ply"
+    path.write_text(header + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    with pytest.raises(
+        ValueError, match=r"scan.ply cannot be read as a mesh: .* `element tristrip"
+    ):
+        read_surface(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (
+            "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n",
+            "holds no mesh: cells must not be flat; cell 0 is",
+        ),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", r"holds no mesh: .* cells\[0, 2\] is 3"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "holds points only; triangles or"),
+    ],
+)
+def test_a_bad_mesh_is_told_with_its_path(text, words, tmp_path):
+    """What is wrong with it, as for one from arrays."""
+    (tmp_path / "bad.obj").write_text(text)
+    with pytest.raises(ValueError, match=f"bad.obj {words}"):
+        read_mesh(tmp_path / "bad.obj")
+
+
+def test_a_surface_indexes_its_points(tmp_path):
+    """Nothing else is asked of it."""
+    (tmp_path / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
+    with pytest.raises(ValueError, match=r"bad.obj holds a triangle of points that it does not"):
+        read_surface(tmp_path / "bad.obj")
+
+
+def test_formats_and_their_limits_are_told(tmp_path):
+    """Before anything is written."""
+    plane, space = mesh_in(2), mesh_in(3)
+    for suffix in SURFACES:
+        path = tmp_path / f"mesh{suffix}"
+        with pytest.raises(ValueError, match=r"cannot hold tetrahedra; .vtk, .vtu and .msh can"):
+            write_mesh(path, space)
+        with pytest.raises(ValueError, match=r"cannot hold data; .vtk, .vtu and .msh can"):
+            write_mesh(path, plane, {"f": np.zeros(30)})
+    with pytest.raises(ValueError, match=r"mesh.txt must end with the suffix of a known format"):
+        write_mesh(tmp_path / "mesh.txt", plane)
+    with pytest.raises(ValueError, match=r"f must have one entry for each point, shape \(30, "):
+        write_mesh(tmp_path / "mesh.vtk", plane, {"f": np.zeros(29)})
+    with pytest.raises(ValueError, match=r"p must have one entry for each cell"):
+        write_mesh(tmp_path / "mesh.vtk", plane, cell_data={"p": np.zeros(30)})
+    with pytest.raises(ValueError, match=r"f must be real to be written; got the type complex128"):
+        write_mesh(tmp_path / "mesh.vtk", plane, {"f": np.zeros(30) * 1j})
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [*SURFACES, *WITH_DATA])
+def test_a_file_that_is_not_there_is_told(suffix, tmp_path):
+    """As Python tells it."""
+    with pytest.raises(FileNotFoundError, match=f"none{suffix}"):
+        read_mesh(tmp_path / f"none{suffix}")
+
+
+def test_without_meshio_the_remedy_is_told(tmp_path, monkeypatch):
+    """The line to type."""
+    monkeypatch.setitem(sys.modules, "meshio.vtk", None)
+    with pytest.raises(ImportError, match=r"meshio is not .* the extra 'mesh': pip install "):
+        read_mesh(tmp_path / "mesh.vtk")

@@ -1,0 +1,162 @@
+"""A field that was saved comes back the same, and a file that is none is told in words."""
+
+import io
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import fieldrecon as fr
+from fieldrecon.io.saved_fields import load_with_names
+
+POINTS = fr.datasets.halton(120, 2)
+VALUES = fr.datasets.franke(POINTS)
+QUERIES = fr.datasets.uniform(50, 2, seed=1)
+LONLAT = POINTS * [360, 180] - [180, 90]
+
+KERNELS = [
+    fr.thin_plate_spline(),
+    fr.polyharmonic(np.int64(3)),
+    fr.multiquadric(0.1),
+    fr.gaussian(0.05),
+    fr.inverse_multiquadric(0.1),
+    fr.matern(1.5, 0.3),
+    fr.wendland(3, 1, 0.4),
+]
+METHODS = [
+    fr.LeastSquares(POINTS, 3),
+    fr.MovingLeastSquares(POINTS, fr.inverse_square(0.1), 1),
+    fr.MovingLeastSquares(POINTS, fr.wendland(3, 1), 2, 24),
+    *(fr.RBF(POINTS, kernel) for kernel in KERNELS),
+    fr.RBF(POINTS, fr.thin_plate_spline(), degree=2, smoothing=0.1 + 0.2),
+    fr.PartitionOfUnityRBF(POINTS),
+    fr.PartitionOfUnityRBF(POINTS, fr.polyharmonic(3), degree=2, patch_size=30, smoothing=1e-3),
+    fr.OnGlobe(LONLAT, lambda u: fr.RBF(u, fr.polyharmonic(3))),
+    fr.OnGlobe(LONLAT, fr.PartitionOfUnityRBF),
+]
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
+def test_a_field_comes_back_bit_for_bit(tmp_path, method):
+    """Values and gradients, for one value a site, and its names."""
+    field = method.field(VALUES)
+    fr.save(tmp_path / "field.npz", field, names=("x", "höhe"))
+    again, names = load_with_names(tmp_path / "field.npz")
+    assert type(again.method) is type(method)
+    assert names == ["x", "höhe"]
+    assert np.array_equal(again(QUERIES), field(QUERIES))
+    assert np.array_equal(again.gradient(QUERIES), field.gradient(QUERIES))
+
+
+def test_fields_of_any_shape_and_type_come_back(tmp_path):
+    """Complex numbers, vectors and matrices at the sites."""
+    rng = np.random.default_rng(0)
+    for shape, unit in (((), 1j), ((2,), 1.0), ((2, 3), 1j)):
+        values = rng.standard_normal((120, *shape)) * (1 + unit)
+        field = fr.RBF(POINTS, fr.thin_plate_spline()).field(values)
+        fr.save(tmp_path / "field.npz", field)
+        again = fr.load(tmp_path / "field.npz")
+        assert np.array_equal(again(QUERIES), field(QUERIES))
+        assert np.array_equal(again.values, values)
+
+
+def test_patches_that_lost_a_degree_are_asked_for_it_again(tmp_path):
+    """On a line less is left of the degree than was asked for, and that is what is kept."""
+    line = np.linspace(0, 1, 200)[:, None] * [1.0, 2.0]
+    field = fr.PartitionOfUnityRBF(line).field(np.sin(line[:, 0]))
+    fr.save(tmp_path / "field.npz", field)
+    again = fr.load(tmp_path / "field.npz")
+    assert again.method.reduced == field.method.reduced > 0
+    assert np.array_equal(again(QUERIES), field(QUERIES))
+
+
+def test_the_data_of_a_field_are_its_own():
+    """They do not change when the caller's array does, and cannot be changed through the field."""
+    values = VALUES.copy()
+    field = METHODS[0].field(values)
+    values[:] = 0
+    assert np.array_equal(field.values, VALUES)
+    with pytest.raises(ValueError, match="read-only"):
+        field.values[0] = 1
+
+
+def test_a_method_of_one_s_own_is_refused(tmp_path):
+    """What cannot be made again is not written, and nothing is left of the file."""
+
+    class Mine(fr.LeastSquares):
+        pass
+
+    with pytest.raises(TypeError, match="a field of Mine cannot be saved"):
+        fr.save(tmp_path / "field.npz", Mine(POINTS).field(VALUES))
+    assert list(tmp_path.iterdir()) == []
+
+
+def written(folder, change=None, **arrays):
+    """A file of a field whose header or arrays were changed."""
+    fr.save(folder / "good.npz", fr.RBF(POINTS, fr.gaussian(0.05)).field(VALUES))
+    with np.load(folder / "good.npz") as stored:
+        content = dict(stored)
+    header = json.loads(bytes(content["header"]))
+    if change:
+        change(header)
+    content["header"] = np.frombuffer(json.dumps(header).encode(), np.uint8)
+    path = folder / "changed.npz"
+    np.savez(path, **(content | arrays))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda h: h.update(format="zarr"), "its header does not say 'fieldrecon field'"),
+        (lambda h: h.update(version=2), "is a field of version 2; this program reads 1"),
+        (lambda h: h.pop("method"), "'method'"),
+        (lambda h: h.update(names=3), "no field that can be made again"),
+        (lambda h: h.update(method=[]), "no field that can be made again"),
+        (lambda h: h["method"].update(name="system"), "there is no 'system'; there are Least"),
+        (lambda h: h["method"].update(name=["RBF"]), r"there is no \['RBF'\]"),
+        (lambda h: h["method"].update(shell="ls"), r"RBF is made with .*; got .*'shell'"),
+        (lambda h: h["method"].update(smoothing=-1), "smoothing must be zero or a positive"),
+        (lambda h: h["method"].update(kernel={"name": "exec"}), "there is no 'exec'; there are g"),
+        (lambda h: h["method"].update(kernel={"name": "gaussian"}), r"gaussian has \['scale'\]"),
+        (lambda h: h["method"]["kernel"].update(scale="1"), "scale must be a positive number"),
+    ],
+)
+def test_a_header_that_promises_something_else_is_told(tmp_path, change, words):
+    """With the path of the file; no name in it is ever looked up among Python's."""
+    with pytest.raises(ValueError, match=words) as told:
+        fr.load(written(tmp_path, change))
+    assert "changed.npz" in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "words"),
+    [
+        ({"points": POINTS[:7]}, "values must have one entry for each point"),
+        ({"points": POINTS[:, 0]}, r"points must have the shape \(n, d\)"),
+        ({"values": VALUES * np.nan}, "values must be finite"),
+        ({"header": np.frombuffer(b"\xff{", np.uint8)}, "is not a file of a field"),
+        ({"header": np.frombuffer(b"[]", np.uint8)}, "does not say"),
+        ({"header": np.frombuffer(b"[" * 100_000, np.uint8)}, "is not a file of a field"),
+        ({"values": np.array([{}], dtype=object)}, "is not a file of a field.*allow_pickle"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_told(tmp_path, arrays, words):
+    """A pickle within the archive is not opened."""
+    with pytest.raises(ValueError, match=words):
+        fr.load(written(tmp_path, **arrays))
+
+
+def test_files_of_other_kinds_are_told(tmp_path):
+    """A text, a pickle, an archive cut short, and an archive of other arrays."""
+    whole = written(tmp_path).read_bytes()
+    other = io.BytesIO()
+    np.savez(other, x=POINTS)
+    contents = [b"", b"x,y\n", pickle.dumps([1]), whole[: len(whole) // 2], other.getvalue()]
+    for content in contents:
+        (tmp_path / "field.npz").write_bytes(content)
+        with pytest.raises(ValueError, match=r"field\.npz is not a file of a field"):
+            fr.load(tmp_path / "field.npz")
+    with pytest.raises(FileNotFoundError):
+        fr.load(tmp_path / "nowhere.npz")

@@ -1,0 +1,216 @@
+"""Places of all kinds, and the files that bear their values: what was written is what is read."""
+
+import csv
+
+import meshio
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.io import netcdf_file
+
+import fieldrecon as fr
+from fieldrecon.io.netcdf import FORMATS, Result, as_formats
+from fieldrecon.io.targets import Places, grid_over, nodes_of, points_in, vertices_of
+
+NAMES = ("east [m]", "north", "up", "a b/c")
+
+
+def result_at(places, lonlat=False):
+    """A result whose numbers differ at each place."""
+    points = places.points
+    m, d = points.shape
+    values = points @ np.array([1.0, np.pi, np.e])[:d] + 1 / 3
+    return Result(
+        (*NAMES[:d], NAMES[-1]),
+        places,
+        values,
+        np.sqrt(abs(values)),
+        (np.arange(m) % 3).astype(np.int8),
+        lonlat,
+    )
+
+
+MESH = fr.SimplexMesh.delaunay(fr.datasets.uniform(30, 2, seed=0))
+SOLID = fr.SimplexMesh.delaunay(fr.datasets.uniform(30, 3, seed=0))
+PLACES = {
+    "grid": grid_over(np.array([[0.0, 0.0], [0.1, 1 / 3]]), (4, 3)),
+    "grid in space": grid_over(np.array([[0.0, 0.0, 1.0], [0.1, 1 / 3, 2.0]]), (4, 3, 2)),
+    "points": Places(fr.datasets.uniform(7, 2, seed=0)),
+    "points in space": Places(fr.datasets.uniform(7, 3, seed=0)),
+    "mesh": Places(MESH.points, cells=MESH.cells),
+    "mesh in space": Places(SOLID.points, cells=SOLID.cells),
+    "surface": Places(SOLID.points, cells=SOLID.cells[:, :3]),
+}
+each_kind = pytest.mark.parametrize("places", PLACES.values(), ids=PLACES)
+
+
+# --- files --------------------------------------------------------------------------------------
+
+
+@each_kind
+def test_csv_comes_back(tmp_path, places):
+    """Every digit, under the names of the samples."""
+    result = result_at(places)
+    FORMATS["csv"](tmp_path / "a.csv", result)
+    with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    assert header == [*result.names[:-1], "a b/c", "error", "extrapolated"]
+    numbers = np.array(rows, dtype=float)
+    d = places.points.shape[1]
+    assert np.array_equal(numbers[:, :d], places.points)
+    assert np.array_equal(numbers[:, d:], np.column_stack([*result.columns.values()]))
+
+
+@each_kind
+def test_npz_comes_back(tmp_path, places):
+    """Axes and shaped arrays of a grid, otherwise points and, of a mesh, its cells."""
+    result = result_at(places)
+    FORMATS["npz"](tmp_path / "a.npz", result)
+    with np.load(tmp_path / "a.npz", allow_pickle=False) as stored:
+        arrays = dict(stored)
+    assert arrays["values"].shape == places.shape
+    assert np.array_equal(arrays["values"].ravel(), result.values)
+    assert np.array_equal(arrays["error"].ravel(), result.error)
+    assert np.array_equal(arrays["extrapolated"].ravel(), result.extrapolated)
+    if places.axes:
+        x, y = arrays["x"], arrays["y"]
+        assert arrays["values"].shape[-2:] == (len(y), len(x))
+        at = np.array([x[1], y[2], *(arrays["z"][:1] if "z" in arrays else ())])
+        one = Places(at[None, :])
+        assert arrays["values"][..., 2, 1].ravel()[0] == pytest.approx(result_at(one).values[0])
+    else:
+        assert np.array_equal(arrays["points"], places.points)
+    assert ("cells" in arrays) == (places.cells is not None)
+
+
+@each_kind
+def test_vtk_comes_back(tmp_path, places):
+    """Read by another program, with its cells, and every digit."""
+    result = result_at(places)
+    FORMATS["vtk"](tmp_path / "a.vtk", result)
+    mesh = meshio.read(tmp_path / "a.vtk")
+    d = places.points.shape[1]
+    assert np.array_equal(mesh.points[:, :d], places.points)
+    assert not mesh.points[:, d:].any()
+    for name, column in (("a_b/c", result.values), ("error", result.error)):
+        assert np.array_equal(mesh.point_data[name].ravel(), column)
+    assert np.array_equal(mesh.point_data["extrapolated"].ravel(), result.extrapolated)
+    if places.cells is not None:
+        assert np.array_equal(mesh.cells[0].data, places.cells)
+
+
+@each_kind
+def test_netcdf_comes_back(tmp_path, places):
+    """Variables over axes or over points, with the meaning of the flags."""
+    result = result_at(places)
+    FORMATS["nc"](tmp_path / "a.nc", result)
+    with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
+        value = file.variables["a_b_c"]
+        assert np.array_equal(value.data.ravel(), result.values)
+        assert value.long_name == b"a b/c"
+        coordinates = places.axes or places.points.T
+        for name, axis in zip(("east_m", "north", "up"), coordinates, strict=False):
+            assert np.array_equal(file.variables[name].data, axis)
+        flags = file.variables["extrapolated"]
+        assert flags.flag_meanings == b"among_the_samples in_a_gap outside"
+        assert np.array_equal(flags.data.ravel(), result.extrapolated)
+        wanted = ("up", "north", "east_m")[-len(places.axes) :] if places.axes else ("point",)
+        assert value.dimensions == wanted
+
+
+def test_degrees_have_their_units(tmp_path):
+    """In the words of the climate and forecast conventions."""
+    FORMATS["nc"](tmp_path / "a.nc", result_at(PLACES["grid"], lonlat=True))
+    with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
+        assert file.variables["east_m"].units == b"degrees_east"
+        assert file.variables["north"].units == b"degrees_north"
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_names_that_clash_are_told_apart(tmp_path, kind):
+    """A value called error, coordinates that differ in a blank only, names of other letters."""
+    result = result_at(PLACES["points"])
+    odd = Result(
+        ("ä", "ö", "error"), result.places, result.values, result.error, result.extrapolated
+    )
+    assert list(odd.columns) == ["error", "error_2", "extrapolated"]
+    FORMATS[kind](tmp_path / "a", odd)
+    assert (tmp_path / "a").stat().st_size > 100
+
+
+def test_formats_are_named_by_their_suffix():
+    """With or without the dot, in any case; others are told."""
+    assert as_formats([".CSV", " nc"]) == ["csv", "nc"]
+    with pytest.raises(ValueError, match="no format 'tif'; there are csv, npz, vtk, nc"):
+        as_formats(["tif"])
+
+
+# --- places -------------------------------------------------------------------------------------
+
+
+def test_nodes_run_along_x_first():
+    """As the rows of an image."""
+    nodes = nodes_of((np.array([0.0, 1.0]), np.array([5.0, 6.0, 7.0])))
+    assert nodes.tolist() == [[0, 5], [1, 5], [0, 6], [1, 6], [0, 7], [1, 7]]
+
+
+@given(
+    middle=st.floats(-180, 179),
+    width=st.floats(1, 340),
+    seed=st.integers(0, 100),
+)
+def test_a_grid_of_longitudes_spans_the_data_only(middle, width, seed):
+    """Wherever the data lie: the grid is as wide as they are, and holds each of them."""
+    turned = middle + width * np.append(fr.datasets.uniform(200, 1, seed)[:, 0], [0, 1])
+    longitudes = (turned + 180) % 360 - 180
+    points = np.column_stack([longitudes, np.zeros(202)])
+    points[0, 1] = 1.0
+    x = grid_over(points, (5, 2), lonlat=True).axes[0]
+    widest = np.diff(np.sort(turned)).max()
+    if widest < 360 - width:
+        assert np.ptp(x) == pytest.approx(width, abs=1e-6)
+    assert ((longitudes - x[0] + 1e-6) % 360 <= np.ptp(x) + 2e-6).all()
+    assert -180 <= x[0] < 180
+
+
+def test_grids_that_cannot_be_are_told():
+    """Of another dimension, or larger than any memory."""
+    points = np.array([[0.0, 0.0], [1.0, 1.0]])
+    with pytest.raises(ValueError, match="a grid in 2 variables has 2 sides; got --grid 2x2x2"):
+        grid_over(points, (2, 2, 2))
+    with pytest.raises(ValueError, match=r"at most 4e\+08 nodes; got 100000x100000"):
+        grid_over(points, (100_000, 100_000))
+
+
+def test_points_of_a_table_have_the_samples_columns(tmp_path):
+    """By name, in any order; bad rows are left out and told."""
+    path = tmp_path / "at.csv"
+    path.write_text("id,y,x\n1,2,3\n2,?,4\n3,95,6\n")
+    places = points_in(path, ("x", "y"))
+    assert places.points.tolist() == [[3, 2], [6, 95]]
+    assert (places.kind, places.shape) == ("points", (2,))
+    assert places.bad == ((3, "y must be a finite number; got '?'"),)
+    assert len(points_in(path, ("x", "y"), lonlat=True).bad) == 2
+    with pytest.raises(ValueError, match=r"at\.csv, line 3: y must be a finite number"):
+        points_in(path, ("x", "y"), strict=True)
+    with pytest.raises(ValueError, match="has no column 'z', as the samples have; it has id, y, x"):
+        points_in(path, ("x", "y", "z"))
+
+
+def test_vertices_of_meshes(tmp_path):
+    """Triangles in the plane, tetrahedra in space, and surfaces in space."""
+    for mesh in (MESH, SOLID):
+        fr.write_mesh(tmp_path / "a.vtk", mesh)
+        d = mesh.points.shape[1]
+        places = vertices_of(tmp_path / "a.vtk", d)
+        assert np.array_equal(places.points, mesh.points)
+        assert np.array_equal(places.cells, mesh.cells)
+        assert places.kind == "vertices"
+    with pytest.raises(ValueError, match="is a mesh in 3 variables; the samples have 2"):
+        vertices_of(tmp_path / "a.vtk", 2)
+    surface = meshio.Mesh(SOLID.points, [("triangle", SOLID.cells[:, :3])])
+    meshio.write(tmp_path / "s.ply", surface)
+    assert np.array_equal(vertices_of(tmp_path / "s.ply", 3).points, SOLID.points)
+    with pytest.raises(ValueError, match="holds a surface in space"):
+        vertices_of(tmp_path / "s.ply", 2)

@@ -1,0 +1,403 @@
+"""Radial functions: closed forms, slopes, orders that are the smallest, and their mutants."""
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+from scipy.spatial.distance import cdist
+
+from cases import KERNELS, WEIGHTS
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.radial import (
+    Radial,
+    inverse_square,
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
+from fieldrecon.polynomials import dimension
+from laws import all_monomials, assert_close, assert_obeyed
+
+EXACT = 1e-13
+DIFFERENCE = 1e-8
+RADII = np.concatenate([np.linspace(0.01, 1.5, 40), [1e-8, 1e-4, 3.0, 10.0]])
+
+RADIAL: dict[str, Radial] = {name: k(1.0) for name, k in (KERNELS | WEIGHTS).items()}
+RADIAL |= {f"r^{k}": polyharmonic(k) for k in (6, 7, 8)}
+RADIAL |= {f"wendland({d}, {k})": wendland(d, k, 1.0) for d in (1, 2, 3, 5) for k in range(4)}
+RADIAL |= {f"matern({nu})": matern(nu, 0.5) for nu in (0.3, 0.75, 1.0, 2.0, 3.5, 7.0)}
+CONTINUOUS = {name: k for name, k in RADIAL.items() if name != "ε = 0"}
+
+
+def named(x: object) -> str:
+    """The name of a test's parameter."""
+    return getattr(x, "__name__", repr(x))
+
+
+# --- closed forms -------------------------------------------------------------------------------
+
+CLOSED_FORMS: list[tuple[Radial, Callable[[np.ndarray], np.ndarray]]] = [
+    (thin_plate_spline(), lambda r: r**2 * np.log(r**2)),
+    (polyharmonic(1), lambda r: -r),
+    (polyharmonic(2), lambda r: r**2 * np.log(r)),
+    (polyharmonic(3), lambda r: r**3),
+    (polyharmonic(4), lambda r: -(r**4) * np.log(r)),
+    (polyharmonic(5), lambda r: -(r**5)),
+    (polyharmonic(6), lambda r: r**6 * np.log(r)),
+    (polyharmonic(7), lambda r: r**7),
+    (gaussian(0.5), lambda r: np.exp(-4 * r**2)),
+    (multiquadric(0.5), lambda r: -np.sqrt(1 + 4 * r**2)),
+    (inverse_multiquadric(0.5), lambda r: 1 / np.sqrt(1 + 4 * r**2)),
+    (inverse_square(0.5), lambda r: 1 / (r**2 + 0.25)),
+    # Rasmussen and Williams (2006), equations 4.14 and 4.17, with the factors in the scale
+    (matern(0.5, 0.5), lambda r: np.exp(-2 * r)),
+    (matern(1.5, 0.5), lambda r: (1 + 2 * r) * np.exp(-2 * r)),
+    (matern(2.5, 0.5), lambda r: (1 + 2 * r + (2 * r) ** 2 / 3) * np.exp(-2 * r)),
+    # Wendland (2005), table 9.1
+    (wendland(1, 0, 1.0), lambda r: np.maximum(1 - r, 0)),
+    (wendland(1, 1, 1.0), lambda r: np.maximum(1 - r, 0) ** 3 * (3 * r + 1)),
+    (wendland(1, 2, 1.0), lambda r: np.maximum(1 - r, 0) ** 5 * (8 * r**2 + 5 * r + 1)),
+    (wendland(3, 0, 1.0), lambda r: np.maximum(1 - r, 0) ** 2),
+    (wendland(3, 1, 1.0), lambda r: np.maximum(1 - r, 0) ** 4 * (4 * r + 1)),
+    (wendland(3, 2, 1.0), lambda r: np.maximum(1 - r, 0) ** 6 * (35 * r**2 + 18 * r + 3) / 3),
+    (
+        wendland(3, 3, 1.0),
+        lambda r: np.maximum(1 - r, 0) ** 8 * (32 * r**3 + 25 * r**2 + 8 * r + 1),
+    ),
+    (wendland(5, 0, 1.0), lambda r: np.maximum(1 - r, 0) ** 3),
+    (wendland(5, 1, 1.0), lambda r: np.maximum(1 - r, 0) ** 5 * (5 * r + 1)),
+    (wendland(5, 2, 1.0), lambda r: np.maximum(1 - r, 0) ** 7 * (16 * r**2 + 7 * r + 1)),
+]
+
+
+@pytest.mark.parametrize(("kernel", "closed_form"), CLOSED_FORMS, ids=named)
+def test_values_are_those_of_the_books(kernel, closed_form):
+    """The formula as published, sign and scale included."""
+    r = np.linspace(0.01, 3.0, 200)
+    size = np.abs(closed_form(r)).max()
+    assert_close(kernel(r) / size, closed_form(r) / size, EXACT)
+
+
+def wendland_by_integrals(d: int, k: int) -> Polynomial:
+    """φ_(d,k) on [0, 1]: (1 - r)^l under k integrals ∫_r^1 t φ(t) dt (Wendland 2005, def. 9.11)."""
+    phi = Polynomial([1, -1]) ** (d // 2 + k + 1)
+    for _ in range(k):
+        antiderivative = (Polynomial([0, 1]) * phi).integ()
+        phi = antiderivative(1) - antiderivative
+    return phi / phi(0)
+
+
+@pytest.mark.parametrize(("d", "k"), [*itertools.product((1, 2, 3, 4, 5, 7), range(4))])
+def test_wendland_is_what_its_definition_integrates_to(d, k):
+    """In every dimension, not only those of the table."""
+    r = np.linspace(0, 1, 50)
+    assert_close(wendland(d, k, 1.0)(r), wendland_by_integrals(d, k)(r), 1e-11)
+
+
+# --- laws of radial functions ---------------------------------------------------------------------
+
+
+def the_slope_is_the_derivative(kernel: Radial) -> None:
+    """φ'(r)/r, by central differences of order six."""
+    r = RADII[(RADII > 1e-3) & (np.abs(RADII - kernel.support) > 0.02)]
+    h = 2e-4 * np.minimum(r, 1)
+    by = {k: kernel(r + k * h) - kernel(r - k * h) for k in (1, 2, 3)}
+    derivative = (45 * by[1] - 9 * by[2] + by[3]) / (60 * h)
+    size = 1 + np.abs(derivative)
+    assert_close(kernel.slope(r) * r / size, derivative / size, DIFFERENCE)
+
+
+def squares_agree(kernel: Radial) -> None:
+    """of_squared(r²) and slope_of_squared(r²) are the same functions; shapes stay."""
+    for f, g in ((kernel, kernel.of_squared), (kernel.slope, kernel.slope_of_squared)):
+        assert_close(f(RADII), g(RADII**2), 0.0)
+        assert f(RADII.reshape(2, -1)).shape == (2, len(RADII) // 2)
+        assert np.ndim(f(0.5)) == 0
+
+
+def it_vanishes_beyond_its_support(kernel: Radial) -> None:
+    """And only there."""
+    outside = kernel.support <= RADII
+    assert (kernel(RADII)[outside] == 0).all()
+    assert (kernel.slope(RADII)[outside] == 0).all()
+    if np.isfinite(kernel.support):
+        assert (kernel(RADII)[~outside] > 0).all()
+        assert float(kernel(kernel.support)) == 0.0
+
+
+def it_has_a_gradient_at_the_origin_if_and_only_if_it_says_so(kernel: Radial) -> None:
+    """φ'(r) tends to zero with r, or it does not; at r = 0 the slope is a number."""
+    r = np.array([1e-40])
+    steep = abs(float((kernel.slope(r) * r)[0])) > 1e-3 * max(1.0, abs(float(kernel(1.0))))
+    assert kernel.differentiable != steep
+    assert np.isfinite(kernel.slope(0.0))
+
+
+def units_change_it_by_a_power(kernel: Radial) -> None:
+    """φ(r) = h^k φ_h(r/h) on λ that annihilate the polynomials, k the homogeneity."""
+    x = np.random.default_rng(1).random((12, 2))
+    h = 2.0**-3
+    z = null_space(x, kernel.order - 1)
+    here = z.T @ kernel(cdist(x, x)) @ z
+    there = z.T @ kernel.in_units(h)(cdist(x / h, x / h)) @ z
+    assert_close(h**kernel.homogeneity * there, here, 1e-11)
+
+
+def null_space(x: np.ndarray, degree: int) -> np.ndarray:
+    """Orthonormal λ with Σ λ_j p(x_j) = 0 for all polynomials p of the degree."""
+    b = all_monomials(x, degree) if degree >= 0 else np.zeros((len(x), 0))
+    return np.linalg.qr(b, mode="complete")[0][:, b.shape[1] :]
+
+
+def lowest(kernel: Radial, d: int, degree: int) -> float:
+    """Least eigenvalue of the quadratic form on the complement of the polynomials."""
+    worst = np.inf
+    for seed in range(4):
+        x = 3 * np.random.default_rng(seed).random((dimension(d, degree) + 11, d))
+        z = null_space(x, degree)
+        worst = min(worst, float(np.linalg.eigvalsh(z.T @ kernel(cdist(x, x)) @ z).min()))
+    return worst
+
+
+def its_form_is_positive_with_its_order(kernel: Radial) -> None:
+    """λᵀ A λ > 0 for λ orthogonal to the polynomials of degree order - 1."""
+    for d in (1, 2, 3):
+        if d <= kernel.dimensions:
+            assert lowest(kernel, d, kernel.order - 1) > -1e-11
+
+
+def its_order_is_the_smallest(kernel: Radial) -> None:
+    """With one degree less, some λ makes the form negative."""
+    if kernel.order > 0:
+        for d in (1, 2, 3):
+            assert lowest(kernel, d, kernel.order - 2) < -1e-3
+
+
+RADIAL_LAWS = [
+    the_slope_is_the_derivative,
+    squares_agree,
+    it_vanishes_beyond_its_support,
+    it_has_a_gradient_at_the_origin_if_and_only_if_it_says_so,
+    units_change_it_by_a_power,
+    its_form_is_positive_with_its_order,
+    its_order_is_the_smallest,
+]
+
+
+@pytest.mark.parametrize("name", CONTINUOUS)
+def test_every_radial_function_obeys_the_laws(name):
+    """They hold for the function as it declares itself."""
+    assert_obeyed(RADIAL_LAWS, CONTINUOUS[name], name)
+
+
+# --- mutants --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class wrong_sign(polyharmonic):
+    """-r³: the sign of the power before."""
+
+    def of_squared(self, s):
+        return -super().of_squared(s)
+
+    def slope_of_squared(self, s):
+        return -super().slope_of_squared(s)
+
+
+@dataclass(frozen=True)
+class shy_order(multiquadric):
+    """Without the constant that it needs."""
+
+    order = 0
+
+
+@dataclass(frozen=True)
+class boastful_order(multiquadric):
+    """Asks for linear polynomials that it does not need."""
+
+    order = 2
+
+
+@dataclass(frozen=True)
+class derivative_for_slope(gaussian):
+    """φ'(r) where φ'(r)/r is wanted."""
+
+    def slope_of_squared(self, s):
+        return super().slope_of_squared(s) * np.sqrt(s)
+
+
+@dataclass(frozen=True)
+class slope_of_distance(gaussian):
+    """Takes the square for the distance."""
+
+    def slope_of_squared(self, s):
+        return super().slope_of_squared(s**2)
+
+    def slope(self, r):
+        return super().slope_of_squared(np.asarray(r) ** 2)
+
+
+@dataclass(frozen=True)
+class endless(wendland):
+    """Without the cut at the radius: an even power comes back up."""
+
+    def of_squared(self, s):
+        return (1 - np.sqrt(s)) ** 4 * (4 * np.sqrt(s) + 1)
+
+
+@dataclass(frozen=True)
+class smooth_cone(polyharmonic):
+    """Claims a gradient at the tip of -r."""
+
+    differentiable = True
+
+
+@dataclass(frozen=True)
+class unit_forgotten(gaussian):
+    """Does not scale its length."""
+
+    def in_units(self, h):  # noqa: ARG002
+        return self
+
+
+RADIAL_MUTANTS = {
+    the_slope_is_the_derivative: derivative_for_slope(0.5),
+    squares_agree: slope_of_distance(0.5),
+    it_vanishes_beyond_its_support: endless(3, 1, 1.0),
+    it_has_a_gradient_at_the_origin_if_and_only_if_it_says_so: smooth_cone(1),
+    units_change_it_by_a_power: unit_forgotten(0.5),
+    its_form_is_positive_with_its_order: wrong_sign(3),
+    its_order_is_the_smallest: boastful_order(0.5),
+}
+
+
+@pytest.mark.parametrize(("law", "mutant"), [*RADIAL_MUTANTS.items()], ids=named)
+def test_the_law_catches_the_mutant(law, mutant):
+    """A wrong radial function breaks the law that is about its mistake."""
+    with pytest.raises(AssertionError):
+        law(mutant)
+
+
+def test_every_law_has_been_seen_to_fail():
+    """And the declaration of too low an order is caught as well."""
+    assert list(RADIAL_MUTANTS) == RADIAL_LAWS
+    with pytest.raises(AssertionError):
+        its_form_is_positive_with_its_order(shy_order(0.5))
+
+
+# --- at the ends of the range ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kernel", [*CONTINUOUS.values()], ids=[*CONTINUOUS])
+def test_values_are_numbers_from_the_smallest_distance_on(kernel):
+    """Also at r = 1e-300, where the square vanishes, and at zero it is the limit."""
+    r = np.array([0.0, 1e-300, 1e-200, 1e-100, 1e-20])
+    assert np.isfinite(kernel(r)).all()
+    assert np.isfinite(kernel.slope(r)).all()
+    assert_close(kernel(r) - kernel(1e-20), np.zeros(5), 1e-5)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        gaussian,
+        multiquadric,
+        inverse_multiquadric,
+        lambda s: matern(1.5, s),
+        lambda s: wendland(3, 1, s),
+        inverse_square,
+    ],
+)
+@pytest.mark.parametrize("scale", [1e-140, 1e140])
+def test_lengths_may_be_of_any_size(make, scale):
+    """φ depends on r/scale alone, but for the dimension of 1/(r² + ε²)."""
+    r = np.array([0.0, 0.3, 0.9])
+    power = scale ** make(1.0).homogeneity
+    assert_close(make(scale)(r * scale) / power, make(1.0)(r), 1e-12)
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e-200, 1e200, 1e300])
+@pytest.mark.parametrize("make", [gaussian, multiquadric, inverse_multiquadric, inverse_square])
+def test_no_length_stops_the_program(make, scale):
+    """Squares that leave the range of numbers give limits, not Python's own overflow."""
+    with np.errstate(all="ignore"):
+        assert not np.isnan(make(scale)(np.array([0.5, 1.0]))).any()
+        make(scale).slope(np.array([0.5, 1.0]))
+
+
+def test_far_away_compact_functions_vanish():
+    """Where r² exceeds all numbers, too."""
+    with np.errstate(over="ignore"):
+        assert float(wendland(3, 2, 1.0)(1e200)) == 0.0
+        assert float(wendland(3, 2, 1.0).slope(1e200)) == 0.0
+
+
+# --- refusals -------------------------------------------------------------------------------------
+
+NO_LENGTH = [0, -1, np.nan, np.inf, "0.1", None, True, 1j, np.array([0.1]), 10**400]
+
+
+@pytest.mark.parametrize("bad", NO_LENGTH, ids=lambda b: repr(b)[:12])
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (gaussian, "scale"),
+        (multiquadric, "scale"),
+        (inverse_multiquadric, "scale"),
+        (lambda b: matern(1.5, b), "scale"),
+        (lambda b: matern(b, 1.0), "nu"),
+        (lambda b: wendland(3, 1, b), "radius"),
+    ],
+)
+def test_what_is_no_length_is_refused(make, name, bad):
+    """By the name of the parameter, with what came."""
+    with pytest.raises(ValueError, match=f"{name} must be a positive number; got "):
+        make(bad)
+
+
+@pytest.mark.parametrize("bad", NO_LENGTH[1:], ids=lambda b: repr(b)[:12])
+def test_epsilon_may_be_zero_but_not_less(bad):
+    """ε = 0 has its meaning, interpolation."""
+    assert inverse_square(0).epsilon == 0.0
+    with pytest.raises(ValueError, match="epsilon must be zero or a positive number; got "):
+        inverse_square(bad)
+
+
+@pytest.mark.parametrize("bad", [0, -1, 1.5, True, "3", None])
+def test_powers_are_whole_and_positive(bad):
+    """r^k for k = 1, 2, ..."""
+    with pytest.raises(ValueError, match=r"k must be an integer, 1 or more; got "):
+        polyharmonic(bad)
+
+
+@pytest.mark.parametrize("bad", [0, -1, 1.5, True, "3", None])
+def test_wendland_s_dimension_is_whole_and_positive(bad):
+    """R^d for d = 1, 2, ..."""
+    with pytest.raises(ValueError, match=r"d must be an integer, 1 or more; got "):
+        wendland(bad, 1)
+
+
+@pytest.mark.parametrize("bad", [4, -1, 1.0, True, "1", None])
+def test_wendland_s_smoothness_is_one_of_four(bad):
+    """C^0, C^2, C^4 or C^6."""
+    with pytest.raises(ValueError, match="k must be 0, 1, 2 or 3; got "):
+        wendland(3, bad)
+
+
+def test_numpy_numbers_are_numbers():
+    """float32 lengths become doubles, so that their squares keep their digits."""
+    assert type(gaussian(np.float32(0.1)).scale) is float
+    assert type(inverse_square(np.int64(2)).epsilon) is float
+    assert replace(wendland(np.int64(3), np.int64(1)), radius=2).radius == 2.0
+    assert polyharmonic(np.int64(3)).order == 2
+
+
+def test_too_smooth_a_matern_is_refused():
+    """Beyond ν = 40 the Bessel functions leave the range of numbers near the origin."""
+    assert np.isfinite(matern(40, 1.0)(np.logspace(-12, 3, 100))).all()
+    assert_close(matern(40, 1.0)(np.array([1e-9, 1e-8, 1e-7, 1e-6])), np.ones(4), 1e-13)
+    with pytest.raises(ValueError, match=r"nu must be at most 40; got 41.*gaussian"):
+        matern(41, 1.0)

@@ -1,0 +1,769 @@
+"""Laws of meshes: topology counts, geometry closes, and nothing depends on origin, unit or order.
+
+A law is a plain function of a mesh, so that broken meshes can be shown to break it.
+"""
+
+import math
+import pickle
+from fractions import Fraction
+from itertools import combinations, permutations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial import ConvexHull
+from scipy.stats import ortho_group
+
+from fieldrecon.meshes import topology as _topology
+from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+
+EPS = np.finfo(float).eps
+SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
+
+
+def random_points(d: int, n: int = 60) -> np.ndarray:
+    return np.random.default_rng(8).random((n, d))
+
+
+def grid(d: int, n: int = 6) -> np.ndarray:
+    """Points of a regular grid: ties everywhere, and many points on each side of the hull."""
+    axis = np.arange(n) / (n - 1)
+    return np.stack(np.meshgrid(*[axis] * d, indexing="ij"), axis=-1).reshape(-1, d)
+
+
+def turned(points: np.ndarray) -> np.ndarray:
+    return points @ ortho_group.rvs(points.shape[1], random_state=2)
+
+
+CLOUDS = {
+    "random": random_points,
+    "grid": grid,
+    "turned grid": lambda d: turned(grid(d)),
+    "turned grid far away": lambda d: turned(grid(d)) + 1e6,
+}
+MESHES = {
+    f"{name} {d}-D": SimplexMesh.delaunay(cloud(d))
+    for name, cloud in CLOUDS.items()
+    for d in (2, 3)
+}
+every_mesh = pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES.keys())
+both_dimensions = pytest.mark.parametrize("d", [2, 3])
+
+
+def outward_vectors(mesh: SimplexMesh) -> np.ndarray:
+    """Normal times measure of the faces of each cell, outward, (c, d + 1, d)."""
+    vectors = mesh.face_normals * mesh.face_measures[:, None]
+    return mesh.cell_face_signs[..., None] * vectors[mesh.cell_faces]
+
+
+# --- laws -----------------------------------------------------------------------------------------
+
+
+def euler_s_formula_holds(mesh):
+    """The alternating sum over vertices, edges, faces, cells is that of a ball: 1."""
+    vertices, edges = mesh.referenced.sum(), len(mesh.edges)
+    if mesh.points.shape[1] == 2:
+        assert vertices - edges + len(mesh.cells) == 1
+    else:
+        assert vertices - edges + len(mesh.faces) - len(mesh.cells) == 1
+
+
+def faces_are_the_sides_of_cells(mesh):
+    """Each face once, increasing; the k-th of a cell lacks its k-th vertex."""
+    assert (np.diff(mesh.faces, axis=1) > 0).all()
+    assert len(np.unique(mesh.faces, axis=0)) == len(mesh.faces)
+    for k in range(mesh.cells.shape[1]):
+        side = np.sort(np.delete(mesh.cells, k, axis=1), axis=1)
+        assert np.array_equal(mesh.faces[mesh.cell_faces[:, k]], side)
+
+
+def cells_and_faces_know_each_other(mesh):
+    """Cell i has face f if and only if face f has cell i."""
+    of_cells = {(i, f) for i, row in enumerate(mesh.cell_faces.tolist()) for f in row}
+    pairs = ((i, f) for f, row in enumerate(mesh.face_cells.tolist()) for i in row)
+    assert of_cells == {pair for pair in pairs if pair[0] >= 0}
+    one, two = mesh.face_cells.T
+    assert (one >= 0).all()
+    assert ((two > one) | (two == -1)).all()
+    assert np.array_equal(mesh.boundary_faces, np.flatnonzero(two == -1))
+
+
+def cells_are_positive(mesh):
+    """The determinant of the edges from the first vertex."""
+    corners = mesh.points[mesh.cells]
+    assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all()
+    assert (mesh.cell_measures > 0).all()
+
+
+def normals_lead_from_the_first_cell_to_the_second(mesh):
+    """Units, away from the vertex opposite in the first, towards that in the second."""
+    np.testing.assert_allclose(np.linalg.norm(mesh.face_normals, axis=1), 1, rtol=4 * EPS)
+    opposite = mesh.points[mesh.cells] - mesh.face_centers[mesh.cell_faces]
+    along = np.einsum("cki,cki->ck", opposite, mesh.face_normals[mesh.cell_faces])
+    assert (along * mesh.cell_face_signs < 0).all()
+    assert (mesh.cell_face_signs[mesh.face_cells[:, 0]] != 0).all()
+    first = mesh.face_cells[mesh.cell_faces, 0] == np.arange(len(mesh.cells))[:, None]
+    assert np.array_equal(mesh.cell_face_signs > 0, first)
+
+
+def normals_are_perpendicular_to_faces(mesh):
+    """To every edge of the face."""
+    corners = mesh.points[mesh.faces]
+    edges = corners[:, 1:] - corners[:, :1]
+    along = np.einsum("fki,fi->fk", edges, mesh.face_normals)
+    assert (np.abs(along) <= 16 * EPS * np.linalg.norm(edges, axis=2)).all()
+
+
+def cells_are_closed(mesh):
+    """Outward normals times measures sum to zero."""
+    vectors = outward_vectors(mesh)
+    size = np.abs(vectors).max(axis=(1, 2))
+    assert (np.abs(vectors.sum(axis=1)).max(axis=1) <= 16 * EPS * size).all()
+
+
+def the_divergence_theorem_holds(mesh):
+    """The flux of u(x) = a + G x out of a cell is tr G times its measure."""
+    rng = np.random.default_rng(4)
+    d = mesh.points.shape[1]
+    g, origin = rng.normal(size=(d, d)), mesh.points.mean(axis=0)
+    u = rng.normal(size=d) + (mesh.face_centers - origin) @ g.T
+    flux = np.einsum("cki,cki->c", outward_vectors(mesh), u[mesh.cell_faces])
+    size = np.abs(u).max() * mesh.face_measures[mesh.cell_faces].max(axis=1)
+    # the centroids are rounded to the digits of the coordinates
+    tolerance = 40 * (EPS * size + np.spacing(np.abs(mesh.points).max()) * size / np.abs(u).max())
+    assert (np.abs(flux - np.trace(g) * mesh.cell_measures) <= tolerance).all()
+
+
+def cells_fill_the_hull(mesh):
+    """Cells add up to the hull, and the boundary to its boundary: no gap, no overlap, no crack."""
+    local = mesh.points - mesh.points[0]
+    hull = ConvexHull(local)
+    rounding = 100 * max(np.spacing(np.abs(mesh.points).max()), EPS)
+    assert math.isclose(mesh.cell_measures.sum(), hull.volume, rel_tol=rounding)
+    boundary = mesh.face_measures[mesh.boundary_faces].sum()
+    assert math.isclose(boundary, hull.area, rel_tol=rounding)
+
+
+def circumcentres_have_the_same_distance_to_all_corners(mesh):
+    """Of cells and of faces."""
+    for corners, centers in [
+        (mesh.points[mesh.cells], mesh.circumcenters),
+        (mesh.points[mesh.faces], mesh.face_circumcenters),
+    ]:
+        distance = np.linalg.norm(corners - centers[:, None], axis=2)
+        size = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2).max(axis=1)
+        radius = distance.max(axis=1)
+        tolerance = 100 * EPS * (radius / size) ** 2 * size + np.spacing(np.abs(corners).max()) * 4
+        assert (np.ptp(distance, axis=1) <= tolerance * np.maximum(radius / size, 1)).all()
+
+
+def circumcentric_duals_are_perpendicular(mesh):
+    """Each dual edge to its face, so far as its ends are rounded."""
+    segments, faces = circumcentric_dual(mesh)
+    corners = mesh.points[mesh.faces[faces]]
+    edges = corners[:, 1:] - corners[:, :1]
+    dual = segments[:, 1] - segments[:, 0]
+    along = np.abs(np.einsum("fki,fi->fk", edges, dual)) / np.linalg.norm(edges, axis=2)
+    radii = np.linalg.norm(segments - corners[:, :1], axis=2).max(axis=1)
+    shortest = np.linalg.norm(edges, axis=2).min(axis=1)
+    tolerance = 100 * (EPS * radii + np.spacing(np.abs(segments).max())) * (radii / shortest + 1)
+    assert (along <= tolerance[:, None]).all()
+
+
+LAWS = [
+    euler_s_formula_holds,
+    faces_are_the_sides_of_cells,
+    cells_and_faces_know_each_other,
+    cells_are_positive,
+    normals_lead_from_the_first_cell_to_the_second,
+    normals_are_perpendicular_to_faces,
+    cells_are_closed,
+    the_divergence_theorem_holds,
+    cells_fill_the_hull,
+    circumcentres_have_the_same_distance_to_all_corners,
+    circumcentric_duals_are_perpendicular,
+]
+
+
+@every_mesh
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.__name__)
+def test_laws(law, mesh):
+    """Each holds for each mesh."""
+    law(mesh)
+
+
+# --- mistakes that the laws catch -----------------------------------------------------------------
+
+
+def spoiled(d: int, **arrays) -> SimplexMesh:
+    """A mesh with some of its arrays put in place by hand, given as functions of the right mesh."""
+    right, wrong = MESHES[f"random {d}-D"], SimplexMesh.delaunay(random_points(d))
+    for name, make in arrays.items():
+        wrong.__dict__[name] = make(right)
+    return wrong
+
+
+def crossed(mesh):
+    """Cells whose first two vertices are exchanged."""
+    return mesh.cells[:, [1, 0, *range(2, mesh.cells.shape[1])]]
+
+
+def textbook_circumcenters(mesh):
+    """From squares of coordinates, which an offset drowns."""
+    corners = mesh.points[mesh.cells]
+    squares = (corners**2).sum(axis=2)
+    edges = corners[:, 1:] - corners[:, :1]
+    return np.linalg.solve(2 * edges, (squares[:, 1:] - squares[:, :1])[..., None])[..., 0]
+
+
+MISTAKES = {
+    "a cell is missing": (
+        cells_fill_the_hull,
+        lambda d: SimplexMesh(random_points(d), MESHES[f"random {d}-D"].cells[1:]),
+    ),
+    "one hole": (
+        euler_s_formula_holds,
+        lambda d: SimplexMesh(
+            grid(d), np.array([c for c in MESHES[f"grid {d}-D"].cells if 2 * 6**d // 5 not in c])
+        ),
+    ),
+    "faces in another order": (
+        faces_are_the_sides_of_cells,
+        lambda d: spoiled(d, cell_faces=lambda m: m.cell_faces[:, ::-1]),
+    ),
+    "neighbours exchanged": (
+        cells_and_faces_know_each_other,
+        lambda d: spoiled(d, face_cells=lambda m: m.face_cells[::-1]),
+    ),
+    "negative cells": (cells_are_positive, lambda d: spoiled(d, cells=crossed)),
+    "normals inward": (
+        normals_lead_from_the_first_cell_to_the_second,
+        lambda d: spoiled(d, _face_vectors=lambda m: (-m.face_normals, m.face_measures)),
+    ),
+    "normals from cell centres": (
+        normals_are_perpendicular_to_faces,
+        lambda d: spoiled(
+            d, _face_vectors=lambda m: (np.ones_like(m.face_normals), m.face_measures)
+        ),
+    ),
+    "measures not of the faces": (
+        cells_are_closed,
+        lambda d: spoiled(d, _face_vectors=lambda m: (m.face_normals, 0 * m.face_measures + 1)),
+    ),
+    "twice the measure": (
+        the_divergence_theorem_holds,
+        lambda d: spoiled(d, cell_measures=lambda m: 2 * m.cell_measures),
+    ),
+    "centroids": (
+        circumcentres_have_the_same_distance_to_all_corners,
+        lambda d: spoiled(d, circumcenters=lambda m: m.cell_centers),
+    ),
+    "centroids of faces": (
+        circumcentric_duals_are_perpendicular,
+        lambda d: spoiled(d, circumcenters=lambda m: m.cell_centers),
+    ),
+}
+
+
+@both_dimensions
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_law_catches_its_mistake(mistake, d):
+    """What is wrong in one way breaks the law about it."""
+    law, make = MISTAKES[mistake]
+    mesh = make(d)
+    with pytest.raises(AssertionError):
+        law(mesh)
+
+
+def test_every_law_has_a_mistake():
+    """No law that nothing breaks."""
+    assert {law for law, _ in MISTAKES.values()} == set(LAWS)
+
+
+# --- counts round a vertex ------------------------------------------------------------------------
+
+
+def around(mesh: SimplexMesh, i: int) -> tuple[int, int, int]:
+    """Cells, faces and edges at vertex i, each counted from its own list."""
+    return tuple(
+        int((rows == i).any(axis=1).sum()) for rows in (mesh.cells, mesh.faces, mesh.edges)
+    )
+
+
+def test_a_vertex_in_the_plane_has_as_many_faces_as_cells():
+    """Inside N cells and N faces, which are the edges; on the boundary N cells and N + 1 faces."""
+    mesh = MESHES["random 2-D"]
+    for i in range(len(mesh.points)):
+        cells, faces, _ = around(mesh, i)
+        assert faces == cells + mesh.boundary_vertices[i]
+
+
+def test_a_vertex_in_space_has_half_as_many_faces_again():
+    """Inside N cells, 3N/2 faces and N/2 + 2 edges: the link is a triangulated sphere."""
+    mesh = MESHES["random 3-D"]
+    inside = np.flatnonzero(~mesh.boundary_vertices)
+    assert len(inside) > 10
+    for i in inside:
+        cells, faces, edges = around(mesh, i)
+        assert (2 * faces, 2 * edges) == (3 * cells, cells + 4)
+
+
+@every_mesh
+def test_incidence_is_membership(mesh):
+    """Of vertices in cells and in faces, and of faces in cells: ones where they are listed."""
+    for matrix, rows in [
+        (mesh.vertex_cell_incidence, mesh.cells),
+        (mesh.vertex_face_incidence, mesh.faces),
+        (mesh.cell_face_incidence.T, mesh.cell_faces),
+    ]:
+        wanted = {(v, j) for j, row in enumerate(rows.tolist()) for v in row}
+        assert set(zip(*map(np.ndarray.tolist, matrix.nonzero()), strict=True)) == wanted
+        assert (matrix.tocsr().data == 1).all()
+    assert mesh.vertex_cells(3).tolist() == np.flatnonzero((mesh.cells == 3).any(axis=1)).tolist()
+
+
+@both_dimensions
+def test_rings_grow_by_the_cells_of_their_vertices(d):
+    """The k-th ring by its definition, with sets; for all vertices, and for some."""
+    mesh = MESHES[f"random {d}-D"]
+    for rings in (1, 2, 3):
+        cells, faces = mesh.cells_around(rings), mesh.faces_around(rings)
+        for i in (0, 7, 31):
+            vertices = {i}
+            for _ in range(rings):
+                ring = [c for c, row in enumerate(mesh.cells.tolist()) if vertices & set(row)]
+                vertices = set(mesh.cells[ring].ravel().tolist())
+            assert np.flatnonzero(cells[[i]].toarray()).tolist() == ring
+            sides = np.unique(mesh.cell_faces[ring])
+            assert np.flatnonzero(faces[[i]].toarray()).tolist() == sides.tolist()
+        some = mesh.faces_around(rings, [31, 7])
+        assert np.array_equal(some.toarray(), faces[[31, 7]].toarray())
+        assert faces.max() == cells.max() == 1
+
+
+# --- exact values ---------------------------------------------------------------------------------
+
+
+def exact_circumcentre(corners: np.ndarray) -> list[Fraction]:
+    """By Gaussian elimination in rational numbers."""
+    p = [[Fraction(x) for x in corner] for corner in corners.tolist()]
+    edges = [[a - b for a, b in zip(q, p[0], strict=True)] for q in p[1:]]
+    rows = [[*e, sum(x * x for x in e) / 2] for e in edges]
+    for k in range(len(rows)):
+        pivot = next(i for i in range(k, len(rows)) if rows[i][k])
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        rows[k] = [x / rows[k][k] for x in rows[k]]
+        for i in range(len(rows)):
+            if i != k:
+                rows[i] = [x - rows[i][k] * y for x, y in zip(rows[i], rows[k], strict=True)]
+    return [row[-1] + x for row, x in zip(rows, p[0], strict=True)]
+
+
+@both_dimensions
+@pytest.mark.parametrize("offset", [0.0, 1e6])
+@pytest.mark.parametrize("thin", [1.0, 1e-3, 1e-6])
+def test_circumcentres_against_rational_numbers(d, offset, thin):
+    """Slivers far away keep the digits that their coordinates determine: error ≲ ε R²/h."""
+    rng = np.random.default_rng(6)
+    stretch = np.r_[np.ones(d - 1), thin]
+    for _ in range(20):
+        corners = rng.normal(size=(d + 1, d)) * stretch + offset
+        mesh = SimplexMesh(corners, [range(d + 1)])
+        exact = exact_circumcentre(corners)
+        error = max(
+            abs(float(Fraction(c) - e)) for c, e in zip(mesh.circumcenters[0], exact, strict=True)
+        )
+        radius = float(max(abs(e - Fraction(x)) for e, x in zip(exact, corners[0], strict=True)))
+        height = mesh.cell_measures[0] / mesh.face_measures.max()
+        assert error <= 20 * EPS * radius * max(1, radius / height) + 2 * np.spacing(offset)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_circumcentres_from_squares_fail_far_away(d):
+    """The textbook form keeps no digit at an offset of 10⁸ where differences keep eight."""
+    points = random_points(d, 20) + 1e8
+    mesh = SimplexMesh.delaunay(points)
+    mesh.__dict__["circumcenters"] = textbook_circumcenters(mesh)
+    with pytest.raises(AssertionError):
+        circumcentres_have_the_same_distance_to_all_corners(mesh)
+    circumcentres_have_the_same_distance_to_all_corners(SimplexMesh.delaunay(points))
+
+
+@both_dimensions
+def test_the_reference_simplex(d):
+    """Measure 1/d!, circumcentre (1/2, …), and so on; its slanted face is opposite vertex 0."""
+    mesh = SimplexMesh(np.vstack([np.zeros(d), np.eye(d)]), [range(d + 1)])
+    assert math.isclose(mesh.cell_measures[0], 1 / math.factorial(d), rel_tol=4 * EPS)
+    np.testing.assert_allclose(mesh.circumcenters[0], 0.5, rtol=4 * EPS)
+    np.testing.assert_allclose(mesh.cell_centers[0], 1 / (d + 1), rtol=4 * EPS)
+    slanted = mesh.cell_faces[0, 0]
+    np.testing.assert_allclose(mesh.face_normals[slanted], 1 / math.sqrt(d), rtol=4 * EPS)
+    np.testing.assert_allclose(mesh.face_circumcenters[slanted], 1 / d, rtol=4 * EPS)
+    np.testing.assert_allclose(mesh.face_centers[slanted], 1 / d, rtol=4 * EPS)
+    assert math.isclose(mesh.face_measures[slanted], math.sqrt(d) / math.factorial(d - 1))
+
+
+# --- what must not matter -------------------------------------------------------------------------
+
+GEOMETRY = ("cell_measures", "circumcenters", "face_measures", "face_normals", "face_circumcenters")
+
+
+@both_dimensions
+def test_orientation_does_not_matter(d):
+    """Any permutation of the vertices of any cell is the same mesh."""
+    right, rng = MESHES[f"random {d}-D"], np.random.default_rng(1)
+    shuffled = rng.permuted(right.cells, axis=1)
+    mesh = SimplexMesh(right.points, shuffled)
+    cells_are_positive(mesh)
+    assert np.array_equal(mesh.faces, right.faces)
+    assert np.array_equal(mesh.face_cells, right.face_cells)
+    assert np.array_equal(mesh.boundary_vertices, right.boundary_vertices)
+    for name in GEOMETRY:
+        np.testing.assert_allclose(getattr(mesh, name), getattr(right, name), rtol=1e-9, atol=1e-12)
+
+
+@both_dimensions
+def test_a_positive_cell_keeps_its_order(d):
+    """Even permutations stay as given; of odd ones the last two vertices are exchanged."""
+    points = np.vstack([np.zeros(d), np.eye(d)])
+    for order in permutations(range(d + 1)):
+        mesh = SimplexMesh(points, [order])
+        swapped = (*order[:-2], order[-1], order[-2])
+        inversions = sum(a > b for a, b in combinations(order, 2))
+        assert tuple(mesh.cells[0]) == (swapped if inversions % 2 else order)
+
+
+@both_dimensions
+def test_the_order_of_points_and_cells_does_not_matter(d):
+    """Renumbered, the mesh has the same cells and faces under their new numbers."""
+    right, rng = MESHES[f"random {d}-D"], np.random.default_rng(1)
+    number, order = rng.permutation(len(right.points)), rng.permutation(len(right.cells))
+    points = np.empty_like(right.points)
+    points[number] = right.points
+    mesh = SimplexMesh(points, number[right.cells[order]])
+    assert np.array_equal(mesh.cell_measures, right.cell_measures[order])
+    assert np.array_equal(mesh.circumcenters, right.circumcenters[order])
+    renumbered = np.sort(number[right.faces], axis=1)
+    which = np.lexsort(renumbered.T[::-1])
+    assert np.array_equal(mesh.faces, renumbered[which])
+    np.testing.assert_allclose(mesh.face_measures, right.face_measures[which], rtol=1e-12)
+    outward = np.isin(np.arange(len(which)), mesh.boundary_faces)
+    np.testing.assert_allclose(
+        mesh.face_normals[outward], right.face_normals[which][outward], atol=1e-12
+    )
+
+
+@both_dimensions
+@pytest.mark.parametrize("unit", [2.0**-330, 2.0**330])
+def test_the_unit_does_not_matter(d, unit):
+    """Bit for bit, in units of 10⁻¹⁰⁰ and of 10¹⁰⁰."""
+    right = MESHES[f"random {d}-D"]
+    mesh = SimplexMesh.delaunay(right.points * unit)
+    assert np.array_equal(mesh.cells, right.cells)
+    assert np.array_equal(mesh.face_normals, right.face_normals)
+    assert np.array_equal(mesh.circumcenters, right.circumcenters * unit)
+    assert np.array_equal(mesh.face_measures, right.face_measures * unit ** (d - 1))
+    assert np.array_equal(mesh.cell_measures, right.cell_measures * unit**d)
+
+
+@both_dimensions
+def test_the_origin_does_not_matter(d):
+    """A mesh moved by 10⁶ loses the digits that its coordinates lose, and no more."""
+    points = np.round(random_points(d) * 2**20) / 2**20  # exact there too
+    right, mesh = SimplexMesh.delaunay(points), SimplexMesh.delaunay(points + 1e6)
+    assert np.array_equal(mesh.cells, right.cells)
+    for name in ("cell_measures", "face_measures", "face_normals"):
+        assert np.array_equal(getattr(mesh, name), getattr(right, name))
+    near = np.linalg.norm(right.circumcenters - 0.5, axis=1) < 10
+    np.testing.assert_allclose(
+        (mesh.circumcenters - 1e6)[near], right.circumcenters[near], atol=1e-9
+    )
+
+
+@both_dimensions
+def test_the_axes_do_not_matter(d):
+    """Circumcentres and normals turn with the points, measures stay."""
+    q = ortho_group.rvs(d, random_state=5)
+    right = MESHES[f"random {d}-D"]
+    mesh = SimplexMesh(right.points @ q.T, right.cells)
+    np.testing.assert_allclose(mesh.cell_measures, right.cell_measures, rtol=1e-9)
+    np.testing.assert_allclose(mesh.face_normals, right.face_normals @ q.T, atol=1e-12)
+    np.testing.assert_allclose(mesh.face_circumcenters, right.face_circumcenters @ q.T, rtol=1e-8)
+
+
+def test_faces_sort_the_same_with_many_points():
+    """Indices too large to be packed into one number are sorted column by column."""
+    rows = np.sort(
+        np.random.default_rng(0).permuted(np.tile(np.arange(50), (80, 1)), axis=1)[:, :3]
+    )
+    packed, by_column = (_topology._lexicographic_order(rows, n) for n in (50, 2**40))
+    assert np.array_equal(rows[packed], rows[by_column])
+    assert rows[packed].tolist() == sorted(rows.tolist())
+
+
+def test_arrays_are_read_only_and_pickled_copies_too():
+    """A mesh is what it was made from; copies come back without what was computed."""
+    points = random_points(2)
+    mesh = SimplexMesh.delaunay(points)
+    given, kept = points.copy(), mesh.cells.copy()
+    points[:] = 0
+    assert np.array_equal(mesh.points, given)
+    copy = pickle.loads(pickle.dumps(mesh))
+    assert np.array_equal(copy.cells, kept)
+    for m in (mesh, copy):
+        for name in ("points", "cells", "faces", "cell_faces", "circumcenters", "face_normals"):
+            with pytest.raises(ValueError, match="read-only"):
+                getattr(m, name)[0] = 0
+        with pytest.raises(ValueError, match="read-only"):
+            m.cells_around().data[0] = 5
+        with pytest.raises(AttributeError):
+            m.points = given
+
+
+def test_a_point_of_no_cell_stays_and_does_nothing():
+    """It has no cells and no rings, is on no boundary, and changes no other array."""
+    with_it = SimplexMesh([*SQUARE, [9, 9]], [[0, 1, 2], [0, 2, 3]])
+    without = SimplexMesh(SQUARE, [[0, 1, 2], [0, 2, 3]])
+    assert with_it.referenced.tolist() == [True] * 4 + [False]
+    assert not with_it.boundary_vertices[4]
+    assert with_it.vertex_cells(4).tolist() == []
+    assert with_it.faces_around(2, [4]).nnz == 0
+    assert np.array_equal(with_it.faces, without.faces)
+    assert np.array_equal(with_it.circumcenters, without.circumcenters)
+
+
+# --- Delaunay -------------------------------------------------------------------------------------
+
+
+@every_mesh
+def test_no_point_lies_within_the_circumcircle_of_a_cell(mesh):
+    """But by what breaks ties and rounds coordinates."""
+    distance = np.linalg.norm(mesh.points - mesh.circumcenters[:, None], axis=2)
+    radius = np.linalg.norm(mesh.points[mesh.cells[:, 0]] - mesh.circumcenters, axis=1)
+    assert (distance.min(axis=1) >= radius * (1 - 1e-4)).all()
+
+
+def lengths_forward(mesh: SimplexMesh) -> np.ndarray:
+    """Of the circumcentric dual edges inside, along the normals: negative where they run back."""
+    segments, faces = circumcentric_dual(mesh)
+    along = np.einsum("fi,fi->f", segments[:, 1] - segments[:, 0], mesh.face_normals[faces])
+    return along[mesh.face_cells[faces, 1] >= 0]
+
+
+@every_mesh
+def test_delaunay_duals_do_not_run_backwards(mesh):
+    """But by what breaks ties and rounds coordinates."""
+    assert (lengths_forward(mesh) >= -1e-4).all()
+
+
+def test_the_dual_across_the_wrong_diagonal_runs_backwards():
+    """In a flat rhombus the circle of a triangle on the long diagonal holds the other corner."""
+    rhombus = [[0, 0], [2, -1], [4, 0], [2, 1]]
+    assert lengths_forward(SimplexMesh(rhombus, [[0, 1, 2], [0, 2, 3]])).tolist() == [-3]
+    assert lengths_forward(SimplexMesh.delaunay(rhombus)).tolist() == [1.5]
+
+
+@pytest.mark.parametrize(("n", "cells"), [(6, 50), (12, 242)])
+def test_a_grid_of_squares_has_two_triangles_each(n, cells):
+    """Wherever it lies and however it is turned: no flat triangle is kept along its sides."""
+    assert len(SimplexMesh.delaunay(grid(2, n)).cells) == cells
+    assert len(SimplexMesh.delaunay(turned(grid(2, n))).cells) == cells
+    assert len(SimplexMesh.delaunay(turned(grid(2, n)) + 1e6).cells) == cells
+
+
+def test_a_grid_of_cubes_has_five_or_six_tetrahedra_each():
+    """No flat one between two cubes, and no crack in its place."""
+    for points in (grid(3, 8), turned(grid(3, 8)), turned(grid(3, 8)) + 1e6):
+        mesh = SimplexMesh.delaunay(points)
+        assert 5 * 7**3 <= len(mesh.cells) <= 6 * 7**3
+        cells_fill_the_hull(mesh)
+
+
+LATTICE = st.integers(2, 3).flatmap(
+    lambda d: st.lists(
+        st.tuples(*[st.integers(-3, 3)] * d), min_size=d + 1, max_size=25, unique=True
+    )
+)
+
+
+@given(LATTICE, st.sampled_from([1.0, 1e-90, 1e90]), st.sampled_from([0.0, 1e5]))
+def test_points_of_a_lattice_make_a_mesh_or_lie_flat(points, unit, offset):
+    """Ties, lines and planes everywhere: all topological laws hold, no point is left out."""
+    x = (np.array(points, dtype=float) + offset) * unit
+    if np.linalg.matrix_rank(np.array(points[1:]) - points[0]) < x.shape[1]:
+        with pytest.raises(np.linalg.LinAlgError, match=r"lie on one (line|plane) within rounding"):
+            SimplexMesh.delaunay(x)
+        return
+    mesh = SimplexMesh.delaunay(x)
+    assert mesh.referenced.all()
+    euler_s_formula_holds(mesh)
+    cells_and_faces_know_each_other(mesh)
+    hull = ConvexHull(np.array(points, dtype=float))
+    d = x.shape[1]
+    assert math.isclose(mesh.cell_measures.sum() / unit**d, hull.volume, rel_tol=1e-9)
+    boundary = mesh.face_measures[mesh.boundary_faces].sum() / unit ** (d - 1)
+    assert math.isclose(boundary, hull.area, rel_tol=1e-9)
+
+
+@given(LATTICE, st.lists(st.lists(st.integers(-1, 12), min_size=4, max_size=4), max_size=6))
+def test_arrays_are_a_mesh_or_are_refused_in_words(points, cells):
+    """Whatever they hold."""
+    x = np.array(points, dtype=float)
+    try:
+        mesh = SimplexMesh(x, np.array(cells, dtype=int).reshape(-1, 4)[:, : x.shape[1] + 1])
+    except ValueError as error:
+        told = str(error)
+    else:
+        told = ""
+    if told:
+        assert told.startswith(("cells must", "at most two cells"))
+        return
+    cells_and_faces_know_each_other(mesh)
+    faces_are_the_sides_of_cells(mesh)
+    cells_are_closed(mesh)
+    normals_lead_from_the_first_cell_to_the_second(mesh)
+
+
+# --- barycentric dual -----------------------------------------------------------------------------
+
+
+@every_mesh
+def test_barycentric_duals_stay_in_their_cells(mesh):
+    """From the centroid of a cell to those of its faces: d + 1 segments that sum to zero."""
+    segments, faces = barycentric_dual(mesh)
+    arms = (segments[:, 1] - segments[:, 0]).reshape(len(mesh.cells), -1, mesh.points.shape[1])
+    assert np.array_equal(faces.reshape(len(mesh.cells), -1), mesh.cell_faces)
+    rounding = 8 * np.spacing(np.abs(mesh.points).max())
+    np.testing.assert_allclose(arms.sum(axis=1), 0, atol=rounding)
+    towards = np.einsum("cki,cki->ck", arms, outward_vectors(mesh))
+    d = mesh.points.shape[1]
+    expected = np.broadcast_to(mesh.cell_measures[:, None] * d / (d + 1), towards.shape)
+    np.testing.assert_allclose(towards, expected, rtol=1e-12, atol=rounding)
+
+
+# --- errors ---------------------------------------------------------------------------------------
+
+TETRAHEDRA = np.vstack([np.zeros(3), np.eye(3), [1, 1, 1]])
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "words"),
+    [
+        (SQUARE, [[0, 1, 1]], r"distinct vertices; cells\[0\] is \[0, 1, 1\]"),
+        (SQUARE, [[0, 1, 4]], r"cells must index 4 points; cells\[0, 2\] is 4"),
+        (SQUARE, [[0, 1, 2], [0, -1, 2]], r"cells\[1, 1\] is -1"),
+        (SQUARE, [[0.0, 1.0, 2.0]], "cells must be integers; got the type float64"),
+        (SQUARE, [[0, 1, 2, 3]], r"cells must be triangles, shape \(c, 3\); got \(1, 4\)"),
+        (SQUARE, np.zeros((0, 3), dtype=int), r"cells must be triangles.* got \(0, 3\)"),
+        (SQUARE, [[0, 1, 2], [0, 1]], "cells must be triangles; the rows differ in length"),
+        (TETRAHEDRA, [[0, 1, 2]], r"cells must be tetrahedra, shape \(c, 4\); got \(1, 3\)"),
+        ([[0, 0], [1, 0], [np.nan, 1]], [[0, 1, 2]], r"points must be finite; points\[2, 0\]"),
+        ([[0.0], [1.0]], [[0, 1]], r"shape \(n, 2\) or \(n, 3\); got \(2, 1\)"),
+        (
+            [[0, 0], [0.1, 0.1], [0.3, 0.3], [1, 0]],
+            [[0, 1, 3], [0, 1, 2]],
+            r"cell 1 is: its vertices \[0, 1, 2\] lie on one line within rounding$",
+        ),
+        (
+            [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]],
+            [[0, 1, 2, 3], [1, 0, 2, 3]],
+            "lie on one plane within rounding; so are 1 others",
+        ),
+        (
+            [[0, 0], [1, 0], [0, 1], [1, 1], [0, -1]],
+            [[0, 1, 2], [0, 1, 4], [1, 0, 3]],
+            r"at most two cells .* face \[0, 1\] belongs to the cells 0, 1, 2",
+        ),
+        (
+            SQUARE,
+            [[0, 1, 2], [0, 1, 3]],
+            r"must not overlap; the cells 0 and 1 lie on the same side of .* face \[0, 1\]",
+        ),
+        (
+            TETRAHEDRA,
+            [[0, 1, 2, 3], [0, 1, 2, 4]],
+            r"cells 0 and 1 lie on the same side of their common face \[0, 1, 2\]",
+        ),
+    ],
+)
+def test_what_is_no_mesh_is_refused(points, cells, words):
+    """In words that name the cell or the face."""
+    with pytest.raises(ValueError, match=words):
+        SimplexMesh(points, cells)
+
+
+@both_dimensions
+@pytest.mark.parametrize("unit", [1.0, 1e-90, 1e90])
+def test_a_thin_cell_is_not_flat(d, unit):
+    """A needle with a base of 10⁻¹² is a cell, in any unit; its measure is known to all digits."""
+    base = 1e-12
+    points = np.vstack([np.zeros(d), np.eye(d)])
+    points[1:d] *= base
+    mesh = SimplexMesh(points[::-1] * unit, [range(d + 1)])
+    assert math.isclose(
+        mesh.cell_measures[0] / unit**d, base ** (d - 1) / math.factorial(d), rel_tol=1e-14
+    )
+
+
+def test_two_short_edges_far_apart_are_no_flat_tetrahedron():
+    """From no corner do three edges show its volume; from two ends they do."""
+    h = 1e-10
+    mesh = SimplexMesh([[0, 0, 0], [h, 0, 0], [0, 0, 1], [0, h, 1]], [[0, 1, 2, 3]])
+    assert math.isclose(mesh.cell_measures[0], h * h / 6, rel_tol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("points", "error", "words"),
+    [
+        (
+            [[0, 0], [1, 0]],
+            ValueError,
+            "points must be at least 3 for a mesh in 2 dimensions; got 2",
+        ),
+        ([*SQUARE, [1, 0], [0, 0]], ValueError, "points 0 and 5 coincide, and 1 more repeat"),
+        ([*SQUARE, [1, 1 + 1e-16 / 2]], ValueError, "points 2 and 4 coincide$"),
+        (
+            [*SQUARE, [0.5, 0.5], [0.5, 0.5 + 1e-16]],
+            ValueError,
+            "point [45] is a corner of no cell",
+        ),
+        ([[0, 0], [1, 1], [2, 2]], np.linalg.LinAlgError, "lie on one line within rounding"),
+        (np.eye(5, 3) * [1, 1, 0], ValueError, "points 2 and 3 coincide"),
+        (np.c_[random_points(2), np.ones(60)], np.linalg.LinAlgError, "lie on one plane"),
+        ([[-1e308, 0], [1.7e308, 0], [0, 1.7e308]], OverflowError, "extent of the points exceeds"),
+        ([[0.0], [1.0], [2.0]], ValueError, r"shape \(n, 2\) or \(n, 3\); got \(3, 1\)"),
+    ],
+)
+def test_points_without_a_mesh_are_refused(points, error, words):
+    """In words that name the points."""
+    with pytest.raises(error, match=words):
+        SimplexMesh.delaunay(points)
+
+
+def test_vertices_and_rings_are_checked():
+    """Indices, and at least one ring."""
+    mesh = MESHES["random 2-D"]
+    for wrong in (-1, 60):
+        with pytest.raises(ValueError, match=f"indices of points, 0 to 59; got {wrong}"):
+            mesh.vertex_cells(wrong)
+    with pytest.raises(ValueError, match=r"vertices must be indices of points, .* float64"):
+        mesh.cells_around(1, [0.5])
+    for wrong in (0, 1.5, True):
+        with pytest.raises(ValueError, match=f"rings must be an integer, 1 or more; got {wrong}"):
+            mesh.faces_around(wrong)
+    assert mesh.cells_around(2, []).shape == (0, len(mesh.cells))
+
+
+def test_what_exceeds_the_range_is_told():
+    """Volumes that overflow or vanish, and cells whose size does."""
+    for unit in (1e-150, 1e150):
+        mesh = SimplexMesh(np.vstack([np.zeros(3), np.eye(3)]) * unit, [[0, 1, 2, 3]])
+        np.testing.assert_allclose(mesh.circumcenters, unit / 2)
+        with pytest.raises(
+            OverflowError, match="volumes exceed the range of floating-point numbers"
+        ):
+            mesh.cell_measures  # noqa: B018
+    with pytest.raises(OverflowError, match="the size of cell 0 exceeds the range"):
+        SimplexMesh([[-1e308, 0], [1e308, 0], [0, 1]], [[0, 1, 2]])

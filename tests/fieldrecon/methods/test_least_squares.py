@@ -1,0 +1,237 @@
+"""Least squares: against the normal equations of the slides, NumPy, and digits that do not end."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from cases import CASES, Case, case
+from fieldrecon.methods.least_squares import LeastSquares, normal_equations
+from fieldrecon.polynomials import dimension, monomials
+from laws import assert_close, refused
+
+EXACT = 1e-10
+POINTS = np.random.default_rng(1).random((30, 2))
+VALUES = np.exp(POINTS[:, 0]) * np.cos(3 * POINTS[:, 1])
+POLYNOMIALS = [c for c in CASES if isinstance(c.method, LeastSquares)]
+
+
+@pytest.mark.parametrize("case", POLYNOMIALS, ids=lambda case: case.name)
+def test_it_is_the_least_squares_solution_of_numpy(case: Case):
+    """c = argmin |Bc - V|² in the monomials of the slides, by numpy.linalg.lstsq."""
+    b = monomials(case.sites, case.method.degree)
+    c = np.linalg.lstsq(b, case.data, rcond=None)[0]
+    assert_close(case.method.coefficients(case.data) / abs(c).max(), c / abs(c).max(), 1e-8)
+    s = case.method.field(case.data)
+    assert_close(s(case.queries), monomials(case.queries, case.method.degree) @ c, 1e-8)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 3])
+def test_the_normal_equations_agree_near_the_origin(degree):
+    """H_LS c = BᵀV with H_LS = BᵀB, p. 5."""
+    method = LeastSquares(POINTS, degree)
+    b = monomials(POINTS, degree)
+    assert_close(method.matrix(), b.T @ b, 1e-12)
+    c = normal_equations(POINTS, VALUES, degree)
+    assert_close(method.matrix() @ c, b.T @ VALUES, EXACT)
+    assert_close(method.coefficients(VALUES), c, 1e-6)
+
+
+def test_the_matrix_squares_the_condition_number():
+    """cond(BᵀB) = cond(B)²."""
+    h = LeastSquares(POINTS, 2).matrix()
+    b = monomials(POINTS, 2)
+    assert np.linalg.cond(h) == pytest.approx(np.linalg.cond(b) ** 2, rel=1e-8)
+
+
+def test_far_from_the_origin_only_the_textbook_form_fails():
+    """At an offset of 1e6 H_LS loses all digits; the local frame loses those of the points."""
+    far = POINTS + 1e6
+    values = 1 + 2 * POINTS[:, 0] - 3 * POINTS[:, 1] + POINTS[:, 0] ** 2
+    exact = values[:5]
+    assert_close(LeastSquares(far, 2).field(values)(far[:5]), exact, 1e-9)
+    b = monomials(far[:5], 2)
+    assert np.abs(b @ normal_equations(far, values, 2) - exact).max() > 1e-2
+
+
+def test_the_objective_is_half_the_squared_residual():
+    """ψ_LS = ½ |Bc - V|², one number for each component."""
+    method = LeastSquares(POINTS, 2)
+    values = np.stack([VALUES, 2 * VALUES], axis=1)
+    residual = values - method.field(values)(POINTS)
+    assert_close(method.residuals(values), residual, EXACT)
+    assert_close(method.objective(values), 0.5 * (residual**2).sum(axis=0), EXACT)
+    assert method.objective(VALUES).shape == ()
+    assert_close(method.objective(1j * VALUES), method.objective(VALUES), EXACT)
+
+
+def test_the_residual_is_orthogonal_to_the_polynomials():
+    """Bᵀ(V - Bc) = 0: the gradient of ψ_LS vanishes, and any other polynomial is worse."""
+    method = LeastSquares(POINTS, 2)
+    b = monomials(POINTS, 2)
+    assert_close(b.T @ method.residuals(VALUES), np.zeros(6), EXACT)
+    best = method.objective(VALUES)
+    for change in np.random.default_rng(2).standard_normal((20, 6)):
+        other = VALUES - b @ (method.coefficients(VALUES) + 1e-3 * change)
+        assert 0.5 * other @ other > best
+
+
+def test_leverages_are_the_diagonal_of_the_hat_matrix():
+    """Between 0 and 1, and their sum is the number of coefficients."""
+    method = LeastSquares(POINTS, 2)
+    h = method.leverages()
+    assert_close(h, np.diagonal(method.weights(POINTS)), EXACT)
+    assert h.sum() == pytest.approx(dimension(2, 2))
+    assert ((h > 0) & (h < 1)).all()
+
+
+def test_the_gradient_of_a_linear_fit_is_its_coefficients():
+    """∇f_LS = (c₁, ..., c_D), everywhere."""
+    method = LeastSquares(POINTS)
+    g = method.field(VALUES).gradient(POINTS[:4])
+    assert_close(g, np.tile(method.coefficients(VALUES)[1:], (4, 1)), EXACT)
+
+
+def line_through(x: list[Fraction], y: list[Fraction]) -> tuple[Fraction, Fraction]:
+    """Intercept and slope of the least-squares line, in rational numbers."""
+    n, sx, sy = len(x), sum(x), sum(y)
+    sxx, sxy = sum(a * a for a in x), sum(a * b for a, b in zip(x, y, strict=True))
+    slope = (n * sxy - sx * sy) / (n * sxx - sx * sx)
+    return (sy - slope * sx) / n, slope
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6, 1e12])
+@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
+def test_the_line_is_exact_in_rational_numbers(unit, offset):
+    """Wherever the origin lies and whatever the unit, to the last digits."""
+    x = (np.array([0.0, 1.0, 2.5, 3.0, 7.0, 11.0]) + offset) * unit
+    y = np.array([1.0, -2.0, 0.5, 4.0, 3.0, 8.0])
+    intercept, slope = line_through([*map(Fraction, x)], [*map(Fraction, y)])
+    s = LeastSquares(x[:, None]).field(y)
+    query = x[1] + 3 * (x[2] - x[1])
+    expected = float(intercept + slope * Fraction(query))
+    assert float(s([query])) == pytest.approx(expected, rel=1e-13)
+    assert float(s.gradient([query])[0]) == pytest.approx(float(slope), rel=1e-13)
+
+
+def test_nearly_collinear_points_keep_their_plane():
+    """Points within 1e-9 of a line determine the plane, and it comes back on them."""
+    rng = np.random.default_rng(3)
+    along = rng.random(20)
+    p = np.stack([along, 1e-9 * rng.random(20)], axis=1)
+    plane = 1 + 2 * p[:, 0] - 3e8 * p[:, 1]
+    s = LeastSquares(p).field(plane)
+    assert_close(s(p), plane, 1e-12)
+    assert_close(s.gradient(p[0]), np.array([2.0, -3e8]), 1e-5)
+
+
+def test_a_high_degree_on_a_line_is_no_trouble():
+    """Degree twelve on fifty points."""
+    x = np.linspace(0, 1, 50)[:, None]
+    s = LeastSquares(x, 12).field(x[:, 0] ** 12)
+    assert_close(s([[0.33]]), np.array([0.33**12]), 1e-9)
+
+
+# --- refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bad", [-1, 1.0, True, "1", None])
+def test_a_degree_is_a_whole_number(bad):
+    """0, 1, 2, ..."""
+    with refused("degree must be an integer, 0 or more; got "):
+        LeastSquares(POINTS, bad)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_too_few_points_are_refused(degree):
+    """N below the size of the basis: with the rank that there is."""
+    n = dimension(2, degree) - 1
+    words = f"the points do not determine a polynomial of degree {degree} in 2 variables"
+    with refused(f"{words}: rank {n} of {n + 1}", np.linalg.LinAlgError):
+        LeastSquares(POINTS[:n], degree)
+
+
+def test_one_point_determines_a_constant():
+    """And nothing more."""
+    s = LeastSquares([[2.0, 3.0]], 0).field([5.0])
+    assert s([[1.0, 1.0]]).tolist() == [5.0]
+    assert s.gradient([1.0, 1.0]).tolist() == [0.0, 0.0]
+    with refused("rank 1 of 3", np.linalg.LinAlgError):
+        LeastSquares([[2.0, 3.0]], 1)
+
+
+@pytest.mark.parametrize("unit", [1e-200, 1e200])
+def test_what_does_not_fit_into_the_unit_is_refused(unit):
+    """Values and gradients survive; coefficients and the matrix say why they do not."""
+    method = LeastSquares(POINTS * unit, 2)
+    here = LeastSquares(POINTS, 2).field(VALUES)(POINTS)
+    assert_close(method.field(VALUES)(POINTS * unit), here, EXACT)
+    with refused("the matrix would leave the range of floating-point numbers", OverflowError):
+        method.matrix()
+    with refused("the coefficients would leave the range of floating-point", OverflowError):
+        method.coefficients(VALUES)
+    with refused("the matrix would leave the range", OverflowError):
+        normal_equations(POINTS * unit, VALUES, 2)
+
+
+@pytest.mark.parametrize("size", [1e-200, 1e200])
+def test_an_objective_that_does_not_fit_is_refused(size):
+    """Squares of residuals of 1e200 or 1e-200 are no numbers; of zero residuals they are zero."""
+    with refused("the squares of residuals of size .* do not fit", OverflowError):
+        LeastSquares(POINTS).objective(size * VALUES)
+    assert float(LeastSquares(POINTS).objective(np.zeros(30))) == 0.0
+
+
+def test_singular_normal_equations_are_refused_in_words():
+    """Points on a line, or so far away that BᵀB is singular in floating-point numbers."""
+    line = np.outer(np.arange(5.0), [1.0, 2.0])
+    with refused("BᵀB is singular", np.linalg.LinAlgError):
+        normal_equations(line, np.ones(5))
+
+
+def test_dense_weights_beyond_the_limit_are_refused():
+    """With the size they would have, and what to call instead."""
+    method = LeastSquares(np.random.default_rng(4).random((20_000, 2)))
+    x = np.broadcast_to(np.zeros(2), (20_000, 2))
+    with refused(r"would take 3\.0 GiB; use field\(values\) or adjoint", MemoryError):
+        method.weights(x)
+    with refused(r"would take 6\.0 GiB", MemoryError):
+        method.gradient_weights(x)
+    assert method.field(np.ones(20_000))(x).shape == (20_000,)
+
+
+def test_a_result_out_of_range_is_refused_with_the_place():
+    """Where a quadratic exceeds all numbers."""
+    s = LeastSquares(POINTS, 2).field(VALUES)
+    with refused(r"the result at \(1e\+200, 0\) exceeds the range", OverflowError):
+        s([[0.5, 0.5], [1e200, 0.0]])
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (np.zeros((0, 2)), r"at least one point; got the shape \(0, 2\)"),
+        (np.zeros((3, 0)), r"must have the shape \(n, d\); got \(3, 0\)"),
+        ([0.0, 1.0, 2.0], r"got \(3,\); for one variable write points\[:, None\]"),
+        ([[1, 2], [3]], "points must be an array of numbers; its rows differ in length"),
+        ([["a", "b"]], "points must be an array of real numbers; got the type <U1"),
+        ([[1j, 2]], "points must be an array of real numbers; got the type complex128"),
+        ([[None, 2]], "points must be an array of real numbers; got the type object"),
+    ],
+)
+def test_what_are_no_points_is_refused(points, words):
+    """In words that say what came and what was wanted."""
+    with refused(words):
+        LeastSquares(points)
+
+
+def test_a_number_is_no_query():
+    """In one variable the axis stays, and the error says how to write it."""
+    s = LeastSquares([[0.0], [1.0]]).field([1.0, 2.0])
+    with refused(r"x must have 1 coordinate per point.*; got \(\); .* write x\[..., None\]"):
+        s(0.5)
+
+
+def test_the_square_case_interpolates():
+    """As many sites as coefficients."""
+    assert case("LS as many sites as coefficients, degree 2 in 2-D").method.interpolates

@@ -1,0 +1,137 @@
+"""Methods whose values depend on near sites: on any executor, told on the way, stopped at once."""
+
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
+import pytest
+
+from fieldrecon._core import chunks as _chunks
+from fieldrecon.datasets.synthetic import franke, halton, uniform
+from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.methods.globe import OnGlobe
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
+from fieldrecon.selection.leave_one_out import leave_one_out
+from laws import assert_close
+
+METHODS = {
+    "MLS": partial(MovingLeastSquares, weight=wendland(2, 1), degree=1, neighbors=12),
+    "compact RBF": partial(RBF, kernel=wendland(2, 1, 0.2)),
+    "PU": PartitionOfUnityRBF,
+    "PU on the globe": lambda x: OnGlobe(x, partial(PartitionOfUnityRBF, degree=1)),
+}
+SITES, QUERIES = halton(250, 2), uniform(400, 2, seed=1)
+
+
+def noted(told, *call):
+    told.append(call)
+
+
+@pytest.fixture
+def small_chunks(monkeypatch):
+    """Chunks so small that a few thousand queries are many."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**14)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.usefixtures("small_chunks")
+def test_any_executor_gives_the_same_bits_and_tells_the_way(name):
+    """Values and gradients; the numbers of queries rise to all of them."""
+    s = METHODS[name](SITES).field(franke(SITES))
+    with ThreadPoolExecutor(3) as executor:
+        for evaluate in (s, s.gradient):
+            told = []
+            there = evaluate(QUERIES, executor=executor, progress=partial(noted, told))
+            assert_close(there, evaluate(QUERIES), 0.0)
+            assert len(told) > 5
+            assert [done for done, _ in told] == sorted({done for done, _ in told})
+            assert told[-1] == (len(QUERIES), len(QUERIES))
+
+
+@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.usefixtures("small_chunks")
+def test_after_an_interrupt_field_and_executor_are_as_before(name):
+    """Nothing more is begun than was ahead, and nothing is lost."""
+    s = METHODS[name](SITES).field(franke(SITES))
+    before, begun = s(QUERIES), []
+
+    class Counting(ThreadPoolExecutor):
+        def submit(self, *args, **kwargs):
+            begun.append(1)
+            return super().submit(*args, **kwargs)
+
+    def interrupt(_done, _total):
+        raise KeyboardInterrupt
+
+    with Counting(2) as executor:
+        with pytest.raises(KeyboardInterrupt):
+            s(QUERIES, executor=executor, progress=interrupt)
+        assert len(begun) <= _chunks._AHEAD
+        assert_close(s(QUERIES, executor=executor), before, 0.0)
+
+
+@pytest.mark.parametrize("name", ["MLS", "PU", "PU on the globe"])
+@pytest.mark.usefixtures("small_chunks")
+def test_leaving_out_tells_the_way(name):
+    """The numbers rise to all of them, and the residuals are the same."""
+    method, told = METHODS[name](SITES), []
+    residuals = leave_one_out(method, franke(SITES), progress=partial(noted, told))
+    assert_close(residuals, leave_one_out(method, franke(SITES)), 0.0)
+    assert len(told) > 5
+    assert [done for done, _ in told] == sorted({done for done, _ in told})
+    assert told[-1][0] == told[-1][1]
+
+
+CTRL_C = """
+import signal, threading
+import numpy as np
+from fieldrecon import _chunks
+from fieldrecon.datasets import uniform
+from fieldrecon.moving_least_squares import MovingLeastSquares
+from fieldrecon.partition_of_unity import PartitionOfUnityRBF
+from fieldrecon.positive_definite import wendland
+
+_chunks.CHUNK_BYTES = 2**14
+x, few = uniform(5000, 2, seed=1), uniform(20, 2, seed=2)
+mls = MovingLeastSquares(x, wendland(2, 1), 1, 12).field(x[:, 0])
+method = PartitionOfUnityRBF(x)
+pu = method.field(x[:, 0])
+before = mls(few), pu(few)
+
+
+def stopped(work):
+    told = []
+
+    def progress(done, total):
+        told.append((done, total))
+        if len(told) == 1:
+            signal.raise_signal(signal.SIGINT)  # to this thread: another one might be late
+
+    try:
+        work(progress)
+    except KeyboardInterrupt:
+        return told[-1][0] < told[-1][1]
+    return False
+
+
+assert stopped(lambda progress: PartitionOfUnityRBF(x, progress=progress)), "set-up"
+assert stopped(lambda progress: method.field(x[:, 1], progress=progress)), "fit"
+for s, again in zip((mls, pu), before):
+    assert stopped(lambda progress: s(np.tile(x, (9, 1)), progress=progress)), "evaluation"
+    assert stopped(lambda progress: s.gradient(np.tile(x, (9, 1)), progress=progress)), "gradient"
+    assert np.array_equal(s(few), again), "lost"
+assert threading.active_count() <= 2, "running on"
+"""
+
+
+@pytest.mark.slow
+def test_ctrl_c_stops_at_once_and_loses_nothing():
+    """A real interrupt, of set-up, fit, values and gradients, long before each is done."""
+    done = subprocess.run(
+        [sys.executable, "-c", CTRL_C], capture_output=True, text=True, timeout=600, check=False
+    )
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,536 @@
+"""Moving least squares: against the slides' formulas done literally, and in five hundred digits."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import cdist
+
+import digits
+from cases import CASES, Case, case
+from fieldrecon._numerics.neighbor_search import gathered, places
+from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.radial import inverse_square, thin_plate_spline
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.polynomials import EPS, dimension, monomials
+from laws import assert_close, assert_obeyed, refused
+
+EXACT = 1e-10
+MOVING = [c for c in CASES if isinstance(c.method, MovingLeastSquares)]
+FINITE = [c for c in MOVING if "ε = 0," not in c.name and "ε = 0 " not in c.name]
+POINTS = np.random.default_rng(1).random((30, 2))
+VALUES = np.cos(POINTS @ [3.0, 2.0])
+
+
+# --- the slides, literally ------------------------------------------------------------------------
+
+
+def counted(method: MovingLeastSquares, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weights w_i(x) of all sites, by the definition of the neighbourhood, and their indices."""
+    r = np.linalg.norm(method.points - x, axis=1)
+    order = np.argsort(r)
+    if method.neighbors is None:
+        return method.weight(r), np.arange(len(r))
+    near = order[: method.neighbors]
+    return method.weight(r[near] / r[order[method.neighbors]]), near
+
+
+def it_minimises_the_weighted_squares(case: Case) -> None:
+    """f(x) = b(x)ᵀc with c = argmin |W(Bc - V)|², each query alone, by numpy.linalg.lstsq."""
+    m = case.method
+    values = m.field(case.data)(case.queries)
+    for x, value in zip(case.queries, values, strict=True):
+        w, near = counted(m, x)
+        b = monomials(m.points[near] - x, m.degree)
+        w = w / w.max()
+        c = np.linalg.lstsq(w[:, None] * b, w * case.data[near], rcond=1e-15)[0]
+        assert_close(value, c[0], 1e-8)
+
+
+def its_matrix_is_that_of_the_slides(case: Case) -> None:
+    """H_MLS(x) = Bᵀ W(x)² B in the monomials of the coordinates, p. 9."""
+    m = case.method
+    for x, h in zip(case.queries, m.matrix(case.queries), strict=True):
+        w, near = counted(m, x)
+        b = monomials(m.points[near], m.degree)
+        expected = sum(w[i] ** 2 * np.outer(b[i], b[i]) for i in range(len(near)))
+        assert_close(h / np.abs(expected).max(), expected / np.abs(expected).max(), EXACT)
+
+
+def its_objective_is_the_weighted_residual(case: Case) -> None:
+    """ψ_MLS(x) = ½ Σ w_i² (b_iᵀc - f_i)², and normalized it is divided by Σ w_i²."""
+    m = case.method
+    psi = m.objective(case.data, case.queries)
+    normalized = m.objective(case.data, case.queries, normalized=True)
+    for k, x in enumerate(case.queries):
+        w, near = counted(m, x)
+        b = monomials(m.points[near] - x, m.degree)
+        data = case.data[near]
+        c = np.linalg.lstsq(w[:, None] * b, w * data, rcond=1e-15)[0]
+        expected = 0.5 * np.sum((w * (b @ c - data)) ** 2)
+        assert psi[k] == pytest.approx(expected, rel=1e-6, abs=1e-12 * w.max() ** 2)
+        assert normalized[k] == pytest.approx(expected / np.sum(w**2), rel=1e-6, abs=1e-12)
+
+
+MOVING_LAWS = [
+    it_minimises_the_weighted_squares,
+    its_matrix_is_that_of_the_slides,
+    its_objective_is_the_weighted_residual,
+]
+
+
+@pytest.mark.parametrize("case", FINITE, ids=lambda case: case.name)
+def test_every_case_is_what_the_slides_say(case):
+    """Done literally and slowly, one query at a time."""
+    assert_obeyed(MOVING_LAWS, case, case.name)
+
+
+@dataclass(frozen=True)
+class square_root(inverse_square):
+    """The root of the weight: BᵀWB, as most books have it, in place of BᵀW²B."""
+
+    def of_squared(self, s):
+        return np.sqrt(super().of_squared(s))
+
+    def slope_of_squared(self, s):
+        return super().slope_of_squared(s) / (2 * self.of_squared(s))
+
+    def in_units(self, h):
+        return square_root(self.epsilon / h)
+
+
+class RootForgotten(MovingLeastSquares):
+    """Weights that enter once; it says they are those of the slides."""
+
+    def __init__(self, points):
+        super().__init__(points, square_root(0.1))
+        self.inner, self.weight = self.weight, inverse_square(0.1)
+
+    def _value_rows(self, x, prepared):
+        return MovingLeastSquares(self.points, self.inner)._value_rows(x, prepared)
+
+    def _true_weights(self, near):
+        return self.inner(near.distance * self.unit)
+
+
+@pytest.mark.parametrize("law", MOVING_LAWS, ids=lambda law: law.__name__)
+def test_the_law_catches_the_forgotten_root(law):
+    """BᵀWB is another method than BᵀW²B, and each law sees it."""
+    right = case("MLS ε = 0.1, degree 1 in 2-D")
+    mutant = Case("RootForgotten", lambda p, _: RootForgotten(p), 2, right.n)
+    with pytest.raises(AssertionError):
+        law(mutant)
+
+
+def test_the_objective_is_at_its_minimum():
+    """Any other polynomial has a larger ψ."""
+    m, x = MovingLeastSquares(POINTS, inverse_square(0.1)), np.array([0.4, 0.3])
+    w2 = m.weight(np.linalg.norm(POINTS - x, axis=1)) ** 2
+    s = m.field(VALUES)
+    b = monomials(POINTS - x, 1)
+    c = np.linalg.solve(b.T @ (w2[:, None] * b), b.T @ (w2 * VALUES))
+    assert c[0] == pytest.approx(float(s(x)))
+    for change in np.random.default_rng(2).standard_normal((20, 3)):
+        residual = b @ (c + 1e-3 * change) - VALUES
+        assert 0.5 * np.sum(w2 * residual**2) > float(m.objective(VALUES, x))
+
+
+@pytest.mark.parametrize("epsilon", [0.01, 0.1, 1.0])
+def test_the_objective_falls_as_epsilon_grows(epsilon):
+    """Envelope theorem: dψ/d(ε²) = -Σ w³ r², since ∂ψ/∂c vanishes and dw/d(ε²) = -w²."""
+    x = np.array([0.4, 0.3])
+
+    def psi(e2):
+        return float(MovingLeastSquares(POINTS, inverse_square(e2**0.5)).objective(VALUES, x))
+
+    e2, h = epsilon**2, 1e-3 * epsilon**2
+    by = {k: psi(e2 + k * h) - psi(e2 - k * h) for k in (1, 2, 3)}
+    w = inverse_square(epsilon)(np.linalg.norm(POINTS - x, axis=1))
+    b = monomials(POINTS - x, 1)
+    c = np.linalg.lstsq(w[:, None] * b, w * VALUES, rcond=None)[0]
+    expected = -np.sum(w**3 * (b @ c - VALUES) ** 2)
+    assert (45 * by[1] - 9 * by[2] + by[3]) / (60 * h) == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_wide_weight_is_plain_least_squares():
+    """ε⁴ψ → ψ_LS and f_MLS → f_LS as ε grows, even beyond all lengths there are."""
+    plain, x = LeastSquares(POINTS), np.array([[0.4, 0.3], [1.5, 0.2]])
+    for epsilon in (1e6, 1e160, 1e300):
+        m = MovingLeastSquares(POINTS, inverse_square(epsilon))
+        assert_close(m.field(VALUES)(x), plain.field(VALUES)(x), 1e-10)
+        assert_close(m.field(VALUES).gradient(x), plain.field(VALUES).gradient(x), 1e-10)
+    psi = MovingLeastSquares(POINTS, inverse_square(1e4)).objective(VALUES, x)
+    assert_close(1e16 * psi, np.full(2, float(plain.objective(VALUES))), 1e-7)
+
+
+# --- at and about a site --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("neighbors", [None, 12])
+def test_with_epsilon_zero_a_site_is_its_limit(degree, neighbors):
+    """Value, gradient and ψ at a site are the limits from beside it."""
+    m = MovingLeastSquares(POINTS, inverse_square(0.0), degree, neighbors)
+    s, site = m.field(VALUES), POINTS[3]
+    beside = site + 1e-9 * np.array([0.6, 0.8])
+    assert_close(s(site), VALUES[3], 1e-14)
+    assert_close(s(beside), s(site), 1e-7)
+    assert_close(s.gradient(beside), s.gradient(site), 1e-6)
+    assert m.objective(VALUES, beside) == pytest.approx(float(m.objective(VALUES, site)), rel=1e-6)
+    assert float(m.objective(VALUES, site, normalized=True)) < 1e-200
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_a_small_epsilon_tends_to_zero(degree):
+    """f at a site misses the datum by O(ε⁴): an order of four, by two sizes of ε."""
+    errors = [
+        abs(
+            float(MovingLeastSquares(POINTS, inverse_square(e), degree).field(VALUES)(POINTS[3]))
+            - VALUES[3]
+        )
+        for e in (1e-2, 1e-3)
+    ]
+    assert np.log10(errors[0] / errors[1]) == pytest.approx(4, abs=0.1)
+
+
+def test_shepard_s_field_is_flat_at_the_sites():
+    """Degree zero and ε = 0: every site is a flat spot; with degree one it is not."""
+    flat = MovingLeastSquares(POINTS, inverse_square(0.0), 0).field(VALUES).gradient(POINTS)
+    assert_close(flat, np.zeros((30, 2)), 1e-12)
+    sloped = MovingLeastSquares(POINTS, inverse_square(0.0), 1).field(VALUES).gradient(POINTS)
+    assert np.median(np.linalg.norm(sloped, axis=1)) > 1.0
+
+
+def test_coincident_sites_give_the_mean_of_their_data():
+    """And a method that cannot give all data back does not say that it interpolates."""
+    twice = np.concatenate([POINTS, POINTS[:1]])
+    values = np.append(VALUES, VALUES[0] + 2)
+    m = MovingLeastSquares(twice, inverse_square(0.0))
+    assert float(m.field(values)(POINTS[0])) == pytest.approx(VALUES[0] + 1)
+    assert not m.interpolates
+    assert not MovingLeastSquares(twice, gaussian(1.0), 0, 1).interpolates
+    assert MovingLeastSquares(POINTS, inverse_square(0.0)).interpolates
+
+
+def test_places_are_counted_once():
+    """Sites that coincide share a place, -0.0 and 0.0 too; the first of a row stands for them."""
+    p = np.array([[0.0, 1.0], [2.0, 1.0], [-0.0, 1.0], [2.0, 1.0], [2.0, 0.0], [0.0, 1.0]])
+    place = places(p)
+    assert [place[i] == place[0] for i in range(6)] == [True, False, True, False, False, True]
+    assert sorted(set(place)) == [0, 1, 2]
+    lead, count = gathered(place[None])
+    assert lead.tolist() == [[0, 1, 0, 1, 4, 0]]
+    assert count.tolist() == [[3, 2, 3, 2, 1, 3]]
+
+
+# --- digits ---------------------------------------------------------------------------------------
+
+FEW = np.random.default_rng(5).random((15, 2))
+SHAPES = {
+    "scattered": FEW,
+    "a million away": FEW + 2.0**20,
+    "within 1e-9 of a line": FEW * [1.0, 1e-9],
+}
+MORE = (1e-300, 1e-14, 1e-8, 0.1, 100.0)
+EPSILONS = (0.0, 1e-70, 1e-12, 1e-4, 1.0, *(pytest.param(e, marks=pytest.mark.slow) for e in MORE))
+
+
+def smooth(p: np.ndarray) -> np.ndarray:
+    """Data of size one, whatever the shape of the cloud."""
+    y = (p - p.min(axis=0)) / np.ptp(p, axis=0)
+    return np.cos(y @ [3.0, 2.0])
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("epsilon", EPSILONS)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_values_gradients_and_psi_have_all_their_digits(shape, epsilon, degree):
+    """At distances from 1e-1 to 1e-14 of a site and at it, for weights up to 1e140 and beyond."""
+    points = SHAPES[shape]
+    values, weight = smooth(points), digits.inverse_square(epsilon)
+    m = MovingLeastSquares(points, inverse_square(epsilon), degree)
+    s = m.field(values)
+    for fraction in (0.3, 1e-6, 1e-9, 1e-12, 1e-14, 0.0):
+        x = points[4] + fraction * (points[7] - points[4])
+        near_pole = epsilon < 1e-60 and (x == points[4]).all()
+        y = digits.beside(x) if near_pole else digits.exact(x)
+        value = float(digits.moving(points, values, y, weight, degree))
+        gradient = digits.gradient(lambda at: digits.moving(points, values, at, weight, degree), y)
+        psi = digits.moving_objective(points, values, y, weight, degree)
+        size = max(1.0, np.abs(gradient).max())
+        assert_close(s(x), value, 1e-12 * max(1.0, abs(value)))
+        assert_close(s.gradient(x) / size, gradient / size, 1e-11)
+        assert float(m.objective(values, x)) == pytest.approx(psi, rel=1e-9)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("epsilon", EPSILONS)
+def test_values_about_two_sites_1e_11_apart_are_as_good_as_their_data(epsilon, degree):
+    """The slope there is a difference of data over 1e-11, known to 1e-5; 1e-6 away, to 1e-11."""
+    points = np.vstack([FEW[:14], FEW[4:5] + np.array([1e-11, 2e-11])])
+    values, weight = smooth(points), digits.inverse_square(epsilon)
+    s = MovingLeastSquares(points, inverse_square(epsilon), degree).field(values)
+    for x in [(points[4] + points[14]) / 2, *(points[4] + f * FEW[7] for f in (1e-9, 1e-6, 0.3))]:
+        value = float(digits.moving(points, values, x, weight, degree))
+        assert_close(s(x), value, 1e-10 if epsilon < 1e-4 else 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_heavy_sites_on_a_line_leave_the_slope_across_it_to_the_light_ones(seed):
+    """Five collinear sites 1e-13 from the query outweigh twenty others by 1e24.
+
+    Two sites on a line determine all that five do. The rest of the five rows is rounding, and must
+    not outweigh the others.
+    """
+    rng, spacing = np.random.default_rng(seed), 2.0**-44
+    on_line = np.outer(np.arange(1, 6), rng.integers(1, 9, 2)) * spacing
+    sites = np.vstack([on_line, rng.random((20, 2)) - 0.5])
+    affine = np.column_stack([np.ones(len(sites)), sites])
+    s = MovingLeastSquares(sites, inverse_square(0.0), 1).field(affine)
+    gradient = s.gradient(np.zeros(2))
+    assert_close(gradient[0], np.zeros(2), 4 * EPS / spacing)
+    assert_close(gradient[1:], np.eye(2), 1e-14)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("epsilon", [1e-12, 1e-8, 1e-4, 1e-2, 0.1])
+def test_coincident_sites_that_disagree_have_their_digits(epsilon, degree):
+    """Three data at one site and two at another, seen from near and far."""
+    points = FEW.copy()
+    points[5] = points[6] = points[4]
+    points[9] = points[8]
+    values = np.random.default_rng(8).standard_normal(15)
+    m = MovingLeastSquares(points, inverse_square(epsilon), degree)
+    s, weight = m.field(values), digits.inverse_square(epsilon)
+    for distance in (0.1, 1e-3, 1e-6, 1e-9, 1e-12, 0.0):
+        x = points[4] + distance * np.array([0.6, 0.8])
+        gradient = digits.gradient(lambda at: digits.moving(points, values, at, weight, degree), x)
+        size = max(1.0, np.abs(gradient).max())
+        assert_close(s(x), float(digits.moving(points, values, x, weight, degree)), 1e-12)
+        assert_close(s.gradient(x) / size, gradient / size, 1e-11)
+        psi = digits.moving_objective(points, values, x, weight, degree)
+        assert float(m.objective(values, x)) == pytest.approx(psi, rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize(
+    "scale", [0.1, *(pytest.param(s, marks=pytest.mark.slow) for s in (0.3, 10.0))]
+)
+def test_gaussian_weights_have_their_digits(scale, degree):
+    """Weights that fall by a hundred powers of ten within the cloud."""
+    m = MovingLeastSquares(FEW, gaussian(scale), degree)
+    values = smooth(FEW)
+    s, weight = m.field(values), digits.gaussian(scale)
+    for x in (FEW[4], FEW[4] + 1e-9, (FEW[4] + FEW[7]) / 2, np.array([-0.5, 1.5])):
+        value = float(digits.moving(FEW, values, x, weight, degree))
+        gradient = digits.gradient(lambda at: digits.moving(FEW, values, at, weight, degree), x)
+        size = max(1.0, abs(value), np.abs(gradient).max())
+        assert_close(s(x) / size, value / size, 1e-11)
+        assert_close(s.gradient(x) / size, gradient / size, 1e-10)
+
+
+def test_the_digits_know_their_own_derivative():
+    """The witness is a witness: in 1-D its gradient of a line's field is the line's slope."""
+    x = np.linspace(0, 1, 6)[:, None]
+    g = digits.gradient(
+        lambda at: digits.moving(x, 3 * x[:, 0], at, digits.inverse_square(0.1), 1), [0.37]
+    )
+    assert_close(g, np.array([3.0]), 1e-15)
+
+
+# --- neighbourhoods -------------------------------------------------------------------------------
+
+
+def test_only_the_nearest_count():
+    """Data of the other sites change nothing, and H is sparse."""
+    m = MovingLeastSquares(POINTS, wendland(3, 1), neighbors=8)
+    x = np.array([[0.4, 0.3]])
+    h = m.weights(x)
+    near = np.argsort(cdist(x, POINTS)[0])[:8]
+    assert h.nnz == 8
+    assert set(h.indices) == set(near)
+
+
+def test_only_sites_within_the_radius_count():
+    """Those nearer than the radius of the weight, each of them."""
+    m = MovingLeastSquares(POINTS, wendland(3, 1, 0.4))
+    x = np.array([[0.4, 0.3], [0.6, 0.6]])
+    h = m.weights(x).toarray()
+    inside = cdist(x, POINTS) < 0.4
+    assert (h[~inside] == 0).all()
+    assert (h[inside] != 0).all()
+
+
+def test_the_field_is_continuous_where_neighbours_change():
+    """With a weight that vanishes at the (k + 1)-th site, a small step is a small change."""
+    m = MovingLeastSquares(POINTS, wendland(3, 1), neighbors=8)
+    path = np.linspace([0.1, 0.2], [0.9, 0.7], 4001)
+    steps = np.abs(np.diff(m.field(VALUES)(path)))
+    assert steps.max() < 2e-2
+    jumping = MovingLeastSquares(POINTS, gaussian(1.0), neighbors=8).field(VALUES)(path)
+    assert np.abs(np.diff(jumping)).max() > 3 * steps.max()
+
+
+def test_all_neighbours_but_one_is_all_sites_with_a_moving_radius():
+    """neighbors = n - 1 with the radius ρ(x) is the weight of that radius on all sites."""
+    m = MovingLeastSquares(POINTS, wendland(3, 1), neighbors=29)
+    x = np.array([0.4, 0.3])
+    rho = np.linalg.norm(POINTS - x, axis=1).max()
+    assert_close(
+        m.field(VALUES)(x), MovingLeastSquares(POINTS, wendland(3, 1, rho)).field(VALUES)(x), EXACT
+    )
+
+
+def test_one_neighbour_is_the_nearest_datum():
+    """Degree zero, one site: Voronoi's cells."""
+    m = MovingLeastSquares(POINTS, gaussian(1.0), 0, 1)
+    x = np.random.default_rng(6).random((50, 2))
+    assert_close(m.field(VALUES)(x), VALUES[cdist(x, POINTS).argmin(axis=1)], 1e-15)
+    assert m.interpolates
+
+
+def test_coincident_neighbours_are_no_trouble_for_constants():
+    """Even as many as there are neighbours and one, at the query itself."""
+    p = np.concatenate([np.zeros((6, 2)), POINTS + 1])
+    f = np.concatenate([np.full(6, 4.0), VALUES])
+    m = MovingLeastSquares(p, wendland(3, 1), 0, 4)
+    assert float(m.field(f)([0.0, 0.0])) == pytest.approx(4.0)
+    assert float(m.objective(f, [0.0, 0.0])) == 0.0
+    assert np.isfinite(m.matrix([0.0, 0.0])).all()
+
+
+# --- orders of convergence ------------------------------------------------------------------------
+
+SLACK = 0.3
+
+
+def observed_order(sizes: list[float], errors: list[float]) -> float:
+    """Slope of log error over log size, by least squares."""
+    return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+
+
+def require_order(sizes: list[float], errors: list[float], order: float) -> None:
+    """At least the order, less the slack, and errors that are no rounding."""
+    assert min(errors) > 1e-12, "errors are rounding"
+    assert observed_order(sizes, errors) > order - SLACK
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_the_ruler_reads_known_orders(order):
+    """And rejects a lower one declared as higher, growth, and rounding."""
+    sizes = [0.1, 0.05, 0.025]
+    errors = [7 * h**order for h in sizes]
+    assert observed_order(sizes, errors) == pytest.approx(order)
+    require_order(sizes, errors, order)
+    with pytest.raises(AssertionError):
+        require_order(sizes, errors, order + 1)
+    with pytest.raises(AssertionError):
+        require_order(sizes, errors[::-1], order)
+    with pytest.raises(AssertionError, match="rounding"):
+        require_order(sizes, [1e-14, 1e-15, 1e-16], order)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 3])
+def test_errors_fall_with_the_order_of_the_degree(degree):
+    """Levin (1998): order m + 1 for values and m for gradients, k nearest on Halton's points."""
+    a = np.array([2.0, 3.0])
+    sizes, errors, slopes = [], [], []
+    x = halton(200, 2) * 0.6 + 0.2
+    for n in (500, 2000, 8000):
+        p = halton(n, 2)
+        s = MovingLeastSquares(p, wendland(3, 2), degree, 3 * dimension(2, degree) + 3).field(
+            np.sin(p @ a)
+        )
+        sizes.append(n**-0.5)
+        errors.append(np.sqrt(np.mean((s(x) - np.sin(x @ a)) ** 2)))
+        slope = s.gradient(x) - np.cos(x @ a)[:, None] * a
+        slopes.append(np.sqrt(np.mean(slope**2)))
+    require_order(sizes, errors, degree + 1)
+    if degree:
+        require_order(sizes, slopes, degree)
+
+
+# --- refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bad", ["gaussian", None, lambda r: 1 / r, 0.1])
+def test_a_weight_is_a_radial_function(bad):
+    """Not its name, not a number."""
+    with refused(r"weight must be a radial function such as inverse_square\(0\.1\); got "):
+        MovingLeastSquares(POINTS, bad)
+
+
+def test_a_kernel_that_grows_is_no_weight():
+    """It would count the farthest most."""
+    with refused(r"weight must be positive and fall with the distance; thin_plate_spline\(\)"):
+        MovingLeastSquares(POINTS, thin_plate_spline())
+
+
+@pytest.mark.parametrize("bad", [0, -1, 30, 31, 2.0, True, "5"])
+def test_neighbours_are_fewer_than_the_points(bad):
+    """The next one sets the scale."""
+    with refused("neighbors must be an integer from 1 to 29, fewer than the 30 points, or None"):
+        MovingLeastSquares(POINTS, wendland(3, 1), neighbors=bad)
+
+
+def test_a_query_out_of_reach_is_named():
+    """With how many sites count there, and the rank they give."""
+    m = MovingLeastSquares(POINTS, wendland(3, 1, 0.3))
+    words = r"the 0 sites that count at the query \(5, 0\.5\) do not determine .* rank 0 of 3"
+    for ask in (m.field(VALUES), m.field(VALUES).gradient, m.weights):
+        with refused(words, np.linalg.LinAlgError):
+            ask([[0.5, 0.5], [5.0, 0.5]])
+
+
+def test_neighbours_on_a_line_are_named():
+    """The sites determine the plane, those about the query do not."""
+    line = np.stack([np.linspace(0, 1, 20), np.zeros(20)], axis=1)
+    elsewhere = POINTS + np.array([0.0, 5.0])
+    m = MovingLeastSquares(np.vstack([line, elsewhere]), wendland(3, 1), neighbors=6)
+    words = r"the 6 sites that count at the query \(0\.5, 0\) do not .*: rank 2 of 3"
+    with refused(words, np.linalg.LinAlgError):
+        m.field(np.ones(50))([0.5, 0.0])
+
+
+def test_points_on_a_line_are_refused_before_any_query():
+    """No query could be answered."""
+    with refused("the points do not determine a polynomial of degree 1", np.linalg.LinAlgError):
+        MovingLeastSquares(np.outer(np.arange(9.0), [1, 2]), inverse_square(0.1))
+
+
+def test_what_is_infinite_or_does_not_fit_is_refused():
+    """H at a site with ε = 0, and squares in extreme units; the value itself is no trouble."""
+    m = MovingLeastSquares(POINTS, inverse_square(0.0))
+    with refused("the weights in H_MLS exceed the range of floating-point numbers", OverflowError):
+        m.matrix(POINTS[:1])
+    small = MovingLeastSquares(POINTS * 1e-150, inverse_square(1e-151))
+    assert np.isfinite(small.field(VALUES)(POINTS[:2] * 1e-150)).all()
+    with refused("exceeds|would leave", OverflowError):
+        small.matrix(POINTS[:1] * 1e-150)
+    for unit in (1e-150, 1e150):
+        m = MovingLeastSquares(POINTS * unit, inverse_square(unit))
+        with refused("the squares of residuals of size .* do not fit", OverflowError):
+            m.objective(VALUES, POINTS[:2] * unit)
+
+
+def test_dense_weights_beyond_the_limit_are_refused():
+    """With the figure; weights on neighbours are sparse and have no limit."""
+    p = np.random.default_rng(7).random((20_000, 2))
+    x = np.broadcast_to(np.zeros(2), (20_000, 2))
+    with refused("GiB; use field", MemoryError):
+        MovingLeastSquares(p, inverse_square(0.1)).weights(x)
+    h = MovingLeastSquares(p, wendland(3, 1), neighbors=10).weights(p)
+    assert h.shape == (20_000, 20_000)
+    assert h.nnz == 200_000
+
+
+def test_a_place_of_many_coordinates_is_told_in_short():
+    """The first three of fifty, and how many there are."""
+    x = np.random.default_rng(1).random((60, 50))
+    s = MovingLeastSquares(x, wendland(3, 1), 1, 40).field(x[:, 0])
+    words = r"at the query \(0\.5, 0\.5, 0\.5, … of 50 coordinates\) do not determine"
+    with pytest.raises(np.linalg.LinAlgError, match=words):
+        s(np.full(50, 0.5))

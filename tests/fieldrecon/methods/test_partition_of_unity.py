@@ -1,0 +1,413 @@
+"""Blended patches: smooth across borders, exact on odd clouds, bounded, and refused in words."""
+
+import multiprocessing
+import tracemalloc
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fieldrecon._core import chunks as _chunks
+from fieldrecon._numerics.kd_partition import Boxes
+from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
+from fieldrecon.kernels.positive_definite import gaussian
+from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.methods.partition_of_unity import blending as _blending
+from fieldrecon.methods.partition_of_unity import patches as _patches
+from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
+from fieldrecon.selection.leave_one_out import leave_one_out
+from laws import assert_close
+
+X = halton(1500, 2)
+ROUND_ONE = (1 - 1e-12, 1 + 1e-12)
+
+
+def wave(x: np.ndarray) -> np.ndarray:
+    return np.sin(x @ np.linspace(2.0, 4.0, x.shape[-1]))
+
+
+def tracks() -> np.ndarray:
+    """Eight lines of a scan, two hundred sites on each."""
+    along, across = np.meshgrid(np.linspace(0, 1, 200), np.linspace(0, 1, 8))
+    x = np.stack([along, across], axis=-1).reshape(-1, 2)
+    return x + 1e-5 * np.random.default_rng(1).random(x.shape)
+
+
+# --- patches --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("d", [1, 2, 3, 5])
+@pytest.mark.parametrize("n", [1, 2, 7, 8, 15, 100, 333])
+def test_boxes_hold_each_site_once_and_nearly_equally_many(n, d):
+    """None has more than asked for, nor much less; and each site lies in its own."""
+    x = np.random.default_rng(n).random((n, d))
+    boxes = Boxes.around(x, 6.5)
+    counts = (boxes.sites >= 0).sum(axis=1)
+    assert counts.max() - counts.min() <= 1
+    assert 5 * (n // 5 > 1) <= counts.max() + 1 <= 8
+    there = boxes.sites >= 0
+    assert sorted(boxes.sites[there]) == list(range(n))
+    box = np.nonzero(there)[0]
+    np.testing.assert_array_equal(boxes.containing(x[boxes.sites[there]]), box)
+
+
+@settings(max_examples=40)
+@given(st.integers(1, 4), st.integers(0, 10**6), st.booleans())
+def test_the_patches_of_a_query_are_those_whose_balls_contain_it(d, seed, lattice):
+    """Compared with trying them all, also where coordinates coincide."""
+    rng = np.random.default_rng(seed)
+    x = np.unique(rng.integers(0, 9, (300, d)), axis=0) / 9 if lattice else rng.random((300, d))
+    method = PartitionOfUnityRBF(x, polyharmonic(1), 0, 6)
+    for level in method._levels:
+        own = level.patches
+        q = np.concatenate([2 * rng.random((30, d)) - 1, own.centers[:5]])
+        away = np.linalg.norm((q[:, None] - own.centers) / own.radii[:, None], axis=2)
+        pairs = own.containing(q)
+        found = set(zip(pairs.query.tolist(), pairs.patch.tolist(), strict=True))
+        surely, perhaps = (set(map(tuple, np.argwhere(away < r).tolist())) for r in ROUND_ONE)
+        assert surely <= found <= perhaps
+
+
+@pytest.mark.parametrize("k", [2, 3, 5, 11, 50])
+def test_levels_have_fewer_and_fewer_sites(k):
+    """Also where patches are as small as they can be; the last is a single one."""
+    levels = PartitionOfUnityRBF(X, polyharmonic(1), 0, k)._levels
+    sizes = np.array([len(level.sites) for level in levels])
+    assert (sizes[1:] < sizes[:-1] / 2).all()
+    assert len(levels[-1].patches) == 1
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_few_sites_are_one_patch_and_that_is_a_radial_basis_function(d):
+    """The same values and gradients as `RBF`."""
+    x = np.random.default_rng(d).random((40, d))
+    q = np.random.default_rng(9).random((50, d))
+    one = PartitionOfUnityRBF(x, polyharmonic(3), 1).field(wave(x))
+    other = RBF(x, polyharmonic(3), 1).field(wave(x))
+    assert_close(one(q), other(q), 1e-9)
+    assert_close(one.gradient(q), other.gradient(q), 1e-7)
+
+
+# --- smoothness -----------------------------------------------------------------------------------
+
+
+def largest_step_of_the_second_derivative(step: float) -> float:
+    """Along a line that crosses the borders of many balls and leaves the cloud."""
+    s = PartitionOfUnityRBF(X, polyharmonic(5), 2, 16).field(wave(X))
+    t = np.arange(0.6, 1.5, step)
+    slope = s.gradient(np.column_stack([t, 0.3 + 0.5 * t])) @ [1.0, 0.5]
+    second = np.diff(slope) / step
+    return float(np.abs(np.diff(second)).max())
+
+
+def test_fields_are_twice_continuously_differentiable():
+    """Across borders of balls and where coarser patches take over, as they do on this line."""
+    coarse, fine = map(largest_step_of_the_second_derivative, (1e-4, 2.5e-5))
+    assert fine < 0.35 * coarse
+
+
+def test_a_weight_with_a_kink_is_not(monkeypatch):
+    """The check above sees (1 - r)^2, whose second derivative jumps at the border."""
+
+    def kinked(offset):
+        r = np.linalg.norm(offset, axis=1)
+        inward = np.where(r > 0, -2 * (1 - r) / np.where(r > 0, r, 1), 0.0)
+        return (1 - r) ** 2, inward[:, None] * offset
+
+    monkeypatch.setattr(_blending, "bump", kinked)
+    coarse, fine = map(largest_step_of_the_second_derivative, (1e-4, 2.5e-5))
+    assert fine > 0.7 * coarse
+
+
+# --- accuracy -------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("power", "degree", "order"), [(3, 1, 1.8), (3, 3, 3.5), (5, 2, 2.8)])
+def test_the_error_falls_with_the_spacing(power, degree, order):
+    """At least as fast as the polynomials let it, degree + 1 or nearly."""
+    q = 0.05 + 0.9 * halton(3000, 2, seed=1)
+    sizes, errors = np.array([2000, 8000, 32000]), []
+    for n in sizes:
+        x = halton(n, 2)
+        s = PartitionOfUnityRBF(x, polyharmonic(power), degree).field(franke(x))
+        errors.append(np.sqrt(np.mean((s(q) - franke(q)) ** 2)))
+    assert -2 * np.polyfit(np.log(sizes), np.log(errors), 1)[0] > order
+
+
+def error_at_the_edges() -> float:
+    x, q = np.random.default_rng(1).random((2, 8000, 3))
+    error = np.abs(PartitionOfUnityRBF(x).field(wave(x))(q) - wave(q))
+    return error.max() / np.sqrt(np.mean(error**2))
+
+
+def test_edges_are_not_much_worse_than_the_inside(monkeypatch):
+    """Where balls end, patches of a few times fewer sites take over, not of a hundred times."""
+    known = error_at_the_edges()
+    monkeypatch.setattr(_patches, "THINNED", 10**9)
+    assert known < 60
+    assert error_at_the_edges() > 1.5 * known
+
+
+def test_clusters_of_very_different_size():
+    """Patches between them are singular to rounding, and still interpolate smooth data."""
+    rng = np.random.default_rng(0)
+    x = np.concatenate(
+        [rng.random((800, 2)), 0.5 + 1e-4 * rng.random((800, 2)), 0.2 + 1e-7 * rng.random((200, 2))]
+    )
+    for power in (3, 5, 7):
+        s = PartitionOfUnityRBF(x, polyharmonic(power), 3).field(franke(x))
+        assert_close(s(x), franke(x), 1e-7)
+
+
+def test_a_kernel_too_flat_for_rough_data_is_refused():
+    """In words, and where it is."""
+    m = PartitionOfUnityRBF(X, gaussian(50.0), -1, 30)
+    with pytest.raises(np.linalg.LinAlgError, match=r"patch about \(.*\) would miss its data"):
+        m.field(np.cos(1e4 * np.arange(len(X))))
+
+
+def test_noise_is_smoothed():
+    """With smoothing the field is nearer to the truth than the data are."""
+    x = halton(4000, 2)
+    noisy = franke(x) + 0.1 * np.random.default_rng(1).normal(size=len(x))
+    error = {
+        smoothing: np.std(
+            PartitionOfUnityRBF(x, polyharmonic(3), 1, 60, smoothing).field(noisy)(x) - franke(x)
+        )
+        for smoothing in (0.0, 1e-3)
+    }
+    assert error[1e-3] < 0.5 * error[0.0]
+
+
+def test_it_judges_itself_by_leaving_out():
+    """The residuals are as large as the errors elsewhere, within a factor."""
+    q = halton(1000, 2, seed=1)
+    m = PartitionOfUnityRBF(X)
+    error = np.sqrt(np.mean((m.field(franke(X))(q) - franke(q)) ** 2))
+    own = np.sqrt(np.mean(leave_one_out(m, franke(X)) ** 2))
+    assert 0.5 * error < own < 5 * error
+
+
+def test_a_site_that_cannot_be_left_out_is_told():
+    """Three sites and a plane, a patch each."""
+    m = PartitionOfUnityRBF(X[:3], thin_plate_spline(), 1)
+    with pytest.raises(np.linalg.LinAlgError, match=r"without point 0, \(0, 0\), the others"):
+        leave_one_out(m, wave(X[:3]))
+
+
+# --- clouds without a polynomial ------------------------------------------------------------------
+
+
+def test_sites_on_a_tilted_plane_use_the_polynomials_of_the_plane():
+    """Constant across it, however it is tilted; a cubic on it comes back."""
+    rng = np.random.default_rng(2)
+    axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    flat = rng.random((900, 2))
+    x = flat @ axes[:2]
+    m = PartitionOfUnityRBF(x)
+    assert m.degree == 0
+    assert m.reduced > 0
+    s = m.field(flat[:, 0] ** 3 - flat[:, 1])
+    on_it = rng.random((50, 2))
+    for away in (0.0, 0.01):
+        value = s(on_it @ axes[:2] + away * axes[2])
+        assert_close(value, on_it[:, 0] ** 3 - on_it[:, 1], 1e-8)
+
+
+def test_a_line_in_space():
+    """The same as in one variable."""
+    t = np.sort(np.random.default_rng(3).random(300))
+    m = PartitionOfUnityRBF(np.outer(t, [1.0, 2.0, 3.0]))
+    assert m.degree == 0
+    s = m.field(t**3)
+    assert_close(
+        s(np.outer(t[:-1] + np.diff(t) / 2, [1.0, 2.0, 3.0])), (t[:-1] + np.diff(t) / 2) ** 3, 1e-9
+    )
+
+
+def test_patches_along_a_track_grow_until_they_determine_their_polynomials():
+    """No polynomial is given up, and the data come back."""
+    x = tracks()
+    m = PartitionOfUnityRBF(x, polyharmonic(3), 1, 12)
+    sizes = [systems.sites.shape[1] for systems in m._levels[0].systems]
+    assert sizes[0] == 12
+    assert len(sizes) > 1
+    assert (m.degree, m.reduced) == (1, 0)
+    assert_close(m.field(wave(x))(x), wave(x), 1e-9)
+
+
+def test_balls_follow_the_density():
+    """Small in the clusters, large between them."""
+    x = np.unique(np.clip(clustered(4000, 2, 8, 0.02, seed=1), 0, 1), axis=0)
+    m = PartitionOfUnityRBF(x)
+    radii = m._levels[0].patches.radii
+    assert radii.max() > 10 * radii.min()
+    assert_close(m.field(franke(x))(x), franke(x), 1e-8)
+
+
+shapes = st.sampled_from(["uniform", "lattice", "thin", "clusters", "curve", "tracks", "far"])
+
+
+@settings(max_examples=60)
+@given(shapes, st.integers(1, 4), st.integers(30, 200), st.integers(0, 10**6))
+def test_any_cloud_is_interpolated_and_constants_come_back(shape, d, n, seed):
+    """In many small patches, whatever it looks like."""
+    rng = np.random.default_rng(seed)
+    x = rng.random((n, d))
+    if shape == "lattice":
+        x = np.round(x * 12) / 12
+    elif shape == "thin":
+        x[:, -1] *= 1e-7
+    elif shape == "clusters":
+        x[::2] *= 1e-5
+    elif shape == "curve":
+        x = np.cos(3 * x[:, :1] + np.arange(d))
+    elif shape == "tracks":
+        x[:, 0] = np.round(x[:, 0] * 5) / 5
+    elif shape == "far":
+        x += 1e6
+    x = np.unique(x, axis=0)
+    m = PartitionOfUnityRBF(x, polyharmonic(3), 1, 2 * d + 4)
+    f = np.cos(3 * x[:, 0] - x[:, -1])
+    s = m.field(np.stack([f, np.ones(len(x))], axis=1))
+    assert_close(s(x)[:, 0], f, 1e-5)
+    q = x[:1] + 2 * np.ptp(x, axis=0) * (rng.random((40, d)) - 0.5)
+    assert_close(s(q)[:, 1], np.ones(40), 1e-6)
+    assert np.isfinite(s.gradient(q)).all()
+
+
+# --- in words -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"patch_size": 10}, "patch_size must be an integer above 10, .*degree 3 in 2 var.*got 10"),
+        ({"patch_size": 2.5}, "patch_size must be an integer .*got 2.5"),
+        ({"kernel": "cubic"}, "kernel must be a radial function .*got 'cubic'"),
+        ({"degree": 0}, r"polyharmonic\(k=3\) needs polynomials of degree 1 or more .*got 0"),
+        ({"smoothing": -1.0}, "smoothing must be zero or a positive number; got -1.0"),
+    ],
+)
+def test_arguments_are_refused_in_words(options, words):
+    """Naming the argument, what was wanted, and what came."""
+    with pytest.raises(ValueError, match=words):
+        PartitionOfUnityRBF(X, **options)
+
+
+def test_sites_that_coincide_are_told():
+    """By their numbers; with smoothing they may, but not in crowds."""
+    x = np.concatenate([X, X[[3, 17]]])
+    with pytest.raises(ValueError, match="these coincide: 3 and 1500, 17 and 1501; merge"):
+        PartitionOfUnityRBF(x)
+    assert not PartitionOfUnityRBF(x, smoothing=1e-6).interpolates
+    crowd = np.concatenate([X, np.repeat(X[:1], 99, axis=0)])
+    with pytest.raises(ValueError, match="must not coincide in numbers above 40"):
+        PartitionOfUnityRBF(crowd, smoothing=1e-6)
+
+
+def test_a_gradient_that_does_not_exist_is_refused():
+    """That of -r at a site."""
+    s = PartitionOfUnityRBF(X, polyharmonic(1), 0).field(wave(X))
+    with pytest.raises(ValueError, match="has no gradient at a site"):
+        s.gradient(X[:1])
+
+
+# --- at work --------------------------------------------------------------------------------------
+
+
+def test_it_is_the_same_on_threads_and_processes():
+    """Bit for bit: the fit, values and gradients."""
+    m, q = PartitionOfUnityRBF(X), halton(3000, 2, seed=1)
+    here = m.field(wave(X))
+    spawn = multiprocessing.get_context("spawn")
+    with ThreadPoolExecutor(3) as threads, ProcessPoolExecutor(1, mp_context=spawn) as processes:
+        for executor in (threads, processes):
+            there = m.field(wave(X), executor=executor)
+            assert_close(there(q, executor=executor), here(q), 0.0)
+            assert_close(there.gradient(q, executor=executor), here.gradient(q), 0.0)
+
+
+def test_set_up_and_fit_tell_how_far_they_are(monkeypatch):
+    """Sites, then patches of all levels; the numbers rise, and the last call has all of them."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**16)
+    made, fitted = [], []
+    m = PartitionOfUnityRBF(X, progress=lambda *call: made.append(call))
+    m.field(wave(X), progress=lambda *call: fitted.append(call))
+    patches = sum(len(level.patches) for level in m._levels)
+    for calls, total in ((made, len(X)), (fitted, patches)):
+        done = [d for d, _ in calls]
+        assert done == sorted(done)
+        assert len(set(done)) > 5
+        assert {of for _, of in calls} == {total}
+        assert calls[-1] == (total, total)
+
+
+@pytest.mark.parametrize("n", [1, 30, 200])
+def test_few_sites_are_told_too(n):
+    """However few, the last call has all of them, and what is made does not depend on it."""
+    calls = []
+    m = PartitionOfUnityRBF(X[:n], progress=lambda *call: calls.append(call))
+    assert calls[-1] == (n, n)
+    assert_close(m.field(wave(X[:n]))(X), PartitionOfUnityRBF(X[:n]).field(wave(X[:n]))(X), 0.0)
+
+
+def test_weights_are_sparse_and_independent_of_their_company():
+    """A few patches for each query; the same to rounding when asked in another order."""
+    m, q = PartitionOfUnityRBF(X), halton(2000, 2, seed=1)
+    h = m.weights(q)
+    assert np.diff(h.indptr).max() < 0.2 * len(X)
+    back = m.weights(q[::-1])[::-1]
+    assert abs(h - back).max() < 1e-9
+
+
+# --- small systems --------------------------------------------------------------------------------
+
+
+def test_many_variables_take_no_more_memory():
+    """Differences are taken axis by axis: a few matrices, not one for each of sixty variables."""
+    m = PartitionOfUnityRBF(uniform(300, 60, seed=1))
+    tracemalloc.start()
+    m.field(m.points[:, 0])
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 12 * 8 * 361**2
+
+
+def test_singular_systems_are_solved_as_far_as_they_can_be():
+    """With entries no larger than they must be, whatever the right-hand side is made of."""
+    rng = np.random.default_rng(1)
+    a = rng.normal(size=(5, 8, 8))
+    a += a.mT
+    a[2, 0], a[2, :, 0] = a[2, 1], a[2, :, 1]
+    a[2, 0, 0] = a[2, 0, 1] = a[2, 1, 0] = a[2, 1, 1]
+    x = rng.normal(size=(5, 8, 3))
+    b = a @ x
+    for unit in (1.0, 1j):
+        found = solved(a, unit * b)
+        assert_close(a @ found, unit * b, 1e-9)
+        assert np.abs(found).max() < 10 * np.abs(x).max()
+        assert_close(found[0], unit * x[0], 1e-9)
+
+
+def test_a_large_kernel_does_not_drown_the_polynomials():
+    """A constant comes back beside two sites that coincide, and a kernel of size 1e24."""
+    x = np.array([[0.0], [0.0], [1.0]])
+    m = PartitionOfUnityRBF(x, inverse_square(1e-12), 0, smoothing=1e-6)
+    assert_close(m.field(np.full(3, 3.0))([[1e-15], [0.5]]), [3.0, 3.0], 1e-9)
+
+
+def test_many_right_hand_sides_of_few_systems():
+    """Each is solved with its own system, in any order and any number."""
+    rng = np.random.default_rng(2)
+    a = rng.normal(size=(4, 5, 5)) + 9 * np.eye(5)
+    for m in (0, 1, 3, COLUMNS, 100):
+        system, right = rng.integers(0, 4, m), rng.normal(size=(m, 5))
+        found = solved_for_each(lambda i, b: np.linalg.solve(a[i], b), system, right, 5, 2)
+        alone = [np.linalg.solve(a[i], b) for i, b in zip(system, right, strict=True)]
+        assert_close(found, np.reshape(alone, (m, 5)), 1e-12)

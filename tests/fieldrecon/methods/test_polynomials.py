@@ -1,0 +1,190 @@
+"""The basis, its gradients and the local frame; what the points determine, and what they do not."""
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldrecon.kernels.positive_definite import gaussian
+from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.rbf import RBF
+from fieldrecon.polynomials import (
+    Frame,
+    dimension,
+    exponents,
+    monomial_gradients,
+    monomials,
+    power_of_two_above,
+    require_unisolvent,
+    resolution,
+)
+from laws import assert_close, difference_quotient
+
+EXACT = 1e-13
+DIFFERENCE = 1e-8
+SPACES = [(d, degree) for d in (1, 2, 3, 5) for degree in (-1, 0, 1, 2, 3, 4)]
+
+
+@pytest.mark.parametrize(("d", "degree"), SPACES)
+def test_the_exponents_are_all_of_the_total_degree(d, degree):
+    """Each once, constant first, by total degree; C(degree + d, d) of them."""
+    alpha = [tuple(a) for a in exponents(d, degree)]
+    expected = {a for a in product(range(degree + 1), repeat=d) if sum(a) <= degree}
+    assert set(alpha) == expected
+    assert len(alpha) == len(expected) == dimension(d, degree)
+    assert [sum(a) for a in alpha] == sorted(sum(a) for a in alpha)
+
+
+def test_the_linear_basis_is_that_of_the_slides():
+    """b(x) = (1, x_1, ..., x_D), p. 3."""
+    assert monomials([2.0, 3.0, 5.0], 1).tolist() == [1, 2, 3, 5]
+
+
+@pytest.mark.parametrize(("d", "degree"), SPACES)
+def test_monomials_are_products_of_powers(d, degree):
+    """x^alpha, at any shape of points."""
+    x = np.random.default_rng(1).standard_normal((2, 3, d))
+    alpha = exponents(d, degree)
+    assert_close(monomials(x, degree), np.prod(x[..., None, :] ** alpha, axis=-1), EXACT * 1e3)
+
+
+@pytest.mark.parametrize(("d", "degree"), SPACES)
+def test_gradients_are_derivatives(d, degree):
+    """Of each monomial by each variable; central differences of order six are exact up to five."""
+    x = np.random.default_rng(2).random((4, d))
+    quotient = difference_quotient(lambda y: monomials(y, degree), x, step=1e-2)
+    assert_close(monomial_gradients(x, degree), quotient, DIFFERENCE)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6, -1e12])
+@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
+def test_the_frame_fills_the_cube(offset, unit):
+    """Sites have coordinates in [-1, 1], the largest at least 1/2; the scale is a power of two."""
+    x = (np.random.default_rng(3).random((20, 3)) * [1.0, 0.1, 0.0] + offset) * unit
+    frame = Frame.around(x)
+    y = frame.local(x)
+    assert np.abs(y).max() <= 1
+    assert np.abs(y).max() >= 0.5
+    assert math.frexp(frame.scale)[0] == 0.5
+
+
+def test_the_frame_of_one_point_has_size_one():
+    """There is no length to scale by."""
+    assert Frame.around(np.array([[3.0, 4.0]])).scale == 1.0
+
+
+@given(st.floats(min_value=1e-300, max_value=1e300))
+def test_the_power_of_two_above_is_the_least(length):
+    """2^(k-1) < length <= 2^k."""
+    power = power_of_two_above(length)
+    assert power / 2 < length <= power
+    assert math.frexp(power)[0] == 0.5
+
+
+def test_the_frame_of_the_largest_numbers_is_a_number():
+    """Points at both ends of the range of floating-point numbers are scaled, not refused."""
+    frame = Frame.around(np.array([[-1.7e308], [1.7e308]]))
+    assert np.isfinite(frame.scale)
+
+
+@pytest.mark.parametrize(("d", "degree"), [(1, 3), (2, 2), (3, 1), (2, 0)])
+def test_global_coefficients_are_those_of_the_same_polynomial(d, degree):
+    """B(x) times them is B(y) times the local ones, y the coordinates in the frame."""
+    rng = np.random.default_rng(4)
+    frame = Frame(rng.random(d), 0.25)
+    c = rng.standard_normal((dimension(d, degree), 2))
+    x = rng.random((10, d))
+    there = monomials(x, degree) @ frame.global_coefficients(c, degree)
+    assert_close(there, monomials(frame.local(x), degree) @ c, 1e-10)
+
+
+def test_coefficients_out_of_range_are_refused_in_words():
+    """Of degree two in a unit of 1e-200 they exceed 1e308."""
+    frame = Frame(np.zeros(1), 2.0**-660)
+    with pytest.raises(OverflowError, match=r"the coefficients would leave .* choose a unit"):
+        frame.global_coefficients(np.ones((3, 1)), 2)
+    far = Frame(np.array([1e200]), 1.0)
+    with pytest.raises(OverflowError, match="coefficients of degree 2 overflow in this unit"):
+        far.global_coefficients(np.ones((3, 1)), 2)
+
+
+def test_the_resolution_is_rounding_over_extent():
+    """1e-16 near the origin, 1e-10 at a distance of 1e6 extents; no less for one point."""
+    eps = float(np.finfo(float).eps)
+    x = np.linspace(0, 1, 11)[:, None]
+    assert resolution(x) == pytest.approx(eps)
+    assert resolution(x + 1e6) == pytest.approx(1e6 * eps, rel=1e-5)
+    assert resolution(x[:1]) == pytest.approx(eps)
+
+
+# --- what the points determine --------------------------------------------------------------------
+
+
+def require(points, degree):
+    points = np.asarray(points, dtype=float)
+    require_unisolvent(points, monomials(Frame.around(points).local(points), degree), degree)
+
+
+LINE = np.stack([np.linspace(0, 1, 9), np.linspace(0, 1, 9) / 3], axis=1)
+ANGLES = np.linspace(0.1, 6.0, 12)
+CIRCLE = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6])
+@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
+@pytest.mark.parametrize(
+    ("points", "degree", "rank", "q"),
+    [
+        (LINE, 1, 2, 3),
+        (LINE, 2, 3, 6),
+        (CIRCLE, 2, 5, 6),
+        (CIRCLE, 3, 7, 10),
+        (np.zeros((4, 2)), 1, 1, 3),
+        (LINE[:2], 1, 2, 3),
+    ],
+)
+def test_points_on_a_curve_of_the_degree_are_refused(points, degree, rank, q, unit, offset):
+    """A line, a circle, a single place, too few: with the rank, wherever the origin lies."""
+    words = f"degree {degree} in 2 variables: rank {rank} of {q}"
+    with pytest.raises(np.linalg.LinAlgError, match=f"the points do not determine .* {words}"):
+        require((points + offset) * unit, degree)
+
+
+@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
+@pytest.mark.parametrize("bend", [1e-3, 1e-6, 1e-9])
+def test_nearly_collinear_points_are_accepted(bend, unit):
+    """As long as the bend is more than rounding, they determine the plane."""
+    require((LINE + bend * np.array([[0, 1]]) * (np.arange(9) % 2)[:, None]) * unit, 1)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6])
+def test_points_off_the_curve_are_accepted(offset):
+    """A circle and its centre determine a quadratic."""
+    require(np.vstack([CIRCLE, [[0.0, 0.0]]]) + offset, 2)
+
+
+def test_one_variable_is_named_in_the_singular():
+    """The words are those one would say."""
+    with pytest.raises(np.linalg.LinAlgError, match=r"degree 1 in 1 variable: rank 1 of 2"):
+        require([[1.0], [1.0]], 1)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda x: LeastSquares(x, 10),
+        lambda x: MovingLeastSquares(x, gaussian(1.0), 10),
+        lambda x: RBF(x, polyharmonic(3), 10),
+    ],
+    ids=["LS", "MLS", "RBF"],
+)
+def test_a_basis_that_does_not_fit_into_memory_is_not_made(make):
+    """Degree 10 in 50 variables: the number of coefficients is told at once."""
+    words = "degree 10 in 50 variables, which has 75394027566 coefficients; there are 80 points"
+    with pytest.raises(np.linalg.LinAlgError, match=words):
+        make(np.random.default_rng(1).random((80, 50)))

@@ -1,0 +1,108 @@
+"""A cluster of processes gives the bits of one machine, though a worker is killed at work."""
+
+import os
+import signal
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import dask.array
+import numpy as np
+import pytest
+from distributed import Client, LocalCluster
+
+from fieldrecon._core import chunks as _chunks
+from fieldrecon.datasets.synthetic import franke, halton
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.pipelines.cluster import Cluster, evaluated
+from laws import assert_close
+
+X, Q = halton(3000, 2), halton(4000, 2, seed=1)
+# what the servers have to say of a killed worker
+pytestmark = pytest.mark.filterwarnings("ignore")
+
+
+@contextmanager
+def cluster(folder, **workers):
+    """A client of so many workers on this machine."""
+    quiet = {"dashboard_address": None, "silence_logs": "CRITICAL"}
+    with (
+        LocalCluster(threads_per_worker=1, local_directory=folder, **quiet, **workers) as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
+class Recorded:
+    """Work that writes down who began it, and lets the first to come die."""
+
+    def __init__(self, work, log: Path) -> None:
+        self.work, self.log = work, log
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        with self.log.open("a") as log:
+            log.write(f"{os.getpid()}\n")
+        with suppress(FileExistsError):
+            with self.log.with_suffix(".killed").open("x") as log:
+                log.write(f"{os.getpid()}")
+            os.kill(os.getpid(), signal.SIGKILL)
+        return self.work(x)
+
+
+class Recording(Cluster):
+    """A cluster whose work is recorded."""
+
+    log: Path
+
+    def holding(self, work):
+        return super().holding(Recorded(work, self.log))
+
+
+@pytest.mark.slow
+def test_the_fit_and_the_field_survive_the_death_of_a_worker(tmp_path, monkeypatch):
+    """Killed when it had begun, as its log says; others go on, and the bits are the same."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)
+    m = PartitionOfUnityRBF(X)
+    here = m.field(franke(X))
+    with cluster(tmp_path, n_workers=3, processes=True) as client:  # each has a nurse
+        executor = Recording(client)
+        executor.log = tmp_path / "fit"
+        there = m.field(franke(X), executor=executor)
+        executor.log = tmp_path / "values"
+        values = there(Q, executor=executor)
+    for log in ("fit", "values"):
+        begun = (tmp_path / log).read_text().split()
+        killed = (tmp_path / log).with_suffix(".killed").read_text()
+        assert begun.count(killed) == 1
+        assert len(set(begun)) > 1
+        with pytest.raises(ProcessLookupError):
+            os.kill(int(killed), 0)
+    assert_close(values, here(Q), 0.0)
+    assert_close(there.gradient(Q), here.gradient(Q), 0.0)
+
+
+def test_a_cluster_gives_the_bits_of_this_machine(tmp_path, monkeypatch):
+    """Here of two threads; the work reaches them as it reaches processes."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)
+    m = PartitionOfUnityRBF(X)
+    here = m.field(franke(X))
+    with cluster(tmp_path, n_workers=2, processes=False) as client:
+        there = m.field(franke(X), executor=Cluster(client))
+        assert_close(there(Q, executor=Cluster(client)), here(Q), 0.0)
+
+
+def test_queries_may_be_a_dask_array():
+    """Nothing is computed before it is asked for; chunks of rows stay."""
+    m = PartitionOfUnityRBF(X)
+    for data in (franke(X), np.stack([franke(X), X[:, 0]], axis=1)):
+        s = m.field(data)
+        lazy = evaluated(s, dask.array.from_array(Q, chunks=(1500, 1)))
+        assert lazy.shape == (4000, *data.shape[1:])
+        assert lazy.chunks[0] == (1500, 1500, 1000)
+        assert_close(lazy.compute(), s(Q), 0.0)
+
+
+def test_queries_of_another_shape_are_refused():
+    """In words."""
+    s = PartitionOfUnityRBF(X).field(franke(X))
+    with pytest.raises(ValueError, match=r"x must have the shape \(m, 2\); got \(4000, 3\)"):
+        evaluated(s, dask.array.zeros((4000, 3)))

@@ -1,0 +1,369 @@
+"""Samples are read from the tables people have, and a bad row is told by its line."""
+
+import csv
+import sys
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.io import tables as _text_tables
+from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
+
+
+@pytest.fixture
+def table(tmp_path):
+    """Write a text to a file and return its path."""
+
+    def write(text, encoding="utf-8"):
+        path = tmp_path / "points.csv"
+        path.write_bytes(text.encode(encoding))
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x,y,value\n0,1,2\n3,4,5\n",
+        "\ufeffx;y;value\r\n0;1;2\r\n3;4;5\r\n",
+        "# made by hand\nX\tY\tValue\n\n0\t1\t2\n# half-way\n3\t4\t5",
+        'Northing,Easting [m],"Depth (m, below sea)"\n1,0,2\n4,3,5\n',
+        "lat,lon,temperature\n1,0,2\n4,3,5\n",
+        "y,x,id,z\n1,0,17,2\n4,3,18,5\n",
+        'x,y,name,value\n0,1,"a, b",2\n3,4,c,5\n',
+        "0 1 2\n3   4\t5\n",
+        "  0.0e0   1   2  \r\n\r\n3 4 5",
+        "# LAS points\n0,1,2,77\n3,4,5,78\n",
+        "x y z\n0 1 2\n3 4 5\n",
+    ],
+)
+def test_columns_are_found_by_usual_names(table, text):
+    """Whatever separates the cells, in any order, with units, comments or without a header."""
+    samples = read_samples(table(text))
+    assert samples.points.tolist() == [[0, 1], [3, 4]]
+    assert samples.values.tolist() == [2, 5]
+    assert samples.bad == ()
+
+
+def test_columns_are_chosen_by_name(table):
+    """Named columns win over usual ones."""
+    path = table("x,y,z,a,b\n0,1,2,3,4\n5,6,7,8,9\n")
+    samples = read_samples(path, x="a", value="b")
+    assert samples.names == ("a", "y", "b")
+    assert samples.points.tolist() == [[3, 1], [8, 6]]
+    assert samples.values.tolist() == [4, 9]
+
+
+def test_points_in_space_have_a_third_column(table):
+    """Which is named; a z that was not read is told."""
+    path = table("x,y,z,value\n0,1,2,3\n4,5,6,7\n")
+    samples = read_samples(path, z="z")
+    assert samples.names == ("x", "y", "z", "value")
+    assert samples.points.tolist() == [[0, 1, 2], [4, 5, 6]]
+    assert samples.remarks == []
+    assert "The column z was not read" in " ".join(read_samples(path).remarks)
+    assert read_samples(table("x,y,z,i\n0,1,2,3\n"), z="z").values.tolist() == [3]
+
+
+def test_repeated_points_bear_the_mean(table):
+    """A point given several times stands once, where it first stood, with the mean value."""
+    samples = read_samples(table("x,y,z\n5,5,1\n0,0,2\n5,5,4\n0,1,3\n5,5,4\n-0,0,2\n"))
+    assert samples.points.tolist() == [[5, 5], [0, 0], [0, 1]]
+    assert samples.values.tolist() == [3, 2, 3]
+    assert (samples.merged, samples.conflicts, samples.spread) == (3, 1, 3)
+    assert samples.remarks == [
+        "3 rows repeat a point; it bears the mean of its values, which differ at 1 point, by up "
+        "to 3."
+    ]
+    same = read_samples(table("x,y,z\n5,5,0.1\n5,5,0.1\n5,5,0.1\n0,0,2\n"))
+    assert same.values.tolist() == [0.1, 2]
+    assert same.remarks[0].endswith("which are the same.")
+
+
+def test_on_the_globe_one_place_has_many_longitudes(table):
+    """Whole turns, and any longitude at a pole, are the same point."""
+    rows = "lon,lat,t\n190,10,1\n-170,10,3\n370.1,0,5\n10.1,0,5\n17,90,2\n-60,90,4\n180,0,1\n"
+    samples = read_samples(table(rows), lonlat=True)
+    assert samples.points.tolist() == [[-170, 10], [10.1, 0], [0, 90], [-180, 0]]
+    assert samples.values.tolist() == [2, 5, 3, 1]
+    assert samples.lonlat
+    assert all("degrees" not in remark for remark in samples.remarks)
+
+
+@pytest.mark.parametrize(
+    ("header", "size", "words"),
+    [
+        ("lon,lat,t", 1e6, "look like degrees but are taken as lengths of one unit: add --lonlat"),
+        ("x,y,t", 80, "all within ±180 and ±90, are degrees, add --lonlat"),
+        ("x,y,t", 1, ""),
+        ("x,y,t", 200, ""),
+        ("east,north,t", 80, ""),
+    ],
+)
+def test_degrees_taken_for_lengths_are_told(table, header, size, words):
+    """By the names of the columns, or by the range of the numbers."""
+    remarks = read_samples(table(f"{header}\n0,0,1\n{size},{size},2\n0,{size},2\n")).remarks
+    assert words in " ".join(remarks)
+    assert bool(remarks) == bool(words)
+
+
+@pytest.mark.parametrize(
+    ("row", "reason"),
+    [
+        ("1,0,n/a", "z must be a finite number; got 'n/a'"),
+        ("1,nan,2", "y must be a finite number; got 'nan'"),
+        ("1,inf,2", "y must be a finite number; got 'inf'"),
+        ("1,,2", "y must be a finite number; got ''"),
+        ("1_000,1,2", "x must be a finite number; got '1_000'"),
+        ("1e999,1,2", "x must be a finite number; got '1e999'"),
+        ("1,2", "the header has 3 cells and this row 2"),
+        ("0,5,0,1,0", "the header has 3 cells and this row 5"),
+        ('"1,1,2', "the header has 3 cells and this row 1"),
+        ("\x001,1,2", "x must be a finite number; got"),
+        ("   ,  ,", "x must be a finite number; got ''"),
+    ],
+)
+def test_a_bad_row_is_left_out_and_told(table, row, reason):
+    """With its line; the others stay. If strict, it stops."""
+    path = table(f"# a\nx,y,z\n0,0,1\n\n{row}\n2,2,3\n")
+    samples = read_samples(path)
+    assert samples.points.tolist() == [[0, 0], [2, 2]]
+    assert [bad.line for bad in samples.bad] == [5]
+    assert reason in samples.bad[0].reason
+    assert samples.remarks[0].startswith("1 row left out, by line: 5: ")
+    with pytest.raises(ValueError, match=r"points\.csv, line 5: "):
+        read_samples(path, strict=True)
+    with pytest.raises(ValueError, match=r"points\.csv, line 2: "):
+        read_samples(table(f"x,y,z\n{row}\n"))
+
+
+def test_a_separator_in_quotes_separates_nothing(table):
+    """A row may have as many commas as the header, and one cell less."""
+    samples = read_samples(table('note,more,x,y,value\n"a,b",1,2,3\nc,d,4,5,6\n'))
+    assert samples.points.tolist() == [[4, 5]]
+    assert [(bad.line, bad.reason) for bad in samples.bad] == [
+        (2, "the header has 5 cells and this row 4")
+    ]
+
+
+def test_a_latitude_beyond_the_pole_is_a_bad_row(table):
+    """Only where degrees are meant."""
+    path = table("lon,lat,t\n0,0,1\n10,95,1\n")
+    assert read_samples(path).bad == ()
+    assert read_samples(path, lonlat=True).bad == ((3, "lat must lie within ±90; got 95"),)
+    metres = table("lon,lat,t\n0,0,1\n1000,9,1\n10,2000,1\n")
+    with pytest.raises(
+        ValueError, match=r"most rows of .* are no degrees .* line 3: lon must lie wi"
+    ):
+        read_samples(metres, lonlat=True)
+
+
+def test_many_bad_rows_are_counted(table):
+    """The first are shown, all are kept."""
+    samples = read_samples(table("x,y,z\n0,0,1\n" + "a,b,c\n" * 9))
+    assert [bad.line for bad in samples.bad] == [*range(3, 12)]
+    assert "9 rows left out" in samples.remarks[0]
+    assert samples.remarks[0].endswith("; and 4 more.")
+
+
+@pytest.mark.parametrize(
+    ("text", "columns", "words"),
+    [
+        ("a,b,c\n0,0,1\n", {}, r"not clear which column of .* name it with --x: a, b, c"),
+        ("x,y,a,b\n0,0,1,1\n", {}, r"not clear which column of .* --value: x, y, a, b"),
+        ("x,y,z\n0,0,1\n", {"value": "w"}, r"has no column 'w'; it has x, y, z"),
+        ("x,y,z\n0,0,1\n", {"y": "z", "value": "z"}, r"must be different columns"),
+        ("x,y,z\n0,0,1\n", {"z": "z", "lonlat": True}, r"--z for points in space: not both"),
+        ("x,y,z\n", {}, r"has no rows below its header"),
+        ("x,y,z", {}, r"has no rows below its header"),
+        ("x,y,z\n# end\n\n", {}, r"has no rows below its header"),
+        ("", {}, r"is empty; a header such as x,y,value and rows were expected"),
+        ("\n# nothing\n", {}, r"is empty"),
+        ("LASF\0\0\1\2", {}, r"is not a text: it holds bytes of zero"),
+    ],
+)
+def test_a_bad_table_is_told_in_words(table, text, columns, words):
+    """With the columns that there are."""
+    with pytest.raises(ValueError, match=words):
+        read_samples(table(text), **columns)
+
+
+def test_a_table_in_another_encoding_is_told(table):
+    """A file that is not UTF-8 is named as such."""
+    with pytest.raises(ValueError, match="is not a text in UTF-8"):
+        read_samples(table("x,y,Höhe\n0,0,1\n", encoding="latin-1"))
+
+
+def test_numbers_keep_their_digits(table):
+    """Seventeen digits and large offsets are read as they are written."""
+    samples = read_samples(table("x,y,z\n4500000.1,1e-300,0.1234567890123456\n"))
+    assert samples.points.tolist() == [[4500000.1, 1e-300]]
+    assert samples.values == np.array([0.1234567890123456])
+
+
+@given(data=st.data(), block=st.integers(1, 200))
+def test_blocks_make_no_difference(tmp_path_factory, data, block):
+    """Rows good and bad come back as written, wherever a block of the file ends."""
+    cell = st.one_of(st.floats(allow_nan=False, allow_infinity=False).map(repr), st.just("?"))
+    rows = data.draw(st.lists(st.tuples(cell, cell, cell), min_size=1, max_size=30))
+    path = tmp_path_factory.mktemp("blocks") / "points.txt"
+    path.write_text("x,y,value\n" + "".join(f"{','.join(row)}\n" for row in rows))
+    good = [[float(c) for c in row] for row in rows if "?" not in row]
+    bad = [k for k, row in enumerate(rows, 2) if "?" in row]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_text_tables, "BLOCK_BYTES", block)
+        if not good:
+            with pytest.raises(ValueError, match="must be a finite number"):
+                read_samples(path)
+            return
+        samples = read_samples(path)
+    assert [row.line for row in samples.bad] == bad
+    once = {(x, y): 0 for x, y, _ in good}
+    assert samples.points.tolist() == [list(point) for point in once]
+
+
+def test_large_values_of_one_place_have_a_mean(table):
+    """Their sum is no number, but their mean is; what lies too far apart is told."""
+    samples = read_samples(table("x,y,z\n0,0,1e308\n0,0,1.2e308\n0,0,1.4e308\n1,0,1\n0,1,2\n"))
+    np.testing.assert_allclose(samples.values[0], 1.2e308)
+    far = read_samples(table("x,y,z\n0,0,1.5e308\n0,0,-1.5e308\n1,0,1\n0,1,2\n"))
+    assert (far.values[0], far.spread) == (0.0, np.inf)
+
+
+def test_progress_is_told_in_bytes(table, monkeypatch):
+    """From nothing to the size of the file."""
+    monkeypatch.setattr(_text_tables, "BLOCK_BYTES", 64)
+    path = table("x,y,z\n" + "".join(f"{k},{k * k},1\n" for k in range(200)))
+    told = []
+    read_samples(path, progress=lambda *step: told.append(step))
+    done = [step[0] for step in told]
+    assert len(done) > 10
+    assert done == sorted(done)
+    assert told[-1] == (path.stat().st_size, path.stat().st_size)
+
+
+# --- arrays -------------------------------------------------------------------------------------
+
+
+def write_npz(path, **arrays):
+    np.savez(path, **arrays)
+    return path
+
+
+def test_arrays_are_tables_too(tmp_path):
+    """Columns by name, or points and values."""
+    path = tmp_path / "a.npz"
+    rows = [[0.0, 1.0], [3.0, 4.0]]
+    for arrays in (
+        {"x": [0, 3], "y": [1, 4], "value": [2, 5]},
+        {"points": rows, "values": [2, 5], "note": "by hand"},
+    ):
+        samples = read_samples(write_npz(path, **arrays))
+        assert samples.points.tolist() == rows
+        assert samples.values.tolist() == [2, 5]
+    space = write_npz(path, points=[[1.0, 2.0, 3.0]], values=[4.0])
+    assert read_samples(space, z="z").points.tolist() == [[1, 2, 3]]
+    assert read_samples(write_npz(path, x=[0, np.nan], y=[1, 1], value=[2, 2])).bad == (
+        (2, "x must be a finite number; got nan"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("arrays", "words"),
+    [
+        ({"x": [0, 1], "y": [0], "value": [1]}, "must be equally long; got x 2, y 1, value 1"),
+        ({"x": [0], "y": [0]}, "name it with --value: x, y"),
+        ({"points": np.zeros((2, 5))}, "a column must be one number for each row; points is not"),
+        ({"x": np.array([{}], dtype=object)}, "cannot be read as arrays: .*allow_pickle"),
+        ({"x": np.empty(0), "y": np.empty(0), "value": np.empty(0)}, "has no rows"),
+    ],
+)
+def test_arrays_that_are_no_table_are_told(tmp_path, arrays, words):
+    """In words, with the file; no pickle is opened."""
+    with pytest.raises(ValueError, match=words):
+        read_samples(write_npz(tmp_path / "a.npz", **arrays))
+
+
+def test_a_broken_archive_is_told(tmp_path):
+    """A file that only bears the name of one."""
+    for name in ("a.npz", "a.parquet"):
+        (tmp_path / name).write_bytes(b"PK\3\4 but no more")
+        with pytest.raises(ValueError, match="cannot be read as"):
+            read_samples(tmp_path / name)
+
+
+# --- Parquet ------------------------------------------------------------------------------------
+
+
+def test_parquet_tables(tmp_path):
+    """Numbers of any type; rows without one are bad, counted from one."""
+    path = tmp_path / "a.parquet"
+    columns = {
+        "name": pa.array(["a", "b", "c"]),
+        "x": pa.array([0, 3, 7], pa.int32()),
+        "y": pa.array([1, 4, 7], pa.float32()),
+        "value": pa.array([2.0, 5.0, None]),
+    }
+    pyarrow.parquet.write_table(pa.table(columns), path)
+    told = []
+    samples = read_samples(path, progress=lambda *step: told.append(step))
+    assert samples.points.tolist() == [[0, 1], [3, 4]]
+    assert samples.values.tolist() == [2, 5]
+    assert samples.bad == ((3, "value must be a finite number; got nan"),)
+    assert told[-1] == (3, 3)
+    with pytest.raises(ValueError, match="must hold numbers in"):
+        read_samples(path, value="name")
+
+
+def test_without_pyarrow_the_remedy_is_told(tmp_path, monkeypatch):
+    """What to install, not a traceback."""
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    with pytest.raises(ImportError, match=r"pyarrow is not .* the extra 'parquet': pip install "):
+        read_samples(tmp_path / "a.parquet")
+
+
+# --- geometry -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("offset", [0.0, 4.5e6])
+@pytest.mark.parametrize(
+    ("directions", "words"),
+    [
+        ([[0, 0]], "all 50 points lie at one place"),
+        ([[1, 2]], "all 50 points lie on one straight line: .* take the distance along it"),
+        ([[1, 2, 3]], "all 50 points lie on one straight line"),
+        ([[1, 2, 3], [1, 0, 0]], "all 50 points lie in one plane"),
+    ],
+)
+def test_flat_samples_are_told(offset, directions, words):
+    """Beside the line or the plane any field would do; coordinates far out are rounded."""
+    points = uniform(50, len(directions), seed=0) @ np.array(directions, float) + offset
+    samples = Samples(("x",) * (points.shape[1] + 1), points, points[:, 0])
+    with pytest.raises(np.linalg.LinAlgError, match=words):
+        refuse_flat(samples)
+
+
+def test_thin_samples_are_not_flat():
+    """A strip a thousand times longer than wide is a plane."""
+    points = uniform(50, 2, seed=0) * [1e3, 1.0] + 1e5
+    refuse_flat(Samples(("x", "y", "z"), points, points[:, 0]))
+
+
+def test_the_quick_route_and_the_slow_one_agree(table, monkeypatch):
+    """All lines at once give the numbers that Python reads one by one."""
+    numbers = np.random.default_rng(0).standard_normal((500, 3)) * 10.0 ** np.arange(-150, 151, 150)
+    path = table("x,y,z\n" + "".join(",".join(map(repr, row)) + "\n" for row in numbers.tolist()))
+    quick = read_samples(path)
+    monkeypatch.setattr(_text_tables._Layout, "_quickly", lambda *_: None)
+    slow = read_samples(path)
+    assert np.array_equal(quick.points, slow.points)
+    with path.open(newline="") as file:
+        literal = [float(row["z"]) for row in csv.DictReader(file)]
+    assert quick.values.tolist() == slow.values.tolist() == literal
+    assert len(literal) == 500

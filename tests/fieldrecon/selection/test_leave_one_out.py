@@ -1,0 +1,162 @@
+"""Leave one out: every residual by a refit, with its digits where the closed form loses them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import digits
+from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.rbf import RBF
+from fieldrecon.selection.leave_one_out import leave_one_out
+from laws import assert_close, refused
+
+POINTS = np.random.default_rng(1).random((16, 2))
+VALUES = np.cos(POINTS @ [3.0, 2.0])
+
+
+def without(i: int) -> np.ndarray:
+    return np.delete(np.arange(len(POINTS)), i)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("epsilon", [0.0, 1e-8, 1e-4, 1e-3, 1e-2, 0.1, 1.0])
+def test_moving_residuals_have_their_digits(epsilon, degree):
+    """For tiny ε, too, where 1 - h_ii, and with it the closed form, has lost all of them."""
+    m = MovingLeastSquares(POINTS, inverse_square(epsilon), degree)
+    residuals = leave_one_out(m, VALUES)
+    weight = digits.inverse_square(epsilon)
+    for i in (0, 5, 15):
+        k = without(i)
+        s = float(digits.moving(POINTS[k], VALUES[k], POINTS[i], weight, degree))
+        assert_close(residuals[i], VALUES[i] - s, 1e-10)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("smoothing", [pytest.param(0.0, marks=pytest.mark.slow), 0.1])
+def test_kernel_residuals_have_their_digits(smoothing):
+    """Rippa's λ_i / (H⁻¹)_ii against a refit in five hundred digits, smoothing included."""
+    residuals = leave_one_out(RBF(POINTS, thin_plate_spline(), smoothing=smoothing), VALUES)
+    for i in (0, 5, 15):
+        k = without(i)
+        solution = digits.rbf_coefficients(POINTS[k], VALUES[k], digits.thin_plate, 1, smoothing)
+        s = float(digits.rbf(POINTS[k], solution, POINTS[i], digits.thin_plate, 1))
+        assert_close(residuals[i], VALUES[i] - s, 1e-12)
+
+
+@pytest.mark.parametrize("far", [1e3, 1e5, 1e7])
+def test_a_far_point_is_left_out_by_a_refit(far):
+    """Its leverage is all but one, and its residual as exact as any other."""
+    p, f = np.vstack([POINTS, [[far, far]]]), np.append(VALUES, 1.0)
+    residuals = leave_one_out(LeastSquares(p), f)
+    expected = 1.0 - float(LeastSquares(POINTS).field(VALUES)([far, far]))
+    assert residuals[-1] == pytest.approx(expected, rel=1e-12)
+
+
+def test_two_close_sites_are_dispensable():
+    """Each is predicted by the other, whatever the size of the inverse's diagonal."""
+    p = np.vstack([POINTS, POINTS[3] + 1e-7])
+    plane = 1 + p @ [2.0, -3.0]
+    for m in (RBF(p, thin_plate_spline()), RBF(p, polyharmonic(3))):
+        assert_close(leave_one_out(m, plane)[[3, 16]], np.zeros(2), 1e-6)
+
+
+def test_residuals_keep_the_form_of_the_data():
+    """(n, *v), complex or real."""
+    f = np.stack([VALUES, 1j * VALUES], axis=1)[:, :, None]
+    for m in (
+        LeastSquares(POINTS),
+        MovingLeastSquares(POINTS, inverse_square(0.0)),
+        MovingLeastSquares(POINTS, wendland(3, 1), neighbors=8),
+        RBF(POINTS, gaussian(0.2)),
+    ):
+        e = leave_one_out(m, f)
+        assert e.shape == (16, 2, 1)
+        assert_close(e[:, 0, 0], leave_one_out(m, VALUES), 1e-12)
+        assert_close(e[:, 1, 0], 1j * leave_one_out(m, VALUES), 1e-12)
+
+
+def test_it_prefers_what_predicts():
+    """The ε of least leave-one-out error is near that of least true error; that of ψ is not."""
+    p = np.random.default_rng(3).random((150, 2))
+    x = np.random.default_rng(4).random((200, 2))
+
+    def truth(y):
+        return np.sin(y @ [5.0, 3.0])
+
+    f = truth(p) + 0.2 * np.random.default_rng(5).standard_normal(150)
+    epsilons = [0.01, 0.03, 0.1, 0.2, 0.3, 1.0, 10.0]
+    methods = [MovingLeastSquares(p, inverse_square(e)) for e in epsilons]
+    true = [np.sqrt(np.mean((m.field(f)(x) - truth(x)) ** 2)) for m in methods]
+    left_out = [np.mean(leave_one_out(m, f) ** 2) for m in methods]
+    psi = [m.objective(f, x).mean() for m in methods]
+    assert true[int(np.argmin(left_out))] < 1.3 * min(true)
+    assert true[int(np.argmin(psi))] > 1.5 * min(true)
+
+
+# --- refusals -------------------------------------------------------------------------------------
+
+CORNER = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+LONE = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.5, 1.0]])
+
+
+@pytest.mark.parametrize(
+    ("method", "i", "place"),
+    [
+        (LeastSquares(CORNER), 0, "0, 0"),
+        (RBF(CORNER, thin_plate_spline()), 0, "0, 0"),
+        (LeastSquares(LONE), 3, "0.5, 1"),
+        (RBF(LONE, thin_plate_spline()), 3, "0.5, 1"),
+        (RBF(LONE, thin_plate_spline(), smoothing=1.0), 3, "0.5, 1"),
+        (LeastSquares([[1.0]], 0), 0, "1"),
+        (RBF([[1.0]], polyharmonic(1)), 0, "1"),
+    ],
+)
+def test_an_indispensable_point_is_named(method, i, place):
+    """Without it the others do not determine the polynomial."""
+    words = rf"without point {i}, \({place}\), the others do not determine the polynomial"
+    with refused(words, np.linalg.LinAlgError):
+        leave_one_out(method, np.ones(len(method.points)))
+
+
+@pytest.mark.parametrize("weight", [inverse_square(0.1), inverse_square(0.0)])
+def test_an_indispensable_neighbour_is_named_by_the_query(weight):
+    """Moving least squares knows how many sites count there, and their rank."""
+    words = r"the 3 sites that count at the query \(0.5, 1\) do not determine .* rank 2 of 3"
+    with refused(words, np.linalg.LinAlgError):
+        leave_one_out(MovingLeastSquares(LONE, weight), np.ones(4))
+
+
+def test_one_kernel_alone_predicts_nothing():
+    """Without polynomials the field of no sites is zero: the residual is the datum."""
+    assert leave_one_out(RBF([[1.0]], gaussian(1.0)), [3.0]).tolist() == [3.0]
+
+
+def test_neighbours_leave_one_to_spare():
+    """k, the next one, and the one left out."""
+    m = MovingLeastSquares(POINTS, wendland(3, 1), neighbors=15)
+    with refused("to leave one point out, neighbors=15 needs 17 points: .*; got 16"):
+        leave_one_out(m, VALUES)
+    assert leave_one_out(MovingLeastSquares(POINTS, wendland(3, 1), neighbors=14), VALUES).all()
+
+
+def test_the_data_must_fit_the_points():
+    """In the words of the field."""
+    with refused(r"values must have one entry for each point, shape \(16, ...\); got \(3,\)"):
+        leave_one_out(LeastSquares(POINTS), [1.0, 2.0, 3.0])
+
+
+@dataclass
+class Stranger:
+    """What has points, and is nothing known."""
+
+    points: np.ndarray
+
+
+def test_an_unknown_method_is_refused():
+    """By the name of its class."""
+    with refused("leave_one_out does not know Stranger", TypeError):
+        leave_one_out(Stranger(POINTS), VALUES)

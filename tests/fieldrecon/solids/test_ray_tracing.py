@@ -1,0 +1,97 @@
+"""Rays to implicit surfaces: where they meet balls, with each way to hurry, and the light."""
+
+import numpy as np
+import pytest
+
+import fieldrecon as fr
+from fieldrecon.solids.ray_tracing import LIGHT, phong
+from fieldrecon.solids.shapes import Ball, Torus, sample_surface
+
+BOX = [[-1.2] * 3, [1.2] * 3]
+
+
+def exact_ball(view):
+    """Distances at which the rays of a view meet the unit ball, inf where they do not."""
+    o = view.origins.reshape(-1, 3)
+    ahead = -view.axes[:, 2]
+    middle = -(o @ ahead)
+    squared = 1 - (o**2).sum(axis=1) + middle**2
+    met = (squared > 0) & (view.lengths.ravel() > 0)
+    return np.where(met, middle - np.sqrt(np.where(met, squared, 0)), np.inf)
+
+
+@pytest.mark.parametrize("toward", [(0.3, -1.0, 0.4), (0.0, -1.0, 0.0), (1.0, 1.0, 1.0)])
+def test_rays_meet_a_ball_where_algebra_says(toward):
+    """To rounding; and those that pass it by go on for ever."""
+    view = fr.View.of_box(BOX, toward, 24)
+    found = fr.first_zeros(
+        Ball(1.0), view.origins.reshape(-1, 3), -view.axes[:, 2], view.lengths.ravel(), 0.05
+    )
+    expected = exact_ball(view)
+    grazing = np.isinf(found) != np.isinf(expected)
+    assert grazing.mean() < 0.02
+    both = np.isfinite(found) & np.isfinite(expected)
+    assert both.mean() > 0.2
+    np.testing.assert_allclose(found[both], expected[both], atol=1e-12)
+
+
+def test_rays_in_a_hurry_meet_the_same():
+    """Sphere tracing, and points near the surface, save values and change nothing."""
+    torus, calls = Torus(0.8, 0.3), []
+
+    def counted(x):
+        calls.append(len(x))
+        return torus(x)
+
+    view = fr.View.of_box(BOX, (0.3, -1.0, 0.6), 24)
+    near = sample_surface(torus, 3000, seed=1)[0]
+    rays = view.origins.reshape(-1, 3), -view.axes[:, 2], view.lengths.ravel(), 0.06
+    found, cost = [], []
+    for hurry in ({}, {"slope": 1.0}, {"near": near}):
+        calls.clear()
+        found.append(fr.first_zeros(counted, *rays, **hurry))
+        cost.append(sum(calls))
+    for other in found[1:]:
+        same = np.isinf(other) == np.isinf(found[0])
+        assert same.mean() > 0.98
+        met = same & np.isfinite(other)
+        np.testing.assert_allclose(other[met], found[0][met], atol=1e-10)
+    assert max(cost[1:]) < 0.7 * cost[0]
+
+
+def test_a_surface_thinner_than_a_step_is_missed():
+    """The step is a promise: what is finer is not looked for."""
+    shell = Ball(1.0) - Ball(0.999)
+    ray = [[0.0, 0, 3]], [0, 0, -1.0], 6.0
+    assert np.isinf(fr.first_zeros(shell, *ray, 0.3))
+    assert np.isfinite(fr.first_zeros(shell, *ray, 0.0005))
+
+
+def test_the_picture_shows_the_ball_where_it_is_and_lit_from_the_lamp():
+    """A disc as large as the ball, brightest where its normal points between lamp and viewer."""
+    view = fr.View.of_box(BOX, (0, -1, 0), 60)
+    image = fr.ray_traced(Ball(1.0), view, 0.1, color=(1.0, 0.5, 0.5))
+    assert image.shape == (60, 60, 4)
+    assert (image[..., 3] > 0).mean() == pytest.approx(np.pi / 2.4**2, rel=0.02)
+    row, column = np.unravel_index(image[..., :3].sum(axis=2).argmax(), image.shape[:2])
+    half = np.array(LIGHT) / np.linalg.norm(LIGHT) + [0, 0, 1]
+    half /= np.linalg.norm(half)
+    assert [column, row] == pytest.approx(30 + 25 * half[:2] - 0.5, abs=2)
+    assert image[30, 30, 0] > image[30, 30, 1]
+
+
+def test_light_is_that_of_phong():
+    """Facing the lamp it is full, away from it there is only what is everywhere."""
+    lamp = np.array([LIGHT]) / np.linalg.norm(LIGHT)
+    white = np.ones(3)
+    toward, away, none = phong(7 * lamp, white), phong(-lamp, white), phong(0 * lamp, white)
+    assert (toward > 0.9).all()
+    assert (away < 0.3).all()
+    np.testing.assert_array_equal(away, none)
+
+
+def test_a_view_needs_an_up():
+    """To look along what points up leaves open what is up."""
+    with pytest.raises(ValueError, match="another direction than that to the viewer"):
+        fr.View.of_box(BOX, (0, 0, 1))
+    assert fr.View.of_box(BOX, (0, 0, 1), up=(0, 1, 0)).axes[1, 1] == 1

@@ -1,0 +1,186 @@
+"""Bodies as fields: distances, set operations, blends, motions, and points on their surfaces."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from fieldrecon.solids import constructive as solids
+from fieldrecon.solids.constructive import (
+    as_solid,
+    blend,
+    deformation,
+    difference,
+    intersection,
+    moved,
+    union,
+)
+from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface, scanned
+from laws import assert_close
+
+SHAPES = {
+    "ball": Ball(1.0, [0.3, -0.2, 0.1]),
+    "box": Box([1.0, 1.5, 0.4], [0.1, 0.2, 0.0]),
+    "torus": Torus(1.0, 0.3),
+    "cylinder": Cylinder(0.7, 1.2, [0.0, 0.1, 0.2]),
+}
+ROTATION = np.linalg.qr(np.random.default_rng(3).standard_normal((3, 3)))[0]
+BODIES = SHAPES | {
+    "union": Ball(1.0) | Box(1.2, [1.0, 0, 0]),
+    "intersection": Ball(1.0) & Box(1.2, [1.0, 0, 0]),
+    "difference": Box(1.5) - Cylinder(0.4, 3.0),
+    "blend": blend(Ball(1.0), Ball(1.0, [1.5, 0, 0]), 0.8),
+    "deformation": deformation(Ball(1.0), Box(1.5), 0.4),
+    "moved": moved(Torus(1.0, 0.3), ROTATION, [1.0, 2.0, 3.0], 2.5),
+    "given": as_solid(Ball(1.0), [[-1, -1, -1], [1, 1, 1]]),
+}
+
+
+def queries(solid, n=4000, seed=1):
+    low, high = solid.box
+    return low - 0.5 + (high - low + 1.0) * np.random.default_rng(seed).random((n, 3))
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_field_of_a_shape_is_the_distance_to_its_surface(name):
+    """Against the nearest of many points of the surface, and of the size of the steps of them."""
+    solid = SHAPES[name]
+    surface, _ = sample_surface(solid, 20000, seed=2)
+    x = queries(solid, 300)
+    nearest = cKDTree(surface).query(x)[0]
+    distance = np.abs(solid(x))
+    assert (distance <= nearest + 1e-9).all()
+    assert (nearest - distance).max() < 0.08
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_gradient_is_the_derivative(name):
+    """Central differences, where the field is smooth; almost everywhere it is."""
+    solid = BODIES[name]
+    x, h = queries(solid, 500), 1e-6
+    differences = np.stack(
+        [(solid(x + h * e) - solid(x - h * e)) / (2 * h) for e in np.eye(3)], axis=-1
+    )
+    error = np.linalg.norm(differences - solid.gradient(x), axis=1)
+    assert np.quantile(error, 0.98) < 1e-6
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_body_lies_in_its_box(name):
+    """No point outside the box is inside the body; and some inside are."""
+    solid = BODIES[name]
+    x = queries(solid)
+    out = ((x < solid.box[0]) | (x > solid.box[1])).any(axis=1)
+    assert (solid(x[out]) <= 1e-12).all()
+    assert (solid(x) > 0).any()
+
+
+def test_set_operations_are_those_of_sets():
+    """Of three bodies, at points: or, and, and not; and De Morgan's law."""
+    a, b, c = SHAPES["ball"], SHAPES["box"], SHAPES["torus"]
+    x = queries(a | b | c)
+    inside = [s(x) > 0 for s in (a, b, c)]
+    assert ((union(a, b, c)(x) > 0) == np.any(inside, axis=0)).all()
+    assert ((intersection(a, b, c)(x) > 0) == np.all(inside, axis=0)).all()
+    assert ((difference(a, b)(x) > 0) == (inside[0] & ~inside[1])).all()
+    assert_close((a - (b | c))(x), ((a - b) & (a - c))(x), 0.0)
+
+
+def test_a_mutant_of_the_difference_is_another_set(monkeypatch):
+    """Without the minus sign it is the intersection, and the law of sets says so."""
+    extreme = solids._Extreme
+    monkeypatch.setattr(
+        solids, "_Extreme", lambda parts, _, box, choice: extreme(parts, np.ones(2), box, choice)
+    )
+    a, b = SHAPES["ball"], SHAPES["box"]
+    x = queries(a | b)
+    assert ((difference(a, b)(x) > 0) != ((a(x) > 0) & ~(b(x) > 0))).any()
+
+
+def test_a_blend_is_the_union_away_from_the_seam_and_more_at_it():
+    """At most a quarter of the radius more, there where both are equal."""
+    a, b, r = Ball(1.0), Ball(1.0, [1.5, 0, 0]), 0.8
+    x = queries(a | b)
+    more = blend(a, b, r)(x) - union(a, b)(x)
+    assert (more >= 0).all()
+    assert (more[np.abs(a(x) - b(x)) >= r] == 0).all()
+    middle = [0.75, 3.0, 0.0]
+    assert_close(blend(a, b, r)(middle), union(a, b)(middle) + r / 4, 1e-15)
+
+
+def test_a_blend_has_a_continuous_gradient_where_a_union_has_none():
+    """Across the plane in which two balls meet the gradient of the union jumps."""
+    a, b = Ball(1.0), Ball(1.0, [1.5, 0, 0])
+    sides = np.array([[0.75 - 1e-9, 0.9, 0], [0.75 + 1e-9, 0.9, 0]])
+    assert np.ptp(blend(a, b, 0.8).gradient(sides), axis=0).max() < 1e-7
+    assert np.ptp(union(a, b).gradient(sides), axis=0).max() > 1
+
+
+def test_a_deformation_goes_from_one_body_to_the_other():
+    """Its ends are the bodies, and between balls about one centre it is the ball between."""
+    a, b = SHAPES["box"], SHAPES["torus"]
+    x = queries(a | b)
+    assert_close(deformation(a, b, 0.0)(x), a(x), 0.0)
+    assert_close(deformation(a, b, 1.0)(x), b(x), 0.0)
+    assert_close(deformation(Ball(1.0), Ball(3.0), 0.25)(x), Ball(1.5)(x), 1e-12)
+
+
+def test_points_move_with_the_body():
+    """F'(s R x + t) = s F(x), and normals turn."""
+    solid, shift = SHAPES["torus"], np.array([1.0, 2.0, 3.0])
+    x = queries(solid)
+    there = 2.5 * x @ ROTATION.T + shift
+    other = moved(solid, ROTATION, shift, 2.5)
+    assert_close(other(there), 2.5 * solid(x), 1e-12)
+    assert_close(other.normals(there), solid.normals(x) @ ROTATION.T, 1e-9)
+
+
+def test_samples_lie_on_the_surface_and_all_over_it():
+    """Of a box as many on each face as its area asks for, within four standard deviations."""
+    size = np.array([1.0, 2.0, 0.5])
+    points, normals = sample_surface(Box(size), 6000, seed=4)
+    assert np.abs(Box(size)(points)).max() < 1e-9
+    areas = np.repeat(size.prod() / size, 2)
+    expected = 6000 * areas / areas.sum()
+    counts = [int((normals[:, k] == sign).sum()) for k in range(3) for sign in (-1, 1)]
+    assert (np.abs(counts - expected) < 4 * np.sqrt(expected)).all()
+
+
+def test_noise_is_along_the_normal():
+    """Its standard deviation is what was asked for; sideways nothing moves."""
+    points, normals = sample_surface(Ball(1.0), 4000, seed=5)
+    rough = roughened(points, normals, 0.05, seed=6)
+    assert np.linalg.norm(rough, axis=1).std() == pytest.approx(0.05, rel=0.05)
+    assert_close(np.cross(rough, points), np.zeros_like(points), 1e-12)
+
+
+def test_what_one_part_hides_of_another_lies_in_shadow():
+    """Of a ball behind a wall nothing is seen; of a ball without it, the near half."""
+    ball, eye = Ball(0.5), [[5.0, 0.0, 0.0]]
+    points, normals = sample_surface(ball, 800, seed=7)
+    seen = scanned(ball, points, normals, eye)
+    assert seen[points[:, 0] > 0.2].all()
+    assert not seen[points[:, 0] < 0].any()
+    assert not scanned(ball | Box([0.1, 3, 3], [2.0, 0, 0]), points, normals, eye).any()
+    assert scanned(ball, points, normals, [*eye, [-5.0, 0, 0]]).mean() > 1.5 * seen.mean()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: Ball(0.0), "radius must be a positive number; got 0.0"),
+        (lambda: Box([1.0, -1.0, 1.0]), r"size must be positive; got \[1.0, -1.0, 1.0\]"),
+        (lambda: union(), "there must be a body at least"),
+        (lambda: union(Ball(1.0), 3), "must be a Solid, such as .*; got 3"),
+        (lambda: blend(Ball(1.0), Ball(1.0), -1), "radius must be a positive number"),
+        (lambda: deformation(Ball(1.0), Ball(1.0), 1.5), "t must be from 0 to 1; got 1.5"),
+        (lambda: moved(Ball(1.0), 2 * np.eye(3)), "rotation must be an orthogonal matrix"),
+        (lambda: as_solid(abs, [[0, 0, 0], [1, 1, 1]]), "must be callable and have a gradient"),
+        (lambda: as_solid(Ball(1.0), [[0, 0, 0], [1, 0, 1]]), "a low and a high corner"),
+        (lambda: Ball(1.0)([1.0, 2.0]), "x must have 3 coordinates"),
+        (lambda: sample_surface(Ball(1.0) & Ball(1.0, [9, 0, 0]), 5, 1), "no surface in its box"),
+    ],
+)
+def test_what_is_no_body_is_refused(call, words):
+    """In words."""
+    with pytest.raises(ValueError, match=words):
+        call()

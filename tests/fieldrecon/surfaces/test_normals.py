@@ -1,0 +1,279 @@
+"""Normals of clouds with known surfaces: how near, which sign, and where there are none."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csgraph
+
+from fieldrecon.surfaces import normal_orientation
+from fieldrecon.surfaces.normal_orientation import orient_normals
+from fieldrecon.surfaces.normals import estimate_normals, nearest
+from laws import assert_close
+
+
+def sphere(n, seed=1):
+    x = np.random.default_rng(seed).standard_normal((n, 3))
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    return x, x
+
+
+def torus(n, radius=0.4):
+    u, v = 2 * np.pi * np.random.default_rng(2).random((2, n))
+    normals = np.column_stack([np.cos(u) * np.cos(v), np.sin(u) * np.cos(v), np.sin(v)])
+    return np.column_stack([np.cos(u), np.sin(u), 0 * u]) + radius * normals, normals
+
+
+def box(n, size):
+    rng, size = np.random.default_rng(3), np.array(size, dtype=float)
+    areas = size.prod() / size
+    axis, side = rng.choice(3, n, p=areas / areas.sum()), rng.choice([-1, 1], n)
+    x, normals = (rng.random((n, 3)) - 0.5) * size, np.zeros((n, 3))
+    normals[np.arange(n), axis] = side
+    x[np.arange(n), axis] = side * size[axis] / 2
+    return x, normals
+
+
+def sheet(step, thickness):
+    """Two parallel squares of points, one above the other, without a rim."""
+    t = np.arange(-2, 2 + step / 2, step)
+    a, b = (c.ravel() for c in np.meshgrid(t, t))
+    points = [np.column_stack([a, b, np.full_like(a, s * thickness / 2)]) for s in (1, -1)]
+    normals = [np.tile([0.0, 0.0, s], (len(a), 1)) for s in (1, -1)]
+    return np.vstack(points), np.vstack(normals)
+
+
+def shuffled_signs(normals, seed=5):
+    return normals * np.random.default_rng(seed).choice([-1, 1], len(normals))[:, None]
+
+
+def right(points, true, **options):
+    """Share of the points whose estimated and oriented normal points to the true side."""
+    vectors = shuffled_signs(estimate_normals(points).vectors)
+    along = np.einsum("nd,nd->n", orient_normals(points, vectors, **options), true)
+    # where the estimate is across the surface, as at an edge, there is no right side
+    sure = np.abs(along) > 0.5
+    return float((along[sure] > 0).mean())
+
+
+BODIES = {
+    "sphere": sphere(2000),
+    "torus": torus(3000),
+    "cube": box(4000, (1, 1, 1)),
+    "plate": box(6000, (2, 2, 0.1)),
+}
+
+
+# --- the normal -----------------------------------------------------------------------------------
+
+
+def test_normals_of_a_sphere_are_of_first_order():
+    """The median angle to the true normal falls like the distance of the points, n^(-1/2)."""
+    angles = []
+    for n in (500, 8000):
+        x, true = sphere(n)
+        along = np.abs(np.einsum("nd,nd->n", estimate_normals(x).vectors, true))
+        angles.append(np.median(np.arccos(np.minimum(along, 1))))
+    assert np.log(angles[0] / angles[1]) / np.log(4) == pytest.approx(1, abs=0.25)
+    assert np.degrees(angles[1]) < 1
+
+
+@pytest.mark.parametrize("aspect", [1.0, 1e-3])
+def test_normals_of_planes_are_exact_however_long_the_neighbourhood(aspect):
+    """Only the gap of the smaller variances counts: a strip a thousand times as long as wide."""
+    rng = np.random.default_rng(4)
+    frame = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    x = (rng.random((300, 2)) * [1.0, aspect]) @ frame[:2] + 7.0
+    estimate = estimate_normals(x, neighbors=300)
+    assert_close(np.abs(estimate.vectors @ frame[2]), np.ones(300), 1e-12)
+    assert estimate.planar.all()
+    assert estimate.planarity.min() > 1 - 1e-6
+
+
+def test_it_is_the_plane_of_least_squares():
+    """The last right singular vector of the centred neighbours, by another route."""
+    x = np.random.default_rng(6).random((9, 3))
+    vectors = estimate_normals(x, neighbors=9).vectors
+    last = np.linalg.svd(x - x.mean(axis=0))[2][-1]
+    assert_close(np.abs(vectors @ last), np.ones(9), 1e-12)
+
+
+def test_where_no_plane_fits_it_is_said():
+    """A line, a point many times, and a ball full of points have no plane; a plane has."""
+    rng = np.random.default_rng(7)
+    line = rng.random((50, 1)) * [1.0, 2.0, -1.0] + 10
+    ball = rng.standard_normal((400, 3))
+    assert not estimate_normals(line).planar.any()
+    assert not estimate_normals(np.ones((30, 3))).planar.any()
+    assert estimate_normals(ball, 40).planar.mean() < 0.35
+    assert estimate_normals(sphere(1000)[0]).planar.all()
+    assert np.isfinite(estimate_normals(np.ones((30, 3))).vectors).all()
+
+
+def test_edges_of_a_cube_are_flagged():
+    """What is not planar lies near an edge, and nothing near the middle of a face does."""
+    x, _ = BODIES["cube"]
+    estimate = estimate_normals(x)
+    from_edge = np.sort(0.5 - np.abs(x), axis=1)[:, 1]
+    assert (~estimate.planar).any()
+    assert from_edge[~estimate.planar].max() < 0.12
+    assert estimate.planar[from_edge > 0.15].all()
+
+
+# --- the sign -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_normals_point_out_of_bodies(name):
+    """Round or with sharp edges, with a hole through it, or thin."""
+    assert right(*BODIES[name]) == 1.0
+
+
+@pytest.mark.parametrize("thickness", [0.2, 0.1])
+def test_sheets_thinner_than_the_distance_of_the_points(thickness):
+    """Mirrored in the joint the normals of the two sides agree; for exact points, noise=0."""
+    x, true = sheet(0.125, thickness)
+    assert right(x, true) == 1.0
+    thinner, true = sheet(0.125, thickness / 4)
+    along = np.einsum("nd,nd->n", orient_normals(thinner, shuffled_signs(true), noise=0.0), true)
+    assert (along > 0).all()
+
+
+@pytest.mark.parametrize(("noise", "least"), [(0.1, 1.0), (0.3, 0.998), (0.5, 0.99)])
+def test_noise_turns_few(noise, least):
+    """Noise by so many distances between points; a few in a thousand may point inwards."""
+    x, true = sphere(5000)
+    distance = np.sqrt(4 * np.pi / 5000)
+    noisy = x + noise * distance * np.random.default_rng(8).standard_normal(x.shape)
+    assert right(noisy, true) >= least
+
+
+def test_each_body_has_its_own_outside():
+    """Two bodies, apart from each other and of different size; and one of them with a cavity."""
+    (a, a_true), (b, b_true) = sphere(1500), torus(2500)
+    x, true = np.vstack([a, 3 * b + [9.0, 0, 0]]), np.vstack([a_true, b_true])
+    assert right(x, true) == 1.0
+
+
+def test_copies_of_points_do_no_harm():
+    """A third of the points twice: joints without a length, of neither angle nor cost."""
+    x, true = BODIES["sphere"]
+    assert right(np.vstack([x, x[:600]]), np.vstack([true, true[:600]])) == 1.0
+
+
+def test_a_plane_looks_up():
+    """It encloses nothing: the largest component of the sum of the normals is positive."""
+    rng = np.random.default_rng(9)
+    x = rng.random((300, 2)) @ [[1.0, 0.0, 0.5], [0.0, 1.0, 0.2]]
+    oriented = orient_normals(x, shuffled_signs(estimate_normals(x).vectors))
+    assert (oriented[:, 2] > 0.8).all()
+
+
+@pytest.mark.parametrize(("unit", "offset"), [(1.0, 1e7), (1e-140, 0.0), (1e140, 0.0)])
+def test_neither_origin_nor_unit_matter(unit, offset):
+    """Ten million radii away, and in units whose squares are no numbers."""
+    x, true = BODIES["torus"]
+    assert right(x * unit + offset, true) == 1.0
+    estimate = estimate_normals(x * unit + offset)
+    along = np.abs(np.einsum("nd,nd->n", estimate.vectors, estimate_normals(x).vectors))
+    assert_close(along, np.ones(len(x)), 1e-6)
+    assert (estimate.planar == estimate_normals(x).planar).all()
+
+
+def test_one_search_serves_both():
+    """The neighbours of the estimate give the orientation that a search of its own gives."""
+    x, _ = BODIES["torus"]
+    estimate = estimate_normals(x)
+    vectors = shuffled_signs(estimate.vectors)
+    again = orient_normals(x, vectors, estimate.neighbors[:, :9])
+    assert (again == orient_normals(x, vectors, 9)).all()
+
+
+def test_vectors_are_turned_and_nothing_else():
+    """Each comes back as it was or with the other sign; what came in is not written to."""
+    x, true = BODIES["sphere"]
+    given = shuffled_signs(true)
+    before = given.copy()
+    oriented = orient_normals(x, given)
+    assert (np.abs(oriented) == np.abs(given)).all()
+    assert (given == before).all()
+
+
+# --- mutants --------------------------------------------------------------------------------------
+
+
+def test_without_the_mirror_a_thin_plate_is_not_oriented(monkeypatch):
+    """Hoppe's expectation, n_j = n_i: both sides of a sheet get one sign."""
+
+    def plain(offset, n, other):
+        return (n * other).sum(axis=0), np.zeros(offset.shape[1:])
+
+    monkeypatch.setattr(normal_orientation, "_agreement", plain)
+    assert right(*sheet(0.125, 0.1)) == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_forest_costs_as_little_as_one_found_at_once(name):
+    """Cheap joints first, the others where they still connect something: no loss."""
+    points, _ = BODIES[name]
+    index = nearest(points, 9)[:, 1:]
+    cost = np.random.default_rng(9).random(index.shape).round(2) + 1  # with many equal ones
+    at_once = csgraph.minimum_spanning_tree(normal_orientation._graph(cost, index, cost > 0))
+    forest = normal_orientation._minimum_spanning_forest(cost, index)
+    parts = [csgraph.connected_components(f, directed=False)[0] for f in (forest, at_once)]
+    assert parts[0] == parts[1] == len(points) - forest.nnz
+    assert_close(forest.sum(), at_once.sum(), 1e-12)
+
+
+def test_zero_costs_must_not_vanish(monkeypatch):
+    """In a plane all joints cost nothing: without the shift every point is a part of its own."""
+    x, true = sheet(0.125, 0.2)
+    assert (np.einsum("nd,nd->n", orient_normals(x, shuffled_signs(true)), true) > 0).all()
+    tree = normal_orientation.csgraph.minimum_spanning_tree
+
+    def unshifted(costs):
+        costs.data -= 1
+        costs.eliminate_zeros()
+        return tree(costs)
+
+    monkeypatch.setattr(normal_orientation.csgraph, "minimum_spanning_tree", unshifted)
+    along = np.einsum("nd,nd->n", orient_normals(x, shuffled_signs(true)), true)
+    assert (along > 0).mean() < 0.9
+
+
+def test_without_the_votes_noise_turns_more(monkeypatch):
+    """The forest follows one joint to each point; its neighbours know better."""
+    x, true = sphere(5000)
+    noisy = x + 0.3 * np.sqrt(4 * np.pi / 5000) * np.random.default_rng(8).standard_normal(x.shape)
+    with_votes = right(noisy, true)
+    monkeypatch.setattr(normal_orientation, "_vote", lambda *_: None)
+    assert right(noisy, true) < with_votes
+
+
+# --- refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: estimate_normals(np.zeros((5, 2))), r"shape \(n, 3\), n at least 3; got \(5, 2\)"),
+        (lambda: estimate_normals(np.zeros((2, 3))), r"n at least 3; got \(2, 3\)"),
+        (lambda: estimate_normals([[0, 0, np.nan]] * 4), r"points must be finite; points\[0, 2\]"),
+        (lambda: estimate_normals(np.eye(3), 2), "neighbors must be an integer"),
+        (lambda: orient_normals(np.eye(3), np.eye(3)[:2]), r"shape of the points, \(3, 3\)"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), noise=-1.0), "noise must be zero or"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), 1.5), "neighbors must be an integer"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), np.ones((2, 3), int)), r"shape \(3, k\)"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), np.ones((3, 3))), r"got float64 of"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), np.full((3, 2), 3)), "indices of the 3 p"),
+    ],
+)
+def test_what_is_no_cloud_is_refused(call, words):
+    """In words."""
+    with pytest.raises(ValueError, match=words):
+        call()
+
+
+def test_more_neighbours_than_points_are_all_points():
+    """Three points have a plane."""
+    estimate = estimate_normals([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], neighbors=20)
+    assert_close(np.abs(estimate.vectors[:, 2]), np.ones(3), 1e-14)
+    assert orient_normals(np.eye(3), np.eye(3), neighbors=20).shape == (3, 3)

@@ -1,0 +1,200 @@
+"""Implicit moving least squares of polygons: integrals by two routes, laws, and their mutants."""
+
+import numpy as np
+import pytest
+
+import fieldrecon as fr
+from fieldrecon.surfaces import polygon_soup
+from fieldrecon.surfaces.triangle_integrals import by_rule, over_segments, over_triangles
+from fieldreport.experiments.surfaces.polygon_soup import gauss_on_triangles, on_the_cube
+from fieldreport.experiments.triangles.triangle_shapes import cube, sphere, torus
+
+RNG = np.random.default_rng(7)
+
+
+def random_triangles(n):
+    corners = RNG.normal(size=(n, 3, 3))
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return corners, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def test_integrals_over_triangles_agree_with_dense_quadrature():
+    """The closed form and its gradient, above, beside and far from triangles of any shape."""
+    corners, normals = random_triangles(60)
+    rule = gauss_on_triangles(corners, 40)
+    for distance in (0.5, 3.0, 100.0):
+        x = distance * RNG.normal(size=(60, 3))
+        value, slope = over_triangles(x, corners, normals, 0.3)
+        expected, expected_slope = by_rule(x, *rule, 0.3)
+        np.testing.assert_allclose(value, expected, rtol=1e-5)
+        size = np.linalg.norm(expected_slope, axis=1, keepdims=True)
+        np.testing.assert_allclose(slope / size, expected_slope / size, atol=1e-4)
+
+
+def test_integrals_at_corners_and_edges_do_not_cancel():
+    """On a corner, on an edge and beside it, where rounding decides on which side the place is."""
+    points, triangles = torus(12, 6)
+    x = np.repeat(points, len(triangles), axis=0)
+    corners = np.tile(points[triangles], (len(points), 1, 1))
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    value, _ = over_triangles(x, corners, normals, 0.3)
+    np.testing.assert_allclose(value, by_rule(x, *gauss_on_triangles(corners, 12), 0.3)[0], 1e-4)
+
+
+def test_integrals_in_the_plane_of_a_triangle_are_those_of_the_limit():
+    """Beside it in its plane nothing happens as epsilon goes to zero."""
+    corners, up = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]), np.array([[0.0, 0, 1]])
+    for x in ([2.0, 1.0, 0.0], [2.0, 0.0, 1e-9], [-1.0, 0.0, 0.0]):
+        x = np.array([x])
+        expected, _ = by_rule(x, *gauss_on_triangles(corners, 40), 0.0)
+        for epsilon in (1e-4, 1e-8, 1e-12):
+            np.testing.assert_allclose(
+                over_triangles(x, corners, up, epsilon)[0], expected, rtol=1e-6
+            )
+
+
+def test_integrals_over_segments_agree_with_dense_quadrature():
+    """In the plane the same, with its gradient."""
+    corners = RNG.normal(size=(60, 2, 2))
+    along = corners[:, 1] - corners[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
+    node, weight = np.polynomial.legendre.leggauss(80)
+    places = corners[:, None, 0] + along[:, None] * (node[:, None] + 1) / 2
+    shares = length[:, None] * weight / 2
+    for distance in (0.5, 100.0):
+        x = distance * RNG.normal(size=(60, 2))
+        value, slope = over_segments(x, corners, normals, 0.3)
+        expected, expected_slope = by_rule(x, places, shares, 0.3)
+        np.testing.assert_allclose(value, expected, rtol=1e-5)
+        np.testing.assert_allclose(slope, expected_slope, rtol=1e-4, atol=1e-4 * slope.max())
+
+
+@pytest.mark.parametrize("epsilon", [0.0, 0.2])
+def test_polygons_of_one_plane_give_the_distance_from_it(epsilon):
+    """Exactly, wherever and however large they are: the functions of all are the same."""
+    points = np.column_stack([RNG.normal(size=(30, 2)), np.full(30, 2.5)])
+    triangles = np.arange(30).reshape(-1, 3)
+    a, b, c = points[triangles].swapaxes(0, 1)
+    down = np.cross(b - a, c - a)[:, 2] < 0
+    triangles[down] = triangles[down][:, ::-1]
+    soup = fr.PolygonSoup(points, triangles, epsilon)
+    x = 5 * RNG.normal(size=(50, 3))
+    np.testing.assert_allclose(soup(x), 2.5 - x[:, 2], atol=1e-12)
+    np.testing.assert_allclose(soup.gradient(x), np.tile([0, 0, -1.0], (50, 1)), atol=1e-7)
+
+
+@pytest.mark.parametrize("surface", [cube(2), sphere(1), torus(12, 6)])
+def test_without_smoothing_the_zeros_hold_the_polygons(surface):
+    """F vanishes on them with the gradient -n, and is positive just inside."""
+    points, triangles = surface
+    soup = fr.PolygonSoup(points, triangles)
+    shares = RNG.dirichlet([3.0, 3.0, 3.0], len(triangles))
+    on = np.einsum("kc,kcd->kd", shares, points[triangles])
+    a, b, c = points[triangles].swapaxes(0, 1)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    np.testing.assert_allclose(soup(on), 0, atol=1e-12)
+    np.testing.assert_allclose(soup.gradient(on), -normals, atol=1e-5)
+    assert (soup(on - 1e-3 * normals) > 0).all()
+    assert (soup(on + 1e-3 * normals) < 0).all()
+
+
+def test_the_level_comes_to_the_polygons_with_the_second_order():
+    """Half the smoothing, a quarter of the distance."""
+    (coarse, _), (fine, _) = on_the_cube(0.02), on_the_cube(0.01)
+    assert np.log2(coarse / fine) == pytest.approx(2, abs=0.05)
+
+
+def test_gradients_are_derivatives():
+    """Of F with smoothing and offsets, near and far."""
+    points, triangles = sphere(1)
+    offsets = 0.1 * RNG.random(len(triangles))
+    soup = fr.PolygonSoup(points, triangles, 0.1, offsets, tolerance=1e-12)
+    x, h = 1.5 * RNG.normal(size=(40, 3)), 1e-5
+    slopes = [(soup(x + h * e) - soup(x - h * e)) / (2 * h) for e in np.eye(3)]
+    np.testing.assert_allclose(soup.gradient(x), np.stack(slopes, axis=1), atol=1e-7)
+
+
+def test_the_tolerance_is_kept_by_quadrature_far_away():
+    """Coarser and finer, F is off by no more than it says."""
+    points, triangles = sphere(2)
+    exact = fr.PolygonSoup(points, triangles, 0.05, tolerance=1e-14)
+    x = 1.2 * RNG.normal(size=(60, 3))
+    for tolerance in (1e-2, 1e-4, 1e-6):
+        soup = fr.PolygonSoup(points, triangles, 0.05, tolerance=tolerance)
+        assert np.abs(soup(x) - exact(x)).max() < tolerance
+
+
+def test_cutting_a_polygon_changes_nothing_and_doubling_it_does():
+    """The integral over the parts is that over the whole."""
+    points, triangles = cube(1)
+    middle = points[triangles[0]].mean(axis=0)
+    a, b, c = triangles[0]
+    cut = np.concatenate([triangles[1:], [[a, b, 8], [b, c, 8], [c, a, 8]]])
+    x = RNG.normal(size=(30, 3))
+    whole = fr.PolygonSoup(points, triangles, 0.2, tolerance=1e-14)
+    parts = fr.PolygonSoup(np.vstack([points, middle]), cut, 0.2, tolerance=1e-14)
+    doubled = fr.PolygonSoup(points, np.concatenate([triangles, triangles[:1]]), 0.2)
+    np.testing.assert_allclose(parts(x), whole(x), rtol=1e-9, atol=1e-12)
+    assert np.abs(doubled(x) - whole(x)).max() > 1e-3
+
+
+def test_results_move_with_the_polygons_and_scale():
+    """A motion and another unit of length change nothing but the coordinates."""
+    points, triangles = torus(10, 5)
+    turn = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    x = RNG.normal(size=(30, 3))
+    soup = fr.PolygonSoup(points, triangles, 0.1)
+    moved = fr.PolygonSoup(8 * points @ turn.T + 1e6, triangles, 0.8)
+    np.testing.assert_allclose(moved(8 * x @ turn.T + 1e6), 8 * soup(x), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("loose", "epsilon", "share"), [(0.0, 0.3, 0.05), (0.1, 0.05, 0.8), (0.1, 0.3, 1.0)]
+)
+def test_enclosing_puts_all_corners_inside_and_not_far(loose, epsilon, share):
+    """Nearer, in the mean, than moving all polygons alike; never farther, when they do not meet."""
+    points, triangles = torus(12, 6)
+    corners = points[triangles] * (1 + loose * RNG.random((len(triangles), 1, 1)))
+    soup = fr.PolygonSoup(
+        corners.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), epsilon
+    )
+    around, before = soup.enclosing()(soup.points), soup(soup.points)
+    assert around.min() > -1e-12
+    assert around.mean() <= share * (before - before.min()).mean() + 1e-12
+
+
+def test_a_value_in_place_of_a_function_is_no_surface(monkeypatch):
+    """With zeros on the polygons as in plain moving least squares F is zero everywhere."""
+    soup = fr.PolygonSoup(*sphere(1))
+    monkeypatch.setattr(
+        polygon_soup.PolygonSoup, "_planes", lambda self, x: np.zeros((len(x), len(self._kept)))
+    )
+    assert not soup(RNG.normal(size=(20, 3))).any()
+
+
+def test_too_many_polygons_to_enclose_are_refused_in_words(monkeypatch):
+    """Before memory runs out."""
+    monkeypatch.setattr(polygon_soup, "DENSE_LIMIT_BYTES", 10_000)
+    with pytest.raises(MemoryError, match="take fewer polygons"):
+        fr.PolygonSoup(*sphere(1), 0.1).enclosing()
+
+
+@pytest.mark.parametrize(
+    ("points", "polygons", "options", "words"),
+    [
+        ([[0.0], [1.0]], [[0]], {}, "in the plane or in space"),
+        ([[0.0, 0], [1, 0]], [[0, 2]], {}, "indices of the 2 points"),
+        ([[0.0, 0], [1, 0]], [[0, 1, 1]], {}, r"shape \(m, 2\)"),
+        ([[0.0, 0], [1, 0]], [[0, 0]], {}, "a length or an area"),
+        ([[0.0, 0], [1, 0]], [[0, 1]], {"epsilon": -1.0}, "epsilon must be zero or a positive"),
+        ([[0.0, 0], [1, 0]], [[0, 1]], {"offsets": [1.0, 2.0]}, "one entry for each polygon"),
+    ],
+)
+def test_errors_are_in_words(points, polygons, options, words):
+    """What came, and what was wanted."""
+    with pytest.raises(ValueError, match=words):
+        fr.PolygonSoup(points, polygons, **options)

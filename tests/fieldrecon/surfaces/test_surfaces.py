@@ -1,0 +1,424 @@
+"""From points to a body and from a body to triangles: what must hold, and what is said."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from fieldrecon.solids import marching_cubes as surface_extraction
+from fieldrecon.solids.constructive import as_solid, blend, deformation, moved
+from fieldrecon.solids.marching_cubes import extract_surface
+from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface
+from fieldrecon.surfaces import implicit_surfaces, off_surface
+from fieldrecon.surfaces.cloud_cleaning import noise_of
+from fieldrecon.surfaces.implicit_surfaces import implicit_surface
+from fieldrecon.surfaces.off_surface import classified_points, off_surface_points, spacing_of
+from laws import assert_close
+
+ROTATION = np.linalg.qr(np.random.default_rng(3).standard_normal((3, 3)))[0]
+TORUS = Torus(1.0, 0.35)
+
+
+def cloud(solid, n, seed=1):
+    return sample_surface(solid, n, seed)
+
+
+def spiral(n):
+    """Points about evenly spread over the unit sphere, the same for each n."""
+    z = 1 - (2 * np.arange(n) + 1) / n
+    angle = np.pi * (1 + 5**0.5) * np.arange(n)
+    r = np.sqrt(1 - z**2)
+    return np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
+
+
+def order(coarse, fine, ratio):
+    return np.log(coarse / fine) / np.log(ratio)
+
+
+# --- points off the surface -----------------------------------------------------------------------
+
+
+def nearest_is_own(points, off):
+    """Carr's check: of each off-surface point the nearest site is the one it belongs to."""
+    found, _ = cKDTree(points).query(off.points)
+    own = np.linalg.norm(off.points - points[off.sites], axis=1)
+    return bool((found >= own * (1 - 1e-9)).all())
+
+
+@pytest.mark.parametrize("distance", [0.02, 0.2, 5.0])
+def test_of_each_off_surface_point_its_own_site_is_the_nearest(distance):
+    """Of a plate and a torus, however far one would go."""
+    for solid in (Box([1.0, 1.0, 0.1]), TORUS):
+        points, normals = cloud(solid, 1500)
+        off = off_surface_points(points, normals, distance)
+        assert nearest_is_own(points, off)
+        assert (np.abs(off.values) <= distance * (1 + 1e-12)).all()
+        assert (np.sign(solid(off.points)) == np.sign(off.values)).mean() > 0.999
+
+
+def test_without_shrinking_the_check_fails(monkeypatch):
+    """Half as far again as a plate is thick, the points inside come out on the other side."""
+    points, normals = cloud(Box([1.0, 1.0, 0.1]), 1500)
+    monkeypatch.setattr(off_surface, "_empty_balls", lambda p, *rest: np.full(len(p), rest[-1]))
+    off = off_surface_points(points, normals, 0.15)
+    assert not nearest_is_own(points, off)
+    inside = off.values > 0
+    assert (Box([1.0, 1.0, 0.1])(off.points[inside]) < 0).mean() > 0.5
+
+
+def test_balls_are_the_largest_that_are_empty():
+    """Against all pairs: the least |e|^2 / (2 n . e)."""
+    points, normals = cloud(TORUS, 300)
+    radius = off_surface._empty_balls(points, -normals, cKDTree(points), 9.0)
+    e = points - points[:, None]
+    along = -np.einsum("jki,ji->jk", e, normals)
+    touching = np.divide(
+        (e**2).sum(axis=2), 2 * along, out=np.full(along.shape, 9.0), where=along > 1e-12
+    )
+    assert_close(radius, np.minimum(touching.min(axis=1), 9.0), 1e-9)
+
+
+def test_off_surface_values_are_signed_distances_positive_inside():
+    """On a ball exactly: 1 - |x|."""
+    points = spiral(400)
+    off = off_surface_points(points, points, 0.1)
+    assert_close(off.values, 1 - np.linalg.norm(off.points, axis=1), 1e-12)
+    assert len(off.values) == 800
+
+
+def test_the_nearest_site_tells_inside_from_outside():
+    """The book's second rule, right for dense sites; beside a sharp edge it can be wrong."""
+    points, normals = cloud(TORUS, 4000)
+    x = np.random.default_rng(2).uniform(-1.4, 1.4, (2000, 3))
+    told = classified_points(points, normals, x)
+    assert (np.sign(told.values) == np.sign(TORUS(told.points))).mean() > 0.995
+    assert np.abs(told.values - TORUS(told.points)).max() < 0.2
+    wedge = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0.0, 1, 0], [0, 1, 0], [1, 0, 0]]
+    assert classified_points(*wedge, [[-0.05, -0.06, 0]]).values > 0  # it is outside
+    assert len(classified_points(*wedge, [[-0.06, 0.01, 0]]).values) == 0  # and here nobody knows
+
+
+def test_the_spacing_of_points_is_the_root_of_the_area_of_each():
+    """A square lattice, and points by chance."""
+    lattice = np.stack(np.meshgrid(np.arange(40.0), np.arange(40.0), [0.0]), -1).reshape(-1, 3)
+    assert spacing_of(lattice) == pytest.approx(1, rel=0.2)
+    points, _ = cloud(Ball(1.0), 5000)
+    assert spacing_of(points) == pytest.approx(np.sqrt(4 * np.pi / 5000), rel=0.1)
+
+
+# --- the implicit surface -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["rbf", "partition", "hermite"])
+def test_the_surface_goes_through_its_points_and_is_positive_inside(method):
+    """F = 0 at the points, about the distance elsewhere, and its gradient looks inward."""
+    points, normals = cloud(TORUS, 700)
+    body = implicit_surface(points, method=method)
+    assert np.abs(body(body.points)).max() < 1e-9
+    x = points - 0.1 * normals
+    assert_close(body(x), TORUS(x), 0.05)
+    assert body([1.0, 0, 0]) > 0 > body([0.0, 0, 0])
+    assert np.einsum("ij,ij->i", body.normals(points), normals).min() > 0.9
+
+
+def test_with_the_sign_of_the_book_s_words_the_gradient_looks_outward(monkeypatch):
+    """Values -d inside: the body is turned inside out, and the law above says so."""
+    points, normals = cloud(TORUS, 600)
+
+    def turned(*given):
+        off = off_surface_points(*given)
+        return off_surface.OffSurface(off.points, -off.values, off.sites)
+
+    monkeypatch.setattr(implicit_surfaces, "off_surface_points", turned)
+    body = implicit_surface(points, normals, method="rbf")
+    assert body([1.0, 0, 0]) < 0
+    assert np.einsum("ij,ij->i", body.normals(points), normals).max() < 0
+
+
+def test_a_sphere_converges_with_its_points():
+    """With four times as many points the error falls by eight at least: of third order."""
+    errors = []
+    for n in (150, 600):
+        body = implicit_surface(spiral(n), method="hermite")
+        x = spiral(333)
+        errors.append(np.abs(body(x)).max())
+    assert order(*errors, 2) > 3
+    assert errors[1] < 1e-4
+
+
+def test_the_default_takes_many_points_in_patches_as_exactly():
+    """At the points zero, and between them near it."""
+    points, _ = cloud(TORUS, 2000)
+    body = implicit_surface(points)
+    assert np.abs(body(points)).max() < 1e-9
+    x, _ = cloud(TORUS, 500, seed=9)
+    assert np.abs(body(x)).max() < 0.3 * body.spacing
+    assert np.sqrt(np.mean(body(x) ** 2)) < 0.02 * body.spacing
+
+
+def test_neither_place_nor_turn_nor_unit_matter():
+    """The body of moved points is the moved body; and so it is 1e7 from the origin."""
+    points, normals = cloud(TORUS, 500)
+    body = implicit_surface(points, normals)
+    x = np.random.default_rng(4).uniform(-1.5, 1.5, (300, 3))
+    there = implicit_surface(3.0 * points @ ROTATION.T + 7.0, normals @ ROTATION.T)
+    assert_close(there(3.0 * x @ ROTATION.T + 7.0), 3.0 * body(x), 1e-7)
+    far = implicit_surface(points + 1e7, normals)
+    assert_close(far(x + 1e7), body(x), 1e-5)
+
+
+def test_noise_is_estimated_and_smoothed():
+    """Of points off by a fifth of their spacing; without smoothing the surface is as far off."""
+    points, normals = cloud(Ball(1.0), 1500)
+    spacing = spacing_of(points)
+    rough = roughened(points, normals, 0.2 * spacing, seed=8)
+    assert noise_of(rough) == pytest.approx(0.2 * spacing, rel=0.2)
+    assert noise_of(points) < 0.01 * spacing
+    x, _ = cloud(Ball(1.0), 400, seed=9)
+    bodies = implicit_surface(rough), implicit_surface(rough, smoothing=0.0)
+    errors = [np.sqrt(np.mean(body(x) ** 2)) for body in bodies]
+    assert "are smoothed away" in bodies[0].remarks[-1]
+    assert errors[0] < 0.5 * errors[1]
+    assert errors[0] < 0.1 * spacing
+
+
+def test_smoothing_halves_waves_of_its_length():
+    """A plane with waves: of that length half is left, of twice nearly all, of half nearly none."""
+    i = np.arange(-12, 13) / 12.0
+    x, y = (c.ravel() for c in np.meshgrid(i, i))
+    left = []
+    for wave in (0.25, 0.5, 1.0):
+        height = 0.01 * np.cos(2 * np.pi * x / wave)
+        points = np.column_stack([x, y, height])
+        body = implicit_surface(
+            points, np.tile([0.0, 0, 1], (len(x), 1)), method="rbf", distance=1 / 12, smoothing=0.5
+        )
+        inner = np.maximum(np.abs(x), np.abs(y)) < 0.6
+        below = body(np.column_stack([x, y, 0 * x]))[inner]
+        left.append(below @ height[inner] / (height[inner] @ height[inner]))
+    assert left[0] < 0.12
+    assert left[1] == pytest.approx(0.5, abs=0.12)
+    assert left[2] > 0.9
+
+
+def test_copies_and_outliers_are_left_out_and_told():
+    """They change nothing, and the remarks count them."""
+    points, _ = cloud(TORUS, 600)
+    alone = [[3.0, 0, 0], [0, 0, 2.0]]
+    body = implicit_surface(np.vstack([points, points[:5], alone]))
+    assert body.left_out.tolist() == list(range(600, 607))
+    assert "5 points repeat others" in body.remarks[0]
+    assert "2 points lie apart from all others" in body.remarks[1]
+    assert_close(body(TORUS.box), implicit_surface(points)(TORUS.box), 1e-9)
+
+
+def test_edges_have_no_normals_and_are_told():
+    """A box: the surface stays within a spacing of it, cut off at the edges."""
+    solid = Box([1.0, 1.0, 0.4])
+    body = implicit_surface(cloud(solid, 1000)[0])
+    assert "have no normal" in body.remarks[0]
+    mesh = extract_surface(body)
+    assert mesh.audit.clean
+    assert mesh.audit.parts == 1
+    assert np.abs(solid(mesh.points)).max() < body.spacing
+    assert mesh.volume == pytest.approx(0.4, rel=0.03)
+
+
+def test_a_sheet_two_spacings_thick_has_two_sides():
+    """Neighbours of both sides must not be taken for one."""
+    solid = Box([0.44, 0.44, 0.04])
+    body = implicit_surface(cloud(solid, 1100)[0])
+    assert 1.5 < 0.04 / body.spacing < 2.5
+    assert body([0, 0, 0.0]) > 0 > max(body([0, 0, 0.04]), body([0, 0, -0.04]))
+    mesh = extract_surface(body, within=2 * body.spacing)
+    inner = np.abs(mesh.points[:, :2]).max(axis=1) < 0.17
+    assert np.abs(np.abs(mesh.points[inner, 2]) - 0.02).max() < 0.5 * body.spacing
+
+
+def test_thinner_than_that_it_is_told():
+    """A sheet of half the distance of its points looks like noise; given normals serve."""
+    solid = Box([0.6, 0.6, 0.01])
+    points, normals = cloud(solid, 1500)
+    assert "are about 0.005 off a smooth surface" in implicit_surface(points).remarks[-1]
+    body = implicit_surface(points, normals, smoothing=0.0)
+    assert body.remarks == ()
+    assert body([0, 0, 0.0]) > 0 > max(body([0, 0, 0.02]), body([0, 0, -0.02]))
+
+
+def test_half_a_ball_is_closed_within_its_box(monkeypatch):
+    """Nobody saw the other half; without what holds the field there it goes on to the walls."""
+    points = spiral(900)
+    points = points[points[:, 2] > 0]
+    mesh = extract_surface(implicit_surface(points, points, method="partition"))
+    assert mesh.audit.clean
+    assert len(mesh.cut) == 0
+    nothing = np.empty((0, 3)), np.empty(0)
+    monkeypatch.setattr(implicit_surfaces, "_far_points", lambda *_: nothing)
+    free = implicit_surface(points, points, method="partition")
+    assert len(extract_surface(free).cut) > 100
+
+
+# --- triangles ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("solid", "volume", "area"),
+    [
+        (Ball(1.0), 4 / 3 * np.pi, 4 * np.pi),
+        (TORUS, 2 * np.pi**2 * 0.35**2, 4 * np.pi**2 * 0.35),
+    ],
+)
+def test_volume_and_area_converge_of_second_order(solid, volume, area):
+    """Against the formulas of the ball and the torus."""
+    meshes = [extract_surface(solid, h) for h in (0.1, 0.05)]
+    for measure, exact in (("volume", volume), ("area", area)):
+        errors = [abs(getattr(mesh, measure) - exact) for mesh in meshes]
+        assert order(*errors, 2) == pytest.approx(2, abs=0.2)
+        assert errors[1] < 0.006 * exact
+
+
+BODIES = {
+    "ball": Ball(1.0),
+    "edges": Box([1.0, 1.2, 0.7]) - Cylinder(0.3, 3.0),
+    "two bodies": Ball(0.5) | Ball(0.6, [2.0, 0, 0]),
+    "cavity": Ball(1.0) - Ball(0.5),
+    "blend": blend(Ball(0.7), Box([0.5, 0.5, 2.0]), 0.3),
+    "between": deformation(Ball(0.8), TORUS, 0.5),
+    "plate": Box([1.0, 1.0, 0.21]),
+}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_triangles_are_closed_oriented_and_on_the_zero_level(name):
+    """The audit finds nothing, volumes are positive, F vanishes at vertices to a millionth."""
+    mesh = extract_surface(BODIES[name], 0.05)
+    assert mesh.audit.found == {}
+    assert mesh.volume > 0
+    assert np.abs(BODIES[name](mesh.points)).max() < 2e-6 * mesh.spacing
+    assert mesh.audit.parts == {"two bodies": 2, "cavity": 2}.get(name, 1)
+
+
+def test_whatever_the_field_the_triangles_are_closed_and_do_not_cross():
+    """Waves in all directions, some shorter than a cell."""
+    k = 9 * np.random.default_rng(5).standard_normal((12, 3))
+
+    class Waves:
+        def __call__(self, x):
+            return np.sin(x @ k.T).sum(axis=-1)
+
+        def gradient(self, x):
+            return np.cos(x @ k.T) @ k
+
+    mesh = extract_surface(as_solid(Waves(), [[-1, -1, -1], [1, 1, 1]]), 0.12)
+    assert mesh.audit.found == {}
+    assert len(mesh.cut) > 0
+
+
+def test_linear_interpolation_misses_the_zero_level(monkeypatch):
+    """Without the Newton steps vertices are off by the square of the cell."""
+    monkeypatch.setattr(surface_extraction, "_STEPS", 0)
+    mesh = extract_surface(Ball(1.0), 0.1)
+    assert np.abs(Ball(1.0)(mesh.points)).max() > 1e-4
+
+
+def test_the_surface_is_followed_from_one_point():
+    """All of a torus from a point on it; of two balls that one which has it."""
+    mesh = extract_surface(TORUS, 0.1, near=[[1.35, 0, 0]])
+    assert len(mesh.triangles) == len(extract_surface(TORUS, 0.1).triangles)
+    one = extract_surface(BODIES["two bodies"], 0.1, near=[[0.5, 0, 0]])
+    assert one.audit.parts == 1
+
+
+def test_only_a_band_about_the_surface_is_looked_at():
+    """The nodes that are asked for grow like the area, not like the volume."""
+    counts = []
+
+    class Counted:
+        gradient = Ball(1.0).gradient
+
+        def __call__(self, x):
+            counts[-1] += len(x)
+            return Ball(1.0)(x)
+
+    near = spiral(2000)
+    for h in (0.1, 0.05):
+        counts.append(0)
+        extract_surface(as_solid(Counted(), Ball(1.0).box, near), h)
+    assert order(counts[1], counts[0], 2) == pytest.approx(2, abs=0.3)
+
+
+def test_what_leaves_the_box_is_closed_by_its_walls_and_told():
+    """Half a ball; the flat side is the wall, a cell beyond the box."""
+    mesh = extract_surface(Ball(1.0), 0.1, box=[[-1.2, -1.2, -1.2], [1.2, 1.2, 0.0]])
+    assert mesh.audit.clean
+    assert_close(mesh.points[mesh.cut, 2], np.full(len(mesh.cut), 0.1), 1e-6)
+    assert len(extract_surface(Ball(1.0), 0.1).cut) == 0
+
+
+def test_holes_stay_open_if_asked():
+    """Points of a ball but for a cap: closed without `within`, with a rim with it."""
+    points = spiral(800)
+    body = implicit_surface(points[points[:, 2] < 0.8], points[points[:, 2] < 0.8])
+    closed = extract_surface(body)
+    assert closed.audit.clean
+    assert closed.volume == pytest.approx(4 / 3 * np.pi, rel=0.03)
+    assert extract_surface(body, within=2 * body.spacing).audit.found == {"boundary_loops": 1}
+
+
+def test_points_without_a_surface_near_them_are_told():
+    """Of points on a ball and one in its middle."""
+    mesh = extract_surface(Ball(1.0), 0.1, near=[*spiral(500), [0, 0, 0]])
+    assert mesh.missed.tolist() == [500]
+
+
+def test_specks_are_left_out(monkeypatch):
+    """A ball of two cells beside a large one, which is found, and left out; one of four is kept."""
+    parts = {}
+    for speck in (0, surface_extraction._SPECK):
+        monkeypatch.setattr(surface_extraction, "_SPECK", speck)
+        for cells in (2, 4):
+            small = Ball(0.06 * cells, [1.0, 0, 0])
+            near = [[0.5, 0, 0], [1.0, 0, 0.06 * cells]]
+            parts[speck, cells] = extract_surface(Ball(0.5) | small, 0.1, near=near).audit.parts
+    assert parts == {(0, 2): 2, (0, 4): 2, (3, 2): 1, (3, 4): 2}
+
+
+def test_triangles_stay_good_far_from_the_origin():
+    """A thousand million cells away; coordinates keep seven digits of a cell."""
+    mesh = extract_surface(moved(TORUS, ROTATION, [1e7, -1e7, 1e7]), 0.1)
+    assert mesh.audit.found == {}
+    assert mesh.volume == pytest.approx(extract_surface(moved(TORUS, ROTATION), 0.1).volume)
+
+
+# --- refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: off_surface_points(spiral(9), spiral(8)), r"shape of the points, \(9, 3\); got"),
+        (lambda: off_surface_points(spiral(9), 0 * spiral(9)), r"normals\[0\] is zero"),
+        (lambda: off_surface_points(spiral(9), spiral(9), 0.0), "distance must be a positive"),
+        (lambda: classified_points(spiral(9), spiral(9), spiral(2), 2.0), "cosine must be from 0"),
+        (lambda: classified_points(spiral(9), spiral(9), [[1.0, 2]]), r"x must have the shape"),
+        (lambda: implicit_surface(spiral(90), method="mls"), "one of rbf, partition, hermite; got"),
+        (lambda: implicit_surface(spiral(90), method="hermite", smoothing=0.1), "takes smoothing"),
+        (lambda: implicit_surface(spiral(90), smoothing=-1.0), "smoothing must be zero or a pos"),
+        (lambda: extract_surface(np.sin), "as_solid makes one of a field"),
+        (lambda: extract_surface(Ball(1.0), 1e-4), r"would take 8e\+12 nodes in the box"),
+        (lambda: extract_surface(Ball(1.0), 0.0), "spacing must be a positive number"),
+        (lambda: extract_surface(Ball(1.0), near=[[9.0, 0, 0]]), "F has one sign there"),
+        (lambda: extract_surface(Ball(1.0), within=1.0), "within needs points near the surface"),
+    ],
+)
+def test_what_makes_no_surface_is_refused(call, words):
+    """In words."""
+    with pytest.raises(ValueError, match=words):
+        call()
+
+
+def test_points_of_no_surface_are_refused_in_words():
+    """All in one place, and along a line."""
+    with pytest.raises(np.linalg.LinAlgError, match="four different points or more; got 1"):
+        implicit_surface(np.ones((9, 3)))
+    with pytest.raises(np.linalg.LinAlgError, match="nowhere does a plane fit"):
+        implicit_surface(np.arange(30.0)[:, None] * [1.0, 2.0, 3.0])

@@ -1,0 +1,510 @@
+"""The audit of a mesh: every error is found, where it is, and nothing else."""
+
+import itertools
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import exact_triangles as literal
+from fieldrecon.io.triangles import read_triangles, write_triangles
+from fieldrecon.triangles import intersections as _contacts
+from fieldrecon.triangles import intersections as _triangle_pairs
+from fieldrecon.triangles import predicates as _predicates
+from fieldrecon.triangles.audit import CONCERNS, audit_mesh
+from fieldrecon.triangles.intersections import close_pairs, contacts
+from fieldreport.experiments.triangles.planted_errors import planted_errors
+from fieldreport.experiments.triangles.triangle_shapes import (
+    band,
+    bumpy,
+    cube,
+    klein_bottle,
+    sphere,
+    together,
+    torus,
+    turned_over,
+)
+
+PLANTED = planted_errors(1)
+
+
+def scaled(surface, factor):
+    return surface[0] * factor, surface[1]
+
+
+def moved(surface, *by):
+    return surface[0] + by, surface[1]
+
+
+CLEAN = {
+    "sphere": sphere(2),
+    "bumpy sphere": bumpy(2),
+    "cube": cube(3),
+    "torus": torus(17, 9),
+    "two bodies": together(sphere(1), moved(sphere(1), 3, 0, 0)),
+    "two bodies within each other's boxes": together(torus(19, 7), scaled(sphere(1), 0.4)),
+    "hollow": together(sphere(1), turned_over(scaled(sphere(1), 0.5))),
+    "body in a hollow": together(
+        sphere(1), turned_over(scaled(sphere(1), 0.7)), scaled(cube(1), 0.3)
+    ),
+}
+TURN = np.linalg.qr(np.random.default_rng(7).normal(size=(3, 3)))[0]
+TURN *= np.sign(np.linalg.det(TURN))
+
+
+def soup(surface):
+    points, triangles = surface
+    return points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
+
+
+# --- nothing is found where nothing is wrong ------------------------------------------------------
+
+
+@pytest.mark.parametrize("surface", CLEAN.values(), ids=CLEAN)
+def test_a_clean_mesh_is_clean(surface):
+    """Closed, oriented, one body or several, with cavities; as a mesh and as a soup."""
+    audit = audit_mesh(*surface)
+    assert (audit.found, audit.clean, audit.soup) == ({}, True, False)
+    as_soup = audit_mesh(*soup(surface))
+    assert (as_soup.found, as_soup.soup) == ({}, True)
+    assert as_soup.parts == audit.parts
+
+
+@pytest.mark.parametrize(
+    ("surface", "found"),
+    [
+        (band(20, half_turns=0), {"boundary_loops": 2}),
+        (band(20, half_turns=2), {"boundary_loops": 2}),
+        (band(20, half_turns=1), {"boundary_loops": 1, "one_sided_triangles": 40}),
+        (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), {"boundary_loops": 1}),
+    ],
+    ids=["ring", "two half turns", "Möbius", "triangle"],
+)
+def test_what_is_open_is_open_and_no_more(surface, found):
+    """A rim, and for Möbius's band one side, is all there is."""
+    assert audit_mesh(*surface).found == found
+
+
+def test_klein_s_bottle_is_closed_and_has_one_side():
+    """It crosses itself, as it must in space, and has no boundary to tell it from a body."""
+    audit = audit_mesh(*klein_bottle(30, 14))
+    assert len(audit.one_sided_triangles) == audit.triangles
+    assert {*audit.found} == {"one_sided_triangles", "crossings"}
+
+
+# --- each error is found where it is, through a file ----------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off"])
+@pytest.mark.parametrize("error", PLANTED)
+def test_each_error_is_found_through_a_file(error, suffix, tmp_path):
+    """One error is planted and written; it is found, and nothing else."""
+    write_triangles(tmp_path / f"mesh{suffix}", *PLANTED[error].surface)
+    points, triangles = read_triangles(tmp_path / f"mesh{suffix}")
+    audit = audit_mesh(points, triangles)
+    assert audit.found == PLANTED[error].found
+    assert not audit.soup
+
+
+@pytest.mark.parametrize("error", PLANTED)
+def test_each_error_is_found_through_a_soup(error, tmp_path):
+    """What is wrong with the surface is found in an STL file too; how vertices are shared is not.
+
+    Its numbers have single precision, and the tolerance is that of theirs.
+    """
+    write_triangles(tmp_path / "mesh.stl", *PLANTED[error].surface)
+    audit = audit_mesh(*read_triangles(tmp_path / "mesh.stl"))
+    assert audit.soup
+    if error == "touching vertex":
+        assert audit.found == {"bow_tie_vertices": 1}
+    else:
+        assert audit.found == ({} if PLANTED[error].indexed else PLANTED[error].found)
+
+
+def test_the_planted_errors_make_a_list_of_all_kinds():
+    """Each kind of finding is planted, and belongs to one concern."""
+    kinds = [kind for kinds in CONCERNS.values() for kind in kinds]
+    assert len(kinds) == len(set(kinds))
+    assert {kind for p in PLANTED.values() for kind in p.found} == {*kinds}
+
+
+def test_errors_are_told_by_their_indices():
+    """Of the planted errors those places are named where they were planted."""
+    n, m = len(sphere(1)[0]), len(sphere(1)[1])
+
+    def audit(error):
+        return audit_mesh(*PLANTED[error].surface)
+
+    (copy, original) = audit("duplicate vertex").duplicate_vertices[0]
+    points = PLANTED["duplicate vertex"].surface[0]
+    assert copy == n
+    assert (points[copy] == points[original]).all()
+    assert audit("unreferenced vertex").unreferenced_vertices.tolist() == [n]
+    ((copy, original),) = audit("duplicate triangle").duplicate_triangles
+    triangles = PLANTED["duplicate triangle"].surface[1]
+    assert copy == m
+    assert (triangles[copy] == triangles[original]).all()
+    assert audit("degenerate triangle").degenerate_triangles.tolist() == [m + 1]
+    ((vertex, a, b),) = audit("T-junction").t_junctions
+    assert (vertex, {a, b}) == (n, {*PLANTED["T-junction"].surface[1][-2:, [0, 1]].ravel()} - {n})
+    crossings = audit("crossing").crossings
+    assert len(set(crossings[:, 0])) == 1  # one triangle of the sphere
+    assert crossings[:, 1].tolist() == [m, m + 1, m + 2]
+    (loop,) = audit("hole").boundary_loops
+    assert len(loop) == 3
+
+
+def test_a_seam_is_a_pair_of_free_edges():
+    """What is called a duplicate edge: two edges of the boundary that are one to the eye."""
+    points, triangles = PLANTED["duplicate vertex"].surface
+    audit = audit_mesh(points, triangles)
+    assert len(audit.free_edge_pairs) == 2
+    for a, b, c, d in points[audit.free_edge_pairs]:
+        assert (a == c).all()
+        assert (b == d).all()
+
+
+def test_vertices_within_the_tolerance_are_duplicates():
+    """A seam a micrometre wide is one for a tolerance above, and only a hole for one below."""
+    points, triangles = PLANTED["duplicate vertex"].surface
+    points = points.copy()
+    points[-1] += [6e-7, 0, 0]
+    assert audit_mesh(points, triangles, 5e-7).found == {"boundary_loops": 1}
+    assert audit_mesh(points, triangles, 1e-6).found == PLANTED["duplicate vertex"].found
+
+
+@pytest.mark.parametrize("flipped", [0, 3, 2])
+def test_a_loop_is_told_in_order(flipped):
+    """Consecutive vertices of a loop are ends of a side of the boundary, whichever way it runs."""
+    points, triangles = sphere(2)
+    triangles = triangles[points[triangles].mean(axis=1)[:, 2] < 0.6]
+    if flipped:
+        triangles[::flipped] = triangles[::flipped, ::-1]
+    audit = audit_mesh(points, triangles)
+    (loop,) = audit.boundary_loops
+    sides = {(int(a), int(b)) for t in triangles for a, b in itertools.permutations(t, 2)}
+    assert len(loop) > 8
+    assert all(side in sides for side in zip(loop, np.roll(loop, -1), strict=True))
+    assert len(set(loop)) == len(loop)
+
+
+def test_several_errors_at_once_are_each_counted():
+    """Bodies with an error each, side by side."""
+    bodies = [moved(p.surface, 4 * k, 0, 0) for k, p in enumerate(PLANTED.values())]
+    audit = audit_mesh(*together(*bodies))
+    total = {}
+    for planted in PLANTED.values():
+        for kind, count in planted.found.items():
+            total[kind] = total.get(kind, 0) + count
+    assert audit.found == total
+
+
+# --- it does not matter where, how large, how turned, in which order ------------------------------
+
+
+@pytest.mark.parametrize("error", PLANTED)
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda p: np.add(p, [1e7, -1e7, 1e7]),
+        lambda p: p @ TURN.T,
+        lambda p: np.add(p @ TURN.T * 1e150, [3e150, 0, 0]),
+        lambda p: p * 0.8e308,
+        lambda p: p * 2.0**-400,
+        lambda p: (p @ TURN.T).astype(np.float32),
+    ],
+    ids=["shifted", "turned", "huge", "largest", "tiny", "single precision"],
+)
+def test_findings_do_not_depend_on_place_size_and_position(error, change):
+    """Shifted by 10⁷, turned, in another unit or precision: the same is found."""
+    points, triangles = PLANTED[error].surface
+    assert audit_mesh(change(points), triangles).found == PLANTED[error].found
+
+
+@pytest.mark.parametrize("error", PLANTED)
+def test_findings_do_not_depend_on_the_order(error):
+    """Vertices and triangles in another order, and triangles from another corner on."""
+    points, triangles = PLANTED[error].surface
+    rng = np.random.default_rng(3)
+    place, order = rng.permutation(len(points)), rng.permutation(len(triangles))
+    shuffled = np.argsort(place)[triangles[order]]
+    shuffled = np.stack([np.roll(t, rng.integers(3)) for t in shuffled])
+    assert audit_mesh(points[place], shuffled).found == PLANTED[error].found
+
+
+@pytest.mark.parametrize("error", PLANTED)
+def test_findings_are_the_same_in_a_mirror(error):
+    """Each triangle turned over and the body mirrored: what was outward is outward."""
+    points, triangles = PLANTED[error].surface
+    assert audit_mesh(points * [1, 1, -1], triangles[:, ::-1]).found == PLANTED[error].found
+
+
+# --- against literal definitions ------------------------------------------------------------------
+
+SOUPS = st.tuples(
+    st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=3, max_size=8),
+    st.lists(st.tuples(*[st.integers(0, 63)] * 3), min_size=1, max_size=8),
+).map(lambda drawn: (np.array(drawn[0], dtype=float), np.array(drawn[1]) % len(drawn[0])))
+
+
+def meets_as_rational_numbers_say(surface, tolerance):
+    """Random triangles on a coarse grid, where all that can coincide does, with and without it."""
+    points, triangles = surface
+    audit = audit_mesh(points, triangles, tolerance)
+    crossings, overlaps, junctions, flat = literal.findings(points, triangles)
+    if audit.soup:
+        points = points[[points.tolist().index(p) for p in points.tolist()]]
+    assert {*map(tuple, audit.crossings.tolist())} == crossings
+    assert {*map(tuple, audit.overlaps.tolist())} == overlaps
+    assert {*map(tuple, audit.t_junctions.tolist())} == junctions
+    assert {*audit.degenerate_triangles.tolist()} == flat
+
+
+of_soups = given(SOUPS, st.sampled_from([0.0, None]))
+test_how_triangles_meet_is_what_rational_numbers_say = settings(max_examples=100)(
+    of_soups(meets_as_rational_numbers_say)
+)
+test_how_many_more_triangles_meet = pytest.mark.slow(
+    settings(max_examples=400)(of_soups(meets_as_rational_numbers_say))
+)
+
+
+@pytest.mark.slow
+@settings(max_examples=100)
+@given(SOUPS)
+def test_exact_decisions_survive_rounding(surface):
+    """The same for points that nearly coincide: the grid, sheared by irrational numbers."""
+    points, triangles = surface
+    points = points @ [[1, 0.1, 1 / 3], [0.7, 1, np.pi], [1e-9, 0.3, 1]] + 0.1
+    audit = audit_mesh(points, triangles, 0.0)
+    crossings, overlaps, junctions, flat = literal.findings(points, triangles)
+    assert {*map(tuple, audit.crossings.tolist())} == crossings
+    assert {*map(tuple, audit.overlaps.tolist())} == overlaps
+    assert {*map(tuple, audit.t_junctions.tolist())} == junctions
+    assert {*audit.degenerate_triangles.tolist()} == flat
+
+
+@pytest.mark.slow
+@settings(max_examples=100)
+@given(st.lists(st.tuples(*[st.integers(0, 6)] * 3), min_size=1, max_size=12))
+def test_connection_is_what_counting_says(triangles):
+    """Edges of one and of more than two triangles, bow-ties, and a coherent orientation."""
+    triangles = np.array(triangles)
+    points = np.random.default_rng(0).normal(size=(7, 3))
+    audit = audit_mesh(points, triangles)
+    counts = literal.edge_counts(triangles)
+    crowded = {edge for edge, k in counts.items() if k > 2}
+    assert {*map(tuple, audit.nonmanifold_edges.tolist())} == crowded
+    assert sum(map(len, audit.boundary_loops)) == sum(k == 1 for k in counts.values())
+    split = [v for v in range(7) if literal.fans(triangles, v) > 1]
+    assert audit.bow_tie_vertices.tolist() == split
+    if audit.soup or len(audit.duplicate_triangles):
+        return
+    turned = triangles.copy()
+    turned[audit.flipped_triangles] = turned[audit.flipped_triangles, ::-1]
+    sides = [side for k, t in enumerate(turned) if len({*t}) == 3 for side in sides_of(k, t)]
+    for (i, a, b), (j, c, d) in itertools.combinations(sides, 2):
+        if {a, b} == {c, d} and counts[min(a, b), max(a, b)] == 2:
+            one_sided = i in audit.one_sided_triangles
+            assert one_sided == (j in audit.one_sided_triangles)
+            assert one_sided or (a, b) == (d, c)
+
+
+def sides_of(k, t):
+    return [(k, int(a), int(b)) for a, b in zip(t, np.roll(t, -1), strict=True)]
+
+
+def test_a_one_sided_patch_cannot_be_oriented():
+    """Of the 2ⁿ ways to turn the triangles of a Möbius band none is coherent."""
+    points, triangles = band(5, half_turns=1)
+    assert len(audit_mesh(points, triangles).one_sided_triangles) == len(triangles)
+    for ways in itertools.product([False, True], repeat=len(triangles)):
+        turned = np.where(np.array(ways)[:, None], triangles[:, ::-1], triangles)
+        sides = [side[1:] for k, t in enumerate(turned) for side in sides_of(k, t)]
+        assert len(set(sides)) < len(sides)
+
+
+@pytest.mark.parametrize("error", ["crossing", "overlap"])
+def test_the_counts_of_the_planted_errors_are_right_in_rational_numbers(error):
+    """The counts that the planted errors are said to have are those of the literal definition."""
+    points, triangles = PLANTED[error].surface
+    audit = audit_mesh(points, triangles, 0.0)
+    if error in (
+        "T-junction",
+        "degenerate triangle",
+    ):  # exactly, the middle of an edge is not on it
+        return
+    near = np.unique(np.concatenate([audit.crossings.ravel(), audit.overlaps.ravel()]))
+    crossings, overlaps, _, _ = literal.findings(points, triangles[near])
+    assert {tuple(near[[i, j]]) for i, j in crossings} == {*map(tuple, audit.crossings.tolist())}
+    assert {tuple(near[[i, j]]) for i, j in overlaps} == {*map(tuple, audit.overlaps.tolist())}
+
+
+# --- the laws can fail ----------------------------------------------------------------------------
+
+
+def slow_contacts(points, triangles):
+    pairs = np.array([*itertools.combinations(range(len(triangles)), 2)]).reshape(-1, 2)
+    return contacts(points, triangles, pairs)
+
+
+def test_the_planes_drop_no_pair_that_meets():
+    """All pairs, and those that no plane parts: the same crossings, overlaps and T-junctions."""
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        points = rng.integers(0, 4, (9, 3)).astype(float)
+        points = np.unique(points, axis=0)
+        triangles = rng.permuted(np.tile(np.arange(len(points)), (12, 1)), axis=1)[:, :3]
+        triangles = np.unique(np.sort(triangles, axis=1), axis=0)
+        flat = [literal.is_flat(t) for t in points[triangles].tolist()]
+        triangles = triangles[~np.array(flat)]
+        every, some = slow_contacts(points, triangles), close_pairs(points, triangles)
+        fast = contacts(points, triangles, some)
+        assert fast.crossing.sum() == every.crossing.sum()
+        assert fast.overlapping.sum() == every.overlapping.sum()
+        np.testing.assert_array_equal(fast.corners_on_edges, every.corners_on_edges)
+
+
+def test_few_pairs_are_left_of_a_flat_mesh():
+    """In a flat mesh of squares edges go straight on through corners; still the planes part them.
+
+    What is left lies along the edges of the cube, and does not grow with the area.
+    """
+    few, many = (len(close_pairs(*cube(cells))) for cells in (6, 12))
+    assert 0 < many < 2.5 * few
+
+
+def test_signs_are_exact_where_floating_point_is_not():
+    """On the segments of Kettner and others, 2⁻⁵³ apart, each sign is that of rational numbers."""
+    k = np.arange(64) * 2.0**-53
+    x, y = np.meshgrid(0.5 + k, 0.5 + k)
+    c = np.column_stack([x.ravel(), y.ravel()])
+    a, b = (np.broadcast_to(p, c.shape) for p in ([12.0, 12.0], [24.0, 24.0]))
+    u, v = b - a, c - a
+    naive = np.sign(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    expected = np.sign(c[:, 1] - c[:, 0])  # exact: these numbers are multiples of 2⁻⁵³ near ½
+    assert (naive != expected).any()
+    np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
+
+
+def test_without_the_exact_signs_the_findings_are_wrong(monkeypatch):
+    """A mutant that trusts rounded signs does not agree with rational numbers."""
+    rng = np.random.default_rng(1)
+    shear = np.array([[1, 0.1, 1 / 3], [0.7, 1, np.pi], [1e-9, 0.3, 1]])
+    surfaces = []
+    for _ in range(40):
+        points = rng.integers(0, 3, (7, 3)) @ shear + 0.1
+        surfaces.append((points, rng.integers(0, 7, (6, 3))))
+
+    exact = [literal.findings(p, t) for p, t in surfaces]
+
+    def wrong():
+        audits = (audit_mesh(p, t, 0.0) for p, t in surfaces)
+        return sum(
+            {*audit.degenerate_triangles.tolist()} != flat
+            or {*map(tuple, audit.crossings.tolist())} != crossings
+            for audit, (crossings, _, _, flat) in zip(audits, exact, strict=True)
+        )
+
+    assert wrong() == 0
+    monkeypatch.setattr(
+        _predicates, "_exact_signs", lambda points: np.zeros(len(points[0]), dtype=np.int8)
+    )
+    assert wrong() > 0
+
+
+def ones(a, *_, tolerance):  # noqa: ARG001
+    return np.ones(len(a), dtype=np.int8)
+
+
+def never(a, *_, tolerance):  # noqa: ARG001
+    return np.zeros(len(a), dtype=bool)
+
+
+def touching(points, triangles):
+    """Pairs that the planes leave, crossings, and corners on edges."""
+    pairs = np.array([*itertools.combinations(range(len(triangles)), 2)])
+    found = contacts(points, triangles, pairs, 1e-14)
+    left = close_pairs(points, triangles, 1e-14)
+    return len(left), int(found.crossing.sum()), len(found.corners_on_edges)
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "mutant", "error"),
+    [
+        (_contacts, "orient3d", ones, "crossing"),
+        (_contacts, "collinear", never, "T-junction"),
+        (_triangle_pairs, "BOUND_3D", 1e20, "hole"),
+        (_triangle_pairs, "BOUND_3D", -1e20, "crossing"),
+    ],
+)
+def test_a_spoiled_predicate_is_noticed(module, name, mutant, error, monkeypatch):
+    """What is found of a planted error changes with the signs, and what is left with the bounds."""
+    points, triangles = PLANTED[error].surface
+    right = touching(points @ TURN.T, triangles)
+    monkeypatch.setattr(module, name, mutant)
+    assert touching(points @ TURN.T, triangles) != right
+
+
+# --- what it says ---------------------------------------------------------------------------------
+
+
+def test_it_can_be_written_as_json():
+    """All findings in lists, counts by concern."""
+    told = json.loads(json.dumps(audit_mesh(*PLANTED["T-junction"].surface).as_dict()))
+    assert told["counts"]["embedding"]["t_junctions"] == 1
+    assert len(told["indices"]["t_junctions"][0]) == 3
+    assert not told["clean"]
+    assert {*told["indices"]} == {"boundary_loops", "t_junctions"}
+
+
+def test_many_pairs_are_looked_at_in_pieces(monkeypatch):
+    """The pieces change nothing."""
+    surface = together(sphere(2), moved(sphere(2), 0.3, 0.2, 0.1))
+    whole = audit_mesh(*surface)
+    monkeypatch.setattr(_contacts, "_AT_ONCE", 7)
+    monkeypatch.setattr("fieldrecon.triangles.bounding_volumes._MOST", 50)
+    assert audit_mesh(*surface).as_dict() == whole.as_dict()
+    assert len(whole.crossings) > 50
+
+
+def test_progress_is_told():
+    """From some pairs of boxes to all of them."""
+    seen = []
+    audit_mesh(*bumpy(3), progress=lambda done, total: seen.append((done, total)))
+    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
+    assert seen[-1][0] == seen[-1][1]
+
+
+@pytest.mark.parametrize(
+    ("points", "triangles", "words"),
+    [
+        ([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]], r"points must have the shape \(n, 3\)"),
+        ([[0, 0, np.nan]] * 3, [[0, 1, 2]], "points must be finite"),
+        ([[0, 0, 0]] * 3, [[0, 1, 3]], r"index 3 points; triangles\[0, 2\] is 3"),
+        ([[0, 0, 0]] * 3, [[0, 1]], r"triangles must have the shape \(m, 3\)"),
+        ([[0, 0, 0]] * 3, [[0, 1, 2], [0, 1]], "the rows differ"),
+        ([[0, 0, 0]] * 3, [[0.0, 1, 2]], "triangles must be integers"),
+        ([[0, 0, 0]] * 3, np.empty((0, 3), dtype=int), r"got \(0, 3\)"),
+    ],
+)
+def test_what_is_no_mesh_is_refused(points, triangles, words):
+    """By the argument, what came and what was wanted."""
+    with pytest.raises(ValueError, match=words):
+        audit_mesh(points, triangles)
+
+
+def test_a_tolerance_that_welds_everything_is_refused():
+    """In words, before memory runs out."""
+    with pytest.raises(ValueError, match="too large for these points"):
+        audit_mesh(*sphere(4), tolerance=0.5)
+    with pytest.raises(ValueError, match="tolerance must be zero or a positive number"):
+        audit_mesh(*sphere(1), tolerance=-1)
+
+
+def test_all_points_in_one_place():
+    """A mesh of triangles without area is degenerate, and nothing worse."""
+    audit = audit_mesh(np.zeros((6, 3)), [[0, 1, 2], [3, 4, 5]])
+    assert audit.degenerate_triangles.tolist() == [0, 1]

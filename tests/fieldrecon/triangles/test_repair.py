@@ -1,0 +1,230 @@
+"""A repair undoes what was planted, leaves alone what was right, and tells what it did."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from fieldrecon.io.triangles import read_triangles, write_triangles
+from fieldrecon.triangles import repair as _mending
+from fieldrecon.triangles.audit import audit_mesh
+from fieldrecon.triangles.repair import patches, repair_mesh
+from fieldreport.experiments.triangles.damaged_bodies import damaged
+from fieldreport.experiments.triangles.planted_errors import planted_errors
+from fieldreport.experiments.triangles.triangle_shapes import (
+    band,
+    bumpy,
+    cube,
+    klein_bottle,
+    sphere,
+    together,
+    torus,
+    turned_over,
+)
+
+PLANTED = planted_errors(2)
+LEFT = {
+    "edge of four triangles": {"nonmanifold_edges": 1},
+    "bow-tie": {"touching_vertices": 1},
+    "one side": PLANTED["one side"].found,
+    "crossing": PLANTED["crossing"].found,
+    "overlap": PLANTED["overlap"].found,
+    "touching vertex": PLANTED["touching vertex"].found,
+}
+DONE = {
+    "duplicate vertex": {"welded_vertices": 1},
+    "unreferenced vertex": {"removed_vertices": 1},
+    "duplicate triangle": {"removed_triangles": 1},
+    "degenerate triangle": {"removed_triangles": 1, "split_edges": 1},
+    "bow-tie": {"split_vertices": 1},
+    "hole": {"filled_holes": 1, "filling_triangles": 1},
+    "flipped triangle": {"turned_triangles": 1},
+    "inside out": {"turned_triangles": 320},
+    "T-junction": {"split_edges": 1},
+}
+
+
+def volume(points, triangles):
+    return np.linalg.det(points[triangles]).sum() / 6
+
+
+@pytest.mark.parametrize("error", PLANTED)
+def test_each_error_is_undone_or_left_and_told(error):
+    """What one must not guess is left as it was, and found again afterwards."""
+    repaired = repair_mesh(*PLANTED[error].surface)
+    assert repaired.before.found == PLANTED[error].found
+    assert repaired.done == DONE.get(error, {})
+    assert repaired.after.found == LEFT.get(error, {})
+    assert audit_mesh(repaired.points, repaired.triangles).found == repaired.after.found
+
+
+@pytest.mark.parametrize("unit", [2.0**-500, 2.0**1023])
+@pytest.mark.parametrize("error", DONE)
+def test_a_repair_does_not_depend_on_the_unit(error, unit):
+    """Bit for bit, in any power of two."""
+    points, triangles = PLANTED[error].surface
+    here, there = repair_mesh(points, triangles), repair_mesh(points * unit, triangles)
+    assert there.done == here.done
+    np.testing.assert_array_equal(there.points, here.points * unit)
+    np.testing.assert_array_equal(there.triangles, here.triangles)
+
+
+@pytest.mark.parametrize("error", DONE)
+def test_a_second_repair_finds_nothing_to_do(error):
+    """What is repaired stays as it is."""
+    once = repair_mesh(*PLANTED[error].surface)
+    twice = repair_mesh(once.points, once.triangles)
+    assert twice.done == {}
+    np.testing.assert_array_equal(twice.points, once.points)
+    np.testing.assert_array_equal(twice.triangles, once.triangles)
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [
+        sphere(2),
+        torus(17, 9),
+        cube(3),
+        together(sphere(1), turned_over((sphere(1)[0] / 2, sphere(1)[1]))),
+        band(20, half_turns=0),
+        band(20, half_turns=1),
+        klein_bottle(20, 10),
+        PLANTED["touching vertex"].surface,
+        PLANTED["overlap"].surface,
+    ],
+    ids=["sphere", "torus", "cube", "hollow", "ring", "Möbius", "Klein", "touching", "fold"],
+)
+def test_what_is_right_is_not_changed(surface):
+    """Bodies, cavities, wide rims, one-sided bands and what crosses come back bit for bit."""
+    points, triangles = surface
+    repaired = repair_mesh(points, triangles)
+    assert repaired.done == {}
+    np.testing.assert_array_equal(repaired.points, points)
+    np.testing.assert_array_equal(repaired.triangles, triangles)
+
+
+@pytest.mark.parametrize("error", DONE)
+def test_all_but_the_error_keeps_its_place(error):
+    """Triangles that have no vertex in common with the error stay, in the order given."""
+    points, triangles = PLANTED[error].surface
+    repaired = repair_mesh(points, triangles)
+    if error == "inside out":
+        np.testing.assert_array_equal(repaired.triangles, triangles[:, [0, 2, 1]])
+        return
+    before = points[triangles].reshape(-1, 9)
+    before = before[np.sort(np.unique(before, axis=0, return_index=True)[1])]  # each but once
+    after = repaired.points[repaired.triangles].reshape(-1, 9)
+    kept = np.array([(after == t).all(axis=1).any() for t in before])
+    assert (~kept).sum() <= 2
+    order = [int(np.argmax((after == t).all(axis=1))) for t in before[kept]]
+    assert (np.diff(order) >= 0).all()
+
+
+def test_a_body_with_many_errors_becomes_a_body(tmp_path):
+    """Through a file and back: closed, oriented, with the volume that it had."""
+    write_triangles(tmp_path / "before.stl", *damaged(3, 3, seed=1))
+    repaired = repair_mesh(*read_triangles(tmp_path / "before.stl"))
+    assert repaired.before.soup
+    assert {"duplicate_triangles", "t_junctions", "flipped_triangles"} < {*repaired.before.found}
+    write_triangles(tmp_path / "after.stl", repaired.points, repaired.triangles)
+    assert audit_mesh(*read_triangles(tmp_path / "after.stl")).clean
+    assert volume(repaired.points, repaired.triangles) == pytest.approx(volume(*bumpy(3)), rel=1e-3)
+
+
+def test_bodies_are_turned_outward_and_cavities_inward():
+    """Whichever way each of four nested shells was turned."""
+    shells = [(sphere(1)[0] * r, sphere(1)[1]) for r in (1, 0.75, 0.5, 0.25)]
+    for ways in itertools.product([False, True], repeat=4):
+        given = together(*(turned_over(s) if w else s for s, w in zip(shells, ways, strict=True)))
+        repaired = repair_mesh(*given)
+        signs = [
+            np.sign(volume(repaired.points, t)) for t in np.split(repaired.triangles, len(shells))
+        ]
+        assert signs == [1, -1, 1, -1]
+
+
+def test_large_holes_are_left():
+    """A cup stays a cup, unless asked for; a hole across a flat face is filled flat."""
+    points, triangles = cube(2)
+    cup = triangles[~(points[triangles][:, :, 2] == 1).all(axis=1)]
+    left = repair_mesh(points, cup)
+    assert left.after.found == {"boundary_loops": 1}
+    filled = repair_mesh(points, cup, largest_hole=0.25)
+    assert filled.after.clean
+    assert volume(filled.points, filled.triangles) == pytest.approx(1)
+    assert repair_mesh(*PLANTED["hole"].surface, largest_hole=0).after.found == {
+        "boundary_loops": 1
+    }
+
+
+def test_a_patch_that_would_cross_something_is_not_put_in():
+    """A spike through the hole keeps it open."""
+    points, triangles = PLANTED["hole"].surface
+    (loop,) = audit_mesh(points, triangles).boundary_loops
+    middle = points[loop].mean(axis=0)
+    spike = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]]) * 0.02 - 0.005
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    both = together((points, triangles), (spike + middle, faces))
+    repaired = repair_mesh(*both)
+    assert repaired.done == {}
+    assert repaired.after.found == {"boundary_loops": 1}
+
+
+def test_many_vertices_inside_one_edge_are_all_sewn():
+    """A square whose one side is cut at seven places, the other not."""
+    x = np.linspace(0, 1, 9)
+    points = np.concatenate([np.column_stack([x, 0 * x, 0 * x]), [[0.5, 1, 0.0], [0.5, -1, 0.0]]])
+    fan = [[k, k + 1, 9] for k in range(8)]
+    repaired = repair_mesh(points, [*fan, [0, 10, 8]], largest_hole=0)
+    assert repaired.done == {"split_edges": 7}
+    assert repaired.after.found == {"boundary_loops": 1}
+
+
+def test_the_patch_is_the_least_of_all():
+    """Over loops of six points: no triangulation has less area than the one that is chosen."""
+    rng = np.random.default_rng(4)
+    corners = rng.normal(size=(20, 6, 3))
+    triangles, areas = patches(corners)
+
+    def area(p, t):
+        a, b, c = p[list(t)]
+        return np.linalg.norm(np.cross(b - a, c - a)) / 2
+
+    def least(p, i, j):
+        between = range(i + 1, j)
+        return min(
+            (least(p, i, k) + least(p, k, j) + area(p, (i, k, j)) for k in between), default=0
+        )
+
+    for p, chosen, told in zip(corners, triangles, areas, strict=True):
+        assert told == pytest.approx(least(p, 0, 5))
+        assert sum(area(p, t) for t in chosen) == pytest.approx(told)
+        assert len(audit_mesh(p, chosen).boundary_loops) == 1
+        assert sorted(audit_mesh(p, chosen).boundary_loops[0]) == [*range(6)]
+
+
+@pytest.mark.parametrize(
+    ("name", "mutant", "error"),
+    [
+        ("without_copies", lambda t, n: t, "duplicate triangle"),  # noqa: ARG005
+        ("without_flat", lambda p, t, tolerance: t, "degenerate triangle"),  # noqa: ARG005
+        ("sewn", lambda p, t, tolerance: t, "T-junction"),  # noqa: ARG005
+        ("parted", lambda p, t: (p, t), "bow-tie"),
+        ("oriented", lambda p, t: t, "flipped triangle"),  # noqa: ARG005
+        ("hole_patches", lambda p, t, largest: (t[:0], t[:0, 0]), "hole"),  # noqa: ARG005
+    ],
+)
+def test_a_repair_without_one_of_its_steps_is_noticed(name, mutant, error, monkeypatch):
+    """Each step is needed for what it is there for."""
+    right = repair_mesh(*PLANTED[error].surface)
+    monkeypatch.setattr(_mending, name, mutant)
+    wrong = repair_mesh(*PLANTED[error].surface)
+    assert (wrong.done, wrong.after.found) != (right.done, right.after.found)
+
+
+def test_what_cannot_be_repaired_is_refused():
+    """In words."""
+    with pytest.raises(ValueError, match="none is left to repair"):
+        repair_mesh(np.zeros((3, 3)), [[0, 1, 2]])
+    with pytest.raises(ValueError, match="largest_hole must be zero or a positive number"):
+        repair_mesh(*sphere(1), largest_hole=-1)

@@ -1,0 +1,494 @@
+"""Velocities at vertices: affine fields, the conic theorem, rings, weights, and what is refused."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.radial import inverse_square, thin_plate_spline
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.polynomials import monomials
+from fieldrecon.velocity.stencils import WELL_DETERMINED
+from fieldrecon.velocity.vertex_velocities import (
+    divergence,
+    normal_velocities,
+    velocity_weights,
+    vertex_velocities,
+)
+from laws import assert_close
+from meshes import abc_flow, affine, jittered_mesh, order, random_mesh, rms, star, taylor_green
+
+EXACT = 1e-11
+MESHES = {
+    "random 2-D": random_mesh(600, 2, 1),
+    "random 3-D": random_mesh(200, 3, 2),
+    "jittered 2-D": jittered_mesh(12, 2, 3),
+    "jittered 3-D": jittered_mesh(4, 3, 4),
+}
+
+
+@pytest.fixture(params=MESHES, scope="module")
+def mesh(request) -> SimplexMesh:
+    return MESHES[request.param]
+
+
+def slides_matrix(mesh: SimplexMesh, faces: np.ndarray, i: int) -> np.ndarray:
+    """B' of p. 22, one row (nᵀ, y₁nᵀ, … y_dnᵀ) for each face, about vertex i."""
+    y = mesh.face_centers[faces] - mesh.points[i]
+    y = y / np.abs(y).max()
+    n = mesh.face_normals[faces]
+    return np.concatenate([n, *(y[:, [k]] * n for k in range(y.shape[1]))], axis=1)
+
+
+def amplification(b: np.ndarray, d: int) -> float:
+    """Largest row of the weights of the value; infinite where a null vector has a part in it."""
+    _, s, vt = np.linalg.svd(b)
+    kept = (s > 1e-12 * s[0]).sum()
+    if np.abs(vt[kept:, :d]).max(initial=0) > 1e-10:
+        return np.inf
+    return float(np.linalg.norm(vt[:kept, :d].T / s[:kept], axis=1).max())
+
+
+# --- affine fields ------------------------------------------------------------------------------
+
+
+def affine_fields_come_back(reconstruct, mesh: SimplexMesh, tolerance: float = EXACT) -> None:
+    """At every vertex, those of the boundary included."""
+    for seed in range(3):
+        u = affine(mesh, seed)(mesh.points)
+        assert_close(reconstruct(mesh, normal_velocities(mesh, u)), u, tolerance)
+
+
+def values(mesh, v, weight=None):
+    return vertex_velocities(mesh, v, weight).values
+
+
+def test_affine_fields_come_back(mesh):
+    """u = c + Gx gives v_a = n_a·u(p_a) without error, and so u at each vertex."""
+    affine_fields_come_back(values, mesh)
+
+
+def test_rotations_come_back(mesh):
+    """The field of the exercise on p. 43, u = J(x - m), and its like in space."""
+    d = mesh.points.shape[1]
+    turn = np.triu(np.ones((d, d)), 1)
+    u = (mesh.points - mesh.points.mean(axis=0)) @ (turn - turn.T)
+    assert_close(values(mesh, normal_velocities(mesh, u)), u, EXACT)
+
+
+@pytest.mark.parametrize(
+    "weight",
+    [
+        lambda _: inverse_square(0.0),
+        inverse_square,
+        lambda h: gaussian(h / 3),
+        lambda h: wendland(3, 1, 6 * h),
+    ],
+    ids=["singular", "slides", "narrow", "compact"],
+)
+def test_affine_fields_come_back_for_every_weight(mesh, weight):
+    """However much the weights of the faces differ, h the distance of the points."""
+    h = len(mesh.points) ** (-1 / mesh.points.shape[1])
+    affine_fields_come_back(lambda mesh, v: values(mesh, v, weight(h)), mesh)
+
+
+@pytest.mark.parametrize("unit", [1e-100, 1e100])
+@pytest.mark.parametrize("length", [None, 0.1])
+def test_affine_fields_come_back_in_every_unit(mesh, unit, length):
+    """The length in the weight changes with the unit, and nothing else does."""
+    weight = None if length is None else inverse_square(length * unit)
+    scaled = SimplexMesh(mesh.points * unit, mesh.cells)
+    affine_fields_come_back(lambda mesh, v: values(mesh, v, weight), scaled)
+
+
+def test_affine_fields_come_back_far_from_the_origin(mesh):
+    """Offsets are differences of points, so not even the rounding of the centroids shows."""
+    affine_fields_come_back(values, SimplexMesh(mesh.points + 1e6, mesh.cells))
+
+
+def spokes_only(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
+    """The mutant: the faces at the vertex alone, and the least solution, whatever their rank."""
+    u = []
+    for i in range(len(mesh.points)):
+        faces = np.flatnonzero((mesh.faces == i).any(axis=1))
+        u.append(np.linalg.lstsq(slides_matrix(mesh, faces, i), v[faces], rcond=1e-12)[0])
+    return np.array(u)[:, : mesh.points.shape[1]]
+
+
+def one_ring_only(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
+    """The mutant: the slides' neighbourhood for every vertex, and the least solution."""
+    around = mesh.faces_around(1)
+    u = []
+    for i in range(len(mesh.points)):
+        faces = around[[i]].indices
+        u.append(np.linalg.lstsq(slides_matrix(mesh, faces, i), v[faces], rcond=1e-12)[0])
+    return np.array(u)[:, : mesh.points.shape[1]]
+
+
+def normals_reversed(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
+    """The mutant: the sign of one normal forgotten."""
+    return values(mesh, np.where(np.arange(len(v)) == 7, -v, v))
+
+
+@pytest.mark.parametrize("mutant", [spokes_only, one_ring_only, normals_reversed])
+def test_a_wrong_reconstruction_is_caught(mutant):
+    """Silently wrong by more than a tenth at some vertex of a random mesh, as p. 19-23 would be."""
+    with pytest.raises(AssertionError, match="deviates"):
+        affine_fields_come_back(mutant, MESHES["random 2-D"], 0.1)
+
+
+# --- which vertices are determined --------------------------------------------------------------
+
+
+def patch(kind: str, rng: np.random.Generator) -> SimplexMesh:
+    """A star of 4 to 8 triangles whose vertices lie in general, on an ellipse, or on two lines."""
+    n = int(rng.integers(4, 9))
+    if kind == "two lines":  # through the centre, so that the centre lies on them as well
+        line = rng.uniform(0, np.pi) + np.array([0, rng.uniform(0.5, 2.5)])
+        angle = np.sort(np.concatenate([line, line + np.pi]))
+        radius = rng.uniform(0.5, 1.5, 4)
+        rim = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+        points = np.vstack([[[0.0, 0.0]], rim])
+    else:
+        angle = np.sort(rng.uniform(0, 2 * np.pi, n))
+        points = np.column_stack([np.cos(angle), np.sin(angle)])
+        if kind == "general":
+            points = points * rng.uniform(0.5, 1.5, (n, 1))
+        points = points @ rng.uniform(-1, 1, (2, 2)) + rng.uniform(-1, 1, 2)
+    return SimplexMesh.delaunay(points)
+
+
+@pytest.mark.parametrize("kind", ["general", "ellipse", "two lines"])
+def test_the_rank_is_that_of_conics_through_the_vertices(kind):
+    """rank B' = rank of the Vandermonde matrix of degree 2 of the vertices of the patch.
+
+    Kernel fields are ∇⊥ψ with ψ quadratic and constant on the vertices, since l n·u(p) is the
+    difference of ψ along the edge.
+    """
+    rng = np.random.default_rng(5)
+    ranks = set()
+    for _ in range(100):
+        mesh = patch(kind, rng)
+        used = mesh.points[mesh.referenced]
+        y = (used - used.mean(axis=0)) / np.abs(used - used.mean(axis=0)).max()
+        faces = np.arange(len(mesh.faces))
+        b = slides_matrix(mesh, faces, 0)
+        rank = np.linalg.matrix_rank(b, tol=1e-9)
+        assert rank == np.linalg.matrix_rank(monomials(y, 2), tol=1e-9)
+        ranks.add(int(rank))
+    assert max(ranks) == (6 if kind == "general" else 5)
+
+
+def test_spokes_alone_never_determine_the_field():
+    """u = x - x_i is tangent to every face at x_i: the rank is 5 at most, however many there are.
+
+    The value at x_i is estimable from five spokes on, not from three or four.
+    """
+    for valence in range(3, 10):
+        mesh = star(valence, 6)
+        spokes = np.flatnonzero((mesh.faces == 0).any(axis=1))
+        b = slides_matrix(mesh, spokes, 0)
+        assert np.linalg.matrix_rank(b, tol=1e-9) == min(5, valence)
+        assert np.isfinite(amplification(b, 2)) == (valence >= 5)
+
+
+def two_rings(valence: int, seed: int) -> SimplexMesh:
+    """A star, and triangles all round it."""
+    inner = star(valence, seed)
+    outer = np.random.default_rng(seed).uniform(1.9, 2.4, (valence, 1)) * inner.points[1:]
+    k, n = np.arange(valence), np.roll(np.arange(valence), -1)
+    round_it = [
+        np.column_stack([1 + k, 1 + valence + k, 1 + n]),
+        np.column_stack([1 + valence + k, 1 + valence + n, 1 + n]),
+    ]
+    return SimplexMesh(np.vstack([inner.points, outer]), np.vstack([inner.cells, *round_it]))
+
+
+@pytest.mark.parametrize("valence", [3, 4, 5, 6, 7])
+def test_valence_three_and_four_take_two_rings(valence):
+    """N triangles have N + 1 vertices: rank min(6, N + 1), and with a second ring 6."""
+    mesh = two_rings(valence, 7)
+    assert len(mesh.vertex_cells(0)) == valence
+    v = normal_velocities(mesh, affine(mesh, 0)(mesh.points))
+    assert vertex_velocities(mesh, v, vertices=[0]).rings[0] == (2 if valence < 5 else 1)
+
+
+def test_boundary_fans_take_two_rings():
+    """N triangles at a vertex of the boundary have N + 2 vertices: fewer than four do not do."""
+    mesh = MESHES["random 2-D"]
+    rings = vertex_velocities(mesh, np.zeros(len(mesh.faces))).rings
+    fans = np.diff(mesh.vertex_cell_incidence.indptr)
+    few = mesh.boundary_vertices & (fans < 4)
+    assert few.any()
+    assert (rings[few] >= 2).all()
+    many = mesh.boundary_vertices & (fans >= 5)
+    assert (rings[many] == 1).mean() > 0.8
+
+
+def cross(seed: int = 8) -> SimplexMesh:
+    """Four triangles round vertex 0 whose neighbours lie on two lines through it."""
+    r = np.random.default_rng(seed).uniform(0.5, 1.5, 4)
+    points = [[0, 0], [r[0], 0], [0, r[1]], [-r[2], 0], [0, -r[3]]]
+    return SimplexMesh(points, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.7, 1e3])
+def test_a_cross_is_determined_at_its_centre(offset):
+    """Rank 5 of 6, but the conic xy = 0 has a vanishing gradient there: one ring is enough."""
+    mesh = SimplexMesh(cross().points + offset, cross().cells)
+    u = affine(mesh, 9)(mesh.points)
+    v = normal_velocities(mesh, u)
+    assert np.linalg.matrix_rank(slides_matrix(mesh, np.arange(8), 0), tol=1e-9) == 5
+    found = vertex_velocities(mesh, v, vertices=[0])
+    assert found.rings.tolist() == [1]
+    assert_close(found.values, u[:1], EXACT)
+
+
+def test_the_least_solution_of_a_cross_depends_on_the_origin():
+    """Why the frame is that of the vertex: not centred, the same solution is wrong."""
+    mesh = cross()
+    u = affine(mesh, 9)(mesh.points)
+    b = slides_matrix(mesh, np.arange(8), 1)  # about another vertex: the frame of vertex 1
+    size = np.abs(mesh.face_centers - mesh.points[1]).max()
+    c = np.linalg.lstsq(b, normal_velocities(mesh, u), rcond=1e-12)[0].reshape(3, 2)
+    assert np.abs(c[0] - u[1]).max() > 0.01
+    at_the_centre = c[0] + (mesh.points[0] - mesh.points[1]) / size @ c[1:]
+    assert_close(at_the_centre, u[0], EXACT)  # estimable there, by any solution
+
+
+def test_rings_are_as_few_as_determine_the_value(mesh):
+    """By the singular values of B': one ring fewer amplifies errors more than ten times."""
+    d = mesh.points.shape[1]
+    rings = vertex_velocities(mesh, np.zeros(len(mesh.faces))).rings
+    for i in range(len(mesh.points)):
+        for r in range(1, rings[i] + 1):
+            faces = mesh.faces_around(r, [i]).indices
+            enough = amplification(slides_matrix(mesh, faces, i), d) <= WELL_DETERMINED
+            assert enough == (r == rings[i])
+
+
+def test_it_is_the_weighted_least_squares_solution():
+    """argmin |W(B'c - V')|² by numpy.linalg.lstsq, for data of no affine field."""
+    mesh = MESHES["random 2-D"]
+    v = np.random.default_rng(10).standard_normal(len(mesh.faces))
+    for weight in (None, inverse_square(0.02)):
+        found = vertex_velocities(mesh, v, weight)
+        for i in range(0, 600, 7):
+            faces = mesh.faces_around(found.rings[i], [i]).indices
+            r = np.linalg.norm(mesh.face_centers[faces] - mesh.points[i], axis=1)
+            w = np.ones(len(r)) if weight is None else weight(r)
+            b = slides_matrix(mesh, faces, i)
+            c = np.linalg.lstsq(w[:, None] * b, w * v[faces], rcond=1e-12)[0]
+            assert_close(found.values[i], c[:2], 1e-9)
+
+
+# --- smooth fields ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("u", "d", "sides"), [(taylor_green, 2, (16, 64)), (abc_flow, 3, (6, 12))])
+@pytest.mark.parametrize("weighted", [False, True])
+def test_smooth_fields_come_back_to_second_order(u, d, sides, weighted):
+    """The error falls like h² on jittered grids, in the plane and in space."""
+    errors = []
+    for side in sides:
+        mesh = jittered_mesh(side, d, 11)
+        v = normal_velocities(mesh, u(mesh.points))
+        weight = inverse_square(0.5 / side) if weighted else None
+        errors.append(rms(values(mesh, v, weight) - u(mesh.points)))
+    assert 1.75 < order(*errors, sides[1] / sides[0]) < 2.6
+
+
+# --- normal velocities and divergence -----------------------------------------------------------
+
+
+def test_normal_velocities_are_those_of_the_exercise():
+    """v_a = n_aᵀ(u_i + u_j)/2 of p. 43, edge by edge."""
+    mesh = MESHES["random 2-D"]
+    u = taylor_green(mesh.points)
+    for a in range(0, len(mesh.faces), 11):
+        i, j = mesh.faces[a]
+        n = mesh.face_normals[a]
+        assert normal_velocities(mesh, u)[a] == pytest.approx(n @ (u[i] + u[j]) / 2, abs=1e-14)
+
+
+def test_the_divergence_of_an_affine_field_is_its_trace(mesh):
+    """Σ l_a v_a / V = tr G; zero for a field free of divergence."""
+    d = mesh.points.shape[1]
+    g = np.random.default_rng(12).uniform(-1, 1, (d, d))
+    div = divergence(mesh, normal_velocities(mesh, mesh.points @ g.T))
+    slope = 1 / mesh.cell_measures * mesh.face_measures[mesh.cell_faces].max(axis=1)  # rounding
+    assert np.abs(div - np.trace(g)).max() <= 1e-14 * slope.max()
+    free = g - np.trace(g) / d * np.eye(d)
+    div = divergence(mesh, normal_velocities(mesh, mesh.points @ free.T))
+    assert np.abs(div).max() <= 1e-14 * slope.max()
+
+
+def test_what_flows_out_of_the_cells_flows_out_of_the_mesh(mesh):
+    """Σ V div v = Σ l v over the boundary, the theorem of Gauss; inner faces cancel."""
+    v = np.random.default_rng(13).standard_normal(len(mesh.faces))
+    total = mesh.cell_measures @ divergence(mesh, v)
+    outer = mesh.boundary_faces
+    assert total == pytest.approx(mesh.face_measures[outer] @ v[outer], abs=1e-11)
+
+
+def test_divergence_is_the_adjoint_of_the_difference_of_pressures(mesh):
+    """Σ_c V p div v = Σ_f l v (p_first - p_second), with no pressure outside."""
+    rng = np.random.default_rng(14)
+    v, p = rng.standard_normal(len(mesh.faces)), rng.standard_normal(len(mesh.cells))
+    first, second = mesh.face_cells.T
+    jump = p[first] - np.where(second < 0, 0, p[second])
+    left = mesh.cell_measures @ (p * divergence(mesh, v))
+    assert left == pytest.approx(mesh.face_measures @ (v * jump), abs=1e-10)
+
+
+# --- weights, forms of the data, orientation ----------------------------------------------------
+
+
+def test_the_weights_are_the_reconstruction(mesh):
+    """u = (W_1 v, … W_d v), sparse; their transposes do the same work."""
+    d = mesh.points.shape[1]
+    rng = np.random.default_rng(15)
+    v, f = rng.standard_normal(len(mesh.faces)), rng.standard_normal((len(mesh.points), d))
+    for weight in (None, inverse_square(0.1)):
+        w = velocity_weights(mesh, weight)
+        u = values(mesh, v, weight)
+        assert_close(np.stack([m @ v for m in w], axis=1), u, 1e-12)
+        assert all(m.shape == (len(mesh.points), len(mesh.faces)) for m in w)
+        work = sum((m.T @ f[:, k]) @ v for k, m in enumerate(w))
+        assert work == pytest.approx((f * u).sum(), abs=1e-9)
+
+
+def test_the_weights_undo_the_normals(mesh):
+    """Σ_a W_k,ia n_a,l p_a^α = δ_kl x_i^α for |α| ≤ 1: affine exactness as a statement on W."""
+    d = mesh.points.shape[1]
+    rows = np.concatenate(
+        [mesh.face_normals[None], mesh.face_centers.T[..., None] * mesh.face_normals]
+    )
+    wanted = np.concatenate([np.ones((1, len(mesh.points))), mesh.points.T])
+    for k, w in enumerate(velocity_weights(mesh)):
+        for moment, x in zip(rows, wanted, strict=True):
+            assert_close(w @ moment, x[:, None] * np.eye(d)[k], EXACT)
+
+
+def test_no_error_of_the_data_grows_more_than_tenfold(mesh):
+    """Rows of the weights have a norm of ten at most, which is what ends the search for rings."""
+    for w in velocity_weights(mesh):
+        assert np.sqrt((w.multiply(w)).sum(axis=1)).max() <= WELL_DETERMINED
+
+
+def test_several_fields_and_complex_ones():
+    """Axes of the data stay; the components come last."""
+    mesh = MESHES["random 3-D"]
+    rng = np.random.default_rng(16)
+    u = rng.standard_normal((len(mesh.points), 2, 4, 3)) + 1j
+    v = normal_velocities(mesh, u)
+    assert v.shape == (len(mesh.faces), 2, 4)
+    assert_close(v[:, 1, 2], normal_velocities(mesh, u[:, 1, 2]), 1e-14)
+    found = vertex_velocities(mesh, v).values
+    assert found.shape == u.shape
+    assert_close(found[:, 1, 2], values(mesh, v[:, 1, 2]), EXACT)
+    div = divergence(mesh, v)
+    assert_close(div[:, 0, 3], divergence(mesh, v[:, 0, 3]), 1e-9)
+
+
+def test_the_order_of_the_cells_does_not_matter(mesh):
+    """Other cells come first, so normals turn, and v with them: the velocities are the same."""
+    turned = SimplexMesh(mesh.points, mesh.cells[::-1])
+    assert (turned.faces == mesh.faces).all()
+    sign = (turned.face_normals * mesh.face_normals).sum(axis=1).round()
+    assert set(sign) == {-1.0, 1.0}
+    v = np.random.default_rng(17).standard_normal(len(mesh.faces))
+    assert_close(values(turned, sign * v), values(mesh, v), 1e-9)
+    assert_close(
+        divergence(turned, sign * v)[::-1] * mesh.cell_measures,
+        divergence(mesh, v) * mesh.cell_measures,
+        1e-12,
+    )
+
+
+def test_only_the_vertices_asked_for(mesh):
+    """In their order, and twice if asked twice."""
+    v = np.random.default_rng(18).standard_normal(len(mesh.faces))
+    some = np.array([5, 3, 3, 90])
+    all_of_them, found = vertex_velocities(mesh, v), vertex_velocities(mesh, v, vertices=some)
+    assert_close(found.values, all_of_them.values[some], 1e-11)
+    assert (found.rings == all_of_them.rings[some]).all()
+    assert vertex_velocities(mesh, v, vertices=[]).values.shape == (0, mesh.points.shape[1])
+
+
+def test_points_of_no_cell_are_refused_only_when_asked_for():
+    """A mesh may hold them; there are no data about them."""
+    mesh = MESHES["jittered 2-D"]
+    more = SimplexMesh(np.vstack([[[9.0, 9.0]], mesh.points]), mesh.cells + 1)
+    u = affine(mesh, 0)(more.points)
+    v = normal_velocities(more, u)
+    with pytest.raises(np.linalg.LinAlgError, match="point 0 belongs to no cell"):
+        vertex_velocities(more, v)
+    some = np.flatnonzero(more.referenced)
+    assert_close(vertex_velocities(more, v, vertices=some).values, u[some], EXACT)
+
+
+# --- refused ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "faces"),
+    [
+        ([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]], 3),
+        ([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]], 5),
+        (np.vstack([np.zeros(3), np.eye(3)]), [[0, 1, 2, 3]], 4),
+    ],
+)
+def test_a_mesh_too_small_is_refused_in_words(points, cells, faces):
+    """Never a number that means nothing: the vertex, and how many faces there are."""
+    mesh = SimplexMesh(points, cells)
+    words = f"the {faces} faces that count about vertex 0 do not determine its velocity"
+    with pytest.raises(np.linalg.LinAlgError, match=words):
+        vertex_velocities(mesh, np.zeros(faces))
+
+
+def test_a_weight_that_reaches_no_face_is_refused_in_words():
+    """The support of the weight ends the search as well."""
+    mesh = MESHES["random 2-D"]
+    with pytest.raises(np.linalg.LinAlgError, match=r"the [01] faces that count about vertex"):
+        vertex_velocities(mesh, np.zeros(len(mesh.faces)), wendland(3, 1, 1e-5))
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda m: normal_velocities(m, np.zeros((600, 3))), "u must have 2 components for each"),
+        (lambda m: normal_velocities(m, np.zeros((5, 2))), "u must have one entry for each point"),
+        (lambda m: vertex_velocities(m, np.zeros(7)), "v must have one entry for each face"),
+        (lambda m: divergence(m, [np.nan] * len(m.faces)), "v must be finite"),
+        (lambda m: velocity_weights(m, "near"), "weight must be a radial function"),
+        (lambda m: velocity_weights(m, thin_plate_spline()), "fall with the distance"),
+        (lambda m: velocity_weights(m, vertices=[600]), "vertices must index the 600 points"),
+        (lambda m: velocity_weights(m, vertices=[0.5]), "vertices must be a list of indices"),
+    ],
+)
+def test_bad_input_is_refused_in_words(call, words):
+    """Which argument, what came, what was wanted."""
+    with pytest.raises(ValueError, match=words):
+        call(MESHES["random 2-D"])
+
+
+@pytest.mark.slow
+@given(
+    st.integers(4, 12), st.integers(2, 3), st.integers(0, 10**6), st.sampled_from([None, 0.0, 0.3])
+)
+def test_on_any_small_mesh_the_field_or_a_reason_comes_back(n, d, seed, epsilon):
+    """A value that is right, or an error that names the vertex; nothing between."""
+    mesh = random_mesh(n + d, d, seed)
+    u = affine(mesh, seed)(mesh.points)
+    v = normal_velocities(mesh, u)
+    weight = None if epsilon is None else inverse_square(epsilon)
+    for i in range(len(mesh.points)):
+        enough = amplification(slides_matrix(mesh, np.arange(len(mesh.faces)), i), d)
+        if enough < 1e5:
+            found = vertex_velocities(mesh, v, weight, vertices=[i])
+            assert_close(found.values[0], u[i], 1e-6)
+        elif enough > 1e11:
+            with pytest.raises(np.linalg.LinAlgError, match=f"faces that count about vertex {i} "):
+                vertex_velocities(mesh, v, weight, vertices=[i])

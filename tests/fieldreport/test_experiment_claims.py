@@ -1,0 +1,189 @@
+"""What the experiments claim agrees with what is known independently of the library."""
+
+import numpy as np
+import pytest
+
+from fieldrecon import RBF
+from fieldrecon.datasets.synthetic import halton, power_of_sum
+from fieldrecon.kernels.radial import inverse_square
+from fieldreport import experiments
+from fieldreport.experiments.kernels import kernel_comparison
+from fieldreport.experiments.methods import (
+    epsilon_sweep,
+    normal_equations,
+    power_sampling,
+    weight_shapes,
+)
+
+ROUNDING = 1e-13
+
+
+@pytest.fixture(scope="module")
+def powers():
+    return experiments.get("power_sampling").run(power_sampling.Params(draws=200))
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return experiments.get("epsilon_sweep").run(epsilon_sweep.Params(draws=5, queries=60, steps=13))
+
+
+@pytest.fixture(scope="module")
+def shapes():
+    return experiments.get("weight_shapes").run(weight_shapes.Params(steps=9, relief_side=8))
+
+
+@pytest.fixture(scope="module")
+def kernels():
+    return experiments.get("kernel_comparison").run(
+        kernel_comparison.Params(sizes=(50, 100, 200, 400))
+    )
+
+
+@pytest.mark.parametrize("n", range(1, 9))
+def test_the_best_linear_fit_in_closed_form(n):
+    """The closed form is what least squares leaves on a fine tensor grid of Gauss points."""
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    x = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) / 2 + 0.5
+    root = np.sqrt(np.outer(weights, weights).ravel() / 4)
+    basis, field = np.column_stack([np.ones(len(x)), x]), power_of_sum(n)(x)
+    residual = (
+        root * field
+        - root[:, None] * basis @ np.linalg.lstsq(root[:, None] * basis, root * field)[0]
+    )
+    assert power_sampling.best_linear_rms(n) == pytest.approx(np.linalg.norm(residual), abs=1e-12)
+
+
+def test_least_squares_is_near_the_best_linear_fit(powers):
+    """With 100 points, least squares is worse than the best linear fit by a few per cent."""
+    assert 0 < powers.facts["largest_excess_percent"] < 8
+
+
+def test_moving_least_squares_wins_by_ten(powers):
+    """On every draw it is better where the field is curved, by ten times and more in the mean."""
+    assert powers.facts["mls_better_percent"] > 99
+    assert 8 < powers.facts["smallest_ratio"] <= powers.facts["largest_ratio"] < 16
+    assert powers.facts["rms_where_both_exact"] < ROUNDING
+
+
+def test_moving_least_squares_agrees_with_lapack(powers, monkeypatch):
+    """A weighted fit by numpy gives the same; with the weight not squared it would not."""
+    assert powers.facts["difference_from_lapack"] < ROUNDING
+    params = power_sampling.QUICK
+
+    class Unsquared(inverse_square):
+        def of_squared(self, s):
+            return np.sqrt(super().of_squared(s))
+
+        def in_units(self, h):
+            return Unsquared(self.epsilon / h)
+
+    monkeypatch.setattr(power_sampling, "inverse_square", Unsquared)
+    assert power_sampling._difference_from_lapack(params) > 1e-3
+
+
+def test_raw_psi_always_falls(sweep):
+    """ψ falls with every step of ε on every draw, to the residual of least squares by ε⁴."""
+    assert sweep.facts["psi_falls_percent"] == 100
+    assert sweep.facts["scaled_psi_difference_percent"] < 0.1
+    assert np.all(sweep.arrays["chosen_psi"] == sweep.params.largest)
+
+
+def test_only_leaving_one_out_works_with_noise(sweep):
+    """Its regret stays near one; those of raw and normalized ψ do not."""
+    regret = {
+        key: sweep.arrays[f"regret_{key}"] for key in ("psi", "normalized_psi", "leave_one_out")
+    }
+    assert all(np.all(r >= 1) for r in regret.values())
+    assert sweep.facts["regret_psi_exact"] > 8
+    assert sweep.facts["regret_normalized_psi_noisy"] > 1.4
+    assert sweep.facts["regret_leave_one_out_exact"] < 1.05
+    assert sweep.facts["regret_leave_one_out_noisy"] < 1.15
+
+
+def test_the_best_epsilon_of_exact_data_is_small(sweep):
+    """The error is flat below a tenth of the spacing; the gradient is best near the spacing."""
+    assert sweep.facts["largest_epsilon_within_1_percent"] >= 0.1 * sweep.facts["spacing"] * 0.99
+    assert sweep.facts["best_epsilon_gradient_exact"] == pytest.approx(0.1, rel=0.9)
+
+
+def test_constants_flatten_at_every_site(shapes):
+    """Their slope has the size of its leading term, ε⁴; that of linear polynomials stays."""
+    assert shapes.facts["slope_difference_percent"] < 1
+    assert shapes.facts["slope_kept_constant_smallest"] < 1e-6
+    assert shapes.facts["slope_kept_linear_smallest"] > 0.5
+
+
+def test_a_large_epsilon_does_not_help_linear_polynomials(shapes):
+    """Their error is least at the smallest ε and grows from there."""
+    error = shapes.arrays["error"][1]
+    assert np.all(np.diff(error) > -1e-6)
+    assert error[-1] > 5 * error[0]
+
+
+def test_kernels_agree_with_scipy(kernels):
+    """Four kernels interpolate as those of scipy.interpolate.RBFInterpolator."""
+    assert kernels.facts["difference_from_scipy"] < 1e-10
+
+
+def test_the_bordered_matrix_is_that_of_the_library():
+    """The matrix whose condition is measured is the one that is solved."""
+    x = halton(20, 2)
+    for kernel in kernel_comparison.QUICK.kernels.values():
+        np.testing.assert_allclose(
+            kernel_comparison.interpolation_matrix(kernel, x), RBF(x, kernel).matrix(), atol=1e-12
+        )
+
+
+def test_a_plane_is_exact_only_with_the_plane(kernels):
+    """With polynomials of degree one affine data come back; without them they do not."""
+    for _, order, _, error, with_plane in kernels.tables["affine"].rows:
+        assert with_plane < ROUNDING * 10
+        assert (error < ROUNDING * 10) == (order == 2)
+
+
+def test_the_plane_holds_the_thin_plate_down(kernels):
+    """Far away it grows as a plane; without the side conditions as its kernel, r² log r²."""
+    assert kernels.facts["far_plate_growth"] < 1.2
+    assert kernels.facts["far_plate_loose_growth"] > 2
+    assert kernels.arrays["far_gaussian"][-1] == 0
+
+
+def test_smoother_kernels_pay_in_condition(kernels):
+    """Among the polyharmonic kernels a higher power means less error and a worse condition."""
+    errors = [kernels.facts[f"error_{k}"] for k in ("linear", "thin_plate", "cubic")]
+    conditions = [kernels.facts[f"condition_{k}"] for k in ("linear", "thin_plate", "cubic")]
+    assert errors == sorted(errors, reverse=True)
+    assert conditions == sorted(conditions)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: power_sampling.Params(powers=(1,)), "powers must hold 2 or more"),
+        (lambda: epsilon_sweep.Params(noises=(0.1,)), "noises must begin with 0 and hold shown"),
+        (lambda: epsilon_sweep.Params(steps=2), "parameter steps must be 3 or more; got 2"),
+        (lambda: weight_shapes.Params(side=2), "parameter side must be 3 or more; got 2"),
+        (lambda: kernel_comparison.Params(sizes=(50, 20)), "sizes must be two or more, increasing"),
+    ],
+)
+def test_parameters_that_make_no_sense_are_refused(make, words):
+    """With the name of the parameter and what is wanted."""
+    with pytest.raises(ValueError, match=words):
+        make()
+
+
+def test_normal_equations_that_rounding_makes_singular(monkeypatch):
+    """Whether they are singular far away depends on rounding; either way there is a result."""
+
+    def far_is_singular(points, values, solve=normal_equations.normal_equations):
+        if points.min() > 1e7:
+            raise np.linalg.LinAlgError
+        return solve(points, values)
+
+    monkeypatch.setattr(normal_equations, "normal_equations", far_is_singular)
+    params = normal_equations.Params(side=5, queries=5, decades=(6, 8))
+    result = experiments.get("normal_equations").run(params)
+    near, far = result.tables["offsets"].column("error, normal equations")[-2:]
+    assert (type(near), far) == (float, "singular")
+    normal_equations.plot(result)

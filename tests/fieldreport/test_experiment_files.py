@@ -1,0 +1,184 @@
+"""Results, parameters and files: what goes in comes out, and what is wrong is told."""
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldrecon._core import atomic_files as _whole_file
+from fieldreport.framework import result_files as files
+from fieldreport.framework.experiment import (
+    Result,
+    Table,
+    cell_from_text,
+    order_of_magnitude,
+    require_at_least,
+)
+from fieldreport.framework.settings import with_settings
+
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
+CELLS = st.one_of(st.integers(), FINITE, st.text(alphabet="abc,;\" '\n%é", max_size=8))
+
+
+@dataclass(frozen=True)
+class Params:
+    count: int = 3
+    width: float = 0.5
+    label: str = "a"
+    fast: bool = True
+    powers: tuple[int, ...] = (1, 2)
+
+
+def result(**changes):
+    parts = {"params": Params(), "tables": {}, "facts": {}, "arrays": {}} | changes
+    return Result(**parts)
+
+
+@given(rows=st.lists(st.tuples(CELLS, CELLS), max_size=5))
+def test_a_table_comes_back_from_its_file(tmp_path_factory, rows):
+    """Numbers keep their kind and texts their commas, quotes and line breaks."""
+    table = Table(("first, with a comma", "second"), tuple(rows))
+    path = tmp_path_factory.mktemp("table") / "table.csv"
+    path.write_bytes(files.csv_bytes(table.columns, table.rows))
+    back = files._read_table(path)
+    assert back == table
+    assert [list(map(type, row)) for row in back.rows] == [
+        list(map(type, row)) for row in table.rows
+    ]
+
+
+@given(x=FINITE)
+def test_a_fact_is_kept_to_nine_digits(x):
+    """The fact is the number to nine digits, and one that is already so is kept as it is."""
+    fact = result(facts={"x": x}).facts["x"]
+    assert fact == pytest.approx(x, rel=1e-8, abs=0)
+    assert result(facts={"x": fact}).facts["x"] == fact
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: result(facts={"rms": np.nan}), "fact 'rms' must be finite; got nan"),
+        (lambda: result(facts={"won": True}), "fact 'won' must be a number or a text"),
+        (lambda: result(facts={"all": [1]}), "fact 'all' must be a number or a text; got list"),
+        (lambda: result(arrays={"a": [{}]}), "array 'a' must hold numbers or texts; got objects"),
+        (lambda: Table(("n",), (("12",),)), "column 'n' holds the text '12'; give the number"),
+        (lambda: Table(("n", "e"), ((1,),)), r"a row must have 2 cells, \('n', 'e'\); got \(1,\)"),
+        (lambda: Table(("n",), ((1,),)).column("m"), "no column 'm'; the table has n"),
+    ],
+)
+def test_what_cannot_be_told_is_refused(make, words):
+    """Facts and cells are finite numbers or texts; arrays hold no objects."""
+    with pytest.raises(ValueError, match=words):
+        make()
+
+
+def test_results_differ_in_any_bit():
+    """Results are equal if all their parts are, and a single bit tells them apart."""
+    base = result(facts={"a": 1}, arrays={"x": np.arange(3.0)})
+    assert base == result(facts={"a": 1}, arrays={"x": np.arange(3.0)})
+    assert base != result(facts={"a": 1}, arrays={"x": np.nextafter(np.arange(3.0), 9)})
+    assert base != result(facts={"a": 1}, arrays={"x": np.arange(3)})
+    assert base != result(facts={"a": 2}, arrays={"x": np.arange(3.0)})
+
+
+def test_a_result_cannot_be_changed():
+    """Neither its mappings nor its arrays."""
+    base = result(facts={"a": 1}, arrays={"x": np.arange(3.0)})
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        base.facts["a"] = 2
+    with pytest.raises(ValueError, match="read-only"):
+        base.arrays["x"][0] = 7
+
+
+@given(exponent=st.integers(-300, 300), factor=st.floats(0.32, 3.16), sign=st.sampled_from([-1, 1]))
+def test_an_order_of_magnitude_is_the_nearest_power_of_ten(exponent, factor, sign):
+    """Any number within a factor of √10 of a power of ten has that order."""
+    assert order_of_magnitude(sign * factor * float(f"1e{exponent}")) == float(f"1e{exponent}")
+
+
+def test_cells_read_as_what_they_are():
+    """A whole number, a decimal number, a text."""
+    assert [cell_from_text(t) for t in ("12", "12.0", "1e-3", "12 m")] == [12, 12.0, 0.001, "12 m"]
+    assert [type(cell_from_text(t)) for t in ("12", "12.0")] == [int, float]
+
+
+@pytest.mark.parametrize(
+    ("settings", "wanted"),
+    [
+        ({"count": "7"}, Params(count=7)),
+        ({"width": "1e-3"}, Params(width=0.001)),
+        ({"width": 2}, Params(width=2.0)),
+        ({"fast": "false", "label": "x=y"}, Params(fast=False, label="x=y")),
+        ({"powers": "4"}, Params(powers=(4,))),
+        ({"powers": "1, 2,8"}, Params(powers=(1, 2, 8))),
+        ({"powers": [3, 4]}, Params(powers=(3, 4))),
+    ],
+)
+def test_settings_are_read_by_the_type_of_their_field(settings, wanted):
+    """Typed texts and values of a settings file give the same parameters, of the same types."""
+    params = with_settings(Params(), settings)
+    assert params == wanted
+    assert all(type(getattr(params, n)) is type(getattr(Params(), n)) for n in settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"cuont": "7"}, "no parameter 'cuont'; there are count, width, label, fast, powers"),
+        ({"count": "7.5"}, "parameter count must be a whole number; got '7.5'"),
+        ({"count": True}, "parameter count must be a whole number; got True"),
+        ({"width": "wide"}, "parameter width must be a finite number; got 'wide'"),
+        ({"width": "nan"}, "parameter width must be a finite number; got 'nan'"),
+        ({"fast": "yes"}, "parameter fast must be true or false; got 'yes'"),
+        ({"label": 3}, "parameter label must be a text; got 3"),
+        ({"powers": "1,,2"}, "parameter powers must be a list such as 1,2,4; got '1,,2'"),
+        ({"powers": 3}, "parameter powers must be a list such as 1,2,4; got 3"),
+        ({"powers": "1,b"}, "parameter powers must be a whole number; got 'b'"),
+    ],
+)
+def test_a_wrong_setting_is_told_in_words(settings, words):
+    """The message names the parameter, what came and what was wanted."""
+    with pytest.raises(ValueError, match=words):
+        with_settings(Params(), settings)
+
+
+def test_parameters_have_least_values():
+    """A value below the bound is refused, in a tuple as well."""
+    require_at_least(Params(), count=3, powers=1)
+    with pytest.raises(ValueError, match="parameter count must be 4 or more; got 3"):
+        require_at_least(Params(), count=4)
+    with pytest.raises(ValueError, match="parameter powers must be 2 or more; got 1"):
+        require_at_least(Params(), powers=2)
+
+
+def test_files_are_whole_or_absent(tmp_path, monkeypatch):
+    """Writing that fails leaves the old file and nothing beside it."""
+    path = files.write_atomically(tmp_path / "deep" / "file.txt", b"old")
+
+    def broken(_):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(_whole_file.os, "fsync", broken)
+    with pytest.raises(OSError, match="no space left"):
+        files.write_atomically(path, b"new")
+    assert path.read_bytes() == b"old"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_table_that_is_gone_is_not_read_back(tmp_path):
+    """The tables in a folder are those of its last run."""
+    table = Table(("n",), ((1,),))
+    files.write_result(result(tables={"old": table, "kept": table}), tmp_path)
+    files.write_result(result(tables={"kept": table}), tmp_path)
+    assert [path.name for path in tmp_path.glob("*.csv")] == ["kept.csv"]
+
+
+def test_facts_are_flat_and_legible(tmp_path):
+    """facts.json is one object of names and numbers."""
+    files.write_result(result(facts={"ratio": 1 / 3, "n": 4, "winner": "RBF"}), tmp_path)
+    facts = json.loads((tmp_path / "facts.json").read_text())
+    assert facts == {"ratio": 0.333333333, "n": 4, "winner": "RBF"}

@@ -1,0 +1,404 @@
+"""The build: it does what is to be done, nothing else, and can be broken off at any moment."""
+
+import errno
+import hashlib
+import json
+import re
+import subprocess
+import sys
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from fieldrecon._core.atomic_files import temporary_beside
+from fieldreport.build import build, compute, document, pins, reproducible, steps, unchanged
+from fieldreport.build.lock import only_build_in
+from fieldreport.commands import report as command
+from fieldreport.framework import result_files as files
+from report_fixtures import SmallReport
+
+
+def set_no_text(self, values, metadata):  # noqa: ARG001
+    """Stand in for the typesetting, which takes seconds."""
+    return [
+        files.write_atomically(self.out / f"report.{kind}", json.dumps(values).encode())
+        for kind in ("html", "pdf")
+    ]
+
+
+@pytest.fixture
+def report(tmp_path, monkeypatch):
+    monkeypatch.setattr(document.Document, "compile", set_no_text)
+    return SmallReport(tmp_path, monkeypatch)
+
+
+@pytest.fixture
+def built(report):
+    assert report.build() == 0
+    assert sorted(report.did()) == ["draw fake_a", "draw fake_b", "run fake_a", "run fake_b"]
+    return report
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A report with its text, built once."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        report = SmallReport(tmp_path_factory.mktemp("whole"), monkeypatch)
+        assert report.build() == 0
+        report.did()
+        yield report
+
+
+def test_manifest_tells_versions_pins_parameters_seeds_and_every_output(whole):
+    """The manifest holds what went in, and the SHA-256 of every file that came out."""
+    told = json.loads((whole.out / "manifest.json").read_text())
+    outputs = whole.outputs()
+    del outputs["manifest.json"]
+    assert told["sha256"] == {n: hashlib.sha256(b).hexdigest() for n, b in outputs.items()}
+    assert told["experiments"]["fake_a"]["params"]["points"] == 1000
+    assert told["experiments"]["fake_a"]["seeds"] == {"seed": 7}
+    assert told["pins"] == pins.pins()
+    assert set(told["versions"]) >= {"python", "numpy", "scipy", "typst", "pypandoc_binary"}
+
+
+def test_nothing_is_done_twice(whole):
+    """A second build runs, draws and writes nothing."""
+    times = {path: path.stat().st_mtime_ns for path in whole.out.rglob("*.*") if path.is_file()}
+    assert whole.build() == 0
+    assert whole.did() == []
+    assert [path.name for path, time in times.items() if path.stat().st_mtime_ns != time] == []
+
+
+@pytest.mark.slow
+def test_two_folders_get_the_same_bytes(whole, tmp_path, monkeypatch):
+    """Nothing of folder, time zone or chance is in the outputs; one changed byte is seen."""
+    monkeypatch.setenv("TZ", "Pacific/Kiritimati")
+    other = tmp_path / "another folder" / "out"
+    assert whole.build(f"--out={other}") == 0
+    assert reproducible.different(whole.out, other) == []
+    pdf = other / "report.pdf"
+    pdf.write_bytes(pdf.read_bytes().replace(b"%PDF", b"%PDG", 1))
+    assert reproducible.different(whole.out, other) == ["report.pdf"]
+
+
+class TestOnlyWhatDepends:
+    """One change redoes what depends on it and no more."""
+
+    def test_a_parameter(self, built):
+        """A parameter runs and draws its own experiment."""
+        (built.source / "experiments.toml").write_text("[fake_b]\nepsilon = 0.5\n")
+        assert built.build() == 0
+        assert built.did() == ["run fake_b", "draw fake_b"]
+
+    @pytest.mark.slow
+    def test_a_parameter_set_to_its_default(self, built):
+        """Settings that say what holds anyhow change nothing."""
+        (built.source / "experiments.toml").write_text("[fake_a]\npoints = 1000\n")
+        assert built.build() == 0
+        assert built.did() == []
+
+    @pytest.mark.slow
+    def test_a_plot(self, built):
+        """A change in drawing draws, and does not run."""
+        built.write_experiment("fake_a", 'line("MLS")', 'line("LS")')
+        assert built.build() == 0
+        assert built.did() == ["draw fake_a"]
+
+    @pytest.mark.slow
+    def test_a_comment(self, built):
+        """Comments, docstrings and layout change nothing."""
+        built.write_experiment("fake_a", "SCALE = 1.0", "\n\n# a comment\nSCALE = (\n    1.0)")
+        built.write_experiment("fake_b", "Draw the line.", "Draw the curve.")
+        assert built.build() == 0
+        assert built.did() == []
+
+    def test_a_constant_that_the_run_reaches(self, built):
+        """What `run` uses is part of it."""
+        built.write_experiment("fake_a", "SCALE = 1.0", "SCALE = 2.0")
+        assert built.build() == 0
+        assert built.did() == ["run fake_a", "draw fake_a"]
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("name", ["fake_a.svg", "facts.json", "errors.csv"])
+    def test_a_lost_or_damaged_file(self, built, name):
+        """A file that is gone, or not what was written, is made again, the same as before."""
+        before = built.outputs()
+        path = built.out / "experiments" / "fake_a" / name
+        path.write_bytes(b"damaged")
+        assert built.build() == 0
+        path.unlink()
+        assert built.build() == 0
+        assert built.outputs() == before
+
+    @pytest.mark.slow
+    def test_an_experiment_that_is_gone(self, built):
+        """Its results go too."""
+        (built.code / "fake_b.py").unlink()
+        assert built.build() == 0
+        assert not (built.out / "experiments" / "fake_b").exists()
+
+    def test_only_one_experiment(self, report):
+        """With --only the others and the text are left alone."""
+        assert report.build("--only", "fake_b") == 0
+        assert report.did() == ["run fake_b", "draw fake_b"]
+        assert not (report.out / "report.html").exists()
+
+
+CHANGES = {
+    "a chapter": lambda r: r.write_chapter("More."),
+    "a new chapter": lambda r: (r.source / "chapters" / "02-new.md").write_text("# New\n"),
+    "a style": lambda r: (r.source / "style.css").write_text(""),
+    "a pass": lambda r: (r.source / "filters" / "new.lua").write_text(""),
+    "a parameter": lambda r: (r.source / "experiments.toml").write_text("[fake_a]\nseed = 3\n"),
+    "a comment in the code": lambda r: r.write_experiment("fake_a", "SCALE", "# S\nSCALE"),
+    "a new module": lambda r: (r.code / "new.py").write_text(""),
+    "a removed experiment": lambda r: (r.code / "fake_b.py").unlink(),
+    "a removed output": lambda r: (r.out / "report.pdf").unlink(),
+    "a changed output": lambda r: (r.out / "report.html").write_text("changed"),
+    "a changed table": lambda r: next(r.out.rglob("errors.csv")).write_text("changed"),
+    "a file too many": lambda r: (r.out / "experiments" / "fake_a" / "old.svg").write_text(""),
+    "a lost note": lambda r: (r.out / ".state" / "build.json").unlink(),
+    "a changed input": lambda r: (r.source / "data.json").write_text("changed"),
+    "a removed input": lambda r: (r.source / "data.json").unlink(),
+}
+
+
+@pytest.fixture(scope="module")
+def once(tmp_path_factory):
+    """A report of which an experiment reads a file, built once."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr(document.Document, "compile", set_no_text)
+        report = SmallReport(tmp_path_factory.mktemp("unchanged"), monkeypatch)
+        (report.source / "data.json").write_text("measured")
+        read = f'field(default="{report.source / "data.json"}", metadata={{"file": True}})'
+        report.write_experiment(
+            "fake_a",
+            *("    seed: int", f"    data: str = {read}\n    seed: int"),
+            *("import dataclass", "import dataclass, field"),
+        )
+        assert report.build() == 0
+        yield report
+
+
+def nothing_changed(report):
+    return unchanged.told(report.options())
+
+
+class TestNothingChanged:
+    """Told from files alone; whatever may change the report has the steps looked at."""
+
+    @pytest.fixture
+    def report(self, once):
+        """Give that report, and put it back as it was."""
+        before = {p: p.read_bytes() for p in once.folder.rglob("*") if p.is_file()}
+        assert nothing_changed(once)
+        yield once
+        for path in once.folder.rglob("*"):
+            if path.is_file() and path not in before:
+                path.unlink()
+        for path, content in before.items():
+            path.write_bytes(content)
+        assert nothing_changed(once)
+
+    @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
+    def test_a_change_is_seen(self, report, change):
+        """Of the code, the text, the parameters, the inputs and the outputs."""
+        change(report)
+        assert not nothing_changed(report)
+
+    def test_another_version_of_a_package_is_seen(self, report, tmp_path, monkeypatch):
+        """Whatever package it is."""
+        (tmp_path / "site" / "numpy-99.0.dist-info").mkdir(parents=True)
+        monkeypatch.syspath_prepend(tmp_path / "site")
+        assert not nothing_changed(report)
+
+    def test_another_python_is_seen(self, report, monkeypatch):
+        """Its version and its build."""
+        other = SimpleNamespace(version="4.0", path=sys.path, stderr=sys.stderr)
+        monkeypatch.setattr(unchanged, "sys", other)
+        assert not nothing_changed(report)
+
+    def test_a_build_is_begun_only_after_a_change(self, report, monkeypatch):
+        """And the next has nothing to do again."""
+        begun = []
+
+        def begin(arguments, whole=build.build):
+            begun.append(arguments)
+            whole(arguments)
+
+        monkeypatch.setattr(build, "build", begin)
+        monkeypatch.setattr(document.Document, "compile", set_no_text)
+        assert report.build() == 0
+        assert begun == []
+        (report.source / "data.json").write_text("measured again")
+        report.did()
+        assert report.build() == 0
+        assert report.did() == ["run fake_a"]
+        assert report.build() == 0
+        assert len(begun) == 1
+
+    def test_it_is_told_without_what_computes(self):
+        """Neither NumPy nor matplotlib is imported to find out."""
+        code = (
+            "import sys, fieldreport.commands.report; "
+            "print([n for n in ('numpy', 'matplotlib', 'fontTools', 'rich') if n in sys.modules])"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        )
+        assert done.stdout == "[]\n"
+
+    def test_no_folder_is_made_to_find_out(self, report):
+        """Called in the wrong place it leaves nothing there."""
+        assert report.build("--source", str(report.source / "nowhere")) == 1
+        assert not (report.source / "nowhere").exists()
+
+
+class Killed(BaseException):
+    """Stands for the end of the process: nothing may catch it."""
+
+
+LATER = [pytest.param(moment, marks=pytest.mark.slow) for moment in (2, 4, 6, 13, 16, 17)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("moment", [0, 5, 14, *LATER])
+def test_a_build_killed_at_any_write_is_completed_by_the_next(report, monkeypatch, moment):
+    """Whichever write was the last, the next build gives the files of an undisturbed one."""
+    written = []
+
+    def write(path, content, whole=files.write_atomically):
+        if len(written) == moment:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            left = temporary_beside(path)
+            left.write_bytes(content[: len(content) // 2])
+            raise Killed
+        written.append(path)
+        return whole(path, content)
+
+    with monkeypatch.context() as during:
+        for module in (files, compute, build, steps):
+            during.setattr(module, "write_atomically", write)
+        with pytest.raises(Killed):
+            report.build()
+    assert report.build() == 0
+    clean = report.source / "clean"
+    assert report.build(f"--out={clean}") == 0
+    assert report.outputs() == report.outputs(clean)
+
+
+def test_the_second_of_two_builds_waits_and_says_so(tmp_path):
+    """While one holds the folder the other waits; then it goes on."""
+    said, entered = [], threading.Event()
+
+    def second():
+        with only_build_in(tmp_path, said.append):
+            entered.set()
+
+    with only_build_in(tmp_path, said.append):
+        waiting = threading.Thread(target=second)
+        waiting.start()
+        assert not entered.wait(0.3)
+    waiting.join(5)
+    assert entered.is_set()
+    assert said == [f"another build is at work in {tmp_path}; waiting for it to end"]
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (errno.ENOSPC, "the disk is full"),
+        (errno.EROFS, "the file system is read-only"),
+        (errno.EACCES, "permission is denied"),
+    ],
+)
+def test_a_disk_that_takes_nothing_is_told_in_a_sentence(report, monkeypatch, capfd, number, words):
+    """One line with the reason, exit status 1, no traceback."""
+
+    def write(path, content):  # noqa: ARG001
+        raise OSError(number, "told by the system", str(path))
+
+    monkeypatch.setattr(files, "write_atomically", write)
+    assert report.build() == 1
+    told = capfd.readouterr().err
+    assert re.search(rf"cannot write .*fake_a/params.json: {words}$", told.strip())
+    assert "Traceback" not in told
+
+
+def test_a_file_where_the_folder_should_be(report, capfd):
+    """The build folder's name taken by a file is told in a sentence."""
+    (report.source / "taken").write_text("")
+    assert report.build(f"--out={report.source / 'taken'}") == 1
+    assert "a file stands where a folder is wanted" in capfd.readouterr().err
+
+
+def test_interruption_ends_quietly(report, monkeypatch, capfd):
+    """Ctrl-C gives its own exit status and a sentence."""
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(compute, "write_result", interrupted)
+    assert report.build() == command.INTERRUPTED
+    told = capfd.readouterr().err
+    assert "interrupted" in told
+    assert "Traceback" not in told
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ("[fake_c]\n", "no experiment 'fake_c'; there are fake_a, fake_b"),
+        ("[fake_a]\npoint = 3\n", r"\[fake_a\]: there is no parameter 'point'"),
+        ("[fake_a]\npoints = 0.5\n", r"\[fake_a\]: parameter points must be a whole number"),
+        ("[fake_a\n", "experiments.toml"),
+    ],
+)
+def test_wrong_settings_are_told(report, capfd, settings, words):
+    """A wrong name or value in experiments.toml stops the build before anything runs."""
+    (report.source / "experiments.toml").write_text(settings)
+    assert report.build() == 1
+    assert re.search(words, capfd.readouterr().err)
+    assert report.did() == []
+
+
+def test_an_experiment_that_fails_is_named(report, capfd):
+    """The error of an experiment comes with its name and where it arose."""
+    report.write_experiment("fake_b", "x = np.linspace", "x = np.no_such_function")
+    assert report.build() == 1
+    assert re.search(r"experiment fake_b failed(.|\n)*no_such_function", capfd.readouterr().err)
+
+
+def test_facts_agree_to_the_digits_stated():
+    """Another machine may differ by a unit of the last digit, in nothing else."""
+    facts = {"x": 1.0, "rough": 1.0, "order": 0.01, "k": 3, "e": 1e-15}
+
+    def digits_of(experiment):
+        assert experiment == "a"
+        return lambda fact: {"rough": 2, "order": 0}.get(fact, 6)
+
+    def manifest(**changed):
+        return {"experiments": {"a": {"params": {"n": 1}, "facts": facts | changed}}}
+
+    def deviations(**changed):
+        return list(reproducible.deviations(manifest(), manifest(**changed), digits_of))
+
+    for near in ({"x": 1.00001}, {"rough": 1.1}, {"order": 0.1}, {"e": 1e-16}, {"e": 1.2e-15}):
+        assert deviations(**near) == []
+    for far in (
+        *({"x": 1.0001}, {"rough": 1.3}, {"order": 1.0}, {"k": 4}, {"e": 1e-12}, {"new": 1.0}),
+        *({"x": 10.0}, {"x": 0.0}),
+    ):
+        assert len(deviations(**far)) == 1, far
+    other = {"experiments": {"a": {"params": {"n": 2}, "facts": {}}}}
+    told = list(reproducible.deviations(manifest(), other, digits_of))
+    assert ["parameters" in text for text in told] == [True]
+
+
+def test_other_pins_do_all_again(built, monkeypatch):
+    """A folder that was built with other pins, or none, is not up to date."""
+    for module in (compute, unchanged):
+        monkeypatch.setattr(module, "pins", lambda: {"OPENBLAS_CORETYPE": "another"})
+    assert built.build() == 0
+    assert sorted(built.did()) == ["draw fake_a", "draw fake_b", "run fake_a", "run fake_b"]

@@ -1,0 +1,402 @@
+"""The text: the same numbers in both outputs, facts that read well, mistakes that stop it."""
+
+import html
+import re
+import shutil
+
+import pytest
+import typst
+
+from fieldreport.build.document import Document, unquoted_facts
+from fieldreport.build.failure import BuildError
+from fieldreport.build.webfonts import code_points, font_faces
+from report_fixtures import REPORT
+
+VALUES = {
+    "bumps": {
+        "title": "Bumps",
+        "facts": {
+            "small": 0.0012,
+            "ratio": -2.5,
+            "count": 12345,
+            "rounding": 1e-16,
+            "word": "fine",
+            "large": 123456.789,
+            "unquoted": 1.0,
+        },
+        "params": {"points": 1000, "epsilon": 0.00001, "powers": [1, 2, 3, 4, 5, 6, 7, 8]},
+        "fields": [
+            {"name": "points", "meaning": "number of points"},
+            {"name": "epsilon", "meaning": ""},
+            {"name": "powers", "meaning": "the powers $n$"},
+        ],
+        "tables": {
+            "errors": {
+                "columns": ["n", "error, rms [m]", "exact"],
+                "rows": [[1, 1e-16, "yes"], [2, 0.00123, "no"], [3, -12.5, "no"]],
+            }
+        },
+        "figures": ["bumps", "bumps_far"],
+    },
+    "other": {
+        "title": "Other",
+        "facts": {"x": 3},
+        "params": {},
+        "fields": [],
+        "tables": {},
+        "figures": [],
+    },
+}
+
+WHOLE = r"""# First {#sec:first}
+
+See [@fig:bumps; @fig:far], @tbl:errors, @tbl:which, @eq:one, [-@eq:two], @sec:first, @sec:inner,
+@app:more, @thm:one, @exr:one, @lst:one and [@wendland2005, chapter 8].
+
+Prose: {{bumps.small:.1e}}, {{bumps.ratio:.1f}}, {{bumps.count:,}}, {{bumps.rounding:.2e}},
+{{bumps.word}}, {{bumps.params.powers}}, {{bumps.large:,.1f}},
+{{bumps.ratio:.0%}}. Math: $a = {{bumps.small:.1e}}$,
+$b = {{bumps.count:,}}$, $c = {{bumps.rounding:.0e}}$, $d = {{bumps.params.epsilon}}$. Code:
+`{{bumps.small:.1e}}`.
+
+$$ \mathbf{B} \mathbf{c} = \nabla \phi $$ {#eq:one}
+
+$$ \bigcap_i \lVert x_i \rVert $$ {#eq:two}
+
+## Inner {#sec:inner}
+
+![Bumps, {{bumps.count:,}} of them.](bumps.svg){#fig:bumps
+alt="Bumps at {{bumps.small:.1e}} < 1 and \"so\" on the left."}
+
+![Bumps far away.](bumps_far.svg){#fig:far alt="Bumps that lie far away to the right."}
+
+::: {.result #tbl:errors experiment=bumps table=errors columns="n; error, rms [m]; exact"
+     heads="$n$; *error*; exact" formats="; .1e; " rows="1, 2-2"}
+Errors for {{bumps.params.points}} points.
+:::
+
+| Case | Method |
+|:-----|-------:|
+| few  | {{bumps.small:.1e}} |
+| many | {{other.x}} |
+
+: Which. {#tbl:which}
+
+::: {.theorem #thm:one title="@micchelli1986"}
+It is so.
+:::
+
+::: {.exercise #exr:one title="On $x$"}
+Show it.
+:::
+
+::: solution
+Shown.
+:::
+
+```{.python #lst:one caption="A sum, `a + b`."}
+a + b
+```
+
+# More {#app:more .appendix}
+
+$$ x $$ {#eq:three} and @eq:three.
+
+::: parameters
+:::
+
+# References {#sec:references .unnumbered}
+
+::: {#refs}
+:::
+"""
+
+DAMAGE = {
+    "a fact that is missing": ("{{bumps.gone:.1f}}", r"01-all.md:\d+: bumps has no fact gone"),
+    "a parameter that is missing": ("{{bumps.params.gone}}", "bumps has no parameter gone"),
+    "an experiment that is missing": ("{{gone.x}}", r"there is no experiment for {{gone.x}}"),
+    "decimals without a format": (
+        "{{bumps.large}}",
+        r"needs a format, such as {{bumps.large:.2f}}",
+    ),
+    "a format that does not fit": ("{{bumps.large:d}}", r'the format "d" does not fit'),
+    "a format that is none": ("{{bumps.large:zz}}", r'the format "zz" does not fit'),
+    "a text with a format": ("{{bumps.word:.2f}}", "a text has no number format"),
+    "a quotation that is none": ("{{bumps large}}", "not of the form"),
+    "an unknown label": ("@fig:gone", "reference to the unknown label @fig:gone"),
+    "a label given twice": ("$$ x $$ {#eq:one}", "the label eq:one is given twice"),
+    "reference and citation together": ("[@fig:far; @franke1982]", "a reference and a citation"),
+    "a figure nobody refers to": (
+        '![Lone.](bumps.svg){#fig:lone alt="A figure that is all alone here."}',
+        "the text never refers to @fig:lone",
+    ),
+    "a table nobody refers to": (
+        "| a |\n|---|\n| b |\n\n: Lone. {#tbl:lone}",
+        "the text never refers to @tbl:lone",
+    ),
+    "a figure without words": (
+        "![Mute.](bumps.svg){#fig:mute}\n\n@fig:mute",
+        "(fig:mute needs an alternative text|only repeats the caption)",
+    ),
+    "words that repeat the caption": (
+        '![The same words twice over.](bumps.svg){#fig:same alt="The same words twice over."}',
+        "fig:same: the alternative text only repeats the caption",
+    ),
+    "a figure without a label": (
+        '![Anonymous.](bumps.svg){alt="A figure that has no label at all."}',
+        "every figure needs a label",
+    ),
+    "a figure nobody draws": (
+        '![Gone.](gone.svg){#fig:drawn alt="A figure that nobody has drawn."}',
+        "no experiment draws the figure gone.svg",
+    ),
+    "a table without a caption": ("| a |\n|---|\n| b |", "every table needs a label"),
+    "a column that is missing": (
+        "::: {.result #tbl:c experiment=bumps table=errors columns=gone}\nC.\n:::",
+        'tbl:c: no column "gone"; the table has n; error, rms',
+    ),
+    "a table that is missing": (
+        "::: {.result #tbl:t experiment=bumps table=gone}\nC.\n:::",
+        "tbl:t: bumps has no table gone",
+    ),
+    "rows that are missing": (
+        '::: {.result #tbl:r experiment=bumps table=errors rows="2-9"}\nC.\n:::',
+        "must lie within 1-3",
+    ),
+    "a head too few": (
+        '::: {.result #tbl:h experiment=bumps table=errors heads="a; b"}\nC.\n:::',
+        "tbl:h: as many heads and formats as columns",
+    ),
+    "raw TeX in a paragraph": (r"so \begin{equation}x\end{equation}", "raw TeX would vanish"),
+    "raw TeX by itself": ("\\begin{align}\nx\n\\end{align}", "raw TeX would vanish"),
+    "bars that pandoc spoils": (r"$\|x\|_2$", r"instead of \\| write \\lVert"),
+    "a matrix with lines": (
+        r"$\begin{array}{c|c}1&2\end{array}$",
+        "write matrix, cases or aligned",
+    ),
+}
+
+
+class Text:
+    """Converts chapters with made-up values."""
+
+    def __init__(self, folder):
+        source, drawn = folder / "text", folder / "out" / "experiments" / "bumps"
+        shutil.copytree(REPORT, source, ignore=shutil.ignore_patterns("build", "chapters"))
+        (source / "chapters").mkdir()
+        drawn.mkdir(parents=True)
+        for name in ("bumps", "bumps_far"):
+            svg = '<svg xmlns="http://www.w3.org/2000/svg" width="212.6pt" height="72pt"></svg>'
+            (drawn / f"{name}.svg").write_text(svg)
+        self.document = Document(source, folder / "out")
+
+    def convert(self, chapter):
+        (self.document.source / "chapters" / "01-all.md").write_text(chapter)
+        page, print_ = self.document.convert(VALUES, {"version": "0"})
+        return self.document.with_figures(page), print_
+
+
+@pytest.fixture(scope="module")
+def text(tmp_path_factory):
+    return Text(tmp_path_factory.mktemp("text"))
+
+
+@pytest.fixture(scope="module")
+def outputs(text):
+    return text.convert(WHOLE)
+
+
+@pytest.fixture(scope="module")
+def page(outputs):
+    return outputs[0]
+
+
+@pytest.fixture(scope="module")
+def typ(outputs):
+    return outputs[1]
+
+
+@pytest.fixture(scope="module")
+def problems(text):
+    """Everything that is wrong with a text in which all is damaged."""
+    damaged = WHOLE + "\n\n".join(damage for damage, _ in DAMAGE.values()) + "\n"
+    with pytest.raises(BuildError) as caught:
+        text.convert(damaged)
+    return str(caught.value)
+
+
+def words(markup):
+    """Return the text of HTML, without mathematics."""
+    markup = re.sub(r"<(style|script|math)\b.*?</\1>", " ", markup, flags=re.S)
+    return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", "", markup)))
+
+
+def test_references_carry_the_same_numbers_in_both_outputs(page, typ):
+    """Every reference reads alike in HTML and PDF, and there are all kinds."""
+    in_page = re.findall(r'<a\s+href="#([\w:]+)"\s+class="xref">(.*?)</a>', page, re.S)
+    in_print = re.findall(r"#link\(<(\w+:\w+)>\)\[(.*?)\]", typ)
+    read = [(label, words(t).replace("\xa0", " ")) for label, t in in_page]
+    assert read == [(label, re.sub(r"[~\xa0]", " ", t.replace("\\", ""))) for label, t in in_print]
+    assert dict(read) == {
+        "fig:bumps": "Figures 1.1",
+        "fig:far": "1.2",
+        "tbl:errors": "Table 1.1",
+        "tbl:which": "Table 1.2",
+        "eq:one": "Equation (1.1)",
+        "eq:two": "(1.2)",
+        "sec:first": "Chapter 1",
+        "sec:inner": "Section 1.1",
+        "app:more": "Appendix A",
+        "thm:one": "Theorem 1.1",
+        "exr:one": "Exercise 1.1",
+        "lst:one": "Listing 1.1",
+        "eq:three": "Equation (A.1)",
+    }
+
+
+def test_what_is_numbered_shows_the_number_that_references_carry(page, typ):
+    """Captions, equations and headings show their number in both outputs."""
+    for shown in ("Figure 1.1.", "Figure 1.2.", "Table 1.1.", "Table 1.2.", "Theorem 1.1"):
+        assert shown in words(page).replace("\xa0", " ")
+        assert shown in typ.replace("~", " ").replace("\xa0", " ")
+    for number in ("(1.1)", "(1.2)", "(A.1)"):
+        assert f'<span class="eqno">{number}</span>' in page
+        assert f"numbering: (..n) => [{number}]" in typ
+    assert re.findall(r'<span class="secno">(.*?)</span>', page) == ["1", "1.1", "A"] * 2
+
+
+def test_links_lead_somewhere(page, typ):
+    """Every link within the text has its target."""
+    ids = set(re.findall(r'\bid="([^"]+)"', page))
+    assert set(re.findall(r'href="#([^"]+)"', page)) <= ids
+    labels = set(re.findall(r"<([\w:.-]+)>", re.sub(r"#link\(<[^>]+>\)", "", typ)))
+    assert set(re.findall(r"#link\(<([^>]+)>\)", typ)) <= labels
+
+
+def test_numbers_read_well_in_prose(page):
+    """Minus signs, thousands and percents are set as in print; tuples as lists."""
+    told = words(page)
+    for text_ in ("−2.5, 12,345,", "fine, 1, 2, 3, 4, 5, 6, 7, 8, 123,456.8, −250%"):
+        assert text_ in told
+    assert "{{bumps.small:.1e}}" in told  # in code
+    assert told.count("{{") == 1
+
+
+def test_powers_of_ten_are_mathematics_in_both_outputs(page, typ):
+    """0.0012 as .1e reads 1.2 × 10⁻³; an order of magnitude is a bare power."""
+    tex = re.findall(r'<annotation encoding="application/x-tex">(.*?)</annotation>', page)
+    assert tex.count(r"1.2 \times 10^{-3}") == 3  # in prose and in two tables
+    assert {"a = 1.2 \\times 10^{-3}", "b = 12{,}345", "c = 10^{-16}", "10^{-16}"} <= set(tex)
+    assert "d = 10^{-5}" in tex
+    assert "1.2 times 10^(- 3)" in typ
+
+
+def test_figures_have_words_and_tell_where_they_come_from(page, typ):
+    """Alternative texts with facts in plain letters; the experiment and its parameters below."""
+    alt = 'Bumps at 1.2 × 10⁻³ < 1 and "so" on the left.'
+    assert alt in [html.unescape(a) for a in re.findall(r'<img [^>]*alt="([^"]*)"', page)]
+    assert 'alt: "{}"'.format(alt.replace('"', r"\"")) in typ
+    origin = "Experiment bumps: points = 1000; epsilon = ; powers = 1, 2, …, 8."
+    assert words(page).count(origin) == 3
+    assert typ.count("#provenance[") == 4
+    assert "Experiments bumps and other." in words(page)
+
+
+def test_tables_come_from_results(page):
+    """Columns, rows and formats are those asked for."""
+    table = re.search(r'<table[^>]*class="result".*?</table>', page, re.S).group(0)
+    rows = re.findall(r"<tr.*?</tr>", table, re.S)
+    assert len(rows) == 3
+    assert "<em>error</em>" in rows[0]
+    assert re.findall(r'x-tex">(.*?)<', rows[1] + rows[2]) == ["10^{-16}", r"1.2 \times 10^{-3}"]
+    assert "yes" in rows[1]
+
+
+def test_no_tex_is_left_over(page, typ):
+    """Neither output shows TeX or Markdown to the reader."""
+    assert not re.search(r"\\[a-zA-Z]{2,}|\$\$|:::|\{#", words(page))
+    assert not re.search(r"\\\$|:::|\{\\#", typ)
+
+
+def test_nothing_is_fetched(page):
+    """The page holds all it needs."""
+    assert not re.search(r'<(?:script|img|link|iframe|source)\b[^>]*(?:src|href)="(?!data:)', page)
+    css = (REPORT / "style.css").read_text()
+    assert not re.search(r"@import|url\(", css)
+
+
+def test_repairs_of_what_pandoc_writes_for_typst(typ):
+    """Names that Typst no longer has do not occur; formulas carry their TeX as words."""
+    assert "sect" not in re.sub(
+        r'"[^"]*"', "", re.search(r"#math.equation\(block.*bigcap.*", typ).group(0)
+    )
+    assert 'alt: "\\\\mathbf{B} \\\\mathbf{c} = \\\\nabla \\\\phi"' in typ
+
+
+def means_something(name):
+    """Tell whether a name stands for something in a formula of Typst; one with a hyphen cannot."""
+    try:
+        typst.compile(f"$ {name} $".encode())
+    except typst.TypstError as error:
+        return "unknown variable" not in str(error)
+    return "-" not in name
+
+
+def test_the_template_takes_no_name_that_formulas_use():
+    """A colour named as an accent would stand in every formula with a wide hat."""
+    assert means_something("accent")
+    names = re.findall(r"^#let ([\w-]+)", (REPORT / "template.typ").read_text(), re.M)
+    assert len(names) > 3
+    assert [name for name in names if means_something(name)] == []
+
+
+def test_document_as_a_whole_is_sound(problems):
+    """The undamaged text has no problem; all the damaged one's are told at once."""
+    assert len(problems.splitlines()) >= len(DAMAGE)
+
+
+@pytest.mark.parametrize("what", DAMAGE)
+def test_damage_stops_the_build(problems, what):
+    """Each kind of damage is told in words."""
+    assert re.search(DAMAGE[what][1], problems)
+
+
+def test_problems_are_told_with_file_and_line(text, problems):
+    """The author is led to the line."""
+    line = next(k for k, t in enumerate(text_lines(text), 1) if "{{bumps.gone:.1f}}" in t)
+    assert f"text/chapters/01-all.md:{line}: bumps has no fact gone" in problems
+
+
+def text_lines(text):
+    damaged = WHOLE + "\n\n".join(damage for damage, _ in DAMAGE.values()) + "\n"
+    path = text.document.source / "chapters" / "01-all.md"
+    path.write_text(damaged)
+    return damaged.splitlines()
+
+
+def test_unquoted_facts_are_listed(text):
+    """Facts that no chapter quotes are told by name."""
+    (text.document.source / "chapters" / "01-all.md").write_text(WHOLE)
+    assert unquoted_facts(text.document.chapters, VALUES) == {"bumps": ["unquoted"]}
+
+
+def test_an_unknown_citation_stops_the_build(text):
+    """A key that the bibliography lacks is an error."""
+    with pytest.raises(BuildError, match="nobody1900"):
+        text.convert("# A {#sec:a}\n\nAs in @nobody1900.\n")
+
+
+def test_fonts_hold_what_the_page_shows(page):
+    """The subsets are made for the characters of the page; one in no font is refused by name."""
+    mathematics, letters = code_points(page)
+    assert {ord("∇"), ord("𝑥"), ord("𝐁")} <= mathematics
+    assert ord("ψ") not in letters
+    with pytest.raises(BuildError, match=r"have no 🦆 \(U\+1F986\)"):
+        font_faces("<p>🦆</p>")
+
+
+def test_fonts_hold_the_sign_of_a_root():
+    """The browser draws it for an element; no character of the page says so."""
+    root = "<math><msqrt><mn>3</mn></msqrt></math>"
+    assert ord("√") in code_points(root)[0]
+    assert ord("√") not in code_points("<math><mn>3</mn></math>")[0]

@@ -1,0 +1,53 @@
+"""What patches cost: what is quoted is what was measured, and exponents are of the plane alone."""
+
+import json
+
+import pytest
+
+from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldreport.experiments import get
+from fieldreport.experiments.methods.patch_costs import _of_growth
+from fieldreport.framework.experiment import Table, in_checkout
+
+EXPERIMENT = get("patch_costs")
+
+
+def growth(power):
+    """A table whose seconds are n^power in the plane, and anything in space."""
+    rows = [(n, 2, *3 * (float(n) ** power,), 1e-9 * n, 1e-3) for n in (10, 100, 1000)]
+    columns = (
+        "sites",
+        "dimension",
+        "set-up, s",
+        "fit, s",
+        "evaluate, s",
+        "memory, GB",
+        "rms error",
+    )
+    return Table(columns, (*rows, (100, 3, 1e9, 1e9, 1e9, 1.0, 1.0)))
+
+
+@pytest.mark.parametrize("power", [0.9, 1.0, 2.0])
+def test_exponents_are_those_of_the_seconds(power):
+    """Of n^p seconds each exponent is p, that of sums too; a cloud in space does not count."""
+    facts = dict(_of_growth(growth(power)))
+    for name in ("set_up", "fit", "evaluate", "fitting", "all"):
+        assert facts[f"exponent_{name}"] == pytest.approx(power)
+    assert facts["most_sites"] == 1000
+
+
+def test_the_default_is_that_of_the_library():
+    """Kernel, degree and patch size that the chapter calls the default are taken unasked."""
+    method = PartitionOfUnityRBF(uniform(1000, 2, seed=1))
+    params = EXPERIMENT.defaults
+    assert method.kernel == polyharmonic(int({"³": 3}[params.kernel[1:]]))
+    assert (method.degree, method.patch_size) == (params.degree, params.patch)
+
+
+def test_the_table_is_that_of_the_file():
+    """Every choice that was measured is there, and no other."""
+    measured = json.loads(in_checkout(EXPERIMENT.defaults.results).read_text("utf-8"))
+    choices = EXPERIMENT.run().tables["choices"]
+    assert len(choices.rows) == len(measured["tables"][0]["rows"])

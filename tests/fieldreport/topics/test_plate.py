@@ -1,0 +1,182 @@
+"""Plates: what Morley's element represents, and the closed forms of thin plates."""
+
+import numpy as np
+import pytest
+
+from fieldrecon.datasets.synthetic import halton
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldreport.experiments.coupling.elastic_wing_checks import cantilever, strip
+from fieldreport.experiments.coupling.plate import Plate, hessians, isotropic
+from laws import VISIBLE, assert_close
+
+
+def scattered(n: int = 40) -> SimplexMesh:
+    return SimplexMesh.delaunay(halton(n, 2))
+
+
+def degrees_of_freedom(mesh, value, gradient) -> np.ndarray:
+    """Values at vertices, and normal derivatives at the middles of faces."""
+    slopes = (mesh.face_normals * gradient(mesh.face_centers)).sum(axis=1)
+    return np.concatenate([value(mesh.points), slopes])
+
+
+# --- second derivatives -----------------------------------------------------------------------
+
+
+def second_derivatives_of_quadratics_are_exact(second) -> None:
+    """On any mesh, wherever the origin, and whichever way normals point."""
+    a = np.array([[1.5, -0.7], [-0.7, 0.4]])
+    mesh = scattered()
+    given = degrees_of_freedom(
+        mesh, lambda x: 2 - x[:, 0] + (x @ a * x).sum(axis=1) / 2, lambda x: x @ a - [1, 0]
+    )
+    found = (second(mesh) @ given).reshape(-1, 3)
+    assert_close(found, np.tile([a[0, 0], a[1, 1], 2 * a[0, 1]], (len(found), 1)), 1e-9)
+
+
+def test_second_derivatives():
+    """Of Morley's shape functions, which are the quadratics."""
+    second_derivatives_of_quadratics_are_exact(hessians)
+
+
+def only_slopes(mesh):
+    """Forgets how values change along the faces."""
+    return hessians(mesh) @ np.diag([0.0] * len(mesh.points) + [1.0] * len(mesh.faces))
+
+
+def once_mixed(mesh):
+    """Takes the mixed derivative once instead of twice."""
+    return np.diag(np.tile([1, 1, 0.5], len(mesh.cells))) @ hessians(mesh)
+
+
+def slopes_leave_cells(mesh):
+    """Takes each normal to leave both cells of its face."""
+    both = hessians(mesh).toarray()
+    n = len(mesh.points)
+    for k, row in enumerate(mesh.cell_face_signs):
+        both[3 * k : 3 * k + 3, n + mesh.cell_faces[k]] *= row
+    return both
+
+
+@pytest.mark.parametrize("mutant", [only_slopes, once_mixed, slopes_leave_cells])
+def test_the_law_of_second_derivatives_can_fail(mutant):
+    """Each is wrong in one way."""
+    with pytest.raises(AssertionError):
+        second_derivatives_of_quadratics_are_exact(mutant)
+
+
+# --- energy -----------------------------------------------------------------------------------
+
+
+def test_only_rigid_motions_bend_nothing():
+    """Three of them: the plate rises, and turns about two axes; the stiffness is symmetric."""
+    mesh = scattered()
+    plate = Plate(mesh, isotropic(1.3, 0.3), mesh.points[:, 0] < 0.3)
+    k = plate.stiffness.toarray()
+    assert_close(k, k.T, 1e-9 * np.abs(k).max())
+    energies = np.linalg.eigvalsh(k)
+    assert np.abs(energies[:3]).max() < 1e-10 * energies[-1] < 1e-4 * energies[3]
+    for value, slope in ((lambda x: 1 + 0 * x[:, 0], [0, 0]), (lambda x: x[:, 1], [0, 1])):
+        moved = degrees_of_freedom(mesh, value, lambda x, s=slope: np.tile(s, (len(x), 1)))
+        assert np.abs(k @ moved).max() < 1e-10 * energies[-1]
+
+
+def test_deflections_are_reciprocal():
+    """After Maxwell: the force here and the deflection there may change places."""
+    mesh = scattered()
+    plate = Plate(mesh, isotropic(1.0, 0.3), mesh.points[:, 0] < 0.3)
+    flexibility = plate.deflections(np.eye(len(mesh.points)))
+    assert_close(flexibility, flexibility.T, 1e-9)
+    assert np.linalg.eigvalsh((flexibility + flexibility.T) / 2)[0] > -1e-12
+
+
+def test_a_plate_is_moved_and_turned_with_its_deflections():
+    """And scaled: under the same forces on a plate twice as large, four times as far."""
+    mesh = scattered()
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(2, 2)))[0]
+    other = SimplexMesh(2 * mesh.points @ turn + 5, mesh.cells)
+    f = np.cos(9 * mesh.points[:, 0])
+    held = mesh.points[:, 0] < 0.3
+    w, far = (Plate(m, isotropic(1.0, 0.3), held).deflections(f) for m in (mesh, other))
+    assert_close(far, 4 * w, 1e-8 * np.abs(w).max())
+
+
+# --- closed forms -----------------------------------------------------------------------------
+
+
+def test_an_evenly_loaded_cantilever_converges_with_order_two():
+    """To that of Euler and Bernoulli, without Poisson's effect."""
+    errors = [c.computed / c.closed_form - 1 for c in (cantilever(4), cantilever(8))]
+    assert abs(np.log2(errors[0] / errors[1]) - 2) < 0.1
+    assert 0 < errors[1] < 0.002
+
+
+def test_a_strip_twists_as_saint_venant_says():
+    """Between two stations far from the ends: T / (2 D (1 - ν) c), c the width."""
+    mesh, poisson = strip(8.0, 8, 64), 0.3
+    x, y = mesh.points.T
+    plate = Plate(mesh, isotropic(1.0, poisson), y == 0)
+    couple = np.where(y == 8, 1.0, 0.0) * ((x == 1).astype(float) - (x == 0))
+    w = plate.deflections(couple)
+    turn = [w[(y == at) & (x == 1)][0] - w[(y == at) & (x == 0)][0] for at in (3.0, 5.0)]
+    closed = 2 / (2 * (1 - poisson))
+    assert_close((turn[1] - turn[0]) / closed, 1.0, 0.01)
+    assert turn[0] > VISIBLE
+
+
+def test_several_load_cases_are_each_alone():
+    """And forces on clamped vertices do nothing."""
+    mesh = scattered()
+    held = mesh.points[:, 0] < 0.3
+    plate = Plate(mesh, isotropic(1.0, 0.3), held)
+    f = np.random.default_rng(0).normal(size=(len(mesh.points), 2, 3))
+    w = plate.deflections(f)
+    for k in np.ndindex(2, 3):
+        assert_close(w[:, *k], plate.deflections(f[:, *k]), 1e-12)
+    assert np.abs(w[held]).max() == 0
+    assert_close(plate.deflections(np.where(held[:, None, None], 0, f)), w, 1e-12)
+
+
+# --- refusals ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("rigidity", "words"),
+    [
+        (np.eye(2), r"rigidity must have the shape \(3, 3\)"),
+        (-np.eye(3), "positive definite"),
+        (np.eye(3) + np.eye(3, k=1), "symmetric"),
+        (isotropic(np.nan, 0.3), "finite"),
+    ],
+)
+def test_rigidities_that_make_no_sense(rigidity, words):
+    """Are refused by what is wrong."""
+    mesh = scattered()
+    with pytest.raises(ValueError, match=words):
+        Plate(mesh, rigidity, mesh.points[:, 0] < 0.3)
+
+
+def test_plates_that_may_move_are_refused():
+    """One clamped vertex lets it turn; one clamped part leaves the other."""
+    mesh = scattered()
+    one = np.arange(len(mesh.points)) == 0
+    with pytest.raises(np.linalg.LinAlgError, match="about cell 0 has no clamped face"):
+        Plate(mesh, np.eye(3), one)
+    far = SimplexMesh(
+        np.vstack([mesh.points, mesh.points + 3]),
+        np.vstack([mesh.cells, mesh.cells + len(mesh.points)]),
+    )
+    with pytest.raises(np.linalg.LinAlgError, match="has no clamped face"):
+        Plate(far, np.eye(3), far.points[:, 0] < 0.3)
+
+
+def test_what_is_no_plate_is_refused():
+    """Tetrahedra, lone points, and what does not tell who is clamped."""
+    mesh = scattered()
+    with pytest.raises(ValueError, match="mesh must lie in the plane"):
+        hessians(SimplexMesh.delaunay(halton(9, 3)))
+    with pytest.raises(ValueError, match="clamped must tell of each of the 40 points"):
+        Plate(mesh, np.eye(3), [0, 1])
+    lone = SimplexMesh(np.vstack([mesh.points, [[9.0, 9.0]]]), mesh.cells)
+    with pytest.raises(ValueError, match="points that belong to no cell, 40"):
+        Plate(lone, np.eye(3), np.ones(41, bool))

@@ -1,0 +1,170 @@
+"""What the chapter on barycentric coordinates says of polygons and polyhedra, on a small run."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from fieldrecon.barycentric.coordinates import BarycentricCoordinates
+from fieldreport.experiments.barycentric import coordinate_formulas as formulas
+from fieldreport.experiments.barycentric import polyhedra
+from fieldreport.experiments.barycentric.convex_shapes import (
+    OUTSIDE,
+    POLYHEDRA,
+    Planes,
+    irregular,
+    mesh_of,
+    regular,
+)
+from fieldreport.experiments.barycentric.coordinate_limits import Outside
+
+ROUNDING = 1e-14
+CROWDED = ("octahedron", "square pyramid", "rhombic dodecahedron")
+
+
+@pytest.fixture(scope="module")
+def result():
+    return polyhedra.run(replace(polyhedra.QUICK, splits=6))
+
+
+# --- the textbook formulas themselves -----------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", POLYHEDRA)
+def test_corners_edges_and_faces_obey_euler(name):
+    """n - e + f = 2, each face comes once round, and which are simple is as the chapter says."""
+    planes = Planes.of(POLYHEDRA[name])
+    assert len(planes.corners) - len(planes.edges) + len(planes.offsets) == 2
+    assert planes.simple == (name not in CROWDED)
+    for face in range(len(planes.offsets)):
+        loop = POLYHEDRA[name][planes.around(face)]
+        sides = np.roll(loop, -1, axis=0) - loop
+        turns = np.cross(sides, np.roll(sides, -1, axis=0)) @ planes.normals[face]
+        assert (turns > 0).all()
+
+
+@pytest.mark.parametrize("name", ["tetrahedron", "cube", "dodecahedron"])
+def test_the_quotient_is_the_polar_dual_at_simple_corners(name):
+    """Two formulas that share nothing but the planes of the faces agree."""
+    planes = Planes.of(POLYHEDRA[name])
+    x = np.random.default_rng(0).dirichlet(np.ones(len(planes.corners)), 5) @ planes.corners
+    assert abs(formulas.quotient(planes, x) - formulas.polar(planes, x)).max() < 1e-13
+
+
+def test_rational_weights_are_the_quotient_away_from_the_edges():
+    """The one is exact, the other good to rounding there."""
+    corners = irregular(7, seed=1)
+    x = np.array([0.1, 0.05])
+    exact = formulas.rational(corners, x)
+    assert abs(formulas.quotient(Planes.of(corners), x[None])[0] - exact).max() < ROUNDING
+
+
+@pytest.mark.parametrize("corners", [regular(5), irregular(6, seed=2), POLYHEDRA["cube"][:4] * 2])
+def test_meshes_fill_their_polygon(corners):
+    """The triangles have the area of the polygon, in the plane and in space."""
+    if corners.shape[1] == 3:
+        corners = corners[[0, 1, 3, 2]]
+    points, triangles = mesh_of(corners, 5)
+    sides = points[triangles[:, 1:]] - points[triangles[:, :1]]
+    gram = np.einsum("tad,tbd->tab", sides, sides)
+    flat = corners if corners.shape[1] == 2 else corners[:, 1:]
+    area = np.sqrt(np.linalg.det(gram)).sum() / 2
+    assert area == pytest.approx(ConvexHull(flat).volume, rel=1e-12)
+
+
+# --- what the experiment finds ------------------------------------------------------------------
+
+
+def test_positions_come_back_and_two_independent_ways_agree(result):
+    """In every polytope, with closed forms where there are some, all to rounding."""
+    table = result.tables["polytopes"]
+    assert max(table.column("positions")) < ROUNDING
+    assert max(table.column("polar dual")) < ROUNDING
+    differences = [x for x in table.column("difference") if x != "–"]
+    assert len(differences) == 4
+    assert max(differences) < ROUNDING
+    assert result.facts["gradient_error"] < ROUNDING
+
+
+def test_three_faces_are_enough_at_simple_corners_only(result):
+    """The quotient on three of the faces returns positions if and only if no corner has more."""
+    for row in result.tables["polytopes"].rows:
+        simple, error = row[5], row[8]
+        assert (error < 1e-9) == (simple == "yes"), row[0]
+        assert error < 1e-9 or error > 0.01
+
+
+def test_splits_tend_to_the_polar_dual_however_they_are_made(result):
+    """To first order in δ, whichever pair of faces comes to meet."""
+    assert 0.98 < result.facts["slope_least"] <= result.facts["slope_most"] < 1.02
+    assert result.facts["ways_pyramid"] == 2
+    assert result.facts["difference_at_smallest_shift"] < 1e-9
+
+
+@pytest.mark.parametrize("name", CROWDED)
+def test_splits_do_not_tend_to_three_of_the_faces(name):
+    """The limit tells wrong weights from right ones."""
+    planes = Planes.of(POLYHEDRA[name])
+    x = 0.5 * planes.corners[:1] + 0.1
+    shifts = 1e-8 * np.random.default_rng(3).uniform(-1, 1, len(planes.offsets))
+    apart, origin = formulas.split(planes, shifts)
+    limit = formulas.added_up(formulas.quotient(apart, x), origin, len(planes.corners))
+    assert abs(BarycentricCoordinates(planes.corners).weights(x) - limit).max() < 1e-6
+    assert abs(formulas.quotient(planes, x, 3) - limit).max() > 0.01
+
+
+def test_two_faces_moved_out_leave_the_others_to_meet():
+    """At the apex of a pyramid: in an edge, whichever opposite pair is moved."""
+    planes = Planes.of(POLYHEDRA["square pyramid"])
+    for pair, others in (planes.opposite, planes.opposite[::-1]):
+        shifts = np.zeros(len(planes.offsets))
+        shifts[pair] = 0.1
+        apart, origin = formulas.split(planes, shifts)
+        assert apart.simple
+        assert (np.bincount(origin) == [1, 1, 1, 1, 2]).all()
+        assert apart.on[:, others].all(axis=1).sum() == 2
+        assert apart.on[:, pair].all(axis=1).sum() == 0
+
+
+def test_products_keep_their_digits_beside_edges_and_quotients_do_not(result):
+    """Far away both are right; nearest, the quotient has nothing left on an edge."""
+    (quotient, products), (at_corner, _) = result.arrays["beside"]
+    assert result.arrays["beside"][:, 1].max() < ROUNDING
+    assert max(quotient[0], at_corner[0]) < 1e-13
+    assert min(quotient.max(), at_corner.max()) > 1e-3
+    assert products.max() < ROUNDING
+
+
+def test_the_poles_lie_on_the_curve_through_the_crossings(result):
+    """The adjoint is the one polynomial of degree n - 3 through them, and its zeros are refused."""
+    assert result.facts["adjoint_difference"] < 1e-11
+    assert result.facts["crossings"] == sum(n * (n - 3) // 2 for n in OUTSIDE)
+    assert result.facts["poles"] > 0
+    assert result.facts["poles_refused"] == result.facts["poles"]
+
+
+def test_another_curve_is_seen_to_differ(monkeypatch):
+    """Moving one of the crossings by a thousandth is enough."""
+    true = formulas.crossings
+
+    def moved(planes):
+        points = true(planes)
+        return points + 1e-3 * np.eye(len(points), 2)
+
+    monkeypatch.setattr(formulas, "crossings", moved)
+    assert Outside.of(OUTSIDE[5], 8, 20).difference > 1e-6
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"corners": 3}, "parameter corners must be 4 or more; got 3"),
+        ({"smallest_shift": 0.1}, "parameter largest_shift must be 0.2 or more; got 0.1"),
+        ({"nearest": 0.0}, "parameter nearest must be 1e-300 or more; got 0"),
+    ],
+)
+def test_parameters_that_make_no_sense_are_refused(changes, words):
+    """With the name of the parameter and what is wanted."""
+    with pytest.raises(ValueError, match=words):
+        polyhedra.Params(**changes)

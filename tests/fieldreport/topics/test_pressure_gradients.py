@@ -1,0 +1,129 @@
+"""What the chapter on pressure gradients says of orders, of the boundary and of the weights."""
+
+import numpy as np
+import pytest
+
+from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.velocity.gradients import local_moving_least_squares, vertex_gradients
+from fieldreport import experiments
+from fieldreport.experiments.meshes.meshed_flows import equilateral_mesh, jittered_cube
+from fieldreport.experiments.methods.convergence import order, rms
+from fieldreport.experiments.velocity import pressure_gradients
+from fieldreport.experiments.velocity.pressure_gradients import (
+    METHODS,
+    diffuse,
+    pressure,
+    pressure_gradient,
+)
+
+
+@pytest.fixture(scope="module")
+def found():
+    params = pressure_gradients.Params(sides=(8, 16, 32), sides_3d=(4, 8), values=9, sweep_side=16)
+    return experiments.get("pressure_gradients").run(params)
+
+
+def rows(found):
+    table = found.tables["orders"]
+    return {row[:2]: dict(zip(table.columns, row, strict=True)) for row in table.rows}
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_gradient_is_that_of_the_pressure(d):
+    """By central differences."""
+    x = np.random.default_rng(0).random((50, d))
+    for k, step in enumerate(1e-5 * np.eye(d)):
+        slope = (pressure(x + step) - pressure(x - step)) / 2e-5
+        np.testing.assert_allclose(slope, pressure_gradient(x)[:, k], atol=1e-9)
+
+
+def test_irregular_meshes_give_first_order_inside_and_on_the_boundary(found):
+    """By every method; on the boundary with a larger constant."""
+    for method in METHODS:
+        inside, boundary = (rows(found)["jittered, plane", w] for w in ("inside", "boundary"))
+        assert inside[f"{method}, order"] == pytest.approx(1, abs=0.25)
+        assert boundary[f"{method}, order"] == pytest.approx(1, abs=0.25)
+        assert boundary[method] > 3 * inside[method]
+
+
+def test_equilateral_meshes_give_second_order_inside_only(found):
+    """Where circumcentres lie in pairs opposite the vertex, the even derivatives cancel."""
+    for method in METHODS:
+        inside, boundary = (rows(found)["equilateral, plane", w] for w in ("inside", "boundary"))
+        assert inside[f"{method}, order"] == pytest.approx(2, abs=0.1)
+        assert boundary[f"{method}, order"] == pytest.approx(1, abs=0.25)
+
+
+def test_radial_functions_are_best_and_least_squares_is_last(found):
+    """On irregular meshes, inside, in the plane and in space."""
+    for mesh in ("jittered, plane", "jittered, space"):
+        inside = rows(found)[mesh, "inside"]
+        assert inside["RBF"] < inside["MLS"] < inside["LS"]
+
+
+def test_numpy_and_scipy_give_the_same(found):
+    """Central differences lose half the digits, and a fit in closed form none."""
+    assert found.facts["gap_ls"] < 1e-11
+    assert found.facts["gap_mls"] < 1e-7
+    assert found.facts["gap_rbf"] < 1e-7
+
+
+def test_the_diffuse_derivative_is_not_the_gradient_of_the_field(found):
+    """It is as accurate, and still another vector; only for large ε they agree."""
+    facts, sweep = found.facts, found.arrays["sweep"]
+    assert facts["best_diffuse"] == pytest.approx(facts["best_full"], rel=0.1)
+    assert facts["largest_difference"] > 0.1 * facts["best_full"]
+    assert sweep[-1, 2] < 1e-2 * sweep[0, 2]
+
+
+def test_the_diffuse_derivative_is_the_slope_of_the_local_fit():
+    """As numpy finds it about the vertex; the full one is the gradient of the library's field."""
+    mesh = jittered_cube(8, 2, 0.6, 1)
+    weight, p = inverse_square(0.05), pressure(mesh.circumcenters)
+    inner = np.flatnonzero(~mesh.boundary_vertices)[::7]
+    slopes = vertex_gradients(mesh, p, diffuse(weight), vertices=inner)
+    full = vertex_gradients(mesh, p, local_moving_least_squares(weight), vertices=inner)
+    for i, slope, gradient in zip(inner, slopes, full, strict=True):
+        cells = mesh.vertex_cells(i)
+        y = mesh.circumcenters[cells] - mesh.points[i]
+        w = weight(np.linalg.norm(y, axis=1))
+        basis = np.column_stack([np.ones(len(y)), y])
+        fit = np.linalg.lstsq(w[:, None] * basis, w * p[cells])[0]
+        np.testing.assert_allclose(slope, fit[1:], atol=1e-10)
+        field = MovingLeastSquares(mesh.circumcenters[cells], weight).field(p[cells])
+        np.testing.assert_allclose(gradient, field.gradient(mesh.points[i]), atol=1e-9)
+
+
+def test_means_of_cells_are_no_values_at_circumcentres(found):
+    """Taken for those the gradient has an error that does not fall; at the centroids it does."""
+    facts = found.facts
+    assert facts["means_order"] < 0.5
+    assert facts["means_at_centroids_order"] == pytest.approx(1, abs=0.25)
+    assert facts["means_error"] > 3 * facts["means_at_centroids_error"]
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_means_are_means(d):
+    """Against the mean over many points drawn uniformly in each cell, to its standard error."""
+    mesh = jittered_cube(6, d, 0.6, 2)
+    shares = np.random.default_rng(3).dirichlet(np.ones(d + 1), 40000)
+    for c in range(0, len(mesh.cells), len(mesh.cells) // 4):
+        values = pressure(shares @ mesh.points[mesh.cells[c]])
+        gap = pressure_gradients._means(mesh)[c] - values.mean()
+        assert abs(gap) < 5 * values.std() / np.sqrt(len(values)) + 1e-4
+
+
+def test_an_equilateral_mesh_covers_the_square_and_is_regular():
+    """All sides equal, six triangles at each inner vertex."""
+    mesh = equilateral_mesh(5)
+    np.testing.assert_allclose(mesh.face_measures, 0.2, rtol=1e-12)
+    assert mesh.points.max(axis=0).min() >= 1
+    valence = mesh.vertex_cell_incidence.sum(axis=1)
+    assert set(valence[~mesh.boundary_vertices]) == {6}
+
+
+def test_the_measures_of_errors():
+    """Root of the mean squared length, and the slope on logarithmic axes."""
+    assert rms(np.array([[3.0, 4.0], [0.0, 0.0]])) == pytest.approx(5 / np.sqrt(2))
+    assert order([1, 0.5, 0.25], [8, 1, 1 / 8]) == pytest.approx(3)

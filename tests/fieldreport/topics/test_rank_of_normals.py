@@ -1,0 +1,176 @@
+"""When B' loses rank: tangent fields, points in line, stars of few vertices."""
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+
+from fieldrecon.polynomials import monomials
+from fieldreport import experiments
+from fieldreport.experiments.velocity import rank_of_normals as module
+from fieldreport.experiments.velocity.normal_configurations import configurations
+from fieldreport.experiments.velocity.normal_fits import normal_matrix, one_ring, rank
+
+CASES = {case.name: case for case in configurations(12, 3)}
+
+
+@pytest.fixture(scope="module")
+def result():
+    return experiments.get("rank_of_normals").run(module.QUICK)
+
+
+def random_normals(n: int, rng: np.random.Generator) -> np.ndarray:
+    angle = rng.uniform(0, np.pi, n)
+    return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_rank_is_the_known_one_though_b_has_full_rank(name):
+    """B has rank D + 1 in all of them; a step away B' has full rank in all of them."""
+    case = CASES[name]
+    p, n = case.at(0.0)
+    d = p.shape[1]
+    assert rank(monomials(p, 1)) == d + 1
+    assert rank(normal_matrix(p, n)) == case.rank
+    assert rank(normal_matrix(*case.at(0.1))) == d + d * d
+    np.testing.assert_allclose(np.linalg.norm(n, axis=1), 1)
+
+
+def test_the_smallest_singular_value_falls_like_the_distance(result):
+    """With slope one, at the rate that first-order perturbation theory gives."""
+    assert result.facts["rank_mismatches"] == 0
+    assert 0.99 < result.facts["least_slope"] <= result.facts["largest_slope"] < 1.01
+    assert result.facts["rate_difference"] < 1e-4
+
+
+def test_a_tangent_field_is_what_is_lost(result):
+    """Each field that is drawn is affine, not zero, and tangent to all samples."""
+    names = {key.removesuffix("_field") for key in result.arrays if key.endswith("_field")}
+    assert len(names) == 10
+    for name in names:
+        p, n, c = (result.arrays[f"{name}_{key}"] for key in ("p", "n", "field"))
+        assert np.linalg.norm(c) > 1e-3
+        u = monomials(p, 1) @ c.reshape(3, 2)
+        assert np.abs((n * u).sum(axis=1)).max() < 1e-12
+
+
+def test_any_affine_field_spoils_any_points():
+    """Choose the normals across it: rank 5 of 6, whatever the field of rank 2 and the points."""
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        p, c = rng.standard_normal((9, 2)), rng.standard_normal((3, 2))
+        u = monomials(p, 1) @ c
+        n = np.column_stack([-u[:, 1], u[:, 0]]) / np.linalg.norm(u, axis=1)[:, None]
+        assert rank(normal_matrix(p, n)) == 5
+        assert rank(normal_matrix(p, random_normals(9, rng))) == 6
+
+
+def test_signs_and_weights_do_not_matter():
+    """The rank is that of diag(±w) B', for any weights that are not zero."""
+    rng = np.random.default_rng(2)
+    for name, case in CASES.items():
+        b = normal_matrix(*case.at(0.0))
+        w = rng.choice([-1, 1], len(b)) * rng.uniform(0.1, 10, len(b))
+        assert rank(w[:, None] * b) == rank(b), name
+
+
+def test_two_directions_on_three_points_each_suffice():
+    """As on a staggered grid: both components are known at three points not in line."""
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        m = np.repeat(random_normals(2, rng), 3, axis=0)
+        p = rng.standard_normal((6, 2))
+        assert rank(normal_matrix(p, m)) == 6
+        p[2] = (p[0] + p[1]) / 2
+        assert rank(normal_matrix(p, m)) == 5
+
+
+# --- what the points allow ----------------------------------------------------------------------
+
+
+def test_five_points_in_line_spoil_six_whatever_the_normals():
+    """Though B has full rank: u = l(x) m, with l = 0 on the line and m along the sixth edge."""
+    p = np.array([[k, 0] for k in range(5)] + [[1, 1]], dtype=float)
+    rng = np.random.default_rng(4)
+    assert rank(monomials(p, 1)) == 3
+    for _ in range(100):
+        n = random_normals(6, rng)
+        b = normal_matrix(p, n)
+        assert rank(b) <= 5
+        c = np.zeros((3, 2))
+        c[2] = [-n[5, 1], n[5, 0]]  # l(x) = y
+        assert np.abs(b @ c.ravel()).max() < 1e-14
+
+
+def test_the_best_rank_is_that_of_the_best_division():
+    """max over divisions into two parts of rank B_1 + rank B_2, by trying them all."""
+    rng = np.random.default_rng(5)
+    found = set()
+    for _ in range(60):
+        n = int(rng.integers(3, 8))
+        p = rng.integers(-1, 2, (n, 2)).astype(float)
+        b = monomials(p, 1)
+        best = 0
+        for side in product([False, True], repeat=n):
+            first = np.array(side)
+            parts = [rank(x) if len(x) else 0 for x in (b[first], b[~first])]
+            best = max(best, sum(parts))
+        assert module.best_rank(p) == best
+        found.add(best)
+    assert {4, 5, 6} <= found
+
+
+def test_random_normals_reach_the_best_rank(result):
+    """On every set drawn; and some sets with B of full rank are spoilt by their points."""
+    assert result.facts["sets_mismatches"] == 0
+    assert result.facts["sets_spoilt"] > 0
+
+
+# --- tetrahedra ---------------------------------------------------------------------------------
+
+
+def test_a_star_of_tetrahedra_needs_seven_vertices(result):
+    """V vertices give rank min(12, 3V - 8) at random; the value comes with the whole field."""
+    rows = [row for row in result.tables["stars"].rows if row[0] == "at random"]
+    assert [row[1] for row in rows] == list(module.QUICK.vertices)
+    for _, v, cells, faces, bound, lowest, highest, determined in rows:
+        assert (cells, faces) == (2 * v - 6, 5 * v - 15)
+        assert bound == lowest == highest == min(12, 3 * v - 8)
+        assert determined == (100 if v >= 7 else 0)
+
+
+def test_the_octahedron_is_the_cross_of_space(result):
+    """Stretching along its axes is unseen, if it keeps volumes: rank 10; the centre stays."""
+    row = result.tables["stars"].rows[-1]
+    assert row[0] == "octahedron"
+    assert row[4:] == (12, 10, 10, 100.0)
+    mesh = module._star(module.OCTAHEDRON)
+    b = normal_matrix(mesh.face_centers, mesh.face_normals)
+    for stretch in ([1, -1, 0], [0, 1, -1]):
+        c = np.vstack([np.zeros(3), np.diag(stretch)])
+        assert np.abs(b @ c.ravel()).max() < 1e-14
+
+
+def test_ranks_are_affine_invariants():
+    """Points go with A, velocities with A, areas times normals with its cofactors."""
+    rng = np.random.default_rng(6)
+    for star in (module._star(module.OCTAHEDRON), *module._random_stars(3, 6, rng)):
+        a = np.eye(3) + rng.uniform(-0.4, 0.4, (3, 3))
+        moved = type(star)(star.points @ a.T, star.cells)
+        before, after = (one_ring(mesh, np.zeros(len(mesh.faces))) for mesh in (star, moved))
+        assert before.rank[0] == after.rank[0]
+        assert before.determined[0] == after.determined[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"samples": 6}, "parameter samples must be 7 or more; got 6"),
+        ({"vertices": (4,)}, "parameter vertices must be 5 or more; got 4"),
+    ],
+)
+def test_parameters_that_make_no_sense_are_refused(change, words):
+    """With the name of the parameter and what is wanted."""
+    with pytest.raises(ValueError, match=words):
+        replace(module.QUICK, **change)

@@ -1,0 +1,111 @@
+"""What the appendix says of errors of meshes, and what they are errors of.
+
+Meshes are counted here, triangle by triangle, as the words define them; the audit is asked as well.
+"""
+
+import itertools
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from exact_triangles import edge_counts, fans
+from fieldrecon.triangles.audit import audit_mesh
+from fieldreport.experiments.triangles.planted_errors import planted_errors
+from fieldreport.experiments.triangles.triangle_shapes import band, cube, sphere, turned_over
+
+PLANTED = planted_errors(1)
+
+
+def is_manifold(triangles):
+    """Every edge has at most two triangles, and those at a vertex hang together by edges."""
+    vertices = {int(v) for t in triangles for v in t}
+    crowded = any(count > 2 for count in edge_counts(triangles).values())
+    return not crowded and all(fans(triangles, v) == 1 for v in vertices)
+
+
+@pytest.mark.parametrize(
+    ("error", "concern"),
+    [
+        ("hole", "boundary"),
+        ("flipped triangle", "orientation"),
+        ("crossing", "embedding"),
+        ("overlap", "embedding"),
+    ],
+)
+def test_most_errors_listed_are_errors_of_manifolds(error, concern):
+    """A hole, a flipped triangle, a crossing, an overlap: each in a mesh that is a manifold."""
+    points, triangles = PLANTED[error].surface
+    assert is_manifold(triangles)
+    counts = audit_mesh(points, triangles).counts
+    assert any(counts[concern].values())
+    assert not any(counts["manifoldness"].values())
+
+
+@pytest.mark.parametrize("error", ["edge of four triangles", "bow-tie"])
+def test_the_two_ways_not_to_be_a_manifold_are_not_listed(error):
+    """No copy, no boundary, no flipped triangle, nothing crosses: and yet no manifold."""
+    points, triangles = PLANTED[error].surface
+    counts = edge_counts(triangles)
+    assert not is_manifold(triangles)
+    assert len({frozenset(t) for t in triangles.tolist()}) == len(triangles)
+    assert len({tuple(p) for p in points.tolist()}) == len(points)
+    assert set(counts.values()) <= {2, 4}
+    sides = Counter((int(t[k]), int(t[k - 2])) for t in triangles for k in range(3))
+    assert all(sides[a, b] == sides[b, a] for a, b in counts)  # each way as often: none is flipped
+    audit = audit_mesh(points, triangles)
+    assert {*audit.found} == {*PLANTED[error].found}
+    assert any(audit.counts["manifoldness"].values())
+
+
+@pytest.mark.parametrize("error", ["degenerate triangle", "unreferenced vertex", "T-junction"])
+def test_further_errors_are_not_listed(error):
+    """Triangles without area, vertices of no triangle, vertices inside an edge."""
+    assert audit_mesh(*PLANTED[error].surface).found == PLANTED[error].found
+
+
+def test_an_edge_is_no_thing_that_could_be_twice():
+    """Triangles name vertices; edges follow. Two of them with one place are another matter.
+
+    Either one edge has three triangles, or two edges of the boundary, whose vertices are
+    duplicates, lie in one place.
+    """
+    points, triangles = sphere(1)
+    sides = {frozenset((int(t[k]), int(t[k - 1]))) for t in triangles for k in range(3)}
+    assert len(sides) == len(edge_counts(triangles)) == 3 * len(triangles) // 2
+    points, triangles = PLANTED["duplicate vertex"].surface
+    free = [edge for edge, count in edge_counts(triangles).items() if count == 1]
+    places = Counter(frozenset(tuple(points[v].tolist()) for v in edge) for edge in free)
+    assert sorted(places.values()) == [2, 2]
+    audit = audit_mesh(points, triangles)
+    assert {tuple(sorted(e)) for e in audit.free_edge_pairs.reshape(-1, 2).tolist()} == {*free}
+
+
+def test_copies_hide_what_the_surface_is():
+    """A triangle twice in a closed cube makes three edges of three; in a soup each edge is free."""
+    points, triangles = cube(1)
+    again = np.concatenate([triangles, triangles[:1]])
+    sides = Counter(frozenset((int(t[k]), int(t[k - 1]))) for t in again for k in range(3))
+    assert sorted(sides.values()) == [2] * 15 + [3] * 3
+    assert audit_mesh(points, again).found == {"duplicate_triangles": 1}
+    soup = np.arange(36).reshape(-1, 3)
+    assert [*edge_counts(soup).values()] == [1] * 36
+    assert 36 - len({tuple(p) for p in points[triangles].reshape(-1, 3).tolist()}) == 28
+    audit = audit_mesh(points[triangles].reshape(-1, 3), soup)
+    assert audit.soup
+    assert audit.clean
+
+
+def test_coherent_normals_need_not_exist_and_are_not_enough():
+    """A Möbius band has no coherent orientation; a sphere turned over has one, the wrong one."""
+    _, triangles = band(4, half_turns=1)
+    for ways in itertools.product([False, True], repeat=len(triangles)):
+        turned = np.where(np.array(ways)[:, None], triangles[:, ::-1], triangles)
+        sides = [(int(t[k]), int(t[k - 2])) for t in turned for k in range(3)]
+        assert len({*sides}) < len(sides)
+    assert "flipped_triangles" not in audit_mesh(*band(4, half_turns=1)).found
+    points, triangles = turned_over(sphere(1))
+    sides = [(int(t[k]), int(t[k - 2])) for t in triangles for k in range(3)]
+    assert len({*sides}) == len(sides)
+    assert np.linalg.det(points[triangles]).sum() < 0
+    assert audit_mesh(points, triangles).found == {"inside_out_triangles": 80}

@@ -1,0 +1,66 @@
+"""A small class for the tests of the grader: what it hands in, and a run that grades it."""
+
+import json
+import shutil
+
+from checkout import ROOT
+from fieldgrade.authoring.build import all_sources
+from fieldgrade.grading.run import Choice, Run
+from fieldgrade.isolation.isolation import tiers
+from handed_in import lay, notebook
+
+TIER = tiers()[0]
+SOURCES = {source.number: source for source in all_sources(ROOT)}
+
+
+def right(number="01"):
+    """The cells of a solution that are needed, without its pictures."""
+    cells = SOURCES[number].cells
+    return [c.text for c in cells if c.question or (c.is_setup and c.kind == "code")]
+
+
+SHIFTED = """
+def fit(points, values):
+    matrix = basis_matrix(points)
+    return np.linalg.lstsq(matrix, values + 1, rcond=None)[0]
+"""
+STUB = "def rank(points):\n    raise NotImplementedError\n"
+
+
+def class_files():
+    """One who is right, one wrong, one who wrote nothing of the rank, one who cannot be read."""
+    return {
+        "ada/01.ipynb": notebook(*right()),
+        "ada/02.ipynb": notebook(*right("02")),
+        "bob/01.ipynb": notebook(*right(), SHIFTED),
+        "cai/01.ipynb": notebook(*right(), STUB),
+        "dan/01.ipynb": notebook(*right())[:-200],
+    }
+
+
+def run(folder, files=None, root=ROOT, tables=None, jobs=1, **choice):
+    """A run on files, in a folder of its own."""
+    lay(folder / "in", class_files() if files is None else files)
+    return Run(folder / "in", folder / "out", root, tables, TIER, jobs, Choice(**choice))
+
+
+def checkout(folder, *numbers):
+    """A copy of what the grader reads of a checkout, to be changed."""
+    for file in (ROOT / "solutions").rglob("*.py"):
+        if file.name[:2] in numbers:
+            copy = folder / file.relative_to(ROOT)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(file, copy)
+    return folder
+
+
+def ledger(out):
+    """What ran, in order: a student and the questions."""
+    file = out / "ledger.jsonl"
+    lines = file.read_text().splitlines() if file.exists() else []
+    return [(told["student"], *told["made_by"]) for told in map(json.loads, lines)]
+
+
+def points(results):
+    """The points of each answer, by student and question."""
+    return {(r.student, g.question): g.points for r in results.records for g in r.grades}
