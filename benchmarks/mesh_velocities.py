@@ -16,8 +16,8 @@ from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
 from fieldrecon.barycentric.voronoi import voronoi_weights
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.velocity.cell_velocities import cell_velocities
-from fieldrecon.velocity.vertex_velocities import (
+from fieldrecon.velocity.cells import cell_velocities
+from fieldrecon.velocity.vertices import (
     normal_velocities,
     velocity_weights,
     vertex_velocities,

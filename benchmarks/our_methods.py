@@ -13,11 +13,11 @@ from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.pipelines.block_means import block_means
+from fieldrecon.pipelines.block_averages import block_means
 from fieldrecon.polynomials import dimension
 from fieldrecon.reconstruction import Field
 from fieldrecon.selection.cross_validation import Judge
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldrecon.selection.models import Candidate
 
 Fit = Callable[[np.ndarray, np.ndarray], Field]

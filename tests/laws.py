@@ -17,7 +17,7 @@ from scipy import sparse
 
 from cases import Case
 from fieldrecon._core import chunks as _chunks
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 
 VISIBLE = 1e-5
 """What differs by more than this differs for a reason."""

@@ -10,7 +10,7 @@ from fieldgrade.authoring.sources import Source
 from fieldrecon.kernels.radial import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 
 SOURCE = Source(ROOT / "solutions" / "02_moving_least_squares.py")
 STUDENT = SimpleNamespace(**SOURCE.functions())

@@ -5,7 +5,8 @@ import pytest
 
 from checkout import ROOT
 from fieldgrade.authoring.sources import Source
-from fieldrecon import cell_velocities, normal_velocities, raviart_thomas
+from fieldrecon import cell_velocities, normal_velocities
+from fieldrecon.velocity import raviart_thomas
 from meshes import jittered_mesh, random_mesh, taylor_green
 
 NOTEBOOK = Source(ROOT / "solutions/06_cell_velocities.py").functions()

@@ -7,7 +7,8 @@ from scipy.interpolate import CubicHermiteSpline
 from checkout import ROOT
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 from fieldgrade.authoring.sources import Source
-from fieldrecon import RBF, HermiteRBF, derivatives_at, polyharmonic, values_at, wendland
+from fieldrecon import RBF, HermiteRBF, polyharmonic, wendland
+from fieldrecon.methods import derivatives_at, values_at
 from fieldrecon.polynomials import monomials
 
 NOTEBOOK = Source(ROOT / "solutions/09_kernels.py").functions()

@@ -8,7 +8,7 @@ from checkout import ROOT
 from fieldcheck.questions.q10_natural_splines import line
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, NaturalCubicSpline, polyharmonic
-from fieldrecon import b_splines as recursion
+from fieldrecon.methods import b_splines as recursion
 from fieldrecon.methods.spline_bases import b_splines_by_divided_differences, radial_form
 
 NOTEBOOK = Source(ROOT / "solutions/10_natural_splines.py").functions()

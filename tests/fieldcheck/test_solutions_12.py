@@ -10,7 +10,7 @@ from fieldcheck.questions.q12_steady_state import section, wing
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, polyharmonic
 from fieldrecon.coupling.flat_structures import FlatCoupling
-from fieldrecon.coupling.rigid_motions import resultants
+from fieldrecon.coupling.rigid_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Coupling
 
 SOURCE = Source(ROOT / "solutions/12_aeroelastic_coupling.py")
@@ -58,7 +58,7 @@ def test_loads_resultants_and_densities_are_those_of_the_library():
     np.testing.assert_allclose(g, coupling.loads(f), rtol=0, atol=ROUNDING)
     about = random.normal(size=3)
     whole = NOTEBOOK["resultants"](places, f, about)
-    np.testing.assert_allclose(whole, resultants(places, f, about), rtol=0, atol=ROUNDING)
+    np.testing.assert_allclose(whole, net_force_and_moment(places, f, about), rtol=0, atol=ROUNDING)
     np.testing.assert_allclose(NOTEBOOK["resultants"](nodes, g, about), whole, atol=ROUNDING)
     u = random.normal(size=(12, 3))
     assert np.vdot(coupling.displacements(u), f) == pytest.approx(np.vdot(u, g))
@@ -88,7 +88,9 @@ def test_flat_loads_are_those_of_the_library_and_keep_all_six_resultants():
     assert np.linalg.matrix_rank(NOTEBOOK["system"](flat)) < 12 + 4
     g = NOTEBOOK["flat_loads"](nodes, places, f)
     np.testing.assert_allclose(g, FlatCoupling(flat, places, ruler).loads(f), atol=1e-8)
-    np.testing.assert_allclose(resultants(flat, g), resultants(places, f), atol=1e-8)
+    np.testing.assert_allclose(
+        net_force_and_moment(flat, g), net_force_and_moment(places, f), atol=1e-8
+    )
 
 
 def test_the_typical_section_settles_where_the_closed_form_says():

@@ -9,9 +9,9 @@ from checkout import ROOT
 from fieldcheck.questions.q13_semi_lagrangian_advection import in_disc, in_square
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, polyharmonic
-from fieldrecon.advection.departure_points import departure_points
+from fieldrecon.advection.characteristics import departure_points
 from fieldrecon.advection.mass_fixer import within
-from fieldrecon.advection.semi_lagrangian import semi_lagrangian
+from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 
 SOURCE = Source(ROOT / "solutions/13_semi_lagrangian_advection.py")
 NOTEBOOK = SOURCE.functions()

@@ -22,9 +22,9 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.selection.leave_one_out import leave_one_out
-from fieldrecon.velocity.cell_velocities import cell_velocities, raviart_thomas
-from fieldrecon.velocity.vertex_velocities import normal_velocities, vertex_velocities
+from fieldrecon.selection.leaving_one_out import leave_one_out
+from fieldrecon.velocity.cells import cell_velocities, raviart_thomas
+from fieldrecon.velocity.vertices import normal_velocities, vertex_velocities
 from polytopes import regular
 from rational import (
     circumcentre,

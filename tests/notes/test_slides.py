@@ -21,9 +21,9 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.methods.least_squares import LeastSquares, normal_equations
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.velocity.cell_velocities import cell_velocities
+from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.gradients import local_least_squares, vertex_gradients
-from fieldrecon.velocity.vertex_velocities import normal_velocities, vertex_velocities
+from fieldrecon.velocity.vertices import normal_velocities, vertex_velocities
 from laws import difference_quotient
 from meshes import random_mesh, star, taylor_green
 from polytopes import CUBE, PYRAMID, TETRAHEDRON, regular

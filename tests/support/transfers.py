@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fieldrecon.coupling.rigid_motions import resultants, rigid_motions
+from fieldrecon.coupling.rigid_motions import net_force_and_moment, rigid_motions
 from fieldrecon.coupling.transfer import Transfer
 from laws import VISIBLE, assert_close
 
@@ -38,7 +38,9 @@ def motions_and_resultants_agree(t: Transfer, which: slice) -> None:
     f = loads_on(t)
     here = t.displacements(rigid_motions(t.structure)[..., which])
     motion_missed = np.abs(here - rigid_motions(t.surface)[..., which]).max()
-    missed = (resultants(t.surface, f) - resultants(t.structure, t.loads(f)))[which]
+    missed = (net_force_and_moment(t.surface, f) - net_force_and_moment(t.structure, t.loads(f)))[
+        which
+    ]
     if motion_missed < CLOSE:
         assert_close(missed, np.zeros_like(missed), CLOSE)
     else:
@@ -49,23 +51,25 @@ def motions_and_resultants_agree(t: Transfer, which: slice) -> None:
 def what_is_lost_is_known_beforehand(t: Transfer) -> None:
     """`defects`, about any point, without the loads on the structure."""
     f, about = loads_on(t), np.full(t.structure.shape[1], 0.3)
-    lost = resultants(t.surface, f, about) - resultants(t.structure, t.loads(f), about)
+    lost = net_force_and_moment(t.surface, f, about) - net_force_and_moment(
+        t.structure, t.loads(f), about
+    )
     assert_close(t.defects(f, about), lost, CLOSE)
 
 
 def parts_get_what_parts_give(t: Transfer) -> None:
-    """All shares of a part of the surface are its resultants, less what is lost of them."""
+    """The shares of a part of the surface are its net force and moment, less what is lost."""
     f = loads_on(t)
     here = (t.surface[:, 0] > 0.6).astype(int) + (t.surface[:, 0] > 1.0)
     there = (t.structure[:, 1] > 0.5).astype(int)
     shares = t.shares(f, here, there)
     for k in range(here.max() + 1):
         alone = np.where(here[:, None] == k, f, 0.0)
-        kept = resultants(t.surface, alone) - t.defects(alone)
+        kept = net_force_and_moment(t.surface, alone) - t.defects(alone)
         assert_close(shares[k].sum(axis=0), kept, CLOSE)
         for part in range(there.max() + 1):
             own = there == part
-            arrived = resultants(t.structure[own], t.loads(alone)[own])
+            arrived = net_force_and_moment(t.structure[own], t.loads(alone)[own])
             assert_close(shares[k, part], arrived, CLOSE)
 
 

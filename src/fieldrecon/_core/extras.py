@@ -127,7 +127,8 @@ def _installed(name: str) -> Distribution | None:
     Builds leave a folder such as src/fieldrecon.egg-info, which counts wherever src is on the path.
     """
     found = list(distributions(name=name))
-    return next((d for d in found if d.read_text("RECORD") is not None), (found or [None])[0])
+    recorded = [d for d in found if d.read_text("RECORD") is not None]
+    return next(iter(recorded + found), None)
 
 
 def _command(distribution: Distribution, extras: list[str]) -> str:

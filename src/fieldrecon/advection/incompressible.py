@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from fieldrecon._core import validation as valid
-from fieldrecon.advection.departure_points import Velocity, departure_points, velocities
+from fieldrecon.advection.characteristics import Velocity, departure_points, velocities
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.reconstruction import Field
 

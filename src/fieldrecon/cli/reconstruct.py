@@ -25,7 +25,7 @@ from fieldrecon.pipelines.survey import Outcome
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.selection.cross_validation import NO_FIELD, Judge, Trial, best
 from fieldrecon.selection.extrapolation import extrapolated
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldrecon.selection.models import CANDIDATES
 from fieldrecon.selection.prediction_intervals import ErrorEstimate
 

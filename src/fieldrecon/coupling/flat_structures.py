@@ -122,12 +122,12 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     Examples
     --------
     >>> import numpy as np
-    >>> from fieldrecon.coupling.rigid_motions import resultants
+    >>> from fieldrecon.coupling.rigid_motions import net_force_and_moment
     >>> plate = np.pad(np.indices((4, 6)).reshape(2, -1).T * 1.0, ((0, 0), (0, 1)))
     >>> skin = plate + [0.2, 0.3, 0.5]
     >>> coupling = couple(plate, skin)
     >>> f = np.cos(skin)
-    >>> np.allclose(resultants(plate, coupling.loads(f)), resultants(skin, f))
+    >>> np.allclose(net_force_and_moment(plate, coupling.loads(f)), net_force_and_moment(skin, f))
     True
     """
     structure = valid.as_points(structure, "structure")

@@ -45,7 +45,9 @@ def rigid_motions(points: ArrayLike, about: ArrayLike | None = None) -> np.ndarr
     return motions
 
 
-def resultants(points: ArrayLike, loads: ArrayLike, about: ArrayLike | None = None) -> np.ndarray:
+def net_force_and_moment(
+    points: ArrayLike, loads: ArrayLike, about: ArrayLike | None = None
+) -> np.ndarray:
     """Total force and total moment of loads: their work in each rigid motion.
 
     Parameters
@@ -64,7 +66,7 @@ def resultants(points: ArrayLike, loads: ArrayLike, about: ArrayLike | None = No
 
     Examples
     --------
-    >>> resultants([[3.0, 1.0]], [[0.0, 2.0]])  # 2 upwards, on an arm of 3
+    >>> net_force_and_moment([[3.0, 1.0]], [[0.0, 2.0]])  # 2 upwards, on an arm of 3
     array([0., 2., 6.])
     """
     p = valid.as_points(points)

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fieldrecon._core import validation as valid
-from fieldrecon.coupling.rigid_motions import as_vectors, resultants, rigid_motions
+from fieldrecon.coupling.rigid_motions import as_vectors, net_force_and_moment, rigid_motions
 from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
 
 
@@ -129,7 +129,7 @@ class Transfer(ABC):
         Returns
         -------
         (r, ...) ndarray
-            As `resultants`: those on the surface less those on the structure.
+            As `net_force_and_moment`: those on the surface less those on the structure.
         """
         f = as_vectors(f, self.surface, "f")
         arrive = self.displacements(rigid_motions(self.structure, about))
@@ -140,8 +140,9 @@ class Transfer(ABC):
         """Force and moment that each part of the surface gives to each part of the structure.
 
         Conservation in the local sense: summed over the parts of the structure they are the
-        `resultants` of that part of the surface, under the conditions for the whole, and for each
-        part alone. How much goes to the part that belongs to it tells how local the method is.
+        `net_force_and_moment` of that part of the surface, under the conditions for the whole, and
+        for each part alone. How much goes to the part that belongs to it tells how local the
+        method is.
 
         Parameters
         ----------
@@ -164,7 +165,7 @@ class Transfer(ABC):
         loads = self.loads(f[:, :, None] * alone[:, None, :])
         return np.stack(
             [
-                resultants(self.structure[there == k], loads[there == k]).T
+                net_force_and_moment(self.structure[there == k], loads[there == k]).T
                 if (there == k).any()
                 else np.zeros((alone.shape[1], rigid_motions(self.structure[:1]).shape[2]))
                 for k in range(there.max() + 1)
@@ -206,7 +207,7 @@ class Coupling(Transfer):
     >>> nodes, skin = fr.datasets.halton(50, 2), fr.datasets.halton(400, 2, seed=1)
     >>> coupling = Coupling(fr.RBF(nodes, fr.thin_plate_spline()), skin)
     >>> f = np.cos(skin)
-    >>> np.allclose(resultants(nodes, coupling.loads(f)), resultants(skin, f))
+    >>> np.allclose(net_force_and_moment(nodes, coupling.loads(f)), net_force_and_moment(skin, f))
     True
     """
 

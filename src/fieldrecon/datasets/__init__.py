@@ -1,1 +1,24 @@
-"""datasets."""
+"""Points to sample at, functions to sample, and a real terrain."""
+
+from fieldrecon.datasets.elevation import Terrain, terrain
+from fieldrecon.datasets.synthetic import (
+    AnalyticField,
+    clustered,
+    franke,
+    halton,
+    jittered_grid,
+    power_of_sum,
+    uniform,
+)
+
+__all__ = [
+    "AnalyticField",
+    "Terrain",
+    "clustered",
+    "franke",
+    "halton",
+    "jittered_grid",
+    "power_of_sum",
+    "terrain",
+    "uniform",
+]

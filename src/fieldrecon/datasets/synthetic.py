@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core.validation import as_queries
-from fieldrecon.datasets.terrain import Terrain, terrain
+from fieldrecon.datasets.elevation import Terrain, terrain
 
 __all__ = [
     "AnalyticField",

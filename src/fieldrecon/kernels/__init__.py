@@ -1,1 +1,27 @@
-"""kernels."""
+"""Radial functions: kernels of radial basis functions, and weights of moving least squares.
+
+Each kernel knows its order of conditional positive definiteness, its slope, and the sign that
+makes its form positive. Erleben, Field Reconstruction, p. 9-13; Wendland (2005), section 1.1; the
+appendix.
+"""
+
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.radial import (
+    Radial,
+    inverse_square,
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
+
+__all__ = [
+    "Radial",
+    "gaussian",
+    "inverse_multiquadric",
+    "inverse_square",
+    "matern",
+    "multiquadric",
+    "polyharmonic",
+    "thin_plate_spline",
+    "wendland",
+]

@@ -1,1 +1,1 @@
-"""pages."""
+"""Pages of HTML that the commands write beside their results."""

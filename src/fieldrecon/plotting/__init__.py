@@ -1,1 +1,1 @@
-"""plotting."""
+"""Pictures: the style of all figures, maps, and the pictures that the commands draw."""

@@ -15,7 +15,7 @@ from typing import TypeVar
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldrecon.selection.models import Candidate, Maker
 
 NO_FIELD = (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError)

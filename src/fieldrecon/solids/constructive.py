@@ -255,9 +255,6 @@ def finest(parts: tuple[Solid, ...]) -> float | None:
     return min((s.spacing for s in parts if s.spacing is not None), default=None)
 
 
-__all__ = ["blend", "deformation", "moved"]
-
-
 def blend(solid: Solid, other: Solid, radius: float) -> Solid:
     """Union with its seam rounded, F = max(F_1, F_2) + r h^2 / 4, h = (1 - |F_1 - F_2| / r)_+.
 
@@ -284,7 +281,7 @@ def blend(solid: Solid, other: Solid, radius: float) -> Solid:
     return _Blend(as_solids((solid, other)), valid.as_length(radius, "radius"))
 
 
-def deformation(solid: Solid, other: Solid, t: float) -> Solid:
+def morph(solid: Solid, other: Solid, t: float) -> Solid:
     """A body between two, F = (1 - t) F_1 + t F_2: the first at t = 0, the second at t = 1.
 
     Parameters
@@ -302,7 +299,7 @@ def deformation(solid: Solid, other: Solid, t: float) -> Solid:
     Examples
     --------
     >>> from fieldrecon.solids.shapes import Ball
-    >>> float(deformation(Ball(1.0), Ball(2.0), 0.25)([0.0, 0, 0]))
+    >>> float(morph(Ball(1.0), Ball(2.0), 0.25)([0.0, 0, 0]))
     1.25
     """
     if not 0 <= t <= 1:
@@ -310,7 +307,7 @@ def deformation(solid: Solid, other: Solid, t: float) -> Solid:
     return _Between(as_solids((solid, other)), float(t))
 
 
-def moved(
+def transform(
     solid: Solid,
     rotation: ArrayLike | None = None,
     shift: ArrayLike = (0.0, 0.0, 0.0),
@@ -337,7 +334,7 @@ def moved(
     Examples
     --------
     >>> from fieldrecon.solids.shapes import Ball
-    >>> float(moved(Ball(1.0), shift=[5, 0, 0], scale=2.0)([5.0, 0, 0]))
+    >>> float(transform(Ball(1.0), shift=[5, 0, 0], scale=2.0)([5.0, 0, 0]))
     2.0
     """
     r = np.eye(3) if rotation is None else valid.as_queries(rotation, 3)

@@ -15,7 +15,7 @@ _REFINEMENTS = 100
 _EXACT = 4e-16  # of the distance travelled
 
 
-def first_zeros(
+def ray_intersections(
     solid: Callable[[np.ndarray], np.ndarray],
     origins: ArrayLike,
     direction: ArrayLike,
@@ -64,7 +64,7 @@ def first_zeros(
     Examples
     --------
     >>> ball = lambda x: 1 - np.linalg.norm(x, axis=-1)
-    >>> first_zeros(ball, [[0, 0, 3], [0, 0.6, 3], [0, 2, 3]], [0, 0, -1], 6.0, 0.1)
+    >>> ray_intersections(ball, [[0, 0, 3], [0, 0.6, 3], [0, 2, 3]], [0, 0, -1], 6.0, 0.1)
     array([2. , 2.2, inf])
     """
     o = np.asarray(valid.as_points(origins, "origins"))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core.chunks import Progress
-from fieldrecon.solids.ray_casting import first_zeros
+from fieldrecon.solids.ray_casting import ray_intersections
 
 LIGHT = (-0.35, 0.5, 0.8)
 """Direction to the lamp in the picture: from the left, above, and the viewer's side."""
@@ -104,7 +104,7 @@ def ray_traced(
         Positive inside.
     view : View
     step, near, slope
-        As for `first_zeros`.
+        As for `ray_intersections`.
     color : (3,) array_like or callable
         Of the surface, red, green and blue between 0 and 1; or what takes places (k, 3) on it to
         colours (k, 3).
@@ -119,7 +119,9 @@ def ray_traced(
     rays, lengths = view.origins.reshape(-1, 3), view.lengths.ravel()
     ahead = -view.axes[:, 2]
     tolerance = _FINE * step
-    distance = first_zeros(solid, rays, ahead, lengths, step, near, slope, tolerance, progress)
+    distance = ray_intersections(
+        solid, rays, ahead, lengths, step, near, slope, tolerance, progress
+    )
     hit = np.isfinite(distance)
     places = rays[hit] + distance[hit, None] * ahead
     image = np.zeros((len(rays), 4))

@@ -1,1 +1,11 @@
-"""triangles."""
+"""Surfaces of triangles in space: their errors, found and repaired.
+
+Duplicates, holes, inconsistent orientation, self-intersections and T-junctions, with predicates
+that are exact where rounding could decide. The list of errors is that of the appendix.
+"""
+
+from fieldrecon.triangles.audit import MeshAudit, audit_mesh
+from fieldrecon.triangles.distances import distances_to_triangles
+from fieldrecon.triangles.repair import MeshRepair, repair_mesh
+
+__all__ = ["MeshAudit", "MeshRepair", "audit_mesh", "distances_to_triangles", "repair_mesh"]

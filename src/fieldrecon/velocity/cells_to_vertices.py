@@ -18,7 +18,7 @@ from fieldrecon.velocity.stencils import (
     fit_on_rings,
     scaled_offsets,
 )
-from fieldrecon.velocity.vertex_velocities import as_velocities
+from fieldrecon.velocity.vertices import as_velocities
 
 
 def vertex_velocities_from_cells(

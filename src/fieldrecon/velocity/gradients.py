@@ -85,7 +85,7 @@ def vertex_gradients(
     >>> import fieldrecon as fr
     >>> mesh = fr.SimplexMesh.delaunay(fr.datasets.halton(50, 2))
     >>> pressure = mesh.circumcenters @ [3, 4]
-    >>> vertex_gradients(mesh, pressure, fr.local_rbf(), vertices=[7]).round(9)
+    >>> vertex_gradients(mesh, pressure, fr.velocity.local_rbf(), vertices=[7]).round(9)
     array([[3., 4.]])
     """
     values = valid.as_values(values, len(mesh.cells), "values", "cell")

@@ -24,7 +24,7 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.polynomials import dimension
 from fieldrecon.reconstruction import Reconstruction
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, dense
 
 REFUSALS = (ValueError, np.linalg.LinAlgError, OverflowError, MemoryError)

@@ -5,11 +5,11 @@ import pytest
 from scipy.spatial import ConvexHull, cKDTree
 
 from fieldrecon.advection.adaptation import adapted_points
-from fieldrecon.advection.semi_lagrangian import semi_lagrangian
+from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.radial import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 
 RULES = {"refine": 0.5, "coarsen": 0.1, "spacing": 0.01}
 

@@ -8,10 +8,10 @@ from scipy.linalg import expm
 from scipy.optimize import brentq, minimize
 
 from fieldrecon import reconstruction
-from fieldrecon.advection import departure_points as characteristics
-from fieldrecon.advection.departure_points import SCHEMES, Inflow, Snapshots, departure_points
+from fieldrecon.advection import characteristics as characteristics
+from fieldrecon.advection.characteristics import SCHEMES, Inflow, Snapshots, departure_points
 from fieldrecon.advection.mass_fixer import within
-from fieldrecon.advection.semi_lagrangian import State, semi_lagrangian
+from fieldrecon.advection.semi_lagrangian_steps import State, semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.positive_definite import gaussian
 from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline

@@ -11,8 +11,8 @@ from fieldrecon.advection.incompressible import (
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.methods.least_squares import LeastSquares
-from fieldrecon.velocity.cell_velocities import raviart_thomas
-from fieldrecon.velocity.vertex_velocities import divergence, normal_velocities
+from fieldrecon.velocity.cells import raviart_thomas
+from fieldrecon.velocity.vertices import divergence, normal_velocities
 from fieldreport import experiments
 from fieldreport.experiments.advection import fluid_animation
 from fieldreport.experiments.meshes.frame_meshes import box_mesh

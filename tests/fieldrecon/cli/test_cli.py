@@ -13,18 +13,11 @@ from importlib.metadata import version
 import numpy as np
 import pytest
 
-from fieldrecon import (
-    LeastSquares,
-    OnGlobe,
-    SimplexMesh,
-    load,
-    read_mesh_and_data,
-    save,
-    write_mesh,
-)
+from fieldrecon import LeastSquares, OnGlobe, SimplexMesh, load, save
 from fieldrecon.cli import main as cli
 from fieldrecon.cli.main import main
 from fieldrecon.datasets.synthetic import clustered, franke, uniform
+from fieldrecon.io import read_mesh_and_data, write_mesh
 from fieldrecon.selection.models import CANDIDATES
 from fieldreport import experiments
 from fieldreport.framework import result_files as files

@@ -75,7 +75,7 @@ def test_loose_triangles_become_a_closed_mesh(capsys):
     points, triangles = sphere(1)
     rng = np.random.default_rng(5)
     corners = points[triangles] + rng.uniform(-0.02, 0.02, (len(triangles), 1, 3))
-    fr.write_triangles("torn.stl", corners.reshape(-1, 3), np.arange(240).reshape(-1, 3))
+    fr.io.write_triangles("torn.stl", corners.reshape(-1, 3), np.arange(240).reshape(-1, 3))
     assert not fr.audit_mesh(*read_triangles("torn.stl")).clean
     assert main(["surface", "torn.stl", "--polygons", "0.1", "--edge", "0.15"]) == 0
     assert "80 triangles are loose; the surface goes around them" in capsys.readouterr().out

@@ -154,7 +154,7 @@ def folder(tmp_path):
     points = fr.datasets.halton(40, 2)
     table = np.column_stack([points, fr.datasets.franke(points)])
     np.savetxt(tmp_path / "points.csv", table, delimiter=",", header="x,y,value", comments="")
-    fr.write_triangles(tmp_path / "open.stl", CORNERS, [[0, 2, 1], [0, 1, 3], [0, 3, 2]])
+    fr.io.write_triangles(tmp_path / "open.stl", CORNERS, [[0, 2, 1], [0, 1, 3], [0, 3, 2]])
     return tmp_path
 
 
@@ -174,7 +174,7 @@ def test_an_audit_without_any_extra(folder):
     done = without(OPTIONAL, "audit", "open.stl", *options, cwd=folder)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["done"]["filled_holes"] == 1
-    assert fr.audit_mesh(*fr.read_triangles(folder / "closed.stl")).clean
+    assert fr.audit_mesh(*fr.io.read_triangles(folder / "closed.stl")).clean
     assert [path.name for path in (folder / "audit").iterdir()] == ["audit.json"]
     assert re.fullmatch(r"fieldrecon: no picture was drawn: .* 'report': pip.*\n", done.stderr)
 

@@ -11,7 +11,7 @@ from scipy.spatial.distance import cdist
 import transfers
 from fieldrecon import reconstruction
 from fieldrecon.coupling.flat_structures import FlatCoupling, couple
-from fieldrecon.coupling.rigid_motions import resultants, rigid_motions
+from fieldrecon.coupling.rigid_motions import net_force_and_moment, rigid_motions
 from fieldrecon.coupling.transfer import Coupling, Transfer, applied
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.positive_definite import gaussian, wendland
@@ -229,7 +229,9 @@ def test_flat_nodes_are_found_wherever_they_lie():
             t = couple(x, (skin(d) + offset) * unit, cubics)
             assert isinstance(t, FlatCoupling)
             f = transfers.loads_on(t)
-            lost = resultants(t.structure, t.loads(f)) - resultants(t.surface, f)
+            lost = net_force_and_moment(t.structure, t.loads(f)) - net_force_and_moment(
+                t.surface, f
+            )
             assert np.abs(lost[:d]).max() < 1e-8
             assert np.abs(lost[d:]).max() < 1e-8 * unit * (1 + offset)
         away = np.linalg.svd(flat(d) - flat(d).mean(axis=0))[2][-1]
@@ -263,7 +265,7 @@ def test_a_force_at_a_height_arrives_with_its_couple():
     x = np.column_stack([np.linspace(-1, 1, 9), np.zeros(9)])
     loads = FlatCoupling(x, [[0.1, 0.5]], cubics).loads([[1.0, 0.0]])
     assert_close(loads.sum(axis=0), np.array([1.0, 0.0]), 1e-12)
-    assert_close(resultants(x, loads), np.array([1.0, 0.0, -0.5]), 1e-12)
+    assert_close(net_force_and_moment(x, loads), np.array([1.0, 0.0, -0.5]), 1e-12)
 
 
 def test_nodes_on_a_line_are_refused_in_words():
@@ -315,7 +317,7 @@ def test_the_mappings_of_precice_with_a_separate_polynomial_are_others_with_the_
     fitted = np.column_stack([np.ones(len(y)), y]) @ np.linalg.lstsq(q, u, rcond=None)[0]
     assert_close(consistent @ u, alone + fitted, 1e-9)
     assert_close(((consistent @ u) * f).sum(), (u * (conservative @ f)).sum(), 1e-9)
-    assert_close(resultants(x, conservative @ f), resultants(y, f), 1e-9)
+    assert_close(net_force_and_moment(x, conservative @ f), net_force_and_moment(y, f), 1e-9)
     t = Coupling(RBF(x, KERNEL, degree=1), y)
     assert np.abs(t.loads(f) - conservative @ f).max() > VISIBLE
 
@@ -370,9 +372,9 @@ def test_moments_are_those_of_the_cross_product():
     p, f = skin(3), np.cos(9 * skin(3))
     about = np.array([0.2, -0.1, 0.4])
     moment = np.cross(p - about, f).sum(axis=0)
-    assert_close(resultants(p, f, about), np.concatenate([f.sum(axis=0), moment]), 1e-12)
+    assert_close(net_force_and_moment(p, f, about), np.concatenate([f.sum(axis=0), moment]), 1e-12)
     third = (p[:, 0] * f[:, 1] - p[:, 1] * f[:, 0]).sum()
-    assert_close(resultants(p[:, :2], f[:, :2])[2], third, 1e-12)
+    assert_close(net_force_and_moment(p[:, :2], f[:, :2])[2], third, 1e-12)
     assert rigid_motions(np.zeros((1, 4))).shape == (1, 4, 10)
     stretched = rigid_motions(p)[:, :, 3:]
     assert_close(np.einsum("md,mdr->mr", p, stretched), np.zeros((90, 3)), 1e-12)

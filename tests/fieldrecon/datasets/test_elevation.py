@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 from scipy.spatial.distance import pdist
 
-from fieldrecon.datasets import terrain as elevation
-from fieldrecon.datasets.terrain import Terrain, terrain
+from fieldrecon.datasets import elevation as elevation
+from fieldrecon.datasets.elevation import Terrain, terrain
 
 EXACT = 1e-9
 # Of the file: west edge of the first column, north edge of the first row, size of a cell.

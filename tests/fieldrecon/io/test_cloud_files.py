@@ -69,7 +69,7 @@ def test_strips_become_triangles_that_turn_one_way(tmp_path, kind):
 
 def test_normals_come_from_triangles_where_the_file_has_no_others(tmp_path):
     """Outward, as the triangles turn, from OBJ and from STL, whose corners become one point."""
-    fr.write_triangles(tmp_path / "ball.stl", POINTS, TRIANGLES)
+    fr.io.write_triangles(tmp_path / "ball.stl", POINTS, TRIANGLES)
     lines = [f"v {x} {y} {z}" for x, y, z in POINTS]
     lines += [f"f {a + 1}/1 {b + 1}//2 {c - len(POINTS)}" for a, b, c in TRIANGLES]
     (tmp_path / "ball.obj").write_text("# a ball\n" + "\n".join(lines))

@@ -201,7 +201,7 @@ def test_points_of_a_table_have_the_samples_columns(tmp_path):
 def test_vertices_of_meshes(tmp_path):
     """Triangles in the plane, tetrahedra in space, and surfaces in space."""
     for mesh in (MESH, SOLID):
-        fr.write_mesh(tmp_path / "a.vtk", mesh)
+        fr.io.write_mesh(tmp_path / "a.vtk", mesh)
         d = mesh.points.shape[1]
         places = vertices_of(tmp_path / "a.vtk", d)
         assert np.array_equal(places.points, mesh.points)

@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fieldrecon import SimplexMesh, barycentric_dual, circumcentric_dual
+from fieldrecon import SimplexMesh
+from fieldrecon.meshes import barycentric_dual, circumcentric_dual
 from fieldreport import experiments
 from fieldreport.experiments.meshes import dual_meshes as duals
 from fieldreport.experiments.meshes.meshed_flows import jittered_cube

@@ -14,7 +14,7 @@ from fieldrecon.methods.globe import OnGlobe
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close
 
 METHODS = {

@@ -19,7 +19,7 @@ from fieldrecon.methods.partition_of_unity import patches as _patches
 from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close
 
 X = halton(1500, 2)

@@ -14,7 +14,7 @@ from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.polynomials import dimension, monomials
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, assert_obeyed, refused
 
 EXACT = 1e-10

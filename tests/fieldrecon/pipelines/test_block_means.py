@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fieldrecon import block_means
 from fieldrecon.datasets.synthetic import clustered, uniform
+from fieldrecon.pipelines import block_means
 
 CLOUDS = {
     "even": uniform(1000, 2, seed=1),

@@ -11,7 +11,7 @@ from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_s
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, refused
 
 POINTS = np.random.default_rng(1).random((16, 2))

@@ -23,8 +23,8 @@ def exact_ball(view):
 @pytest.mark.parametrize("toward", [(0.3, -1.0, 0.4), (0.0, -1.0, 0.0), (1.0, 1.0, 1.0)])
 def test_rays_meet_a_ball_where_algebra_says(toward):
     """To rounding; and those that pass it by go on for ever."""
-    view = fr.View.of_box(BOX, toward, 24)
-    found = fr.first_zeros(
+    view = fr.solids.View.of_box(BOX, toward, 24)
+    found = fr.solids.ray_intersections(
         Ball(1.0), view.origins.reshape(-1, 3), -view.axes[:, 2], view.lengths.ravel(), 0.05
     )
     expected = exact_ball(view)
@@ -43,13 +43,13 @@ def test_rays_in_a_hurry_meet_the_same():
         calls.append(len(x))
         return torus(x)
 
-    view = fr.View.of_box(BOX, (0.3, -1.0, 0.6), 24)
+    view = fr.solids.View.of_box(BOX, (0.3, -1.0, 0.6), 24)
     near = sample_surface(torus, 3000, seed=1)[0]
     rays = view.origins.reshape(-1, 3), -view.axes[:, 2], view.lengths.ravel(), 0.06
     found, cost = [], []
     for hurry in ({}, {"slope": 1.0}, {"near": near}):
         calls.clear()
-        found.append(fr.first_zeros(counted, *rays, **hurry))
+        found.append(fr.solids.ray_intersections(counted, *rays, **hurry))
         cost.append(sum(calls))
     for other in found[1:]:
         same = np.isinf(other) == np.isinf(found[0])
@@ -63,14 +63,14 @@ def test_a_surface_thinner_than_a_step_is_missed():
     """The step is a promise: what is finer is not looked for."""
     shell = Ball(1.0) - Ball(0.999)
     ray = [[0.0, 0, 3]], [0, 0, -1.0], 6.0
-    assert np.isinf(fr.first_zeros(shell, *ray, 0.3))
-    assert np.isfinite(fr.first_zeros(shell, *ray, 0.0005))
+    assert np.isinf(fr.solids.ray_intersections(shell, *ray, 0.3))
+    assert np.isfinite(fr.solids.ray_intersections(shell, *ray, 0.0005))
 
 
 def test_the_picture_shows_the_ball_where_it_is_and_lit_from_the_lamp():
     """A disc as large as the ball, brightest where its normal points between lamp and viewer."""
-    view = fr.View.of_box(BOX, (0, -1, 0), 60)
-    image = fr.ray_traced(Ball(1.0), view, 0.1, color=(1.0, 0.5, 0.5))
+    view = fr.solids.View.of_box(BOX, (0, -1, 0), 60)
+    image = fr.solids.ray_traced(Ball(1.0), view, 0.1, color=(1.0, 0.5, 0.5))
     assert image.shape == (60, 60, 4)
     assert (image[..., 3] > 0).mean() == pytest.approx(np.pi / 2.4**2, rel=0.02)
     row, column = np.unravel_index(image[..., :3].sum(axis=2).argmax(), image.shape[:2])
@@ -93,5 +93,5 @@ def test_light_is_that_of_phong():
 def test_a_view_needs_an_up():
     """To look along what points up leaves open what is up."""
     with pytest.raises(ValueError, match="another direction than that to the viewer"):
-        fr.View.of_box(BOX, (0, 0, 1))
-    assert fr.View.of_box(BOX, (0, 0, 1), up=(0, 1, 0)).axes[1, 1] == 1
+        fr.solids.View.of_box(BOX, (0, 0, 1))
+    assert fr.solids.View.of_box(BOX, (0, 0, 1), up=(0, 1, 0)).axes[1, 1] == 1

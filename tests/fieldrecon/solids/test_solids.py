@@ -8,10 +8,10 @@ from fieldrecon.solids import constructive as solids
 from fieldrecon.solids.constructive import (
     as_solid,
     blend,
-    deformation,
     difference,
     intersection,
-    moved,
+    morph,
+    transform,
     union,
 )
 from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface, scanned
@@ -29,8 +29,8 @@ BODIES = SHAPES | {
     "intersection": Ball(1.0) & Box(1.2, [1.0, 0, 0]),
     "difference": Box(1.5) - Cylinder(0.4, 3.0),
     "blend": blend(Ball(1.0), Ball(1.0, [1.5, 0, 0]), 0.8),
-    "deformation": deformation(Ball(1.0), Box(1.5), 0.4),
-    "moved": moved(Torus(1.0, 0.3), ROTATION, [1.0, 2.0, 3.0], 2.5),
+    "deformation": morph(Ball(1.0), Box(1.5), 0.4),
+    "moved": transform(Torus(1.0, 0.3), ROTATION, [1.0, 2.0, 3.0], 2.5),
     "given": as_solid(Ball(1.0), [[-1, -1, -1], [1, 1, 1]]),
 }
 
@@ -119,9 +119,9 @@ def test_a_deformation_goes_from_one_body_to_the_other():
     """Its ends are the bodies, and between balls about one centre it is the ball between."""
     a, b = SHAPES["box"], SHAPES["torus"]
     x = queries(a | b)
-    assert_close(deformation(a, b, 0.0)(x), a(x), 0.0)
-    assert_close(deformation(a, b, 1.0)(x), b(x), 0.0)
-    assert_close(deformation(Ball(1.0), Ball(3.0), 0.25)(x), Ball(1.5)(x), 1e-12)
+    assert_close(morph(a, b, 0.0)(x), a(x), 0.0)
+    assert_close(morph(a, b, 1.0)(x), b(x), 0.0)
+    assert_close(morph(Ball(1.0), Ball(3.0), 0.25)(x), Ball(1.5)(x), 1e-12)
 
 
 def test_points_move_with_the_body():
@@ -129,7 +129,7 @@ def test_points_move_with_the_body():
     solid, shift = SHAPES["torus"], np.array([1.0, 2.0, 3.0])
     x = queries(solid)
     there = 2.5 * x @ ROTATION.T + shift
-    other = moved(solid, ROTATION, shift, 2.5)
+    other = transform(solid, ROTATION, shift, 2.5)
     assert_close(other(there), 2.5 * solid(x), 1e-12)
     assert_close(other.normals(there), solid.normals(x) @ ROTATION.T, 1e-9)
 
@@ -172,8 +172,8 @@ def test_what_one_part_hides_of_another_lies_in_shadow():
         (lambda: union(), "there must be a body at least"),
         (lambda: union(Ball(1.0), 3), "must be a Solid, such as .*; got 3"),
         (lambda: blend(Ball(1.0), Ball(1.0), -1), "radius must be a positive number"),
-        (lambda: deformation(Ball(1.0), Ball(1.0), 1.5), "t must be from 0 to 1; got 1.5"),
-        (lambda: moved(Ball(1.0), 2 * np.eye(3)), "rotation must be an orthogonal matrix"),
+        (lambda: morph(Ball(1.0), Ball(1.0), 1.5), "t must be from 0 to 1; got 1.5"),
+        (lambda: transform(Ball(1.0), 2 * np.eye(3)), "rotation must be an orthogonal matrix"),
         (lambda: as_solid(abs, [[0, 0, 0], [1, 1, 1]]), "must be callable and have a gradient"),
         (lambda: as_solid(Ball(1.0), [[0, 0, 0], [1, 0, 1]]), "a low and a high corner"),
         (lambda: Ball(1.0)([1.0, 2.0]), "x must have 3 coordinates"),

@@ -79,7 +79,7 @@ def test_polygons_of_one_plane_give_the_distance_from_it(epsilon):
     a, b, c = points[triangles].swapaxes(0, 1)
     down = np.cross(b - a, c - a)[:, 2] < 0
     triangles[down] = triangles[down][:, ::-1]
-    soup = fr.PolygonSoup(points, triangles, epsilon)
+    soup = fr.surfaces.PolygonSoup(points, triangles, epsilon)
     x = 5 * RNG.normal(size=(50, 3))
     np.testing.assert_allclose(soup(x), 2.5 - x[:, 2], atol=1e-12)
     np.testing.assert_allclose(soup.gradient(x), np.tile([0, 0, -1.0], (50, 1)), atol=1e-7)
@@ -89,7 +89,7 @@ def test_polygons_of_one_plane_give_the_distance_from_it(epsilon):
 def test_without_smoothing_the_zeros_hold_the_polygons(surface):
     """F vanishes on them with the gradient -n, and is positive just inside."""
     points, triangles = surface
-    soup = fr.PolygonSoup(points, triangles)
+    soup = fr.surfaces.PolygonSoup(points, triangles)
     shares = RNG.dirichlet([3.0, 3.0, 3.0], len(triangles))
     on = np.einsum("kc,kcd->kd", shares, points[triangles])
     a, b, c = points[triangles].swapaxes(0, 1)
@@ -111,7 +111,7 @@ def test_gradients_are_derivatives():
     """Of F with smoothing and offsets, near and far."""
     points, triangles = sphere(1)
     offsets = 0.1 * RNG.random(len(triangles))
-    soup = fr.PolygonSoup(points, triangles, 0.1, offsets, tolerance=1e-12)
+    soup = fr.surfaces.PolygonSoup(points, triangles, 0.1, offsets, tolerance=1e-12)
     x, h = 1.5 * RNG.normal(size=(40, 3)), 1e-5
     slopes = [(soup(x + h * e) - soup(x - h * e)) / (2 * h) for e in np.eye(3)]
     np.testing.assert_allclose(soup.gradient(x), np.stack(slopes, axis=1), atol=1e-7)
@@ -120,10 +120,10 @@ def test_gradients_are_derivatives():
 def test_the_tolerance_is_kept_by_quadrature_far_away():
     """Coarser and finer, F is off by no more than it says."""
     points, triangles = sphere(2)
-    exact = fr.PolygonSoup(points, triangles, 0.05, tolerance=1e-14)
+    exact = fr.surfaces.PolygonSoup(points, triangles, 0.05, tolerance=1e-14)
     x = 1.2 * RNG.normal(size=(60, 3))
     for tolerance in (1e-2, 1e-4, 1e-6):
-        soup = fr.PolygonSoup(points, triangles, 0.05, tolerance=tolerance)
+        soup = fr.surfaces.PolygonSoup(points, triangles, 0.05, tolerance=tolerance)
         assert np.abs(soup(x) - exact(x)).max() < tolerance
 
 
@@ -134,9 +134,9 @@ def test_cutting_a_polygon_changes_nothing_and_doubling_it_does():
     a, b, c = triangles[0]
     cut = np.concatenate([triangles[1:], [[a, b, 8], [b, c, 8], [c, a, 8]]])
     x = RNG.normal(size=(30, 3))
-    whole = fr.PolygonSoup(points, triangles, 0.2, tolerance=1e-14)
-    parts = fr.PolygonSoup(np.vstack([points, middle]), cut, 0.2, tolerance=1e-14)
-    doubled = fr.PolygonSoup(points, np.concatenate([triangles, triangles[:1]]), 0.2)
+    whole = fr.surfaces.PolygonSoup(points, triangles, 0.2, tolerance=1e-14)
+    parts = fr.surfaces.PolygonSoup(np.vstack([points, middle]), cut, 0.2, tolerance=1e-14)
+    doubled = fr.surfaces.PolygonSoup(points, np.concatenate([triangles, triangles[:1]]), 0.2)
     np.testing.assert_allclose(parts(x), whole(x), rtol=1e-9, atol=1e-12)
     assert np.abs(doubled(x) - whole(x)).max() > 1e-3
 
@@ -147,8 +147,8 @@ def test_results_move_with_the_polygons_and_scale():
     turn = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
     x = RNG.normal(size=(30, 3))
-    soup = fr.PolygonSoup(points, triangles, 0.1)
-    moved = fr.PolygonSoup(8 * points @ turn.T + 1e6, triangles, 0.8)
+    soup = fr.surfaces.PolygonSoup(points, triangles, 0.1)
+    moved = fr.surfaces.PolygonSoup(8 * points @ turn.T + 1e6, triangles, 0.8)
     np.testing.assert_allclose(moved(8 * x @ turn.T + 1e6), 8 * soup(x), atol=1e-6)
 
 
@@ -159,7 +159,7 @@ def test_enclosing_puts_all_corners_inside_and_not_far(loose, epsilon, share):
     """Nearer, in the mean, than moving all polygons alike; never farther, when they do not meet."""
     points, triangles = torus(12, 6)
     corners = points[triangles] * (1 + loose * RNG.random((len(triangles), 1, 1)))
-    soup = fr.PolygonSoup(
+    soup = fr.surfaces.PolygonSoup(
         corners.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), epsilon
     )
     around, before = soup.enclosing()(soup.points), soup(soup.points)
@@ -169,7 +169,7 @@ def test_enclosing_puts_all_corners_inside_and_not_far(loose, epsilon, share):
 
 def test_a_value_in_place_of_a_function_is_no_surface(monkeypatch):
     """With zeros on the polygons as in plain moving least squares F is zero everywhere."""
-    soup = fr.PolygonSoup(*sphere(1))
+    soup = fr.surfaces.PolygonSoup(*sphere(1))
     monkeypatch.setattr(
         polygon_soup.PolygonSoup, "_planes", lambda self, x: np.zeros((len(x), len(self._kept)))
     )
@@ -180,7 +180,7 @@ def test_too_many_polygons_to_enclose_are_refused_in_words(monkeypatch):
     """Before memory runs out."""
     monkeypatch.setattr(polygon_soup, "DENSE_LIMIT_BYTES", 10_000)
     with pytest.raises(MemoryError, match="take fewer polygons"):
-        fr.PolygonSoup(*sphere(1), 0.1).enclosing()
+        fr.surfaces.PolygonSoup(*sphere(1), 0.1).enclosing()
 
 
 @pytest.mark.parametrize(
@@ -197,4 +197,4 @@ def test_too_many_polygons_to_enclose_are_refused_in_words(monkeypatch):
 def test_errors_are_in_words(points, polygons, options, words):
     """What came, and what was wanted."""
     with pytest.raises(ValueError, match=words):
-        fr.PolygonSoup(points, polygons, **options)
+        fr.surfaces.PolygonSoup(points, polygons, **options)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from fieldrecon.solids import marching_cubes as surface_extraction
-from fieldrecon.solids.constructive import as_solid, blend, deformation, moved
+from fieldrecon.solids.constructive import as_solid, blend, morph, transform
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface
 from fieldrecon.surfaces import implicit_surfaces, off_surface
@@ -282,7 +282,7 @@ BODIES = {
     "two bodies": Ball(0.5) | Ball(0.6, [2.0, 0, 0]),
     "cavity": Ball(1.0) - Ball(0.5),
     "blend": blend(Ball(0.7), Box([0.5, 0.5, 2.0]), 0.3),
-    "between": deformation(Ball(0.8), TORUS, 0.5),
+    "between": morph(Ball(0.8), TORUS, 0.5),
     "plate": Box([1.0, 1.0, 0.21]),
 }
 
@@ -384,9 +384,9 @@ def test_specks_are_left_out(monkeypatch):
 
 def test_triangles_stay_good_far_from_the_origin():
     """A thousand million cells away; coordinates keep seven digits of a cell."""
-    mesh = extract_surface(moved(TORUS, ROTATION, [1e7, -1e7, 1e7]), 0.1)
+    mesh = extract_surface(transform(TORUS, ROTATION, [1e7, -1e7, 1e7]), 0.1)
     assert mesh.audit.found == {}
-    assert mesh.volume == pytest.approx(extract_surface(moved(TORUS, ROTATION), 0.1).volume)
+    assert mesh.volume == pytest.approx(extract_surface(transform(TORUS, ROTATION), 0.1).volume)
 
 
 # --- refusals -------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from fieldreport.experiments.surfaces.variational_implicits import (
 def test_the_field_has_its_data(offset):
     """Zeros at the points; slopes along the normals, or the values inside."""
     p, n = ellipsoid(60)
-    f = fr.variational_implicit(p, 3 * n, offset=offset)
+    f = fr.surfaces.variational_implicit(p, 3 * n, offset=offset)
     np.testing.assert_allclose(f(p), 0, atol=1e-10)
     if offset is None:
         np.testing.assert_allclose(np.einsum("ij,ij->i", f.gradient(p), n), -1, atol=1e-8)
@@ -38,7 +38,7 @@ def test_the_known_volume_is_met_and_the_surface_missed_by_less_on_more_points()
 def test_the_ends_of_a_transformation_are_the_shapes(first, second):
     """In the plane and in space, with their normals."""
     shapes = first(24), second(24)
-    turning = fr.ShapeTransformation(shapes, [2.0, 3.0])
+    turning = fr.surfaces.ShapeTransformation(shapes, [2.0, 3.0])
     for (p, n), time in zip(shapes, (2.0, 3.0), strict=True):
         at = turning.at(time)
         unit = n / np.linalg.norm(n, axis=1, keepdims=True)
@@ -49,7 +49,10 @@ def test_the_ends_of_a_transformation_are_the_shapes(first, second):
 def test_a_transformation_backwards_is_the_same_way():
     """The shapes exchanged, and the time running back."""
     a, b = star_shape(30), two_discs(30)
-    forth, back = fr.ShapeTransformation([a, b], [0, 1]), fr.ShapeTransformation([b, a], [0, 1])
+    forth, back = (
+        fr.surfaces.ShapeTransformation([a, b], [0, 1]),
+        fr.surfaces.ShapeTransformation([b, a], [0, 1]),
+    )
     x = np.random.default_rng(1).normal(size=(50, 2))
     for time in (0.2, 0.5, 0.9):
         np.testing.assert_allclose(forth.at(time)(x), back.at(1 - time)(x), atol=1e-9)
@@ -58,7 +61,7 @@ def test_a_transformation_backwards_is_the_same_way():
 
 def test_slices_have_the_gradients_of_their_values():
     """In the variables that are left."""
-    at = fr.ShapeTransformation([star_shape(30), two_discs(30)], [0, 1]).at(0.4)
+    at = fr.surfaces.ShapeTransformation([star_shape(30), two_discs(30)], [0, 1]).at(0.4)
     x, h = np.random.default_rng(2).normal(size=(20, 2)), 1e-6
     slopes = [(at(x + h * e) - at(x - h * e)) / (2 * h) for e in np.eye(2)]
     np.testing.assert_allclose(at.gradient(x), np.stack(slopes, axis=1), atol=1e-6)
@@ -68,10 +71,10 @@ def test_errors_are_in_words():
     """Normals that do not fit or vanish, and times that are none."""
     p, n = star_shape(12)
     with pytest.raises(ValueError, match="the shape of the points"):
-        fr.variational_implicit(p, n[:5])
+        fr.surfaces.variational_implicit(p, n[:5])
     with pytest.raises(ValueError, match="must not vanish; that of point 3 does"):
-        fr.variational_implicit(p, n * (np.arange(12) != 3)[:, None])
+        fr.surfaces.variational_implicit(p, n * (np.arange(12) != 3)[:, None])
     with pytest.raises(ValueError, match="one for each shape"):
-        fr.ShapeTransformation([(p, n), (p, n)], [0.0, 0.0])
+        fr.surfaces.ShapeTransformation([(p, n), (p, n)], [0.0, 0.0])
     with pytest.raises(ValueError, match="offset must be a positive"):
-        fr.variational_implicit(p, n, offset=0.0)
+        fr.surfaces.variational_implicit(p, n, offset=0.0)

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.velocity.cell_velocities import cell_velocities, raviart_thomas
+from fieldrecon.velocity.cells import cell_velocities, raviart_thomas
 from fieldrecon.velocity.cells_to_vertices import circumcenter_weights, vertex_velocities_from_cells
-from fieldrecon.velocity.vertex_velocities import divergence, normal_velocities
+from fieldrecon.velocity.vertices import divergence, normal_velocities
 from laws import assert_close
 from meshes import MESHES, abc_flow, affine, jittered_mesh, order, rms, taylor_green
 

@@ -10,7 +10,7 @@ from fieldrecon.kernels.radial import inverse_square, thin_plate_spline
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import monomials
 from fieldrecon.velocity.stencils import WELL_DETERMINED
-from fieldrecon.velocity.vertex_velocities import (
+from fieldrecon.velocity.vertices import (
     divergence,
     normal_velocities,
     velocity_weights,

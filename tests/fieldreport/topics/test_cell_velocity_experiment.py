@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.velocity.cell_velocities import cell_velocities
-from fieldrecon.velocity.vertex_velocities import normal_velocities
+from fieldrecon.velocity.cells import cell_velocities
+from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport import experiments
 from fieldreport.experiments.meshes.meshed_flows import abc_flow, jittered_cube, taylor_green
 from fieldreport.experiments.methods.convergence import order

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from fieldrecon.coupling.fixed_point import fixed_point
+from fieldrecon.coupling.fixed_point_iteration import fixed_point
 from fieldreport.experiments.coupling import elastic_wing
 from fieldreport.experiments.coupling.elastic_wing_checks import straight_wing
 from fieldreport.experiments.coupling.pointwise_loads import WAYS, compared, corner_areas, loaded

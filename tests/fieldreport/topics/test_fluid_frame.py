@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from checkout import ROOT
-from fieldrecon.velocity.vertex_velocities import divergence, normal_velocities, vertex_velocities
+from fieldrecon.velocity.vertices import divergence, normal_velocities, vertex_velocities
 from fieldreport import experiments
 from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.velocity import fluid_frame

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from fieldrecon.advection.semi_lagrangian import semi_lagrangian
+from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.coupling.flat_structures import blended_plates
-from fieldrecon.coupling.rigid_motions import resultants
+from fieldrecon.coupling.rigid_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Coupling
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
@@ -95,7 +95,7 @@ def test_schemes_find_feet_with_their_orders():
 
 @pytest.mark.slow
 def test_ten_thousand_nodes_and_a_hundred_thousand_points():
-    """Sparse weights, and all resultants kept."""
+    """Sparse weights, and all net_force_and_moment kept."""
 
     x, y = (
         np.column_stack([p, np.cos(4 * p[:, 0]) * p[:, 1]])
@@ -104,7 +104,7 @@ def test_ten_thousand_nodes_and_a_hundred_thousand_points():
     t = Coupling(blended_plates(x), y)
     f = np.sin(9 * y)
     assert t._weights.nnz < 200 * len(y)
-    assert_close(resultants(x, t.loads(f)), resultants(y, f), 1e-6)
+    assert_close(net_force_and_moment(x, t.loads(f)), net_force_and_moment(y, f), 1e-6)
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ import pytest
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldreport.experiments.coupling.elastic_wing_checks import cantilever, strip
-from fieldreport.experiments.coupling.plate import Plate, hessians, isotropic
+from fieldreport.experiments.coupling.plate import Plate, hessians, isotropic_rigidity
 from laws import VISIBLE, assert_close
 
 
@@ -71,7 +71,7 @@ def test_the_law_of_second_derivatives_can_fail(mutant):
 def test_only_rigid_motions_bend_nothing():
     """Three of them: the plate rises, and turns about two axes; the stiffness is symmetric."""
     mesh = scattered()
-    plate = Plate(mesh, isotropic(1.3, 0.3), mesh.points[:, 0] < 0.3)
+    plate = Plate(mesh, isotropic_rigidity(1.3, 0.3), mesh.points[:, 0] < 0.3)
     k = plate.stiffness.toarray()
     assert_close(k, k.T, 1e-9 * np.abs(k).max())
     energies = np.linalg.eigvalsh(k)
@@ -84,7 +84,7 @@ def test_only_rigid_motions_bend_nothing():
 def test_deflections_are_reciprocal():
     """After Maxwell: the force here and the deflection there may change places."""
     mesh = scattered()
-    plate = Plate(mesh, isotropic(1.0, 0.3), mesh.points[:, 0] < 0.3)
+    plate = Plate(mesh, isotropic_rigidity(1.0, 0.3), mesh.points[:, 0] < 0.3)
     flexibility = plate.deflections(np.eye(len(mesh.points)))
     assert_close(flexibility, flexibility.T, 1e-9)
     assert np.linalg.eigvalsh((flexibility + flexibility.T) / 2)[0] > -1e-12
@@ -97,7 +97,7 @@ def test_a_plate_is_moved_and_turned_with_its_deflections():
     other = SimplexMesh(2 * mesh.points @ turn + 5, mesh.cells)
     f = np.cos(9 * mesh.points[:, 0])
     held = mesh.points[:, 0] < 0.3
-    w, far = (Plate(m, isotropic(1.0, 0.3), held).deflections(f) for m in (mesh, other))
+    w, far = (Plate(m, isotropic_rigidity(1.0, 0.3), held).deflections(f) for m in (mesh, other))
     assert_close(far, 4 * w, 1e-8 * np.abs(w).max())
 
 
@@ -115,7 +115,7 @@ def test_a_strip_twists_as_saint_venant_says():
     """Between two stations far from the ends: T / (2 D (1 - ν) c), c the width."""
     mesh, poisson = strip(8.0, 8, 64), 0.3
     x, y = mesh.points.T
-    plate = Plate(mesh, isotropic(1.0, poisson), y == 0)
+    plate = Plate(mesh, isotropic_rigidity(1.0, poisson), y == 0)
     couple = np.where(y == 8, 1.0, 0.0) * ((x == 1).astype(float) - (x == 0))
     w = plate.deflections(couple)
     turn = [w[(y == at) & (x == 1)][0] - w[(y == at) & (x == 0)][0] for at in (3.0, 5.0)]
@@ -128,7 +128,7 @@ def test_several_load_cases_are_each_alone():
     """And forces on clamped vertices do nothing."""
     mesh = scattered()
     held = mesh.points[:, 0] < 0.3
-    plate = Plate(mesh, isotropic(1.0, 0.3), held)
+    plate = Plate(mesh, isotropic_rigidity(1.0, 0.3), held)
     f = np.random.default_rng(0).normal(size=(len(mesh.points), 2, 3))
     w = plate.deflections(f)
     for k in np.ndindex(2, 3):
@@ -146,7 +146,7 @@ def test_several_load_cases_are_each_alone():
         (np.eye(2), r"rigidity must have the shape \(3, 3\)"),
         (-np.eye(3), "positive definite"),
         (np.eye(3) + np.eye(3, k=1), "symmetric"),
-        (isotropic(np.nan, 0.3), "finite"),
+        (isotropic_rigidity(np.nan, 0.3), "finite"),
     ],
 )
 def test_rigidities_that_make_no_sense(rigidity, words):

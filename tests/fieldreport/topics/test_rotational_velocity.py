@@ -7,7 +7,7 @@ import pytest
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import monomials
-from fieldrecon.velocity.vertex_velocities import normal_velocities
+from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport import experiments
 from fieldreport.experiments.meshes.meshed_flows import (
     jittered_cube,

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.interpolate import LinearNDInterpolator
 
-from fieldrecon.datasets.terrain import Terrain, terrain
+from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldreport import experiments
 from fieldreport.experiments.datasets import surfaces
 from fieldreport.experiments.datasets.landforms import (

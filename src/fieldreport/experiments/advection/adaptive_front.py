@@ -18,12 +18,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.advection.adaptation import adapted_points
-from fieldrecon.advection.departure_points import departure_points
-from fieldrecon.advection.semi_lagrangian import State, semi_lagrangian
+from fieldrecon.advection.characteristics import departure_points
+from fieldrecon.advection.semi_lagrangian_steps import State, semi_lagrangian
 from fieldrecon.datasets.synthetic import halton, uniform
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, figure
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldreport.experiments.advection.advection import DISC, RADIUS, deforming, method_on
 from fieldreport.experiments.methods.convergence import rms
 from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least

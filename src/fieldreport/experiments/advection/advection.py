@@ -18,8 +18,8 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
-from fieldrecon.advection.departure_points import SCHEMES, Velocity, departure_points
-from fieldrecon.advection.semi_lagrangian import semi_lagrangian
+from fieldrecon.advection.characteristics import SCHEMES, Velocity, departure_points
+from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.radial import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

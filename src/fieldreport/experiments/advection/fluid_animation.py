@@ -23,7 +23,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from fieldrecon.advection.departure_points import departure_points
+from fieldrecon.advection.characteristics import departure_points
 from fieldrecon.advection.incompressible import (
     carried_normal_velocities,
     divergence_free,
@@ -35,7 +35,7 @@ from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, figure, line
 from fieldrecon.reconstruction import Field, Reconstruction
-from fieldrecon.velocity.vertex_velocities import divergence, vertex_velocities
+from fieldrecon.velocity.vertices import divergence, vertex_velocities
 from fieldreport.experiments.meshes.frame_meshes import box_mesh, near_rim
 from fieldreport.experiments.methods.convergence import rms
 from fieldreport.framework.experiment import (

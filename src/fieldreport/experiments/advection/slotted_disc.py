@@ -19,7 +19,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
-from fieldrecon.advection.semi_lagrangian import semi_lagrangian
+from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldreport.experiments.advection.advection import (
     DISC,

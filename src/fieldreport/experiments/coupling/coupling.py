@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from fieldrecon.coupling.flat_structures import FlatCoupling, blended_plates
-from fieldrecon.coupling.rigid_motions import resultants
+from fieldrecon.coupling.rigid_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Coupling, Transfer
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
@@ -151,7 +151,7 @@ def closed_forms(params: Params) -> np.ndarray:
 
 def quantities(points: np.ndarray, forces: np.ndarray) -> np.ndarray:
     """The same of forces at points, about the front of the root in the middle plane."""
-    total = resultants(points, forces)
+    total = net_force_and_moment(points, forces)
     y = points[:, 1]
     return np.array([total[2], total[3], total[4], forces[:, 2] @ (y**2 * (3 - y)) / 6])
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon.coupling.flat_structures import FlatCoupling
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldreport.experiments.coupling.plate import Plate, isotropic
+from fieldreport.experiments.coupling.plate import Plate, isotropic_rigidity
 from fieldreport.experiments.coupling.swept_wings import flat
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 from fieldreport.experiments.coupling.wing import ElasticWing
@@ -51,7 +51,7 @@ def cantilever(across: int = 8) -> Check:
     """Deflection of the end of a strip, evenly loaded: q L⁴ / (8 D), for a Poisson's ratio of 0."""
     length = 4.0
     mesh = strip(length, across, 4 * across)
-    plate = Plate(mesh, isotropic(1.0, 0.0), mesh.points[:, 1] == 0)
+    plate = Plate(mesh, isotropic_rigidity(1.0, 0.0), mesh.points[:, 1] == 0)
     areas = np.bincount(mesh.cells.ravel(), np.repeat(mesh.cell_measures / 3, 3))
     end = plate.deflections(areas)[mesh.points[:, 1] == length]
     return Check("deflection of an evenly loaded cantilever", float(end.mean()), length**4 / 8)

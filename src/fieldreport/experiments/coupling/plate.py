@@ -12,7 +12,7 @@ from fieldrecon._core import validation as valid
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 
 
-def isotropic(rigidity: ArrayLike, poisson: float) -> np.ndarray:
+def isotropic_rigidity(rigidity: ArrayLike, poisson: float) -> np.ndarray:
     """Moments per curvature of plates that are alike in all directions of their plane.
 
     D ((1 - ν) ∇²w + ν tr(∇²w) I), as a matrix for the curvatures (w_xx, w_yy, 2 w_xy).
@@ -31,7 +31,7 @@ def isotropic(rigidity: ArrayLike, poisson: float) -> np.ndarray:
 
     Examples
     --------
-    >>> isotropic(2.0, 0.5).tolist()
+    >>> isotropic_rigidity(2.0, 0.5).tolist()
     [[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 0.5]]
     """
     nu = poisson
@@ -111,7 +111,7 @@ class Plate:
     mesh : SimplexMesh
         The plate's middle plane, a mesh of triangles.
     rigidity : (3, 3) or (c, 3, 3) array_like
-        Moments per curvature D, of all cells or of each, such as `isotropic`.
+        Moments per curvature D, of all cells or of each, such as `isotropic_rigidity`.
     clamped : (n,) array_like of bool
         Which vertices neither move nor, along the faces between them, turn.
 
@@ -137,7 +137,7 @@ class Plate:
     >>> import numpy as np, fieldrecon as fr
     >>> x, y = (a.ravel() for a in np.meshgrid(np.linspace(0, 4, 33), np.linspace(0, 1, 9)))
     >>> mesh = fr.SimplexMesh.delaunay(np.column_stack([x, y]))
-    >>> plate = Plate(mesh, isotropic(1.0, 0.0), clamped=x == 0)
+    >>> plate = Plate(mesh, isotropic_rigidity(1.0, 0.0), clamped=x == 0)
     >>> tip = np.where(x == 4, 1 / 9, 0.0)  # a force of one in all, on the end of a beam
     >>> round(float(tip @ plate.deflections(tip)), 1)  # L^3 / 3 = 21.3
     21.4

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from fieldrecon.coupling.rigid_motions import resultants
+from fieldrecon.coupling.rigid_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Transfer, applied
 from fieldrecon.kernels.radial import thin_plate_spline
 from fieldrecon.methods.rbf import RBF
@@ -91,8 +91,8 @@ def compared(
     for way in WAYS:
         other = loaded(wing, way)
         f = _upward(air.forces(stiff))
-        arrives = resultants(wing.coupling.structure, other.coupling.loads(f))
-        given = resultants(wing.coupling.surface, f)
+        arrives = net_force_and_moment(wing.coupling.structure, other.coupling.loads(f))
+        given = net_force_and_moment(wing.coupling.surface, f)
         w = other.steady_state(pressure, incidences, most=300).value
         bent = other.circulations(w, incidences)
         z, g = other.heights(w), air.forces(bent)

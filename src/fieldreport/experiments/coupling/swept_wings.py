@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldrecon.coupling.flat_structures import FlatCoupling
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldreport.experiments.coupling.plate import Plate, isotropic
+from fieldreport.experiments.coupling.plate import Plate, isotropic_rigidity
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 from fieldreport.experiments.coupling.wing import ElasticWing
 
@@ -85,7 +85,7 @@ def skin_plate(plan: Plan, across: int, along: int) -> Plate:
     apart = 2 * plan.thickness * profile(part) * chord
     thick = plan.along(y, plan.skin)
     rigidity = plan.young * thick * apart**2 / (2 * (1 - plan.poisson**2))
-    return Plate(mesh, isotropic(rigidity, plan.poisson), mesh.points[:, 1] == 0)
+    return Plate(mesh, isotropic_rigidity(rigidity, plan.poisson), mesh.points[:, 1] == 0)
 
 
 def lattice(plan: Plan, panels: tuple[int, ...], mach: float) -> VortexLattice:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fieldrecon.coupling.fixed_point import FixedPoint, fixed_point
+from fieldrecon.coupling.fixed_point_iteration import FixedPoint, fixed_point
 from fieldrecon.coupling.transfer import Transfer
 from fieldreport.experiments.coupling.plate import Plate
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from fieldrecon.datasets.terrain import Terrain, terrain
+from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldreport.experiments.datasets.landforms import LANDFORMS, phase
 from fieldreport.experiments.datasets.surfaces import (
     GUARDED,

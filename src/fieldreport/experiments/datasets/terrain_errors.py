@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fieldrecon.datasets.terrain import Terrain
+from fieldrecon.datasets.elevation import Terrain
 from fieldrecon.selection.extrapolation import outside_hull
 from fieldreport.experiments.datasets.landforms import (
     LANDFORMS,

@@ -25,7 +25,7 @@ from fieldrecon.datasets.synthetic import power_of_sum, uniform
 from fieldrecon.kernels.radial import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line, shades
-from fieldrecon.selection.leave_one_out import leave_one_out
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
 
 MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")

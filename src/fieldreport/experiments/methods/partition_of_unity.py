@@ -19,8 +19,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import RBFInterpolator
 
+from fieldrecon.datasets.elevation import terrain
 from fieldrecon.datasets.synthetic import franke, halton, uniform
-from fieldrecon.datasets.terrain import terrain
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.kernels.radial import Radial, polyharmonic, thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

@@ -25,7 +25,7 @@ from scipy.spatial import cKDTree
 from fieldrecon.datasets.synthetic import terrain
 from fieldrecon.kernels.radial import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldrecon.solids.constructive import Solid, blend, deformation, moved
+from fieldrecon.solids.constructive import Solid, blend, morph, transform
 from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
 from fieldrecon.solids.shapes import Ball, Box, Torus, sample_surface
 from fieldrecon.surfaces.implicit_surfaces import implicit_surface
@@ -187,8 +187,8 @@ def together(params: Params) -> dict[str, Solid]:
         implicit_surface(sample_surface(s, n, params.seed)[0])
         for s in (Torus(0.8, 0.3), Box([1.1, 1.1, 0.9]), Ball(0.9))
     )
-    apart = moved(ring, shift=[0.45, 0.0, 0.25])
-    between = {f"t = {t:g}": deformation(ball, ring, t) for t in TIMES}
+    apart = transform(ring, shift=[0.45, 0.0, 0.25])
+    between = {f"t = {t:g}": morph(ball, ring, t) for t in TIMES}
     return {
         "union": block | apart,
         "intersection": block & apart,
@@ -225,7 +225,7 @@ def isolines(params: Params) -> dict[str, np.ndarray]:
 
 def _far(scan: Scan) -> Scan:
     shift = np.array([FAR, -FAR, FAR])
-    return Scan(scan.points + shift, moved(scan.body, shift=shift))
+    return Scan(scan.points + shift, transform(scan.body, shift=shift))
 
 
 def _invented(surface: ExtractedSurface) -> np.ndarray:

@@ -20,9 +20,9 @@ from matplotlib.figure import Figure
 
 from fieldrecon.kernels.radial import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.velocity.cell_velocities import cell_velocities
+from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
-from fieldrecon.velocity.vertex_velocities import divergence, vertex_velocities
+from fieldrecon.velocity.vertices import divergence, vertex_velocities
 from fieldreport.experiments.methods.convergence import order, rms
 from fieldreport.experiments.velocity.flow_past_ball import (
     ball_mesh,

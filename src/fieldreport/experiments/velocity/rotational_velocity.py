@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon.kernels.radial import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.velocity.vertex_velocities import (
+from fieldrecon.velocity.vertices import (
     normal_velocities,
     velocity_weights,
     vertex_velocities,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.velocity.cell_velocities import cell_velocities
-from fieldrecon.velocity.vertex_velocities import normal_velocities
+from fieldrecon.velocity.cells import cell_velocities
+from fieldrecon.velocity.vertices import normal_velocities
 
 ROTATION = np.array([[0.0, -1.0], [1.0, 0.0]])
 STRAIN = np.diag([1.0, -1.0])

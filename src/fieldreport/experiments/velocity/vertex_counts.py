@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.velocity.vertex_velocities import normal_velocities, vertex_velocities
+from fieldrecon.velocity.vertices import normal_velocities, vertex_velocities
 from fieldreport.experiments.meshes.meshed_flows import rotation
 from fieldreport.experiments.velocity.normal_fits import (
     VANISHES,

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.velocity.vertex_velocities import as_normal_velocities
+from fieldrecon.velocity.vertices import as_normal_velocities
 
 
 @dataclass(frozen=True)

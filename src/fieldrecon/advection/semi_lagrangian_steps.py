@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
-from fieldrecon.advection.departure_points import (
+from fieldrecon.advection.characteristics import (
     Entries,
     Inflow,
     Velocity,
