@@ -51,10 +51,11 @@ test-slow: $(ready) ## run the tests marked slow
 test-all: $(ready) ## run every test
 	@$(pytest)
 
-lint: $(ready) ## check the format and style (ruff) and the types of the public interface (mypy)
+lint: $(ready) ## check the format, the style (ruff), the types (mypy) and which way imports point (import-linter)
 	@$(python) -m ruff format --check
 	@$(python) -m ruff check
 	@$(python) -m mypy
+	@$(VENV)/bin/lint-imports --no-cache
 
 
 format: $(ready) ## write the code as ruff formats it
@@ -120,9 +121,9 @@ lab: $(VENV)/ready-lab ## open JupyterLab on the exercises
 
 lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=--upgrade takes new versions
 	@$(compile) requirements-setup.lock --group setup
-	@$(compile) requirements.lock pyproject.toml src/pyproject.toml --extra all --extra test --extra lint --no-emit-package fieldrecon
-	@$(compile) requirements-lab.lock pyproject.toml --extra lab --constraints requirements.lock
-	@$(compile) requirements-bench.lock pyproject.toml --extra bench --constraints requirements.lock
+	@$(compile) requirements.lock pyproject.toml src/pyproject.toml --extra all --group test --group lint --no-emit-package fieldrecon
+	@$(compile) requirements-lab.lock pyproject.toml --group lab --constraints requirements.lock
+	@$(compile) requirements-bench.lock pyproject.toml --group bench --constraints requirements.lock
 	@$(compile) benchmarks/graders/nbgrader.lock benchmarks/graders/nbgrader.in
 	@$(compile) benchmarks/graders/otter.lock benchmarks/graders/otter.in
 

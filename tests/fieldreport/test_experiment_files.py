@@ -9,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldrecon._core import atomic_files as _whole_file
+from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon.io.tables import csv_bytes
 from fieldreport.framework import result_files as files
 from fieldreport.framework.experiment import (
     Result,
@@ -42,7 +44,7 @@ def test_a_table_comes_back_from_its_file(tmp_path_factory, rows):
     """Numbers keep their kind and texts their commas, quotes and line breaks."""
     table = Table(("first, with a comma", "second"), tuple(rows))
     path = tmp_path_factory.mktemp("table") / "table.csv"
-    path.write_bytes(files.csv_bytes(table.columns, table.rows))
+    path.write_bytes(csv_bytes(table.columns, table.rows))
     back = files._read_table(path)
     assert back == table
     assert [list(map(type, row)) for row in back.rows] == [
@@ -157,14 +159,14 @@ def test_parameters_have_least_values():
 
 def test_files_are_whole_or_absent(tmp_path, monkeypatch):
     """Writing that fails leaves the old file and nothing beside it."""
-    path = files.write_atomically(tmp_path / "deep" / "file.txt", b"old")
+    path = write_atomically(tmp_path / "deep" / "file.txt", b"old")
 
     def broken(_):
         raise OSError("no space left on device")
 
     monkeypatch.setattr(_whole_file.os, "fsync", broken)
     with pytest.raises(OSError, match="no space left"):
-        files.write_atomically(path, b"new")
+        write_atomically(path, b"new")
     assert path.read_bytes() == b"old"
     assert list(path.parent.iterdir()) == [path]
 

@@ -12,6 +12,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from checkout import ROOT
+from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport import experiments
 from fieldreport.framework import result_files as files
 from fieldreport.framework.experiment import order_of_magnitude
@@ -93,7 +94,7 @@ def test_it_survives_writing_and_reading(experiment, result, tmp_path):
     folder = tmp_path / experiment.name
     written = files.write_result(result, folder)
     before = {path: path.read_bytes() for path in written}
-    back = files.read_result(folder)
+    back = files.read_result(folder, experiment)
     assert back == result
     files.write_result(back, folder)
     assert {path: path.read_bytes() for path in written} == before
@@ -105,13 +106,13 @@ def test_its_figures_need_nothing_but_the_result(experiment, result, tmp_path):
     """Every plot draws from a result that was read back, and twice the same bytes."""
     folder = tmp_path / experiment.name
     files.write_result(result, folder)
-    back = files.read_result(folder)
+    back = files.read_result(folder, experiment)
     assert experiment.name in experiment.plots
     for name, plot in experiment.plots.items():
         page = plot(back)
         assert isinstance(page, Figure), name
         assert page.axes, name
-        assert files.figure_bytes(page, "svg") == files.figure_bytes(plot(result), "svg"), name
+        assert figure_bytes(page, "svg") == figure_bytes(plot(result), "svg"), name
 
 
 def test_the_title_in_the_source_is_that_of_the_module(experiment):

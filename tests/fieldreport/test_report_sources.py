@@ -50,7 +50,7 @@ def imported(statement, module):
 
 
 def inner_module(base, name):
-    ours = base.partition(".")[0] == "fieldrecon" and find_spec(base).submodule_search_locations
+    ours = base.partition(".")[0] in sources.PACKAGES and find_spec(base).submodule_search_locations
     return f"{base}.{name}" if ours and find_spec(f"{base}.{name}") else None
 
 
@@ -73,7 +73,7 @@ def literally(module, names):
         root = name.partition(".")[0]
         if name in found or root in sys.stdlib_module_names:
             continue
-        if root != "fieldrecon":
+        if root not in sources.PACKAGES:
             found[root] = None
         else:
             found[name] = parsed(name)
@@ -116,8 +116,8 @@ def test_each_module_is_parsed_once(monkeypatch):
         during.setattr(ast, "parse", parse)
         for name in ("power_sampling", "terrain", "peers", "coupling"):
             for names in (RUN_NAMES, ("plot",), ("run",)):
-                found |= set(code_behind(f"{experiments.__name__}.{name}", names))
-    assert len(parsed_trees) == len([name for name in found if name.startswith("fieldrecon")])
+                found |= set(code_behind(experiments.module_of(name), names))
+    assert len(parsed_trees) == len([name for name in found if name.startswith(sources.PACKAGES)])
 
 
 def test_a_module_that_was_kept_is_parsed_when_it_changed(tmp_path, monkeypatch):

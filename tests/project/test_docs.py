@@ -1,12 +1,12 @@
 """What the documents say is so: commands, links, dependencies, and which way imports point."""
 
 import ast
+import os
 import re
+import shutil
 import subprocess
+import sys
 import tomllib
-from collections.abc import Iterator
-from functools import cache
-from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -97,151 +97,115 @@ def test_relative_links_lead_somewhere(page):
             assert (page.parent / link).is_file(), link
 
 
+def settings_of(name: str) -> dict:
+    return tomllib.loads((ROOT / name).read_text())
+
+
 def test_every_dependency_has_its_reason():
     """And every reason its dependency: one row each in docs/dependencies.md."""
-    with (ROOT / "pyproject.toml").open("rb") as file:
-        settings = tomllib.load(file)
-    project = settings["project"]
-    groups = [project["dependencies"], *project["optional-dependencies"].values()]
-    groups += [*settings["dependency-groups"].values(), settings["build-system"]["requires"]]
+    groups = []
+    for settings in (settings_of("pyproject.toml"), settings_of("src/pyproject.toml")):
+        project = settings["project"]
+        groups += [project["dependencies"], *project["optional-dependencies"].values()]
+        groups += settings.get("dependency-groups", {}).values()
+        groups += [settings["build-system"]["requires"]]
     needed = {re.match(r"[\w.-]+", need).group() for group in groups for need in group}
-    needed -= {"fieldrecon"}  # an extra that contains another
+    needed -= {"fieldrecon", "fieldrecon-course"}  # an extra that contains another
     text = (ROOT / "docs" / "dependencies.md").read_text()
-    rows = re.findall(r"^\| (?!package)([\w.-]+) \| \S", text, flags=re.M)
+    rows = re.findall(r"^\| (?!package|type)([\w.-]+) \| \S", text, flags=re.M)
     assert sorted(rows) == sorted(needed)
 
 
 def test_versions_agree():
-    """The number in pyproject.toml is the one to cite, and the one that the library tells."""
-    with (ROOT / "pyproject.toml").open("rb") as file:
-        version = tomllib.load(file)["project"]["version"]
+    """One number: of both distributions, of the library itself, and the one to cite."""
+    version = settings_of("pyproject.toml")["project"]["version"]
+    course = settings_of("src/pyproject.toml")["project"]
+    assert course["version"] == version
+    assert f"fieldrecon=={version}" in course["dependencies"]
     assert fr.__version__ == version
     assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
 
 
 # --- which way imports point --------------------------------------------------------------------
 
-
-def module_name(path: Path) -> str:
-    parts = path.relative_to(PACKAGE).with_suffix("").parts
-    return ".".join(parts).removesuffix(".__init__").removesuffix("__init__")
+LINTER = Path(sys.executable).parent / "lint-imports"
+CONTRACTS = (ROOT / "pyproject.toml").read_text().partition("[tool.importlinter]")[2]
 
 
-@cache
-def modules() -> dict[str, Path]:
-    """The modules below the package, without its name; the package itself gathers from all."""
-    return {n: p for p in sorted(PACKAGE.rglob("*.py")) if (n := module_name(p))}
+@pytest.mark.parametrize(
+    ("wrong", "broken"),
+    [
+        ("fieldrecon/kernels/radial.py: import fieldrecon.methods.rbf", "Rooms of the library"),
+        ("fieldrecon/_core/chunks.py: def f(): from fieldreport import build", "Packages"),
+        ("fieldreport/framework/settings.py: from fieldreport import build", "Rooms of the report"),
+        ("fieldgrade/sandbox/frames.py: import fieldgrade.commands", "Rooms of the grader"),
+        ("fieldrecon/kernels/radial.py: import fieldrecon.kernels.positive_definite", "No circles"),
+        ("fieldrecon/newroom/__init__.py: ", "Rooms of the library"),
+    ],
+)
+def test_an_import_the_wrong_way_is_seen(wrong, broken, tmp_path):
+    """`make lint` checks the contracts of pyproject.toml; a new room needs its place in them."""
+    shutil.copytree(ROOT / "src", tmp_path / "src", ignore=shutil.ignore_patterns("*.egg-info"))
+    (tmp_path / ".importlinter.toml").write_text("[tool.importlinter]" + CONTRACTS)
+    name, line = wrong.split(": ", 1)
+    file = tmp_path / "src" / name
+    file.parent.mkdir(exist_ok=True)
+    file.write_text((file.read_text() if file.exists() else "") + f"\n{line}\n")
+    checked = subprocess.run(
+        [
+            Path(sys.executable).parent / "lint-imports",
+            "--config",
+            ".importlinter.toml",
+            "--no-cache",
+        ],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path / "src"), "COLUMNS": "200"},
+        capture_output=True,
+        text=True,
+    )
+    assert checked.returncode == 1, checked.stdout + checked.stderr
+    assert broken in re.findall(r"^(.*?)(?::.*)? BROKEN$", checked.stdout, flags=re.M)
 
 
-def runtime_nodes(tree: ast.AST) -> Iterator[ast.AST]:
-    """All nodes of a module, but those that only a type checker reads."""
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
-            continue
-        yield node
-        yield from runtime_nodes(node)
+SOURCES = {
+    ".".join(path.relative_to(ROOT / "src").with_suffix("").parts): path.read_text()
+    for path in sorted((ROOT / "src").rglob("*.py"))
+}
 
 
-@cache
-def imports(source: str) -> set[str]:
-    """Full names of what a module imports, names within a module included."""
+def imported(source: str) -> set[str]:
+    """Full names of what a module imports when it runs, not only for a type checker."""
+    tree = ast.parse(source)
+    tree.body = [s for s in tree.body if not ast.unparse(s).startswith("if TYPE_CHECKING:")]
     found = set()
-    for node in runtime_nodes(ast.parse(source)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, "imports are absolute"
             found |= {f"{node.module}.{alias.name}" for alias in node.names}
     return found
 
 
-def imported_modules(source: str) -> set[str]:
-    """Modules of this package that a module imports."""
-    known = modules()
-    found = set()
-    for name in imports(source):
-        inside = name.removeprefix("fieldrecon.")
-        if inside != name:
-            found.add(inside if inside in known else inside.rpartition(".")[0])
-    return found
-
-
-@cache
-def layers() -> dict[str, int]:
-    """The rows of the table in docs/architecture.md."""
-    text = (ROOT / "docs" / "architecture.md").read_text()
-    table = text.split("| layer | modules |\n|---|---|\n")[1].split("\n\n")[0]
-    rows = [re.findall(r"`([\w.]+)`", row) for row in table.splitlines()]
-    return {name: i for i, row in enumerate(rows) for name in row}
-
-
-def layer(module: str, table: dict[str, int]) -> int:
-    """Row of a module: its own, else that of the package it is in."""
-    while module and module not in table:
-        module = module.rpartition(".")[0]
-    return table[module]
-
-
-def wrong_way(module: str, source: str) -> set[str]:
-    """Modules that this one imports from a lower row than its own."""
-    table = layers()
-    own = layer(module, table)
-    return {m for m in imported_modules(source) if m and layer(m, table) > own}
-
-
-def test_every_module_has_its_layer():
-    """The table of docs/architecture.md names all modules, and no other."""
-    table = layers()
-    homeless = {m for m in modules() if m not in table and m.split(".")[0] not in table}
-    assert homeless == set(), "add them to the table of docs/architecture.md"
-    assert set(table) <= set(modules())
-
-
-def test_imports_point_one_way():
-    """A module imports from its own layer and those before it."""
-    wrong = {module: wrong_way(module, path.read_text()) for module, path in modules().items()}
-    assert {module: names for module, names in wrong.items() if names} == {}
-
-
-@pytest.mark.parametrize(
-    ("module", "source"),
-    [
-        ("polynomials", "from fieldrecon.methods.rbf import RBF"),
-        ("rbf", "import fieldrecon.datasets.synthetic"),
-        ("datasets", "def f():\n    from fieldrecon import experiments"),
-        ("experiments.terrain", "from fieldreport.build.build import main"),
-        ("reporting.style", "from fieldreport.framework.experiment import Result"),
-    ],
-)
-def test_an_import_the_wrong_way_is_seen(module, source):
-    """Whatever its form, and inside functions too."""
-    assert len(wrong_way(module, source)) == 1
-
-
-def test_there_are_no_cycles():
-    """Modules of one layer may use one another, but not in a circle."""
-    graph = {m: imported_modules(p.read_text()) - {m} for m, p in modules().items()}
-    TopologicalSorter(graph).prepare()
-
-
-def test_only_experiments_and_reporting_draw():
-    """The library computes without matplotlib, and so does the command line before it draws."""
+def test_the_library_computes_without_matplotlib():
+    """Only its room for pictures draws."""
     drawing = {
-        module.split(".")[0]
-        for module, path in modules().items()
-        if any(
-            name.split(".")[0] in ("matplotlib", "mpl_toolkits")
-            for name in imports(path.read_text())
-        )
+        module.split(".")[1]
+        for module, source in SOURCES.items()
+        if module.startswith("fieldrecon.")
+        and {name.split(".")[0] for name in imported(source)} & {"matplotlib", "mpl_toolkits"}
     }
-    assert drawing == {"experiments", "reporting"}
+    assert drawing == {"plotting"}
 
 
 def test_experiments_name_the_modules_they_use():
-    """Never the package as a whole: the build follows imports to see what a result depends on."""
-    experiments = [m for m in modules() if m.startswith("experiments.")]
+    """Never a room as a whole: the build follows imports to see what a result depends on."""
+    rooms = {module.removesuffix(".__init__") for module in SOURCES if module.endswith("__init__")}
+    experiments = {m: s for m, s in SOURCES.items() if m.startswith("fieldreport.experiments.")}
+    named = {m: imported(source) - set(SOURCES) for m, source in experiments.items()}
     assert experiments
-    assert not [m for m in experiments if "fieldrecon" in imports(modules()[m].read_text())]
+    assert {
+        m for m, names in named.items() if {n.rpartition(".")[0] for n in names} & rooms
+    } == set()
 
 
 def test_the_checkout_holds_no_generated_file():

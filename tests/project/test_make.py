@@ -23,12 +23,13 @@ def checkout(tmp_path):
     """A checkout whose environment is ready, in a folder with a space in its name."""
     folder = tmp_path / "the checkout"
     chapters = folder / "report" / "chapters"
-    code = folder / "src" / "fieldrecon" / "experiments"
+    code = folder / "src" / "fieldreport" / "experiments"
     binaries = folder / ".venv" / "bin"
     for place in (chapters, code, binaries, folder / "tools"):
         place.mkdir(parents=True)
     for file in (*ROOT.glob("requirements*.lock"), ROOT / "Makefile", ROOT / "pyproject.toml"):
         shutil.copy(file, folder)
+    shutil.copy(ROOT / "src" / "pyproject.toml", folder / "src")
     (folder / "tools" / "setup.sh").touch()
     (chapters / "one.md").touch()
     (chapters / "two.md").touch()
@@ -69,7 +70,7 @@ def change_a_chapter(checkout):
 
 
 def add_an_experiment(checkout):
-    path = checkout / "src" / "fieldrecon" / "experiments" / "two.py"
+    path = checkout / "src" / "fieldreport" / "experiments" / "two.py"
     path.touch()
     os.utime(path, (AGES_AGO, AGES_AGO))
 

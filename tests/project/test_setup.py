@@ -79,7 +79,8 @@ class Machine:
             place.mkdir(parents=True)
         for file in (*LOCKS, ROOT / "Makefile", ROOT / "pyproject.toml"):
             shutil.copy(file, self.checkout)
-        shutil.copy(ROOT / "tools" / "setup.sh", self.checkout / "tools")
+        for name in ("tools/setup.sh", "src/pyproject.toml"):
+            shutil.copy(ROOT / name, self.checkout / name)
         for tool in TOOLS:
             (self.bin / tool).symlink_to(shutil.which(tool))
         self.stand_in("pip.py", RECORD.replace("NAME", "pip") + PIP)
@@ -137,7 +138,10 @@ def test_pip_brings_uv_and_uv_brings_the_rest(machine):
     bring_uv, packages, project = machine.set_up()
     assert re.match(r"pip install .*--require-hashes -r requirements-setup\.lock$", bring_uv)
     assert re.match(r"uv pip install .*--require-hashes .*-r requirements\.lock$", packages)
-    assert re.match(r"uv pip install .*--no-deps --no-build-isolation .*--editable \.$", project)
+    assert re.match(
+        r"uv pip install .*--no-deps --no-build-isolation .*--editable \. --editable \./src$",
+        project,
+    )
 
 
 def test_a_second_call_does_nothing(machine):
@@ -358,24 +362,28 @@ def test_a_lock_file_pins_every_package_by_hash(lock):
 
 def test_the_lock_files_hold_what_pyproject_asks_for():
     """A dependency that was added or removed has been locked."""
-    with (ROOT / "pyproject.toml").open("rb") as file:
-        settings = tomllib.load(file)
+    settings, course = (
+        tomllib.loads((ROOT / folder / "pyproject.toml").read_text()) for folder in (".", "src")
+    )
     project = settings["project"]
-    extras = project["optional-dependencies"]
+    extras = project["optional-dependencies"] | course["project"]["optional-dependencies"]
+    extras |= settings["dependency-groups"]
     asked = {
         "requirements.lock": [
-            *("report", "mesh", "surface", "parquet", "dask", "course", "test", "lint"),
+            *("pictures", "mesh", "surface", "parquet", "dask", "report", "grade", "test", "lint"),
         ],
         "requirements-lab.lock": ["lab"],
         "requirements-bench.lock": ["bench"],
     }
     extras.pop("all")  # names the others
+    extras.pop("setup")  # in a file of its own
     assert sorted(extras) == sorted(name for names in asked.values() for name in names)
-    direct = r"# +via fieldrecon \(pyproject\.toml\)|#   fieldrecon \(pyproject\.toml\)"
+    direct = r"# +(via )?fieldrecon(-course)? \((src/)?pyproject\.toml(:\w+)?\)"
     for lock, names in asked.items():
         wanted = {*project["dependencies"], *(r for name in names for r in extras[name])}
+        wanted |= set(course["project"]["dependencies"]) if "report" in names else set()
         blocks = re.split(r"^(?=[a-z0-9])", (ROOT / lock).read_text(), flags=re.M)
         locked = {canonical(block) for block in blocks if re.search(direct, block)}
-        assert locked == set(map(canonical, wanted)) - {"fieldrecon"}, lock
+        assert locked == set(map(canonical, wanted)) - {"fieldrecon", "fieldrecon-course"}, lock
     setup = {*settings["dependency-groups"]["setup"], *settings["build-system"]["requires"]}
     assert set(pins(ROOT / "requirements-setup.lock")) == set(map(canonical, setup))

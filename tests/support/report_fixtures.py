@@ -22,8 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldrecon.experiments.experiment import Result, Table, parameter
-from fieldrecon.reporting.style import figure, line
+from fieldreport.framework.experiment import Result, Table, parameter
+from fieldrecon.plotting.style import figure, line
 
 SCALE = 1.0
 
@@ -91,8 +91,9 @@ class SmallReport:
 
     def __init__(self, folder: Path, monkeypatch) -> None:
         self.folder = folder
-        self.source, self.code, self.log = folder / "text", folder / "code", folder / "log"
-        self.code.mkdir()
+        self.source, self.log = folder / "text", folder / "log"
+        self.code = folder / "code" / "topic"
+        self.code.mkdir(parents=True)
         self.log.touch()
         shutil.copytree(REPORT, self.source, ignore=shutil.ignore_patterns("build", "chapters"))
         (self.source / "experiments.toml").write_text("")
@@ -100,8 +101,8 @@ class SmallReport:
             self.write_experiment(name)
         self.write_chapter()
         monkeypatch.setattr(compute, "workers", lambda count: nullcontext(Inline()))  # noqa: ARG005
-        monkeypatch.setattr(experiments, "_HERE", self.code)
-        monkeypatch.setattr(experiments, "__path__", [str(self.code), *experiments.__path__])
+        monkeypatch.setattr(experiments, "_HERE", self.code.parent)
+        monkeypatch.setattr(experiments, "__path__", [str(self.code.parent), *experiments.__path__])
 
     def write_experiment(self, name: str, *changes: str) -> None:
         """Write one of the experiments; of the changes each is an old text and a new one."""
@@ -118,7 +119,7 @@ class SmallReport:
 
     def build(self, *options: str) -> int:
         """Build as a new process would, and return the exit status."""
-        for name in [name for name in sys.modules if ".fake_" in name]:
+        for name in [n for n in sys.modules if n.startswith("fieldreport.experiments.topic")]:
             del sys.modules[name]
         sources.forget()
         importlib.invalidate_caches()

@@ -19,9 +19,9 @@ from fieldgrade.checking.results import Results
 from fieldgrade.gradebook.item_analysis import Item, items
 from fieldgrade.gradebook.sheets import Line, Sheet
 from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon.plotting.figure_files import figure_bytes
 from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldreport.build.document import Document
-from fieldreport.framework.result_files import figure_bytes
 
 TEXTS = Path(__file__).parent
 SHARED = ("filters", "template.html", "template.typ", "style.css", "references.bib")

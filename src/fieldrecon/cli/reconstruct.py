@@ -229,7 +229,7 @@ def _written(
 ) -> Iterator[Path]:
     """Write the values, the methods, the pictures and the page; yield the files."""
     from fieldrecon.pages.reconstruction_page import methods_csv, summary
-    from fieldreport.framework.result_files import figure_bytes, write_figure
+    from fieldrecon.plotting.figure_files import figure_bytes, write_figure
 
     file, formats = outputs
     stem = _STEM[outcome.result.places.kind]

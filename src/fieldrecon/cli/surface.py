@@ -133,8 +133,8 @@ def _picture(scan: Scan, options: argparse.Namespace, stage: Stage) -> bytes:
     """Draw the surface, as PNG; nothing without the packages that draw."""
     if absent(*PICTURES):
         return b""
+    from fieldrecon.plotting.figure_files import figure_bytes
     from fieldrecon.plotting.surface_picture import plot
-    from fieldreport.framework.result_files import figure_bytes
 
     return figure_bytes(plot(scan, UP[options.up], stage("drawing")), "png")
 

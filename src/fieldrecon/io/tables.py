@@ -13,13 +13,14 @@ Which columns of a table hold coordinates and value: those named, else those of 
 from __future__ import annotations
 
 import csv
+import io
 import math
 import os
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, NamedTuple, TypeAlias
+from typing import Any, BinaryIO, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -346,3 +347,12 @@ def _usual(columns: list[str], usual: Sequence[str], taken: Iterable[int | None]
 def bare_name(name: str) -> str:
     """Return the name of a column in lower case without its unit in brackets."""
     return name.lower().split("(")[0].split("[")[0].strip()
+
+
+def csv_bytes(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
+    """Return header and rows as CSV, each float in the shortest form that reads back the same."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(rows)
+    return text.getvalue().encode()

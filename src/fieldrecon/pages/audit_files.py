@@ -9,8 +9,8 @@ import numpy as np
 
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.extras import PICTURES, absent
+from fieldrecon.plotting.figure_files import write_figure
 from fieldrecon.triangles.audit import MeshAudit
-from fieldreport.framework.result_files import write_figure
 
 PICTURE_FORMATS = ("png", "svg")
 

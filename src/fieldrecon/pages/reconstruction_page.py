@@ -7,10 +7,10 @@ from html import escape
 from typing import Any
 
 from fieldrecon.io.saved_fields import description
+from fieldrecon.io.tables import csv_bytes
 from fieldrecon.pages.one_page import page
 from fieldrecon.pipelines.survey import Outcome
 from fieldrecon.selection.cross_validation import Trial
-from fieldreport.framework.result_files import csv_bytes
 
 METHODS = ("method", "what it is", "rms error", "largest error", "remark")
 

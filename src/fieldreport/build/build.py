@@ -72,7 +72,7 @@ def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) ->
 
 def _values(job: Job) -> dict[str, Any]:
     """Return what the text may take from an experiment."""
-    result = read_result(job.folder)
+    result = read_result(job.folder, job.experiment)
     meanings = job.experiment.meanings
     return {
         "title": job.experiment.title,

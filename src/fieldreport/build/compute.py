@@ -16,6 +16,7 @@ from typing import Any
 
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.blas_threads import one_blas_thread
+from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport import experiments
 from fieldreport.build.failure import BuildError
 from fieldreport.build.pins import pins
@@ -23,7 +24,7 @@ from fieldreport.build.sources import code_behind
 from fieldreport.build.steps import Steps, content_digest, digest, digests
 from fieldreport.build.workers import workers
 from fieldreport.framework.experiment import Experiment, Result
-from fieldreport.framework.result_files import figure_bytes, read_result, write_result
+from fieldreport.framework.result_files import read_result, write_result
 from fieldreport.framework.settings import with_settings
 
 RUN_NAMES = ("DIGITS", "Params", "run")
@@ -171,9 +172,10 @@ def _run(name: str, params: Any) -> tuple[dict, dict, dict]:
 
 
 def _draw(folder: Path, figure: str) -> bytes:
-    result = read_result(folder)
+    experiment = experiments.get(folder.name)
+    result = read_result(folder, experiment)
     with one_blas_thread():
-        return figure_bytes(experiments.get(folder.name).plots[figure](result), FORMAT)
+        return figure_bytes(experiment.plots[figure](result), FORMAT)
 
 
 def _outcome(future: Future, what: str) -> Any:

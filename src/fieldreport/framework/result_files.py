@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 
 from fieldrecon._core.atomic_files import write_atomically
-from fieldreport.experiments import get
+from fieldrecon.io.tables import csv_bytes
+from fieldrecon.plotting.figure_files import FIGURE_FORMATS, write_figure
 from fieldreport.framework.experiment import Experiment, Result, Table, cell_from_text
 from fieldreport.framework.settings import with_settings
-
-FIGURE_FORMATS = ("svg", "pdf", "png")
 
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -39,12 +38,12 @@ def write_result(result: Result, folder: Path) -> list[Path]:
     return [write_atomically(folder / name, content) for name, content in contents.items()]
 
 
-def read_result(folder: Path) -> Result:
-    """Read back what ``write_result`` wrote; the folder bears the experiment's name."""
+def read_result(folder: Path, experiment: Experiment) -> Result:
+    """Read back the result of an experiment that ``write_result`` wrote."""
     with np.load(folder / "arrays.npz") as stored:
         arrays = dict(stored)
     return Result(
-        params=with_settings(get(folder.name).defaults, _read_json(folder / "params.json")),
+        params=with_settings(experiment.defaults, _read_json(folder / "params.json")),
         tables={path.stem: _read_table(path) for path in sorted(folder.glob("*.csv"))},
         facts=_read_json(folder / "facts.json"),
         arrays=arrays,
@@ -66,21 +65,6 @@ def write_figures(
     ]
 
 
-def write_figure(figure: Any, stem: Path, formats: Iterable[str] = FIGURE_FORMATS) -> list[Path]:
-    """Write one figure as ``STEM.svg``, ``STEM.pdf`` and ``STEM.png``, the same bytes each time."""
-    return [
-        write_atomically(stem.with_name(f"{stem.name}.{kind}"), figure_bytes(figure, kind))
-        for kind in formats
-    ]
-
-
-def figure_bytes(figure: Any, kind: str) -> bytes:
-    """Return the figure as SVG, PDF or PNG; figures of the report's style carry no date."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind)
-    return buffer.getvalue()
-
-
 def npz_bytes(arrays: Mapping[str, np.ndarray]) -> bytes:
     """Return the arrays as an npz file whose members carry no time."""
     buffer = io.BytesIO()
@@ -90,15 +74,6 @@ def npz_bytes(arrays: Mapping[str, np.ndarray]) -> bytes:
             np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
             archive.writestr(zipfile.ZipInfo(f"{name}.npy", _ZIP_EPOCH), member.getvalue())
     return buffer.getvalue()
-
-
-def csv_bytes(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
-    """Return header and rows as CSV, each float in the shortest form that reads back the same."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(rows)
-    return text.getvalue().encode()
 
 
 def _json(x: Any) -> bytes:

@@ -19,9 +19,13 @@ def test_no_answer_is_on_the_stage(place):
     """Neither known answers, nor stubs, nor a module of the library or of the course's own."""
     names = {str(p.relative_to(place.stage)) for p in place.stage.rglob("*") if p.is_file()}
     assert "fieldcheck/calls.py" in names
-    assert "fieldrecon/course/sandbox/worker.py" in names
-    ours = {n for n in names if n.startswith("fieldrecon") and "/sandbox/" not in n}
-    assert ours == {"fieldrecon/__init__.py", "fieldrecon/course/__init__.py"}
+    assert "fieldgrade/sandbox/worker.py" in names
+    ours = {
+        n
+        for n in names
+        if n.startswith(("fieldgrade", "fieldrecon", "fieldreport")) and "/sandbox/" not in n
+    }
+    assert ours == {"fieldgrade/__init__.py"}
     assert all((place.stage / name).read_text() == "" for name in ours)
     assert not any(name.endswith(".json") for name in names)
     assert not any("answers/" in name for name in names)

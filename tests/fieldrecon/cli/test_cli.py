@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from fieldrecon import LeastSquares, OnGlobe, SimplexMesh, load, save
-from fieldrecon.cli import main as cli
 from fieldrecon.cli.main import main
 from fieldrecon.datasets.synthetic import clustered, franke, uniform
 from fieldrecon.io import read_mesh_and_data, write_mesh
+from fieldrecon.io.tables import csv_bytes
 from fieldrecon.selection.models import CANDIDATES
 from fieldreport import experiments
-from fieldreport.framework import result_files as files
+from fieldreport.commands import experiments as experiments_command
 
 SMALL = ["--set", "powers=2,3", "--set", "draws=3"]
 
@@ -31,7 +31,7 @@ def survey(tmp_path):
     points = clustered(60, 2, 5, 0.2, seed=0)
     path = tmp_path / "survey.csv"
     rows = np.column_stack([1000 * points, 50 * franke(points)])
-    path.write_bytes(files.csv_bytes(("easting", "northing", "depth [m]"), rows.tolist()))
+    path.write_bytes(csv_bytes(("easting", "northing", "depth [m]"), rows.tolist()))
     return path
 
 
@@ -303,7 +303,7 @@ def test_across_the_date_line(tmp_path, capsys):
     field = np.sin(np.radians(6 * lon)) + np.radians(lat)
     rows = np.column_stack([np.where(lon > 180, lon - 360, lon), lat, field])
     table = tmp_path / "sea.csv"
-    table.write_bytes(files.csv_bytes(("lon", "lat", "t"), rows.tolist()))
+    table.write_bytes(csv_bytes(("lon", "lat", "t"), rows.tolist()))
     out = tmp_path / "sea.npz"
     assert reconstruct(table, out, "--lonlat", "--grid", "21x11", "--method", "tps") == 0
     assert "look like degrees" not in capsys.readouterr().out
@@ -344,7 +344,7 @@ def test_a_terminal_sees_how_long_it_will_take(tmp_path, survey):
     """Stages, the time left and the memory, on standard error, which a file does not see."""
     shown, terminal = pty.openpty()
     every_call = (
-        "import sys; from fieldrecon.cli.main import main; from fieldreport.build import progress; "
+        "import sys; from fieldrecon.cli.main import main; from fieldrecon.cli import progress; "
         "progress._SECONDS_BETWEEN = 0; sys.exit(main())"
     )
     command = [sys.executable, "-c", every_call, "reconstruct", str(survey)]
@@ -481,7 +481,7 @@ def test_an_interrupt_is_no_failure_of_the_program(capsys, monkeypatch):
     def interrupted(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "_list", interrupted)
+    monkeypatch.setattr(experiments_command, "titles", interrupted)
     assert main(["experiments", "list"]) == 130
     assert capsys.readouterr().err == "fieldrecon: interrupted\n"
 

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import fieldrecon as fr
 from fieldrecon._core.blas_threads import FEW, Owner, blas_threads_for
 from fieldrecon._core.chunks import Inline, chunked
+from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 
 MANY = 3
 X = np.zeros((4, 2))
@@ -163,6 +164,8 @@ P = RNG.random((60, 2))
 F = np.cos(P @ [3.0, 2.0])
 
 
+FITS, PATCHES = "_numerics.weighted_least_squares", "methods.partition_of_unity.batched_systems"
+WING = "fieldreport.experiments.coupling"
 SPACE = RNG.random((500, 3))
 MESH = fr.SimplexMesh.delaunay(P)
 CELLS = np.ones(len(MESH.cells))
@@ -172,23 +175,24 @@ GRID = np.dstack(np.meshgrid(np.linspace(0, 9, 4), np.linspace(0, 3, 3), indexin
 @pytest.mark.parametrize(
     ("within", "call"),
     {
-        "_saddle._factored": lambda: fr.RBF(P, fr.thin_plate_spline()),
-        "_saddle.lapack.dpotrs": lambda: fr.RBF(P, fr.thin_plate_spline()).field(F),
-        "_sparse_saddle.qr": lambda: fr.RBF(SPACE, fr.wendland(3, 2, 0.12)),
-        "least_squares.qr": lambda: fr.LeastSquares(P),
+        "_numerics.saddle_point._factored": lambda: fr.RBF(P, fr.thin_plate_spline()),
+        "_numerics.saddle_point.lapack.dpotrs": lambda: fr.RBF(P, fr.thin_plate_spline()).field(F),
+        "_numerics.saddle_point.qr": lambda: fr.RBF(SPACE, fr.wendland(3, 2, 0.12)),
+        "methods.least_squares.qr": lambda: fr.LeastSquares(P),
         "polynomials.np.linalg.svd": lambda: fr.LeastSquares(P),
-        "_weighted_fits.by_elimination": lambda: fr.MovingLeastSquares(
-            P, fr.wendland(3, 1)
-        ).weights(P),
-        "_small_systems.within_range": lambda: fr.PartitionOfUnityRBF(P).weights(P),
-        "_estimable.by_elimination": lambda: fr.vertex_gradients(MESH, CELLS),
-        "vortex_lattice.lu_factor": lambda: fr.VortexLattice(GRID),
+        f"{FITS}.by_elimination": lambda: (
+            fr.MovingLeastSquares(P, fr.wendland(3, 1)).weights(P),
+            fr.vertex_gradients(MESH, CELLS),
+        ),
+        f"{PATCHES}.within_range": lambda: fr.PartitionOfUnityRBF(P).weights(P),
+        f"{WING}.vortex_lattice.lu_factor": lambda: VortexLattice(GRID),
     }.items(),
 )
 def test_a_small_factorization(monkeypatch, within, call):
     """It runs on one thread, wherever it is called from."""
     seen = []
-    module, _, name = f"fieldrecon.{within}".rpartition(".")
+    within = within if within.startswith(WING) else f"fieldrecon.{within}"
+    module, _, name = within.rpartition(".")
     holder = pkgutil.resolve_name(module)
     whole = getattr(holder, name)
 

@@ -16,18 +16,21 @@ from fieldrecon._core import extras as _extras
 from fieldrecon.cli.main import main
 from fieldreport.framework import experiment
 
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-EXTRAS = PROJECT["optional-dependencies"]
-OF_USERS = ("report", "mesh", "surface", "parquet", "dask", "course")
+PROJECT, COURSE = (
+    tomllib.loads((ROOT / folder / "pyproject.toml").read_text())["project"]
+    for folder in (".", "src")
+)
+EXTRAS = COURSE["optional-dependencies"] | PROJECT["optional-dependencies"]
+OF_USERS = ("pictures", "mesh", "surface", "parquet", "dask", "report", "grade")
+OURS = {"fieldcheck", "fieldgrade", "fieldrecon", "fieldreport"}
 CORNERS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
 def names_of(requirements: list[str]) -> set[str]:
     """Names of packages, all in one spelling."""
     return {
-        re.match(r"[\w.-]+", need).group().lower().replace("_", "-").removeprefix("fieldrecon")
-        for need in requirements
-    } - {""}
+        re.match(r"[\w.-]+", need).group().lower().replace("_", "-") for need in requirements
+    } - {"fieldrecon", "fieldrecon-course"}
 
 
 def imported() -> set[str]:
@@ -36,7 +39,7 @@ def imported() -> set[str]:
     statement = rf"^ *(?:import {name}(?: as \w+)?$|from {name} import )|\boptional\(f?\"{name}"
     sources = (path.read_text() for path in (ROOT / "src").rglob("*.py"))
     found = {name for text in sources for m in re.findall(statement, text, re.M) for name in m}
-    return found - set(sys.stdlib_module_names) - {"fieldrecon", "fieldcheck", ""}
+    return found - set(sys.stdlib_module_names) - OURS - {""}
 
 
 OPTIONAL = sorted(imported() - names_of(PROJECT["dependencies"]))
@@ -78,9 +81,12 @@ def test_several_packages_take_one_line():
 
 
 def test_all_is_all_that_users_need():
-    """The extra `all` contains the others for users, and none for developers."""
-    (one,) = EXTRAS["all"]
-    assert set(re.fullmatch(r"fieldrecon\[(.*)\]", one)[1].split(",")) == set(OF_USERS)
+    """The extras `all` contain the others for users, and none for developers."""
+    named = [
+        re.fullmatch(rf"{project['name']}\[(.*)\]", *project["optional-dependencies"]["all"])[1]
+        for project in (PROJECT, COURSE)
+    ]
+    assert set(",".join(named).split(",")) == set(OF_USERS)
 
 
 def test_ranges_for_users_and_pins_in_the_lock():
@@ -131,6 +137,7 @@ def test_the_line_installs_from_where_fieldrecon_came(monkeypatch, record, line)
 class Recorded:
     """A distribution, with the files that an installer leaves, or none, as beside the source."""
 
+    name = "fieldrecon"
     requires = ("numpy>=2.1", 'meshio>=5.3.5; extra == "mesh"')
 
     def __init__(self, files):
@@ -165,7 +172,7 @@ def test_a_field_without_any_extra(folder):
     assert done.returncode == 0, done.stderr
     assert len((folder / "field.csv").read_text().splitlines()) == 13
     assert "<img" not in (folder / "field.html").read_text()
-    assert re.fullmatch(r"fieldrecon: no picture was drawn: .* 'report': pip.*\n", done.stderr)
+    assert re.fullmatch(r"fieldrecon: no picture was drawn: .* 'pictures': pip.*\n", done.stderr)
 
 
 def test_an_audit_without_any_extra(folder):
@@ -176,22 +183,22 @@ def test_an_audit_without_any_extra(folder):
     assert json.loads(done.stdout)["done"]["filled_holes"] == 1
     assert fr.audit_mesh(*fr.io.read_triangles(folder / "closed.stl")).clean
     assert [path.name for path in (folder / "audit").iterdir()] == ["audit.json"]
-    assert re.fullmatch(r"fieldrecon: no picture was drawn: .* 'report': pip.*\n", done.stderr)
+    assert re.fullmatch(r"fieldrecon: no picture was drawn: .* 'pictures': pip.*\n", done.stderr)
 
 
 @pytest.mark.parametrize(
     ("arguments", "extra"),
     [
-        (["experiments", "run", "million"], "report"),
         (["report"], "report"),
-        (["course"], "course"),
-        (["grade", "class"], "course"),
+        (["course"], "grade"),
+        (["grade", "class"], "grade"),
     ],
     ids=lambda x: x if isinstance(x, str) else x[0],
 )
 def test_a_command_names_its_extra(folder, arguments, extra):
     """In a sentence, with status 2."""
-    done = without(OPTIONAL, *arguments, cwd=folder)
+    always = names_of(COURSE["dependencies"])
+    done = without([m for m in OPTIONAL if m not in always], *arguments, cwd=folder)
     assert done.returncode == 2
     assert f" with the extra '{extra}': pip install " in done.stderr
     assert "Traceback" not in done.stderr

@@ -133,7 +133,7 @@ def test_without_matplotlib_the_remedy_is_told(monkeypatch):
     """The terrain is a file of matplotlib's; without it, the message says what to install."""
     monkeypatch.setattr(elevation, "find_spec", lambda _: None)
     with pytest.raises(
-        ModuleNotFoundError, match=r"is a file of matplotlib.* extra 'report': pip install "
+        ModuleNotFoundError, match=r"is a file of matplotlib.* extra 'pictures': pip install "
     ):
         terrain()
 

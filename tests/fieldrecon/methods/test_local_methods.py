@@ -89,13 +89,13 @@ def test_leaving_out_tells_the_way(name):
 CTRL_C = """
 import signal, threading
 import numpy as np
-from fieldrecon import _chunks
-from fieldrecon.datasets import uniform
-from fieldrecon.moving_least_squares import MovingLeastSquares
-from fieldrecon.partition_of_unity import PartitionOfUnityRBF
-from fieldrecon.positive_definite import wendland
+from fieldrecon._core import chunks
+from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.kernels.positive_definite import wendland
 
-_chunks.CHUNK_BYTES = 2**14
+chunks.CHUNK_BYTES = 2**14
 x, few = uniform(5000, 2, seed=1), uniform(20, 2, seed=2)
 mls = MovingLeastSquares(x, wendland(2, 1), 1, 12).field(x[:, 0])
 method = PartitionOfUnityRBF(x)
