@@ -3,9 +3,16 @@
 from fieldgrade.grading import FOR_WORKERS
 from fieldrecon.cli.commands import Command
 
+NEEDS = ("fontTools", "jsonschema", "jupytext", "nbclient", "nbconvert", "nbformat", "pytest")
+
 COURSE = Command(
-    "fieldgrade.commands.course", "notebooks, the tests of their graders, the students' bundle"
+    "fieldgrade.commands.course",
+    "notebooks, the tests of their graders, the students' bundle",
+    needs=NEEDS,
 )
 GRADE = Command(
-    "fieldgrade.commands.grade", "grade the submissions of a class", for_workers=FOR_WORKERS
+    "fieldgrade.commands.grade",
+    "grade the submissions of a class",
+    needs=NEEDS,
+    for_workers=FOR_WORKERS,
 )

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
 
+from fieldrecon._core.extras import require
+
 GROUP = "fieldrecon.commands"
 
 
@@ -28,6 +30,8 @@ class Command:
         What the command does, in a few words.
     description : str
         What it does, in sentences; the help if not given.
+    needs : tuple of str
+        Modules of optional packages without which it is refused.
     for_workers : tuple of str
         Modules that its worker processes need; their import begins before that of the command.
     """
@@ -35,6 +39,7 @@ class Command:
     module: str
     help: str
     description: str | None = None
+    needs: tuple[str, ...] = ()
     for_workers: tuple[str, ...] = ()
 
     def add_to(self, commands: argparse._SubParsersAction, name: str, called: bool) -> None:
@@ -43,6 +48,7 @@ class Command:
             name, help=self.help, description=self.description or self.help
         )
         if called:
+            require(*self.needs)
             if self.for_workers:
                 from fieldrecon._core.worker_processes import prepare
 

@@ -478,7 +478,7 @@ def test_a_wrong_command_is_told_with_its_usage(capsys, arguments, words):
 def test_an_interrupt_is_no_failure_of_the_program(capsys, monkeypatch):
     """Ctrl-C ends with the customary status 130."""
 
-    def interrupted(_):
+    def interrupted():
         raise KeyboardInterrupt
 
     monkeypatch.setattr(experiments_command, "titles", interrupted)
