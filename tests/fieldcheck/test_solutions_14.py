@@ -18,7 +18,7 @@ from fieldcheck.questions.q14_mesh_errors import (
 )
 from fieldgrade.authoring.sources import Source
 from fieldrecon.triangles.audit import audit_mesh
-from fieldrecon.triangles.duplicates import welded
+from fieldrecon.triangles.duplicates import merged_vertices
 from fieldrecon.triangles.half_edges import Sheets
 from fieldrecon.triangles.repair import repair_mesh
 
@@ -47,7 +47,7 @@ def test_points_are_welded_as_in_the_library(random):
         place = random.integers(0, 40, (12, 3)).astype(float)
         points = np.repeat(place, 3, axis=0) + random.uniform(-0.05, 0.05, (36, 3))
         points = points[random.permutation(36)]
-        np.testing.assert_array_equal(NOTEBOOK["weld"](points, 0.2), welded(points, 0.2))
+        np.testing.assert_array_equal(NOTEBOOK["weld"](points, 0.2), merged_vertices(points, 0.2))
 
 
 @every_surface

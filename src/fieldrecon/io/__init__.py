@@ -1,9 +1,15 @@
 """Files: tables of samples, clouds of points, meshes, and reconstructed values."""
 
 from fieldrecon.io.clouds import Cloud, read_cloud
-from fieldrecon.io.meshes import read_mesh, read_mesh_and_data, read_surface, write_mesh
+from fieldrecon.io.meshes import (
+    read_mesh,
+    read_mesh_and_data,
+    read_surface,
+    read_triangles,
+    write_mesh,
+    write_triangles,
+)
 from fieldrecon.io.saved_fields import load, save
-from fieldrecon.io.triangles import read_triangles, write_triangles
 
 __all__ = [
     "Cloud",

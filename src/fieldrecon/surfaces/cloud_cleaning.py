@@ -35,7 +35,7 @@ class Cloud:
         a direction outward, as at an edge or a rim. Otherwise it means nothing.
     left_out : (k,) ndarray of int
     spacing, noise : float
-    remarks : tuple of str
+    warnings : tuple of str
     """
 
     points: np.ndarray
@@ -45,7 +45,7 @@ class Cloud:
     left_out: np.ndarray
     spacing: float
     noise: float
-    remarks: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
@@ -78,9 +78,9 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
         (int(alone.sum()), "{} lie apart from all others and are left out"),
         (int((~trusted).sum()), "{} have no normal: no plane fits their neighbours, as at edges"),
     )
-    remarks = [sentence.format(_points(count)) + "." for count, sentence in said if count]
+    warnings = [sentence.format(_points(count)) + "." for count, sentence in said if count]
     left_out = np.setdiff1d(np.arange(len(given)), kept)
-    return Cloud(p, outward, trusted, beside, left_out, spacing, noise, tuple(remarks))
+    return Cloud(p, outward, trusted, beside, left_out, spacing, noise, tuple(warnings))
 
 
 def _estimated(p: np.ndarray, rough: bool) -> PointNormals:

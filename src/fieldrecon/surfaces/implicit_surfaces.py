@@ -48,7 +48,7 @@ class ImplicitSurface(Solid):
         it were smoothed away, zero for none.
     field : Field
         F, a field with a gradient.
-    remarks : tuple of str
+    warnings : tuple of str
         What is to be known about the points, in sentences.
     """
 
@@ -57,7 +57,7 @@ class ImplicitSurface(Solid):
     def __init__(self, cloud: Cloud, field: Field, smoothing: float) -> None:
         self.points, self.outward, self.left_out = cloud.points, cloud.outward, cloud.left_out
         self.noise, self.smoothing, self.spacing = cloud.noise, smoothing, cloud.spacing
-        self.field, self.remarks = field, cloud.remarks + _said(cloud, smoothing)
+        self.field, self.warnings = field, cloud.warnings + _said(cloud, smoothing)
         self.near, self.box = self.points, _box_about(cloud)
 
     def _values(self, x: np.ndarray) -> np.ndarray:

@@ -300,7 +300,7 @@ class SoupBody(Solid):
     ----------
     points : (k, 3) ndarray
         Places on the triangles, `spacing` apart or less.
-    remarks : tuple of str
+    warnings : tuple of str
         What is to be known, in sentences.
     """
 
@@ -322,7 +322,7 @@ class SoupBody(Solid):
         margin = _MARGIN * max(self.spacing, epsilon)
         self.box = np.array([low - margin, high + margin])
         where = f"around them, smoothed below {epsilon:.3g}" if epsilon else "through them"
-        self.remarks = (f"The {len(triangles):,} triangles are loose; the surface goes {where}.",)
+        self.warnings = (f"The {len(triangles):,} triangles are loose; the surface goes {where}.",)
 
     def _values(self, x: np.ndarray) -> np.ndarray:
         return self.soup(x)

@@ -13,7 +13,13 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
-from fieldrecon.triangles.duplicates import coincident, first_alike, rows_in, three_corners, welded
+from fieldrecon.triangles.duplicates import (
+    coincident,
+    first_alike,
+    merged_vertices,
+    rows_in,
+    three_corners,
+)
 from fieldrecon.triangles.half_edges import Sheets
 from fieldrecon.triangles.intersections import close_pairs, contacts
 from fieldrecon.triangles.orientation import inside_out, turned
@@ -49,7 +55,7 @@ class MeshAudit:
         By how much points may be off.
     soup : bool
         Whether each triangle has vertices of its own, as in STL files. That is the format, and no
-        error: what follows is said of the surface with equal vertices welded, and a vertex is
+        error: what follows is said of the surface with equal vertices merged, and a vertex is
         called by the first in its place.
     duplicate_vertices : (k, 2) ndarray
         A vertex, and an earlier one in its place; to weld them joins edges that are one to the eye.
@@ -194,7 +200,7 @@ def audit_mesh(
     tolerance = valid.as_length(tolerance, "tolerance", zero_allowed=True)
     unit = unit_of(p)
     p = np.where(np.abs(p / unit) > 2.0**-200, p / unit, 0.0)
-    place = welded(p, tolerance / unit)
+    place = merged_vertices(p, tolerance / unit)
     referenced = np.bincount(t.ravel(), minlength=len(p))
     soup = bool((referenced <= 1).all() and (place[t] != t).any())
     return MeshAudit(

@@ -15,7 +15,7 @@ _DIRECTION = (0.5773, 0.6217, 0.5293)
 _CROWDED = 64  # neighbours of each vertex within the tolerance, on average, that are too many
 
 
-def welded(points: np.ndarray, tolerance: float = 0.0) -> np.ndarray:
+def merged_vertices(points: np.ndarray, tolerance: float = 0.0) -> np.ndarray:
     """For each point (n, 3), the first one in its place.
 
     Points not farther apart than the tolerance are in one place, and so are chains of them.

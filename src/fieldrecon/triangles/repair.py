@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
 from fieldrecon.triangles.audit import MeshAudit, as_surface, audit_mesh, unit_of
-from fieldrecon.triangles.duplicates import first_alike, three_corners, welded
+from fieldrecon.triangles.duplicates import first_alike, merged_vertices, three_corners
 from fieldrecon.triangles.half_edges import Sheets
 from fieldrecon.triangles.intersections import close_pairs, contacts
 from fieldrecon.triangles.orientation import inside_out, turned
@@ -60,7 +60,7 @@ def repair_mesh(
 ) -> MeshRepair:
     """Repair what is wrong with a mesh of triangles in space, and leave alone what is right.
 
-    Vertices that `audit_mesh` calls duplicates are welded, in a soup all that are in one place.
+    Vertices that `audit_mesh` calls duplicates are merged, in a soup all that coincide.
     Triangles that have no area or repeat others are removed. Free edges are split where a vertex
     of the boundary lies inside them, and bow-ties are made into one vertex for each sheet.
     Triangles are turned like most around them, and bodies outward; small holes are filled; vertices
@@ -149,9 +149,9 @@ def repair_mesh(
 
 
 def _places(before: MeshAudit, p: np.ndarray, tolerance: float) -> np.ndarray:
-    """For each vertex the one it is welded to."""
+    """For each vertex the one it is merged with."""
     if before.soup:
-        return welded(p, tolerance)
+        return merged_vertices(p, tolerance)
     place = np.arange(len(p))
     place[before.duplicate_vertices[:, 0]] = before.duplicate_vertices[:, 1]
     return place

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import exact_triangles as literal
-from fieldrecon.io.triangles import read_triangles, write_triangles
+from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import intersections as _contacts
 from fieldrecon.triangles import intersections as _triangle_pairs
 from fieldrecon.triangles import predicates as _predicates

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from fieldrecon.io.triangles import read_triangles, write_triangles
+from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
 from fieldrecon.triangles.repair import patches, repair_mesh
