@@ -192,7 +192,7 @@ def reconstruct_scan(request: ScanRequest, *, stages: Stages = silent) -> ScanRe
     progress = stages("following the surface")
     mesh = extract_surface(body, spacing, within=request.open, progress=progress)
     progress = stages("distances of the points")
-    distances = distances_to_triangles(body.points, mesh.points, mesh.triangles, progress)
+    distances = distances_to_triangles(body.points, mesh.points, mesh.triangles, progress=progress)
     stages("looking for gaps and errors")
     away = cKDTree(body.points).query(mesh.points[mesh.triangles].mean(axis=1))[0]
     gaps = away > GAP * body.spacing

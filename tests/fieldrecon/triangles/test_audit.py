@@ -464,7 +464,7 @@ def test_many_pairs_are_looked_at_in_pieces(monkeypatch):
     """The pieces change nothing."""
     surface = together(sphere(2), moved(sphere(2), 0.3, 0.2, 0.1))
     whole = audit_mesh(*surface)
-    monkeypatch.setattr(_contacts, "_AT_ONCE", 7)
+    monkeypatch.setattr(_contacts, "_CHUNK", 7)
     monkeypatch.setattr("fieldrecon.triangles.bounding_volumes._MOST", 50)
     assert audit_mesh(*surface).as_dict() == whole.as_dict()
     assert len(whole.crossings) > 50
