@@ -465,7 +465,7 @@ def test_many_pairs_are_looked_at_in_pieces(monkeypatch):
     surface = together(sphere(2), moved(sphere(2), 0.3, 0.2, 0.1))
     whole = audit_mesh(*surface)
     monkeypatch.setattr(_contacts, "_CHUNK", 7)
-    monkeypatch.setattr("fieldrecon.triangles.bounding_volumes._MOST", 50)
+    monkeypatch.setattr("fieldrecon.triangles.bounding_volumes._MAX_PAIRS", 50)
     assert audit_mesh(*surface).as_dict() == whole.as_dict()
     assert len(whole.crossings) > 50
 
