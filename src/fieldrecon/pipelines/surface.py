@@ -18,7 +18,7 @@ from fieldrecon.io.clouds import Cloud, read_cloud
 from fieldrecon.pipelines.stages import Stages, silent
 from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
 from fieldrecon.surfaces.implicit_surfaces import ImplicitSurface, implicit_surface
-from fieldrecon.surfaces.polygon_soup import SoupBody
+from fieldrecon.surfaces.polygon_soup import PolygonSoupSolid
 from fieldrecon.triangles.audit import in_words
 from fieldrecon.triangles.distances import distances_to_triangles
 
@@ -66,7 +66,7 @@ class ScanResult:
         As read from the file.
     center : (3,) ndarray
         The coordinates of the cloud are those of the body and its mesh plus this vector.
-    body : ImplicitSurface or SoupBody
+    body : ImplicitSurface or PolygonSoupSolid
     mesh : ExtractedSurface
     distances : (n,) ndarray
         Distances of the points of the body from the triangles.
@@ -78,7 +78,7 @@ class ScanResult:
 
     cloud: Cloud
     center: np.ndarray
-    body: ImplicitSurface | SoupBody
+    body: ImplicitSurface | PolygonSoupSolid
     mesh: ExtractedSurface
     distances: np.ndarray
     gaps: np.ndarray
@@ -107,7 +107,7 @@ class ScanResult:
     @property
     def sources(self) -> str:
         """What the surface was fitted to, in words."""
-        if isinstance(self.body, SoupBody):
+        if isinstance(self.body, PolygonSoupSolid):
             return f"{len(self.body.points):,} points on {len(self.cloud.triangles):,} triangles"
         return f"{len(self.body.points):,} of {len(self.cloud.points):,} points"
 
@@ -125,7 +125,7 @@ class ScanResult:
     @property
     def warnings(self) -> list[str]:
         """What a reader of the mesh has to know, in sentences."""
-        if isinstance(self.body, SoupBody):
+        if isinstance(self.body, PolygonSoupSolid):
             return [*self.cloud.warnings, *self.body.warnings, *self._mesh_warnings()]
         source = f"those of the {self.cloud.normals_of}" if self.own_normals else "estimated"
         normals = f"The normals are {source}."
@@ -182,7 +182,7 @@ def reconstruct_scan(request: ScanRequest, *, stages: Stages = silent) -> ScanRe
     cloud = read_cloud(request.cloud)
     # far from the origin, squares of coordinates would lose digits
     center = (cloud.points.min(axis=0) + cloud.points.max(axis=0)) / 2
-    body: ImplicitSurface | SoupBody
+    body: ImplicitSurface | PolygonSoupSolid
     if request.polygons is None:
         body = _fit_points(cloud, center, request, stages)
         spacing = request.edge
@@ -216,14 +216,14 @@ def _fit_points(
 
 def _enclose_triangles(
     cloud: Cloud, center: np.ndarray, request: ScanRequest, epsilon: float, stages: Stages
-) -> SoupBody:
+) -> PolygonSoupSolid:
     if request.smoothing is not None:
         raise ValueError("--smoothing is for points; --polygons says how smooth polygons are")
     epsilon = as_length(epsilon, "--polygons", zero_allowed=True)
     if not len(cloud.triangles):
         raise ValueError("the file holds no triangles, of which a surface could be made")
     stages("enclosing the triangles")
-    return SoupBody(cloud.points - center, cloud.triangles, epsilon, request.edge)
+    return PolygonSoupSolid(cloud.points - center, cloud.triangles, epsilon, request.edge)
 
 
 def _refuse_flat(points: np.ndarray) -> None:

@@ -315,7 +315,7 @@ def test_whatever_the_field_the_triangles_are_closed_and_do_not_cross():
 
 def test_linear_interpolation_misses_the_zero_level(monkeypatch):
     """Without the Newton steps vertices are off by the square of the cell."""
-    monkeypatch.setattr(surface_extraction, "_STEPS", 0)
+    monkeypatch.setattr(surface_extraction, "_MAX_STEPS", 0)
     mesh = extract_surface(Ball(1.0), 0.1)
     assert np.abs(Ball(1.0)(mesh.points)).max() > 1e-4
 
@@ -418,7 +418,7 @@ def test_what_makes_no_surface_is_refused(call, words):
 
 def test_points_of_no_surface_are_refused_in_words():
     """All in one place, and along a line."""
-    with pytest.raises(np.linalg.LinAlgError, match="four different points or more; got 1"):
+    with pytest.raises(np.linalg.LinAlgError, match="at least four different points; got 1"):
         implicit_surface(np.ones((9, 3)))
     with pytest.raises(np.linalg.LinAlgError, match="nowhere does a plane fit"):
         implicit_surface(np.arange(30.0)[:, None] * [1.0, 2.0, 3.0])
