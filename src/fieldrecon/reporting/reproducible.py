@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from fieldrecon import experiments
+from fieldrecon._dispatch import dispatch
 from fieldrecon.reporting.failure import BuildError
-from fieldrecon.reporting.pins import dispatch, pins
+from fieldrecon.reporting.pins import pins
 from fieldrecon.reporting.steps import digests
 
 LEVEL_OF_ROUNDING = 1e-8
