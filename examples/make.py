@@ -27,9 +27,7 @@ def heights(count: int = 600) -> None:
     columns, rows = (at * [len(x) - 1, len(y) - 1]).round().astype(int).T
     table = np.column_stack([x[columns], y[rows], land.height[rows, columns]])
     header = "east [m],north [m],height [m]"
-    np.savetxt(
-        HERE / "heights.csv", table, fmt="%.1f", delimiter=",", header=header, comments=""
-    )
+    np.savetxt(HERE / "heights.csv", table, fmt="%.1f", delimiter=",", header=header, comments="")
 
 
 def scan(count: int = 3000) -> None:

@@ -17,9 +17,10 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from fieldrecon._core.simd_dispatch import dispatch
 from fieldreport import experiments
 from fieldreport.build.failure import BuildError
-from fieldreport.build.pins import dispatch, pins
+from fieldreport.build.pins import pins
 from fieldreport.build.steps import digests
 
 LEVEL_OF_ROUNDING = 1e-8
