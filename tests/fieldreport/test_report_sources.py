@@ -111,12 +111,13 @@ def test_each_module_is_parsed_once(monkeypatch):
         return whole(*arguments, **options)
 
     found = set()
+    modules = [experiments.module_of(name) for name in ("power_sampling", "terrain", "peers")]
     sources.forget()
     with monkeypatch.context() as during:
         during.setattr(ast, "parse", parse)
-        for name in ("power_sampling", "terrain", "peers", "coupling"):
+        for module in modules:
             for names in (RUN_NAMES, ("plot",), ("run",)):
-                found |= set(code_behind(experiments.module_of(name), names))
+                found |= set(code_behind(module, names))
     assert len(parsed_trees) == len([name for name in found if name.startswith(sources.PACKAGES)])
 
 
