@@ -3,6 +3,7 @@
 import ast
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -165,6 +166,13 @@ def test_an_import_the_wrong_way_is_seen(wrong, broken, tmp_path):
     )
     assert checked.returncode == 1, checked.stdout + checked.stderr
     assert broken in re.findall(r"^(.*?)(?::.*)? BROKEN$", checked.stdout, flags=re.M)
+
+
+def test_the_picture_of_the_house_is_up_to_date():
+    """`make architecture` draws it from the imports."""
+    drawn = runpy.run_path(str(ROOT / "tools" / "architecture.py"))
+    picture = drawn["PICTURE"].read_text(encoding="utf-8")
+    assert drawn["in_words"](drawn["rooms_and_imports"]()) in picture, "run: make architecture"
 
 
 SOURCES = {

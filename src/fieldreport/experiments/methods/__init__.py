@@ -1,1 +1,3 @@
-"""methods."""
+"""Least squares, moving least squares and radial basis functions against each other and against
+other libraries.
+"""

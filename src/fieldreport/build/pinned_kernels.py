@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldrecon._core.simd_dispatch import blas_cores, dispatch, dispatched
-from fieldreport.build.failure import BuildError
+from fieldreport.build.errors import BuildError
 
 X86_64_V3 = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"}
 """What the Haswell kernels and NumPy's X86_V3 need, as ``/proc/cpuinfo`` names it."""

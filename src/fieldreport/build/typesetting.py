@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any, Final, cast
 
 from fieldrecon._core.atomic_files import write_atomically
-from fieldreport.build.failure import BuildError
+from fieldreport.build.code_dependencies import code_behind
+from fieldreport.build.errors import BuildError
 from fieldreport.build.manifest import versions
-from fieldreport.build.sources import code_behind
-from fieldreport.build.steps import Steps, digest
+from fieldreport.build.step_records import Steps, digest
 
 PDF_STANDARD: Final = "ua-1"
 OUTPUTS: Final = ("html5", "typst-citations")
