@@ -60,10 +60,9 @@ def readme_commands() -> list[list[str]]:
 @pytest.mark.slow
 @pytest.mark.parametrize("command", readme_commands(), ids=" ".join)
 def test_the_readme_s_commands_run(command, tmp_path, monkeypatch, capsys):
-    """As they stand there, in a folder that holds a table of samples."""
+    """As they stand there, in a folder with the sample files."""
     monkeypatch.chdir(tmp_path)
-    heights = (f"{x},{y},{x * y}" for x in range(6) for y in range(6))
-    (tmp_path / "points.csv").write_text("\n".join(["east,north,height", *heights]))
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
     assert main(command) == 0
     assert capsys.readouterr().out
 

@@ -1,3 +1,1 @@
-"""Least squares, moving least squares and radial basis functions against each other and against
-other libraries.
-"""
+"""Least squares, moving least squares and radial basis functions compared, also with others."""

@@ -1,1 +1,1 @@
-"""Velocities and gradients on meshes, and the vertices at which one ring does not determine them."""
+"""Velocities and gradients on meshes, and vertices that one ring does not determine."""
