@@ -122,7 +122,7 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     Examples
     --------
     >>> import numpy as np
-    >>> from fieldrecon.coupling.rigid_motions import net_force_and_moment
+    >>> from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
     >>> plate = np.pad(np.indices((4, 6)).reshape(2, -1).T * 1.0, ((0, 0), (0, 1)))
     >>> skin = plate + [0.2, 0.3, 0.5]
     >>> coupling = couple(plate, skin)

@@ -11,7 +11,7 @@ from scipy.spatial.distance import cdist
 import transfers
 from fieldrecon import reconstruction
 from fieldrecon.coupling.flat_structures import FlatCoupling, couple
-from fieldrecon.coupling.rigid_motions import net_force_and_moment, rigid_motions
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment, rigid_motions
 from fieldrecon.coupling.transfer import Coupling, Transfer, applied
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.positive_definite import gaussian, wendland
