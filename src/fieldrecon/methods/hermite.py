@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import rows_of
+from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.saddle_point import SaddlePoint
 from fieldrecon.kernels.derivatives import smoothness
 from fieldrecon.kernels.radial import Radial
@@ -251,9 +252,9 @@ def _refuse_a_rough_kernel(kernel: Radial, order: int) -> None:
 def _refuse_dependent(local: Functionals) -> None:
     """Functionals at one point that say the same, or of which one follows from the others."""
     rows = np.column_stack([local.value, local.gradient, local.laplacian])
-    _, group = np.unique(local.points + 0.0, axis=0, return_inverse=True)
-    order = np.argsort(group.ravel(), kind="stable")
-    starts = np.flatnonzero(np.diff(group.ravel()[order], prepend=-1))
+    group = coincidence_labels(local.points)
+    order = np.argsort(group, kind="stable")
+    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
     for members in np.split(order, starts[1:]):
         if len(members) > 1 and np.linalg.matrix_rank(rows[members]) < len(members):
             which = ", ".join(str(i) for i in members[:5])

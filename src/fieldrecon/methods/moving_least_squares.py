@@ -15,6 +15,7 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
+from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._core.validation import place
 from fieldrecon._numerics.neighbor_search import (
     AllSites,
@@ -23,8 +24,7 @@ from fieldrecon._numerics.neighbor_search import (
     Search,
     WithinRadius,
     as_neighbors,
-    gathered,
-    places,
+    group_rows,
 )
 from fieldrecon._numerics.weighted_least_squares import Undetermined, coefficient_weights
 from fieldrecon.kernels.radial import Radial, inverse_square
@@ -112,7 +112,7 @@ class MovingLeastSquares(Reconstruction):
         self.unit = frame.scale
         self.sites = self.points / self.unit
         self.search = self._searched()
-        self.place = places(self.points)
+        self.place = coincidence_labels(self.points)
         self.coincident = int(self.place.max()) + 1 < len(self.points)
         self.interpolates = self._interpolates()
 
@@ -376,7 +376,7 @@ class LocalFit:
         k = self.weight.shape[1]
         nowhere = len(self.method.points) + np.arange(k)
         place = np.where(self.near.missing, nowhere, self.method.place[self.near.index])
-        lead, count = gathered(place)
+        lead, count = group_rows(place)
         w = np.where(lead == np.arange(k), np.sqrt(count) * self.weight, 0.0)
         c = coefficient_weights(self.basis, w, rows, self._tolerance())
         return np.take_along_axis(c, lead[:, None, :], axis=2) / count[:, None, :]

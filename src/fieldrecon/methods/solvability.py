@@ -6,8 +6,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
+from fieldrecon._core.duplicates import refuse_coincident
 from fieldrecon._core.memory import memory_limit
-from fieldrecon._numerics.neighbor_search import places
 from fieldrecon.kernels.radial import Radial
 from fieldrecon.polynomials import EPS
 
@@ -65,19 +65,9 @@ def as_augmentation(degree: int | None, kernel: Radial) -> int:
 def refuse_duplicates(
     points: np.ndarray, remedy: str = "merge them, or give smoothing > 0"
 ) -> None:
-    """Two equal rows of the system make it singular."""
-    if any((np.diff(np.sort(axis)) > 0).all() for axis in points.T):
-        return  # no two are equal in one coordinate: the usual case, and told ten times as fast
-    place = places(points)
-    if place.max() + 1 < len(points):
-        first = np.unique(place, return_index=True)[1][place]
-        twice = np.flatnonzero(first != np.arange(len(points)))
-        pairs = [f"{first[j]} and {j}" for j in twice[:5]]
-        more = f" and {len(twice) - 5} more" if len(twice) > 5 else ""
-        raise ValueError(
-            f"points must be distinct to be interpolated; these coincide: {', '.join(pairs)}"
-            f"{more}; {remedy}"
-        )
+    """Refuse points that coincide: two equal rows of the system make it singular."""
+    wanted = "points must be distinct to be interpolated; these coincide: {pairs}; "
+    refuse_coincident(points, wanted + remedy)
 
 
 def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
