@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
+from fieldrecon.kernels import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF

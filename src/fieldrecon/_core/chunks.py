@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import tempfile
 from collections import deque
@@ -16,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fieldrecon._core.blas_threads import one_blas_thread
+from fieldrecon._core.worker_processes import available_cores
 
 Progress = Callable[[int, int], object]
 Result = TypeVar("Result")
@@ -131,7 +131,5 @@ class Inline(Executor):
 
 
 def _threads(chunks: int) -> Executor:
-    cores = (
-        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    )
-    return Inline() if min(chunks, cores) <= 1 else ThreadPoolExecutor(min(chunks, cores))
+    workers = min(chunks, available_cores())
+    return Inline() if workers <= 1 else ThreadPoolExecutor(workers)

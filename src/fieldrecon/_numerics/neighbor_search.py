@@ -9,6 +9,8 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.validation import as_count
+
 
 @dataclass(frozen=True)
 class Neighborhood:
@@ -41,16 +43,8 @@ def as_neighbors(neighbors: int | None, n: int) -> int | None:
     """A number of neighbours that leaves one of n sites to set the scale, or None for all."""
     if neighbors is None:
         return None
-    if (
-        isinstance(neighbors, bool)
-        or not isinstance(neighbors, int | np.integer)
-        or not 1 <= neighbors < n
-    ):
-        raise ValueError(
-            f"neighbors must be an integer from 1 to {n - 1}, fewer than the {n} points, or None "
-            f"for all of them; got {neighbors!r}"
-        )
-    return int(neighbors)
+    wanted = f"an integer from 1 to {n - 1}, fewer than the {n} points, or None for all of them"
+    return as_count(neighbors, "neighbors", 1, n - 1, wanted)
 
 
 def group_rows(label: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

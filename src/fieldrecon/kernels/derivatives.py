@@ -11,14 +11,14 @@ import math
 import numpy as np
 from scipy.special import gamma
 
-from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import (
-    Radial,
-    inverse_square,
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
     multiquadric,
     polyharmonic,
     thin_plate_spline,
 )
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.weights import inverse_square
 
 
 def smoothness(kernel: Radial) -> float:

@@ -53,8 +53,7 @@ def block_means(points: ArrayLike, values: ArrayLike, count: int) -> tuple[np.nd
     """
     points = valid.as_points(points)
     values = valid.as_values(values, len(points))
-    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
-        raise ValueError(f"count must be a positive integer; got {count!r}")
+    valid.as_count(count, "count", wanted="a positive integer")
     if count > len(points):
         raise ValueError(f"count must be at most {len(points)}, the number of points; got {count}")
     sites = Boxes.around(points, len(points) / count).sites

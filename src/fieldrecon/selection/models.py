@@ -11,8 +11,8 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon.kernels import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

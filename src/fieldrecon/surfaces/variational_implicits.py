@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon.kernels.radial import Radial, polyharmonic
+from fieldrecon.kernels import Radial, polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, values_at
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.rbf import RBF

@@ -14,6 +14,7 @@ from fieldrecon.velocity.stencils import (
     LocalWeights,
     MatrixOfWeights,
     Stars,
+    amplification,
     as_vertices,
     fit_on_rings,
     scaled_offsets,
@@ -135,5 +136,4 @@ class _AffineFit:
         nearest = np.where(stars.there, squared, np.inf).min(axis=1)
         w = np.where(stars.there, 2 / (1 + squared / nearest[:, None]), 0.0)
         c = estimable_weights(monomials(y, 1), w, 1)
-        amplification = np.linalg.norm(c[:, 0], axis=1)
-        return LocalWeights(c, amplification, np.count_nonzero(w, axis=1))
+        return LocalWeights(c, amplification(c), np.count_nonzero(w, axis=1))

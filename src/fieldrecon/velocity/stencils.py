@@ -17,9 +17,10 @@ from scipy import sparse
 
 from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon._numerics.weighted_least_squares import LARGEST_WEIGHT
-from fieldrecon.kernels.radial import Radial
+from fieldrecon.kernels import Radial
+from fieldrecon.kernels.weights import relative_weights
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.polynomials import EPS
+from fieldrecon.polynomials import EPS, power_of_two_above
 
 
 @dataclass(frozen=True)
@@ -269,32 +270,20 @@ class ValuesOfWeights:
         self.values[places] = (weights @ of_sites).mT
 
 
-# Weights above this stand for infinity: their squares, and the inverses of those, are numbers.
-_INFINITE = 1e120
-
-
-def as_weight(weight: Radial | None, none_allowed: bool = True) -> Radial | None:
-    """A weight that falls with the distance, or none."""
-    if weight is None and none_allowed:
-        return None
-    if not isinstance(weight, Radial):
-        raise ValueError(
-            f"weight must be a radial function such as inverse_square(0.1); got {weight!r}"
-        )
-    if weight.order > 0 or weight.homogeneity > 0:
-        raise ValueError(f"weight must be positive and fall with the distance; {weight!r} does not")
-    return weight
+def amplification(c: np.ndarray) -> np.ndarray:
+    """Largest change (m,) of the results C f, C (m, r, k), by errors of norm one of the data f."""
+    return np.sqrt(np.einsum("mrk,mrk->mr", c, c).max(axis=1))
 
 
 def scaled_offsets(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Offsets (m, k, d) of the sites in units (m,) of their size, powers of two."""
     # a sum instead of the largest: numpy adds along a short axis in a fraction of the time
     size = np.einsum("mkd,mk->mk", np.abs(offset), there).max(axis=1)
-    unit = np.exp2(np.ceil(np.log2(np.where(size > 0, size, 1.0))))
+    unit = power_of_two_above(size)
     return offset / unit[:, None, None], unit
 
 
-def relative_weights(
+def weights_at(
     weight: Radial | None, unit: float, offset: np.ndarray, there: np.ndarray
 ) -> np.ndarray:
     """Weights (m, k) of sites at offsets (m, k, d), the largest of each vertex one.
@@ -303,11 +292,7 @@ def relative_weights(
     """
     if weight is None:
         return there.astype(np.float64)
-    with np.errstate(all="ignore"):  # a weight may vanish, or be infinite at a distance of zero
-        w = weight.in_units(unit)(np.linalg.norm(offset / unit, axis=2))
-    w = np.where(there, np.minimum(w, _INFINITE), 0.0)
-    top = w.max(axis=1, initial=0.0)
-    return w / np.where(top > 0, top, 1.0)[:, None]
+    return relative_weights(weight.in_units(unit), np.linalg.norm(offset / unit, axis=2), there)
 
 
 def number_that_count(w: np.ndarray) -> np.ndarray:

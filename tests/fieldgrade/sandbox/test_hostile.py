@@ -10,14 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.distance import pdist
 
+from fieldrecon.kernels import Radial, inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import (
-    Radial,
-    inverse_square,
-    multiquadric,
-    polyharmonic,
-    thin_plate_spline,
-)
 from fieldrecon.methods.least_squares import LeastSquares, normal_equations
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

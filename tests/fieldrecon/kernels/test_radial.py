@@ -10,14 +10,8 @@ from numpy.polynomial import Polynomial
 from scipy.spatial.distance import cdist
 
 from cases import KERNELS, WEIGHTS
+from fieldrecon.kernels import Radial, inverse_square, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import (
-    Radial,
-    inverse_square,
-    multiquadric,
-    polyharmonic,
-    thin_plate_spline,
-)
 from fieldrecon.polynomials import dimension
 from laws import all_monomials, assert_close, assert_obeyed
 

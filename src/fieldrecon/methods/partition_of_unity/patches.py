@@ -20,7 +20,7 @@ from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._numerics.kd_partition import Boxes, halved
 from fieldrecon.methods.partition_of_unity.patch_systems import PatchSystems, Problem
 from fieldrecon.methods.partition_of_unity.polynomial_rank import doubtful, told_apart
-from fieldrecon.polynomials import dimension
+from fieldrecon.polynomials import dimension, power_of_two_above
 
 SITES_PER_BOX = 1 / 3
 """Sites of the box that a patch is made for, as a part of the sites of the patch."""
@@ -253,7 +253,5 @@ def _some_frames(
     places = points[sites]
     origin = places.mean(axis=1)
     y = places - origin[:, None, :]
-    radius = np.linalg.norm(y, axis=2).max(axis=1)
-    # a power of two, so that it rounds nothing
-    radius = np.exp2(np.ceil(np.log2(np.where(radius > 0, radius, 1.0))))
+    radius = power_of_two_above(np.linalg.norm(y, axis=2).max(axis=1))
     return origin, radius, doubtful(y / radius[:, None, None], degree)
