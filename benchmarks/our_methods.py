@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from fieldrecon.kernels import polyharmonic, thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

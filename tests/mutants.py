@@ -16,8 +16,9 @@ import laws
 from cases import Case, case
 from fieldrecon._core import validation as valid
 from fieldrecon._numerics.neighbor_search import Nearest
-from fieldrecon.kernels import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity import method as partition_of_unity

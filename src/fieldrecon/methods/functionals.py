@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon.kernels import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import descent
 from fieldrecon.polynomials import Frame, monomial_gradients, monomial_laplacians, monomials
 

@@ -11,7 +11,7 @@ from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import rows_of
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.saddle_point import SaddlePoint
-from fieldrecon.kernels import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import smoothness
 from fieldrecon.methods.functionals import Functionals, derivatives_at, together, values_at
 from fieldrecon.methods.solvability import (

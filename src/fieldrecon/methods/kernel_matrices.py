@@ -18,7 +18,7 @@ from scipy.spatial.distance import cdist
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon._numerics.saddle_point import SaddlePoint, SparseSaddlePoint, entries_of_factor
-from fieldrecon.kernels import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.methods.solvability import refuse_beyond_memory, within_range
 
 TILE = 1024

@@ -28,8 +28,8 @@ from fieldrecon._numerics.weighted_least_squares import (
     residuals,
     weights_of_changing_weights,
 )
-from fieldrecon.kernels import Radial, inverse_square
-from fieldrecon.kernels.weights import as_weight, log_square_slope, relative_weights
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.weights import as_weight, inverse_square, log_square_slope, relative_weights
 from fieldrecon.methods.least_squares import ACCURATE, half_sum_of_squares, monomial_matrix
 from fieldrecon.polynomials import (
     EPS,

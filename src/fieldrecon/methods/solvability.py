@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from fieldrecon._core import validation as valid
 from fieldrecon._core.duplicates import refuse_coincident
 from fieldrecon._core.memory import memory_limit
-from fieldrecon.kernels import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.polynomials import EPS, powers_of_scale
 
 TOLERATED_MISS = 1e-2

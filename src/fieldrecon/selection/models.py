@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fieldrecon.kernels import polyharmonic, thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares

@@ -18,7 +18,8 @@ from fieldrecon._numerics.weighted_least_squares import (
     estimable_weights,
     weights_of_changing_weights,
 )
-from fieldrecon.kernels import Radial, thin_plate_spline
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.weights import as_weight, log_square_slope
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import Frame, monomials, power_of_two_above

@@ -17,7 +17,7 @@ from scipy import sparse
 
 from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon._numerics.weighted_least_squares import LARGEST_WEIGHT
-from fieldrecon.kernels import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.weights import relative_weights
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import EPS, power_of_two_above

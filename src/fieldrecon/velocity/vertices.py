@@ -10,7 +10,7 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._numerics.weighted_least_squares import estimable_weights
-from fieldrecon.kernels import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.weights import as_weight
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import Frame

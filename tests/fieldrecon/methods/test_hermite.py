@@ -5,9 +5,15 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from fieldrecon.datasets.synthetic import halton
-from fieldrecon.kernels import Radial, inverse_square, multiquadric, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
 from fieldrecon.kernels.derivatives import descent, smoothness
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods import functionals as functionals_module
 from fieldrecon.methods.functionals import (
     Functionals,

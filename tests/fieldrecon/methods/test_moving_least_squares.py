@@ -11,8 +11,9 @@ from cases import CASES, Case, case
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.neighbor_search import group_rows
 from fieldrecon.datasets.synthetic import halton
-from fieldrecon.kernels import inverse_square, thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.polynomials import EPS, dimension, monomials

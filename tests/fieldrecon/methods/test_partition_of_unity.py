@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from fieldrecon._core import chunks as _chunks
 from fieldrecon._numerics.kd_partition import Boxes
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
-from fieldrecon.kernels import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import patches as _patches
 from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fieldrecon.kernels import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.kernels.positive_definite import gaussian
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares

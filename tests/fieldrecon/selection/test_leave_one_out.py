@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import digits
-from fieldrecon.kernels import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF

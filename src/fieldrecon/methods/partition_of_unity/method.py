@@ -13,7 +13,8 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
-from fieldrecon.kernels import Radial, polyharmonic
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS
 from fieldrecon.methods.partition_of_unity.blending import (
     Moments,

@@ -20,7 +20,7 @@ import numpy as np
 
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._core.validation import format_point, quiet_evaluate
-from fieldrecon.kernels import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each
 from fieldrecon.methods.partition_of_unity.polynomial_rank import leverages, ranks
 from fieldrecon.methods.solvability import TOLERATED_MISS, too_flat

@@ -23,7 +23,7 @@ from scipy.spatial import cKDTree
 from fieldrecon.coupling.flat_structures import FlatCoupling, blended_plates
 from fieldrecon.coupling.rigid_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Coupling, Transfer
-from fieldrecon.kernels import polyharmonic, thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line

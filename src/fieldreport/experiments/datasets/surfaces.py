@@ -10,7 +10,8 @@ import numpy as np
 from scipy import sparse
 from scipy.interpolate import LinearNDInterpolator, RBFInterpolator
 
-from fieldrecon.kernels import Radial, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares

@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 from scipy.spatial.distance import cdist, pdist
 
-from fieldrecon.kernels import thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.rbf import RBF

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon.datasets.synthetic import franke
-from fieldrecon.kernels import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares

@@ -19,7 +19,7 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
-from fieldrecon.kernels import inverse_square
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, figure, line
 from fieldrecon.velocity.gradients import (
