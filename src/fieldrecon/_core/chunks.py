@@ -50,7 +50,7 @@ def chunked(
     )
     pending: deque[tuple[slice, Future[Result]]] = deque()
     done, ahead = 0, iter(slices)
-    with pool as workers, _at_hand(partial(_on_one_thread, work), executor) as work_there:
+    with pool as workers, _shared_work(partial(_on_one_thread, work), executor) as work_there:
         try:
             while True:
                 while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
@@ -68,13 +68,13 @@ def chunked(
                 future.cancel()
 
 
-def passes(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:
-    """Yield, for each of so many passes over `total` things, what tells `progress` of it."""
+def split_progress(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:
+    """Yield a progress callable for each of `number` passes over `total` things."""
     for before in range(number):
-        yield progress and partial(_told_of_pass, progress, total, before, number)
+        yield progress and partial(_pass_progress, progress, total, before, number)
 
 
-def _told_of_pass(
+def _pass_progress(
     progress: Progress, total: int, before: int, number: int, done: int, of: int
 ) -> None:
     progress(total * (before * of + done) // (number * of), total)
@@ -87,16 +87,16 @@ def _on_one_thread(work: Callable[[np.ndarray], Result], x: np.ndarray) -> Resul
 
 
 @contextmanager
-def _at_hand(
+def _shared_work(
     work: Callable[[np.ndarray], Result], executor: Executor | None
 ) -> Iterator[Callable[[np.ndarray], Result]]:
-    """The work as threads take it; for processes, in a file until all is done.
+    """Yield the work for threads as it is, for processes as a file that is deleted at the end.
 
-    An executor that has a place of its own for it says so by `holding`.
+    An executor that shares work in its own way has a method `shared_work`.
     """
-    holding = getattr(executor, "holding", None)
-    if holding is not None:
-        with holding(work) as held:
+    shared_work = getattr(executor, "shared_work", None)
+    if shared_work is not None:
+        with shared_work(work) as held:
             yield held
         return
     if not isinstance(executor, ProcessPoolExecutor):

@@ -46,7 +46,7 @@ def _nothing() -> None:
     """Do it."""
 
 
-class Processes(ProcessPoolExecutor):
+class WorkerPool(ProcessPoolExecutor):
     """Fresh processes, started as there is work for them.
 
     Parameters

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._numerics.kd_partition import Boxes
+from fieldrecon._numerics.kd_partition import KDPartition
 
 
 def block_means(points: ArrayLike, values: ArrayLike, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -56,7 +56,7 @@ def block_means(points: ArrayLike, values: ArrayLike, count: int) -> tuple[np.nd
     valid.as_count(count, "count", wanted="a positive integer")
     if count > len(points):
         raise ValueError(f"count must be at most {len(points)}, the number of points; got {count}")
-    sites = Boxes.around(points, len(points) / count).sites
+    sites = KDPartition.around(points, len(points) / count).sites
     there = sites >= 0
     held = there.sum(axis=1)
     starts = (np.cumsum(held) - held)[held > 0]

@@ -25,7 +25,7 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import Frame, monomials, power_of_two_above
 from fieldrecon.velocity.stencils import (
     LocalWeights,
-    Stars,
+    Stencils,
     ValuesOfWeights,
     amplification,
     as_vertices,
@@ -125,10 +125,10 @@ class _LocalGradients:
         self.mesh, self.method, self.sites = mesh, method, sites
         self.unit = Frame.around(mesh.points).scale
 
-    def __call__(self, stars: Stars) -> LocalWeights:
+    def __call__(self, stencils: Stencils) -> LocalWeights:
         """Weights of the cells in the gradient at each vertex."""
-        offset = self.sites[stars.index] - self.mesh.points[stars.vertices][:, None]
-        w = weights_at(self.method.weight, self.unit, offset, stars.there)
+        offset = self.sites[stencils.index] - self.mesh.points[stencils.vertices][:, None]
+        w = weights_at(self.method.weight, self.unit, offset, stencils.there)
         distance, typical = _distances(offset, w > 0)
         counted = number_that_count(w)
         w = np.where(distance <= _FAR * typical[:, None], w, 0.0)
@@ -138,7 +138,7 @@ class _LocalGradients:
         size = amplification(affine[:, 1:])
         weights = np.full(affine[:, 1:].shape, np.nan)
         ok = np.flatnonzero(np.isfinite(size))
-        batch = CellStars(y[ok], w[ok], affine[ok], length[ok] / self.unit, self.unit)
+        batch = CellStencils(y[ok], w[ok], affine[ok], length[ok] / self.unit, self.unit)
         weights[ok] = self.method(batch) / length[ok, None, None]
         return LocalWeights(weights, size, counted)
 
@@ -152,7 +152,7 @@ def _distances(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 @dataclass(frozen=True)
-class CellStars:
+class CellStencils:
     """Sites about a batch of m vertices, in units of their own; they determine affine functions.
 
     Attributes
@@ -187,9 +187,9 @@ class local_least_squares:
 
     weight: ClassVar[Radial | None] = None
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
         """Weights (m, d, k) of the data in the gradient."""
-        return stars.affine[:, 1:]
+        return stencils.affine[:, 1:]
 
 
 @dataclass(frozen=True)
@@ -214,15 +214,19 @@ class local_moving_least_squares:
     def __post_init__(self) -> None:
         as_weight(self.weight)
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
         """Weights (m, d, k) of the data in the gradient."""
-        b = monomials(stars.y, 1)
-        c = estimable_weights(b, stars.w, b.shape[-1])
-        length = stars.length[:, None]
-        r = np.linalg.norm(stars.y, axis=2) * length
-        slope = log_square_slope(self.weight.in_units(stars.unit), r, stars.w) * length**2
-        change = weights_of_changing_weights(c, b, stars.w, -slope[..., None] * stars.y)
+        b = monomials(stencils.y, 1)
+        c = estimable_weights(b, stencils.w, b.shape[-1])
+        change = weights_of_changing_weights(c, b, stencils.w, self._log_gradient(stencils))
         return c[:, 1:] + change.mT
+
+    def _log_gradient(self, stencils: CellStencils) -> np.ndarray:
+        """Gradient (m, k, d) of log w_i^2 by x."""
+        length = stencils.length[:, None]
+        r = np.linalg.norm(stencils.y, axis=2) * length
+        slope = log_square_slope(self.weight.in_units(stencils.unit), r, stencils.w) * length**2
+        return -slope[..., None] * stencils.y
 
 
 @dataclass(frozen=True)
@@ -265,9 +269,9 @@ class local_rbf:
             )
         valid.as_length(self.smoothing, "smoothing", zero_allowed=True)
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
         """Weights (m, d, k) of the data in the gradient: H (g, mu) = (grad phi, grad b)."""
-        y, there = stars.y, stars.w > 0
+        y, there = stencils.y, stencils.w > 0
         m, k, d = y.shape
         squared = np.zeros((m, k, k))
         for axis in range(d):

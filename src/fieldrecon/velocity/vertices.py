@@ -15,10 +15,10 @@ from fieldrecon.kernels.weights import as_weight
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import Frame
 from fieldrecon.velocity.stencils import (
+    Accumulate,
     LocalWeights,
     MatrixOfWeights,
-    Stars,
-    Take,
+    Stencils,
     ValuesOfWeights,
     amplification,
     as_vertices,
@@ -226,18 +226,20 @@ class _AffineVelocity:
         # together, so that one fetch brings all there is to know of a face
         self.faces = np.stack([first, to_center, mesh.face_normals], axis=1)
 
-    def at(self, vertices: np.ndarray, take: Take) -> np.ndarray:
-        """Give the weights at vertices to `take`; return the rings."""
+    def at(self, vertices: np.ndarray, accumulate: Accumulate) -> np.ndarray:
+        """Give the weights at vertices to `accumulate`; return the rings."""
         what = ("faces", "its velocity")
-        return fit_on_rings(self.mesh, self.mesh.cell_face_incidence, vertices, self, take, what)
+        return fit_on_rings(
+            self.mesh, self.mesh.cell_face_incidence, vertices, self, accumulate, what
+        )
 
-    def __call__(self, stars: Stars) -> LocalWeights:
+    def __call__(self, stencils: Stencils) -> LocalWeights:
         """Weights of the faces in the velocity at each vertex."""
-        corner, to_center, normals = np.moveaxis(self.faces.take(stars.index, axis=0), 2, 0)
+        corner, to_center, normals = np.moveaxis(self.faces.take(stencils.index, axis=0), 2, 0)
         # by differences of points, and not of centroids, which the distance to the origin rounds
-        offset = corner - self.mesh.points[stars.vertices][:, None] + to_center
-        y, _ = scaled_offsets(offset, stars.there)
-        w = weights_at(self.weight, self.unit, offset, stars.there)
+        offset = corner - self.mesh.points[stencils.vertices][:, None] + to_center
+        y, _ = scaled_offsets(offset, stencils.there)
+        w = weights_at(self.weight, self.unit, offset, stencils.there)
         m, k, d = normals.shape
         b = np.empty((m, k, 1 + d, d))  # rows n, y_1 n, ..., y_d n
         b[:, :, 0] = normals

@@ -21,7 +21,11 @@ import numpy as np
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._core.validation import format_point, quiet_evaluate
 from fieldrecon.kernels.base import Radial
-from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each
+from fieldrecon.methods.partition_of_unity.batched_systems import (
+    COLUMNS,
+    batched_solve_grouped,
+    solved,
+)
 from fieldrecon.methods.partition_of_unity.polynomial_rank import leverages, ranks
 from fieldrecon.methods.solvability import TOLERATED_MISS, too_flat
 from fieldrecon.polynomials import dimension, monomial_gradients, monomials
@@ -161,7 +165,7 @@ class PatchSystems:
         are large where sites are close.
         """
         k, rows = self.sites.shape[1], self.rows(COLUMNS)
-        return solved_for_each(self._solved_for_data, patch, terms, k, rows)
+        return batched_solve_grouped(self._solved_for_data, patch, terms, k, rows)
 
     def adjoint(self, moments: np.ndarray) -> np.ndarray:
         """C^T m (p, k, v) of moments (p, k + q, v), without forming C."""
