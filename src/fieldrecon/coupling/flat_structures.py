@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon.coupling.transfer import Coupling, Transfer, applied, as_surface
-from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.reconstruction import Reconstruction
 

@@ -8,11 +8,11 @@ from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from typing import Any
 
-from fieldrecon._core.worker_processes import Processes
+from fieldrecon._core.worker_processes import WorkerPool
 from fieldreport.build import pinned_kernels
 
 
-class PinnedProcesses(Processes):
+class PinnedProcesses(WorkerPool):
     """Processes whose OpenBLAS and NumPy obey the pins, whatever the caller's environment says.
 
     A process of the server that others are forked from would have the environment of its start.
