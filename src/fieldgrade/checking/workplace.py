@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from fieldgrade.checking.examine import Fault
 from fieldgrade.isolation.isolation import Limits, Server, Tier
-from fieldrecon._core.worker_processes import Processes
+from fieldrecon._core.worker_processes import WorkerPool
 
 T = TypeVar("T")
 
@@ -132,7 +132,7 @@ def workers(count: int) -> Iterator[Executor]:
         return
     over, block = Pipe(duplex=False)
     begin = partial(_begin, over, _cores_for_each(count))
-    processes = Processes(count, begin=begin, end=close)
+    processes = WorkerPool(count, begin=begin, end=close)
     try:
         yield processes
     finally:

@@ -18,7 +18,7 @@ from fieldrecon.io.saved_fields import save
 from fieldrecon.io.values import FORMATS, as_formats
 from fieldrecon.pages.reconstruction_page import methods_csv, summary
 from fieldrecon.pipelines.reconstruct import SurveyRequest, SurveyResult, reconstruct_survey
-from fieldrecon.selection.models import CANDIDATES
+from fieldrecon.selection.models import MODELS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--method",
         default="best",
         metavar="NAME",
-        help=f"{', '.join(CANDIDATES)}, or best (the default): the method with the smallest error "
+        help=f"{', '.join(MODELS)}, or best (the default): the method with the smallest error "
         "at samples that are left out",
     )
     where = parser.add_mutually_exclusive_group()
@@ -106,15 +106,15 @@ def _outputs(options: argparse.Namespace, inputs: Sequence[Path]) -> tuple[Path 
 
 def print_survey(survey: SurveyResult) -> None:
     """Print the errors of the methods, what was evaluated, and the warnings."""
-    judged = [t for t in survey.ranked if t.residuals is not None]
-    rows = [(t.candidate.name, t.candidate.meaning, t.rms, t.largest) for t in judged]
+    compared = [t for t in survey.ranked if t.residuals is not None]
+    rows = [(t.model.name, t.model.meaning, t.rms, t.largest) for t in compared]
     name, count = survey.samples.names[-1], len(survey.samples.points)
     if rows:
-        title = f"{name} at {count} points: error when each of {survey.judged} is left out"
+        title = f"{name} at {count} points: error when each of {survey.n_held_out} is left out"
         print_table(("method", "what it is", "rms error", "largest error"), rows, title=title)
-    for t in survey.trials:
+    for t in survey.scores:
         if t.residuals is None:
-            say(f"{t.candidate.name}: {t.reason}.")
+            say(f"{t.model.name}: {t.reason}.")
     for warning in survey.warnings:
         say(warning)
     say(f"Evaluated: {survey.method}.")

@@ -9,12 +9,12 @@ from fieldrecon.io.saved_fields import description
 from fieldrecon.io.tables import csv_bytes
 from fieldrecon.pages.one_page import NOTHING, Html, fill, page, table
 from fieldrecon.pipelines.reconstruct import SurveyResult
-from fieldrecon.selection.cross_validation import Trial
+from fieldrecon.selection.cross_validation import ModelScore
 
 METHODS = ("method", "what it is", "rms error", "largest error", "remark")
 
 _METHODS = "<h2>Methods</h2>$table"
-_HEAD = """<caption>Errors at $judged samples that are left out.</caption>
+_HEAD = """<caption>Errors at $held_out samples that are left out.</caption>
 <thead><tr><th>method</th><th>what it is</th><th class="number">rms error</th>
 <th class="number">largest error</th></tr></thead>
 """
@@ -44,38 +44,38 @@ def summary(survey: SurveyResult, pictures: Mapping[str, bytes], options: Mappin
         f"From {samples}, at {targets}, by {survey.method}.",
         pictures,
         survey.warnings,
-        _methods_section(survey) if survey.trials else NOTHING,
+        _methods_section(survey) if survey.scores else NOTHING,
         parameters | {"time and memory": survey.cost},
     )
 
 
 def methods_csv(survey: SurveyResult) -> bytes:
     """Return a table of the methods: their errors at samples left out, or why there are none."""
-    return csv_bytes(METHODS, (_csv_row(trial) for trial in survey.ranked))
+    return csv_bytes(METHODS, (_csv_row(score) for score in survey.ranked))
 
 
-def _csv_row(trial: Trial) -> tuple[object, ...]:
-    errors = ("", "") if trial.residuals is None else (trial.rms, trial.largest)
-    return trial.candidate.name, trial.candidate.meaning, *errors, trial.reason
+def _csv_row(score: ModelScore) -> tuple[object, ...]:
+    errors = ("", "") if score.residuals is None else (score.rms, score.largest)
+    return score.model.name, score.model.meaning, *errors, score.reason
 
 
 def _methods_section(survey: SurveyResult) -> Html:
     """Return the table of methods, by their error."""
-    rows = (_row(trial, trial is survey.chosen) for trial in survey.ranked)
-    head = fill(_HEAD, judged=f"{survey.judged:,}")
+    rows = (_row(score, score is survey.chosen) for score in survey.ranked)
+    head = fill(_HEAD, held_out=f"{survey.n_held_out:,}")
     return fill(_METHODS, table=table(rows, head))
 
 
-def _row(trial: Trial, chosen: bool) -> Html:
-    if trial.residuals is None:
-        errors = fill(_NO_ERRORS, reason=trial.reason)
+def _row(score: ModelScore, chosen: bool) -> Html:
+    if score.residuals is None:
+        errors = fill(_NO_ERRORS, reason=score.reason)
     else:
-        errors = fill(_ERRORS, rms=f"{trial.rms:.4g}", largest=f"{trial.largest:.4g}")
+        errors = fill(_ERRORS, rms=f"{score.rms:.4g}", largest=f"{score.largest:.4g}")
     return fill(
         _ROW,
         chosen=Html(' class="chosen"' if chosen else ""),
-        name=trial.candidate.name,
-        meaning=trial.candidate.meaning,
+        name=score.model.name,
+        meaning=score.model.meaning,
         errors=errors,
     )
 

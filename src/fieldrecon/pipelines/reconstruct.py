@@ -28,10 +28,10 @@ from fieldrecon.methods.globe import OnGlobe, to_unit
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 from fieldrecon.pipelines.stages import Stages, silent
 from fieldrecon.reconstruction import Field, Reconstruction
-from fieldrecon.selection.cross_validation import NO_FIELD, Judge, Trial, best
+from fieldrecon.selection.cross_validation import NO_FIELD, CrossValidator, ModelScore, best
 from fieldrecon.selection.extrapolation import GAP, OUTSIDE, extrapolated
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldrecon.selection.models import CANDIDATES
+from fieldrecon.selection.models import MODELS
 from fieldrecon.selection.prediction_intervals import COVERAGE, ErrorEstimate
 
 _DEFAULT_GRIDS = {2: (200, 200), 3: (50, 50, 50)}
@@ -54,7 +54,7 @@ class SurveyRequest:
     strict : bool
         Refuse a table with a bad row, instead of skipping the row.
     method : str
-        A name in `fieldrecon.selection.CANDIDATES`, or "best": the method with the smallest error
+        A name in `fieldrecon.selection.MODELS`, or "best": the method with the smallest error
         at samples that are left out.
     grid : tuple of int, optional
         Nodes along each side of a grid over the samples; the default if there is no other target.
@@ -85,9 +85,9 @@ class SurveyRequest:
     def __post_init__(self) -> None:
         if (self.samples is None) == (self.load is None):
             raise ValueError("give either a table of samples or --load with a field")
-        if self.method not in {"best", *CANDIDATES}:
+        if self.method not in {"best", *MODELS}:
             raise ValueError(
-                f"there is no method {self.method!r}; there are best, {', '.join(CANDIDATES)}"
+                f"there is no method {self.method!r}; there are best, {', '.join(MODELS)}"
             )
 
     @property
@@ -114,11 +114,11 @@ class SurveyResult:
     source : str
         Name of the file with the samples, or with the loaded field.
     samples : Samples
-    trials : sequence of Trial
-        The methods that were judged; empty for a loaded field.
-    judged : int
+    scores : sequence of ModelScore
+        The methods that were compared; empty for a loaded field.
+    n_held_out : int
         Number of samples that were left out for each method.
-    chosen : Trial, optional
+    chosen : ModelScore, optional
         The method that was evaluated; None for a loaded field.
     field : Field
     band : ErrorEstimate or str
@@ -132,9 +132,9 @@ class SurveyResult:
 
     source: str
     samples: Samples
-    trials: Sequence[Trial]
-    judged: int
-    chosen: Trial | None
+    scores: Sequence[ModelScore]
+    n_held_out: int
+    chosen: ModelScore | None
     field: Field
     band: ErrorEstimate | str
     result: TargetValues
@@ -146,12 +146,12 @@ class SurveyResult:
         """The method that was evaluated."""
         if self.chosen is None:
             return f"the field of {self.source}"
-        return f"{self.chosen.candidate.name}, {self.chosen.candidate.meaning}"
+        return f"{self.chosen.model.name}, {self.chosen.model.meaning}"
 
     @property
-    def ranked(self) -> list[Trial]:
-        """The judged methods by their error, the smallest first."""
-        return sorted(self.trials, key=lambda trial: trial.rms)
+    def ranked(self) -> list[ModelScore]:
+        """The compared methods by their error, the smallest first."""
+        return sorted(self.scores, key=lambda score: score.rms)
 
     @property
     def warnings(self) -> list[str]:
@@ -225,12 +225,14 @@ def reconstruct_survey(request: SurveyRequest, *, stages: Stages = silent) -> Su
     sites = to_unit(samples.points) if samples.lonlat else samples.points
     targets = request.read_targets(samples)
     if loaded is None:
-        judge = Judge.of(sites, samples.values)
-        trials = _judge_methods(judge, request.method, stages)
-        chosen, (field, values) = best(trials, lambda t: _evaluate(t, samples, targets, stages))
-        judged = judge.judged
+        validator = CrossValidator.of(sites, samples.values)
+        scores = _evaluate_models(validator, request.method, stages)
+        chosen, (field, values) = best(
+            scores, lambda t: _fit_and_evaluate(t, samples, targets, stages)
+        )
+        n_held_out = validator.n_held_out
     else:
-        field, trials, chosen, judged = loaded, [], None, 0
+        field, scores, chosen, n_held_out = loaded, [], None, 0
         values = field(targets.points, progress=stages("evaluating"))
     queries = to_unit(targets.points) if samples.lonlat else targets.points
     band, error = _estimate_error(field, sites, queries, stages)
@@ -240,7 +242,7 @@ def reconstruct_survey(request: SurveyRequest, *, stages: Stages = silent) -> Su
     source = request.inputs[0].name
     seconds, memory = perf_counter() - began, peak_memory()
     return SurveyResult(
-        source, samples, trials, judged, chosen, field, band, result, seconds, memory
+        source, samples, scores, n_held_out, chosen, field, band, result, seconds, memory
     )
 
 
@@ -275,26 +277,26 @@ def _load(path: Path) -> tuple[Samples, Field]:
     return Samples(own_names, points, values, isinstance(field.method, OnGlobe)), field
 
 
-def _judge_methods(judge: Judge, method: str, stages: Stages) -> list[Trial]:
+def _evaluate_models(validator: CrossValidator, method: str, stages: Stages) -> list[ModelScore]:
     """Judge the requested method, or all of them."""
-    requested = method in CANDIDATES
-    candidates = [CANDIDATES[method]] if requested else [*CANDIDATES.values()]
-    progress, trials = stages("choosing a method"), []
-    for done, candidate in enumerate(candidates, 1):
-        trials.append(judge.trial(candidate, requested))
-        progress(done, len(candidates))
-    return trials
+    requested = method in MODELS
+    models = [MODELS[method]] if requested else [*MODELS.values()]
+    progress, scores = stages("choosing a method"), []
+    for done, model in enumerate(models, 1):
+        scores.append(validator.evaluate(model, requested))
+        progress(done, len(models))
+    return scores
 
 
-def _evaluate(
-    trial: Trial, samples: Samples, targets: Targets, stages: Stages
+def _fit_and_evaluate(
+    score: ModelScore, samples: Samples, targets: Targets, stages: Stages
 ) -> tuple[Field, np.ndarray]:
-    """Fit a judged method to all samples, and evaluate it."""
-    if trial.maker is None:
-        raise ValueError(trial.reason)
-    patches = trial.candidate.family == "PU"
+    """Fit a compared method to all samples, and evaluate it."""
+    if score.maker is None:
+        raise ValueError(score.reason)
+    patches = score.model.family == "PU"
     progress = stages("making patches" if patches else "fitting")
-    maker: Callable[..., Reconstruction] = trial.maker
+    maker: Callable[..., Reconstruction] = score.maker
     if patches:
         maker = partial(maker, progress=progress)
     method = OnGlobe(samples.points, maker) if samples.lonlat else maker(samples.points)

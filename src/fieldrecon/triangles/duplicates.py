@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
+from fieldrecon._core.duplicates import first_of_equal, heights
 from fieldrecon.triangles.half_edges import HalfEdges, component_labels
 
-_DIRECTION = (0.5773, 0.6217, 0.5293)
-"""Not along any likely axis, diagonal or edge, so that few different points project equally."""
 _MAX_NEIGHBORS = 64  # within the tolerance of a vertex, on average
 
 
@@ -22,7 +21,7 @@ def merged_vertices(points: np.ndarray, tolerance: float = 0.0) -> np.ndarray:
     ValueError
         If the tolerance would merge most of the points.
     """
-    first = _first_equal(points)
+    first = first_of_equal(points)
     if tolerance == 0:
         return first
     distinct = np.flatnonzero(first == np.arange(len(points)))
@@ -30,24 +29,9 @@ def merged_vertices(points: np.ndarray, tolerance: float = 0.0) -> np.ndarray:
     return first if len(pairs) == 0 else component_minimum(len(points), distinct[pairs])[first]
 
 
-def _first_equal(points: np.ndarray) -> np.ndarray:
-    """Return for each point the first one that is equal to it."""
-    height = _projections(points)
-    order = np.argsort(height, kind="stable")
-    level = height[order[1:]] == height[order[:-1]]
-    tied = np.concatenate([[False], level]) | np.concatenate([level, [False]])
-    candidates = order[tied]
-    candidates = candidates[np.lexsort((candidates, *points[candidates].T))]
-    starts = np.ones(len(candidates), dtype=bool)
-    starts[1:] = (points[candidates[1:]] != points[candidates[:-1]]).any(axis=1)
-    first = np.arange(len(points))
-    first[candidates] = candidates[starts][np.cumsum(starts) - 1] if len(candidates) else candidates
-    return first
-
-
 def _near_pairs(points: np.ndarray, tolerance: float) -> np.ndarray:
     """Pairs (k, 2) of different points no farther apart than the tolerance."""
-    height = _projections(points)
+    height = heights(points)
     order = np.argsort(height)
     reach = 2 * tolerance + 8 * np.finfo(float).eps * np.abs(height).max()
     stop = np.searchsorted(height[order], height[order] + reach, side="right")
@@ -68,11 +52,6 @@ def _near_pairs_by_tree(points: np.ndarray, tolerance: float) -> np.ndarray:
             f"tolerance {tolerance:g} is too large for these points: it would merge most of them"
         )
     return tree.query_pairs(tolerance, output_type="ndarray")
-
-
-def _projections(points: np.ndarray) -> np.ndarray:
-    x, y, z = (c * a for c, a in zip(points.T, _DIRECTION, strict=True))
-    return x + y + z
 
 
 def component_minimum(n: int, links: np.ndarray) -> np.ndarray:

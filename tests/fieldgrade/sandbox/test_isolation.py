@@ -54,7 +54,7 @@ def test_a_server_leaves_nothing_behind():
 
 GRADER = """
 import sys
-from fieldrecon.course.grading import isolation, session
+from fieldgrade.isolation import isolation, session
 with isolation.Server(sys.argv[1]).started() as server:
     print(server._scratch, flush=True)
     session.run(server, ["open('here', 'w')", "while True: pass"], [session.Task("x", (), 1.0)])
