@@ -1,4 +1,8 @@
-"""Files: tables of samples, clouds of points, meshes, and reconstructed values."""
+"""Files: tables of samples, point clouds, meshes, fitted fields and their values.
+
+The suffix names the format: `fieldrecon.io.meshes.READERS` is the table of the readers of meshes
+and clouds, `fieldrecon.io.values.FORMATS` that of the writers of values.
+"""
 
 from fieldrecon.io.clouds import Cloud, read_cloud
 from fieldrecon.io.meshes import (

@@ -114,7 +114,7 @@ def test_the_help_tells_the_status(capsys):
     with pytest.raises(SystemExit):
         main(["audit", "--help"])
     shown = " ".join(capsys.readouterr().out.split())
-    assert "The status is 0 if there is nothing" in shown
+    assert "The status is 0 if there are no errors" in shown
     assert ".stl, .ply, .obj or .off" in shown
 
 
