@@ -15,7 +15,7 @@ from scipy import sparse
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 
 MOST_SLABS = 7
-"""Maximum number of slabs of the first cut, so that the number of boxes is no power of two."""
+"""Maximum number of slabs of the first cut, so that boxes can have nearly any size."""
 
 Cuts: TypeAlias = tuple[np.ndarray, np.ndarray]
 """For each box of a level (b,): the axis it is cut across, and the coordinate of the cut."""
@@ -92,7 +92,7 @@ class KDPartition:
         for axis, cut in self.halvings:
             across = axis[box]
             beyond = x[ball, across] - cut[box]
-            further = outside.copy()  # the half in which the centre lies is no farther
+            further = outside.copy()  # only the half without the centre is farther
             each = np.arange(len(ball)), across
             further[each] = np.maximum(further[each], np.abs(beyond))
             near = np.einsum("pd,pd->p", further, further) <= r[ball] ** 2
@@ -184,10 +184,10 @@ def extents(rows: np.ndarray, coordinates: np.ndarray) -> tuple[np.ndarray, np.n
     )
 
 
-def _split(ordered: np.ndarray, left: int, nothing: float) -> np.ndarray:
+def _split(ordered: np.ndarray, left: int, missing: float) -> np.ndarray:
     """The first `left` columns and the other columns as rows of the same length."""
     b, s = ordered.shape[0], ordered.shape[1] - 1
-    halves = np.full((b, 2, s // 2 + 1), nothing, dtype=ordered.dtype)
+    halves = np.full((b, 2, s // 2 + 1), missing, dtype=ordered.dtype)
     halves[:, 0, :left] = ordered[:, :left]
     halves[:, 1] = ordered[:, left:]
     return halves.reshape(2 * b, -1)

@@ -81,8 +81,8 @@ def terrain() -> Terrain:
     the middle latitude; over this map the scale along the parallels varies by ±0.2 %.
 
     The first row of the file is its northernmost and begins at the latitude that the file calls
-    ``ymax``. What it calls ``ymin`` lies north of that: the height of the map was added where it
-    had to be subtracted, and is not used. So the highest cell falls on the summit of Cross
+    ``ymax``. Its ``ymin`` lies north of that, since the height of the map was added instead of
+    subtracted, and is not used. So the highest cell falls on the summit of Cross
     Mountain (36.1983° N, 84.2306° W, 1077 m), and the map holds the town of Jacksboro.
 
     Raises

@@ -193,7 +193,7 @@ class SimplexMesh:
         Raises
         ------
         ValueError
-            If there are no rings, or a vertex is not an index of a point.
+            If `rings` is not positive, or a vertex is not an index of a point.
 
         Examples
         --------

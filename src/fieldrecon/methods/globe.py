@@ -1,7 +1,7 @@
 """Fields on the globe: distances are chords in space, so the date line and the poles are regular.
 
 A site at longitude l and latitude b is the unit vector (cos b cos l, cos b sin l, sin b). A kernel
-of the distance in space is a kernel on the sphere, and what is positive definite there stays so;
+of the distance in space is a kernel on the sphere, and positive definite if the former is;
 its lengths are in radii of the sphere. Methods on such sites need polynomials of degree one at
 most, since the squared distance from the centre is constant on the sphere.
 """

@@ -116,8 +116,8 @@ def circumcenter_weights(mesh: SimplexMesh, vertices: ArrayLike | None = None) -
     # the vertices with closed cells first, then those with open ones
     closed = voronoi_weights(mesh, vertices[~open_], mesh.points[vertices[~open_]])
     found = MatrixOfWeights(1, (int(open_.sum()), len(mesh.cells)))
-    what = ("circumcentres", "an affine field at it")
-    fit_on_rings(mesh, None, vertices[open_], _AffineFit(mesh), found, what)
+    names = ("circumcentres", "an affine field at it")
+    fit_on_rings(mesh, None, vertices[open_], _AffineFit(mesh), found, names)
     order = np.argsort(np.concatenate([np.flatnonzero(~open_), np.flatnonzero(open_)]))
     return sparse.csr_array(sparse.vstack([closed, *found.matrices()], format="csr")[order])
 

@@ -83,7 +83,7 @@ def fit_on_rings(
     vertices: np.ndarray,
     fit: Fit,
     accumulate: Accumulate,
-    what: tuple[str, str],
+    names: tuple[str, str],
 ) -> np.ndarray:
     """Fit at vertices, each on the data of the first rings that determine the result.
 
@@ -99,7 +99,7 @@ def fit_on_rings(
         The fit.
     accumulate : callable
         Called with the weights, batch by batch, from several threads; each vertex once.
-    what : (str, str)
+    names : (str, str)
         Names of the sites and of the result for the error message: "faces", "its velocity".
 
     Returns
@@ -121,7 +121,7 @@ def fit_on_rings(
     rings = np.zeros(len(vertices), dtype=int)
     for start in range(0, len(vertices), BLOCK):
         positions = np.arange(start, min(start + BLOCK, len(vertices)))
-        _fit_block(incidences, vertices, positions, rings, fit, accumulate, what)
+        _fit_block(incidences, vertices, positions, rings, fit, accumulate, names)
     return rings
 
 
@@ -243,7 +243,7 @@ def _fit_block(
     rings: np.ndarray,
     fit: Fit,
     accumulate: Accumulate,
-    what: tuple[str, str],
+    names: tuple[str, str],
 ) -> None:
     cells = of.cells[vertices[pending]]
     before = np.zeros(len(pending), dtype=int)
@@ -256,8 +256,8 @@ def _fit_block(
         if (exhausted & ~done).any():
             i = int(np.flatnonzero(exhausted & ~done)[0])
             raise np.linalg.LinAlgError(
-                f"the {counted[i]} {what[0]} that count about vertex {vertices[pending[i]]} do not "
-                f"determine {what[1]}, and wider rings have no more"
+                f"the {counted[i]} {names[0]} that count about vertex {vertices[pending[i]]} do "
+                f"not determine {names[1]}, and wider rings have no more"
             )
         pending, before, cells = pending[~done], counted[~done], cells[~done]
         cells = (cells @ of.vertices) @ of.cells
@@ -277,9 +277,9 @@ def _fit_ring(
     counted = np.empty(len(pending), dtype=int)
 
     def work(rows: np.ndarray) -> np.ndarray:
-        place = np.arange(counts[rows].max())
-        there = place < counts[rows, None]
-        index = sites.indices.take(np.where(there, start[rows, None] + place, 0))
+        column = np.arange(counts[rows].max())
+        there = column < counts[rows, None]
+        index = sites.indices.take(np.where(there, start[rows, None] + column, 0))
         stencils = Stencils(vertices[pending[rows]], index, there)
         local = fit(stencils)
         # if wider rings have no further sites, any determined result is accepted

@@ -228,9 +228,9 @@ class _AffineVelocity:
 
     def at(self, vertices: np.ndarray, accumulate: Accumulate) -> np.ndarray:
         """Give the weights at vertices to `accumulate`; return the rings."""
-        what = ("faces", "its velocity")
+        names = ("faces", "its velocity")
         return fit_on_rings(
-            self.mesh, self.mesh.cell_face_incidence, vertices, self, accumulate, what
+            self.mesh, self.mesh.cell_face_incidence, vertices, self, accumulate, names
         )
 
     def __call__(self, stencils: Stencils) -> LocalWeights:

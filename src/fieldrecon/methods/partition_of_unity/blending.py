@@ -90,19 +90,23 @@ def levels_of(
 ) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
     sites = np.arange(len(points))
-    tell: Iterator[Progress | None] = split_progress(progress, len(points), PASSES)
+    steps: Iterator[Progress | None] = split_progress(progress, len(points), PASSES)
     while True:
         alone = len(sites) <= ALONE * k
         size = len(sites) if alone else max(1, SITES_PER_BOX * k)
-        boxes = KDPartition.around(points[sites], size, next(tell))
+        boxes = KDPartition.around(points[sites], size, next(steps))
         boxes, order = boxes.in_order()
         sites = sites[order]
         own = points[sites]
         tree = cKDTree(own)
-        told = next(tell), next(tell)
-        patches = Patches.single(own, boxes) if alone else Patches.of(own, tree, boxes, k, *told)
-        yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(tell)))
-        tell = repeat(None)
+        covering, reaching = next(steps), next(steps)
+        patches = (
+            Patches.single(own, boxes)
+            if alone
+            else Patches.of(own, tree, boxes, k, covering, reaching)
+        )
+        yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(steps)))
+        steps = repeat(None)
         if alone:
             if progress is not None:
                 progress(len(points), len(points))
