@@ -175,7 +175,7 @@ class SimplexMesh:
 
     def vertex_cells(self, i: int) -> np.ndarray:
         """Indices of the cells at vertex i, increasing; none for a point of no cell."""
-        vertices = self._as_vertices([index(i)])
+        vertices = as_indices_of_points([index(i)], len(self.points))
         return self.vertex_cell_incidence[vertices].indices.astype(np.intp)
 
     def cells_around(self, rings: int = 1, vertices: ArrayLike | None = None) -> sparse.csr_array:
@@ -203,7 +203,7 @@ class SimplexMesh:
         """
         valid.as_count(rings, "rings")
         at = self.vertex_cell_incidence
-        around = at if vertices is None else at[self._as_vertices(vertices)]
+        around = at if vertices is None else at[as_indices_of_points(vertices, len(self.points))]
         for _ in range(rings - 1):
             around = pattern(pattern(around @ at.T) @ at)
         return around
@@ -261,19 +261,6 @@ class SimplexMesh:
         mask[indices] = True
         return mask
 
-    def _as_vertices(self, vertices: ArrayLike) -> np.ndarray:
-        indices, n = np.asarray(vertices), len(self.points)
-        indices = indices.astype(np.intp) if indices.size == 0 else indices
-        if indices.ndim != 1 or indices.dtype.kind not in "iu":
-            raise ValueError(
-                f"vertices must be indices of points, shape (v,); got the type {indices.dtype} "
-                f"and the shape {indices.shape}"
-            )
-        wrong = indices[(indices < 0) | (indices >= n)]
-        if len(wrong):
-            raise ValueError(f"vertices must be indices of points, 0 to {n - 1}; got {wrong[0]}")
-        return indices
-
 
 def _in_range(measures: np.ndarray, unit: np.ndarray, power: int) -> np.ndarray:
     with np.errstate(over="ignore", under="ignore"):
@@ -303,6 +290,21 @@ def as_plane_or_space(points: ArrayLike) -> np.ndarray:
     if p.shape[1] not in (2, 3):
         raise ValueError(f"points must have the shape (n, 2) or (n, 3); got {p.shape}")
     return p
+
+
+def as_indices_of_points(vertices: ArrayLike, n: int) -> np.ndarray:
+    """Require indices (v,) of n points."""
+    indices = np.asarray(vertices)
+    if indices.ndim != 1 or (indices.size and indices.dtype.kind not in "iu"):
+        raise ValueError(
+            f"vertices must be indices of points, shape (v,); got the type {indices.dtype} "
+            f"and the shape {indices.shape}"
+        )
+    indices = indices.astype(np.intp)
+    wrong = indices[(indices < 0) | (indices >= n)]
+    if len(wrong):
+        raise ValueError(f"vertices must be indices of points, 0 to {n - 1}; got {wrong[0]}")
+    return indices
 
 
 def as_cells(cells: ArrayLike, n: int, d: int) -> np.ndarray:

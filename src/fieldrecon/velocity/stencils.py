@@ -17,7 +17,7 @@ from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon._numerics.weighted_least_squares import LARGEST_WEIGHT
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.weights import relative_weights
-from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.meshes.simplex_mesh import SimplexMesh, as_indices_of_points
 from fieldrecon.polynomials import EPS, power_of_two_above
 
 WELL_DETERMINED = 10.0
@@ -176,15 +176,7 @@ class ValuesOfWeights:
 def as_vertices(mesh: SimplexMesh, vertices: ArrayLike | None) -> np.ndarray:
     """Indices of vertices, all points by default; a point of no cell is refused."""
     n = len(mesh.points)
-    i = np.arange(n) if vertices is None else np.asarray(vertices)
-    if i.ndim != 1 or (i.size and i.dtype.kind not in "iu"):
-        raise ValueError(
-            f"vertices must be a list of indices, shape (m,); got {i.dtype} of shape {i.shape}"
-        )
-    i = i.astype(np.intp)
-    wrong = i[(i < 0) | (i >= n)]
-    if len(wrong):
-        raise ValueError(f"vertices must index the {n} points, 0 to {n - 1}; got {wrong[0]}")
+    i = np.arange(n) if vertices is None else as_indices_of_points(vertices, n)
     alone = i[~mesh.referenced[i]]
     if len(alone):
         raise np.linalg.LinAlgError(

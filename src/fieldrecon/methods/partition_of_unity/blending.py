@@ -148,20 +148,6 @@ def shares(levels: Sequence[Level], x: np.ndarray, gradients: bool) -> Iterator[
         query, left, slope = query[further], left[further], slope[further]
 
 
-def summed(query: np.ndarray, terms: np.ndarray, m: int) -> np.ndarray:
-    """Sums (m, ...) of the terms (p, ...) of each query; the terms are ordered by query."""
-    columns = terms.reshape(len(terms), math.prod(terms.shape[1:]))
-    if columns.dtype == float and columns.shape[1] <= FEW_COLUMNS:
-        sums = np.empty((m, columns.shape[1]))
-        for total, column in zip(sums.T, columns.T, strict=True):
-            total[:] = np.bincount(query, column, m)
-    else:
-        start = np.searchsorted(query, np.arange(m + 1))
-        pairs = np.ones(len(query)), np.arange(len(query)), start
-        sums = sparse.csr_array(pairs, (m, len(query))) @ columns
-    return sums.reshape(m, *terms.shape[1:])
-
-
 def weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.csr_array]:
     """Weights (m, n) of the data of n sites in the values at queries (m, d), in a list of one."""
     triples = []
@@ -188,17 +174,6 @@ def gradient_weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list
                 terms += basis * share.gradient[pairs, k, None]
                 component.append((query, sites, systems.of_data(member, terms)))
     return [_matrix(component, (len(x), n)) for component in triples]
-
-
-def _matrix(
-    triples: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]
-) -> sparse.csr_array:
-    """Matrix of entries (p, k) in rows (p,) and columns (p, k); repeated entries are summed."""
-    rows = [np.repeat(query, sites.shape[1]) for query, sites, _ in triples]
-    columns = [sites.ravel() for _, sites, _ in triples]
-    entries = [weights.ravel() for _, _, weights in triples]
-    indices = np.concatenate(rows), np.concatenate(columns)
-    return sparse.coo_array((np.concatenate(entries), indices), shape).tocsr()
 
 
 class Moments:
@@ -240,6 +215,31 @@ def moments(
             terms = basis[..., None] * f[query, None, :]
             found.append((number, own, *_summed_by_row(member, terms)))
     return found
+
+
+def summed(query: np.ndarray, terms: np.ndarray, m: int) -> np.ndarray:
+    """Sums (m, ...) of the terms (p, ...) of each query; the terms are ordered by query."""
+    columns = terms.reshape(len(terms), math.prod(terms.shape[1:]))
+    if columns.dtype == float and columns.shape[1] <= FEW_COLUMNS:
+        sums = np.empty((m, columns.shape[1]))
+        for total, column in zip(sums.T, columns.T, strict=True):
+            total[:] = np.bincount(query, column, m)
+    else:
+        start = np.searchsorted(query, np.arange(m + 1))
+        pairs = np.ones(len(query)), np.arange(len(query)), start
+        sums = sparse.csr_array(pairs, (m, len(query))) @ columns
+    return sums.reshape(m, *terms.shape[1:])
+
+
+def _matrix(
+    triples: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]
+) -> sparse.csr_array:
+    """Matrix of entries (p, k) in rows (p,) and columns (p, k); repeated entries are summed."""
+    rows = [np.repeat(query, sites.shape[1]) for query, sites, _ in triples]
+    columns = [sites.ravel() for _, sites, _ in triples]
+    entries = [weights.ravel() for _, _, weights in triples]
+    indices = np.concatenate(rows), np.concatenate(columns)
+    return sparse.coo_array((np.concatenate(entries), indices), shape).tocsr()
 
 
 def _summed_by_row(rows: np.ndarray, terms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

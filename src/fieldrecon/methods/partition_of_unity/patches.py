@@ -125,6 +125,49 @@ class Patches:
         return weight
 
 
+def systems_of(
+    points: np.ndarray,
+    tree: cKDTree,
+    patches: Patches,
+    problem: Problem,
+    progress: Progress | None = None,
+) -> tuple[tuple[PatchSystems, ...], np.ndarray, np.ndarray]:
+    """Systems of the patches, and for each patch the index of its system and its index in it.
+
+    A patch that does not determine its polynomials, or barely does, gets more sites. If even the
+    maximum number is too few, it uses only the polynomials that its sites determine. Progress is
+    reported for the first round, which has all of the patches.
+    """
+    groups: list[PatchSystems] = []
+    group, member = np.zeros((2, len(patches)), dtype=int)
+    rest, sites = np.arange(len(patches)), patches.sites
+    most = min(len(points), MAX_GROWTH * sites.shape[1])
+    while len(rest):
+        origin, radius, doubt = _frames(points, sites, problem.degree, None if groups else progress)
+        last = sites.shape[1] >= most
+        stays = np.ones_like(doubt) if last else ~doubt
+        systems = PatchSystems(points, sites[stays], problem, origin[stays], radius[stays])
+        if last:
+            _reduce(systems, np.flatnonzero(doubt))
+        member[rest[stays]], group[rest[stays]] = np.arange(len(systems)), len(groups)
+        groups.append(systems)
+        rest = rest[~stays]
+        more = min(2 * sites.shape[1], len(points))
+        sites = tree.query(patches.centers[rest], more)[1].reshape(len(rest), more)
+    return tuple(groups), group, member
+
+
+def bump(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weight (1 - r)^4 (4 r + 1) of Wendland (1995) at offsets (p, d), and its gradient by them.
+
+    It is twice continuously differentiable, and so are the blended fields.
+    """
+    r = np.sqrt(np.einsum("pd,pd->p", offset, offset))
+    rest = 1.0 - r
+    cubed = rest**3
+    return cubed * rest * (4.0 * r + 1.0), -20.0 * cubed[:, None] * offset
+
+
 def _covering(
     points: np.ndarray, tree: cKDTree, rows: np.ndarray, k: int, progress: Progress | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -184,49 +227,6 @@ def _thinned(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
     nearest = np.argmin(np.where(rows >= 0, squared, np.inf), axis=1)
     every = -(-FEW * len(rows) // len(points))
     return np.sort(rows[np.arange(len(rows)), nearest])[::every]
-
-
-def bump(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weight (1 - r)^4 (4 r + 1) of Wendland (1995) at offsets (p, d), and its gradient by them.
-
-    It is twice continuously differentiable, and so are the blended fields.
-    """
-    r = np.sqrt(np.einsum("pd,pd->p", offset, offset))
-    rest = 1.0 - r
-    cubed = rest**3
-    return cubed * rest * (4.0 * r + 1.0), -20.0 * cubed[:, None] * offset
-
-
-def systems_of(
-    points: np.ndarray,
-    tree: cKDTree,
-    patches: Patches,
-    problem: Problem,
-    progress: Progress | None = None,
-) -> tuple[tuple[PatchSystems, ...], np.ndarray, np.ndarray]:
-    """Systems of the patches, and for each patch the index of its system and its index in it.
-
-    A patch that does not determine its polynomials, or barely does, gets more sites. If even the
-    maximum number is too few, it uses only the polynomials that its sites determine. Progress is
-    reported for the first round, which has all of the patches.
-    """
-    groups: list[PatchSystems] = []
-    group, member = np.zeros((2, len(patches)), dtype=int)
-    rest, sites = np.arange(len(patches)), patches.sites
-    most = min(len(points), MAX_GROWTH * sites.shape[1])
-    while len(rest):
-        origin, radius, doubt = _frames(points, sites, problem.degree, None if groups else progress)
-        last = sites.shape[1] >= most
-        stays = np.ones_like(doubt) if last else ~doubt
-        systems = PatchSystems(points, sites[stays], problem, origin[stays], radius[stays])
-        if last:
-            _reduce(systems, np.flatnonzero(doubt))
-        member[rest[stays]], group[rest[stays]] = np.arange(len(systems)), len(groups)
-        groups.append(systems)
-        rest = rest[~stays]
-        more = min(2 * sites.shape[1], len(points))
-        sites = tree.query(patches.centers[rest], more)[1].reshape(len(rest), more)
-    return tuple(groups), group, member
 
 
 def _reduce(systems: PatchSystems, patches: np.ndarray) -> None:
