@@ -30,8 +30,8 @@ from fieldgrade.authoring.robustness import Baseline, Changes, bench, changes, c
 from fieldgrade.authoring.secret import MISSING, make_salt, read_salt
 from fieldgrade.authoring.sources import Source
 from fieldgrade.commands.gradebook import add_commands as add_gradebook
-from fieldrecon.cli.console import print_table
-from fieldrecon.cli.terminal import print_files, progress
+from fieldrecon.cli.console import print_files, print_table
+from fieldrecon.cli.progress import progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -24,8 +24,8 @@ from fieldgrade.gradebook.desk import DEFAULT, Desk
 from fieldgrade.gradebook.feedback import feedback
 from fieldgrade.submissions.submission import Submission, Unreadable
 from fieldgrade.submissions.words import words
-from fieldrecon.cli.console import print_table
-from fieldrecon.cli.terminal import print_files, progress
+from fieldrecon.cli.console import print_files, print_table
+from fieldrecon.cli.progress import progress
 
 FORMS = {"canvas": platform_forms.canvas_csv, "moodle": platform_forms.moodle_csv}
 
