@@ -15,7 +15,7 @@ from fieldcheck.question import LEAST_TOLERANCE, Question, scale
 from fieldcheck.shapes import fitted, in_words, shape_in_words
 from fieldcheck.verdict import LADDER, Rung, Verdict
 
-PATIENCE = 4.0
+TIMEOUT_FACTOR = 4.0
 """A call is stopped after so many times the seconds it may take."""
 
 NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified")
@@ -40,10 +40,10 @@ def judge(
     answers : Answers, optional
         The known answers to these calls. Without them the laws of the question judge alone.
     """
-    faults = list(_faults(question, calls, outcomes, answers))
-    if not faults:
+    failures = list(_failures(question, calls, outcomes, answers))
+    if not failures:
         return Verdict(question.name, "right", _note(question, outcomes))
-    rung, sentence, call = min(faults, key=lambda fault: LADDER.index(fault[0]))
+    rung, sentence, call = min(failures, key=lambda failure: LADDER.index(failure[0]))
     if answers and rung not in NOT_RECOGNISABLE:
         mistake = answers.recognise(question, calls, outcomes)
         if mistake:
@@ -61,15 +61,15 @@ def _note(question: Question, outcomes: Sequence[Outcome]) -> str:
     )
 
 
-Fault = tuple[Rung, str, int | None]
+Failure = tuple[Rung, str, int | None]
 
 
-def _faults(
+def _failures(
     question: Question,
     calls: Sequence[Call],
     outcomes: Sequence[Outcome],
     answers: Answers | None,
-) -> Iterator[Fault]:
+) -> Iterator[Failure]:
     """Yield what is wrong with the calls one by one, then what only all of them together show."""
     found = False
     for index, (call, outcome) in enumerate(zip(calls, outcomes, strict=True)):
@@ -144,7 +144,7 @@ def _array_form(
 
 def _wrong(
     question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
-) -> Iterator[Fault]:
+) -> Iterator[Failure]:
     """Yield the first law that is broken, with the greatest difference from the right answer."""
     place, told = _difference(question, calls, values, answers)
     for law in question.laws:

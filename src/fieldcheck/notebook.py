@@ -11,7 +11,7 @@ from typing import Any
 
 from fieldcheck.answers import public_answers
 from fieldcheck.calls import perform
-from fieldcheck.ladder import PATIENCE, judge
+from fieldcheck.ladder import TIMEOUT_FACTOR, judge
 from fieldcheck.pictures import picture_of_difference
 from fieldcheck.question import Question
 from fieldcheck.questions import get, questions
@@ -47,7 +47,7 @@ def check(name: str, functions: dict[str, Any] | None = None) -> Verdict:
 def try_public(question: Question, functions: dict[str, Any]) -> Verdict:
     """Judge the outcomes of the fixed public cases."""
     calls = question.inputs(seed(EVERYBODY, question.name))
-    outcomes = perform(functions, calls, PATIENCE * question.limit)
+    outcomes = perform(functions, calls, TIMEOUT_FACTOR * question.limit)
     answers = public_answers(question.notebook).get(question.name)
     verdict = judge(question, calls, outcomes, answers)
     return picture_of_difference(verdict, question, calls, outcomes, answers)
@@ -56,7 +56,7 @@ def try_public(question: Question, functions: dict[str, Any]) -> Verdict:
 def try_seed(question: Question, functions: dict[str, Any], number: int) -> Verdict:
     """Judge the outcomes for the inputs of a seed by the laws alone."""
     calls = question.inputs(number)
-    return judge(question, calls, perform(functions, calls, PATIENCE * question.limit))
+    return judge(question, calls, perform(functions, calls, TIMEOUT_FACTOR * question.limit))
 
 
 def data(name: str) -> tuple[Any, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
@@ -13,12 +12,14 @@ import nbformat
 from fieldcheck.questions import questions
 from fieldgrade.authoring.bundle import student_tree
 from fieldgrade.authoring.catalogue import entries
-from fieldgrade.authoring.hidden import hidden_cases
-from fieldgrade.authoring.known import answers_file, same_answers
+from fieldgrade.authoring.hidden_cases import hidden_cases
+from fieldgrade.authoring.known_answers import answers_file, same_answers
 from fieldgrade.authoring.leaks import code_leaks, long_numbers, number_leaks
 from fieldgrade.authoring.notebooks import execute, solved_notebook, stub, student_notebook, to_text
 from fieldgrade.authoring.sources import Source, sources
 from fieldgrade.authoring.trials import trials
+from fieldgrade.digests import bytes_digest, json_digest
+from fieldrecon._core.atomic_files import write_atomically
 
 Each = Callable[[Callable[[Source], None], list[Source]], Iterable[None]]
 NOTHING: Mapping[Path, str] = MappingProxyType({})
@@ -113,10 +114,7 @@ def ingredients(root: Path, source: Source) -> str:
     files += [package / "answers" / f"{source.number}.json"]
     files += sorted((package / "questions").glob(f"q{source.number}_*.py"))
     files += [Path(__file__).with_name("notebooks.py")]
-    digest = hashlib.sha256()
-    for file in [source.path, *files]:
-        digest.update(hashlib.sha256(file.read_bytes()).digest())
-    return digest.hexdigest()
+    return json_digest(*(bytes_digest(file.read_bytes()) for file in [source.path, *files]))
 
 
 def solve(root: Path, source: Source) -> str:
@@ -159,9 +157,6 @@ def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator
 
 
 def _write(file: Path, text: str) -> None:
-    if file.is_file() and file.read_text(encoding="utf-8") == text:
-        return
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(file.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    part.replace(file)
+    """Write a file if its text is another; an unchanged file keeps its time for make."""
+    if not file.is_file() or file.read_text(encoding="utf-8") != text:
+        write_atomically(file, text.encode())

@@ -35,10 +35,10 @@ TOKEN = re.compile(
 Quotes are no tokens: a string of code is code.
 """
 
-Run = tuple[str, ...]
+TokenRun = tuple[str, ...]
 
 
-class Text(NamedTuple):
+class PublicText(NamedTuple):
     """A text in a file for students, and where its first line stands."""
 
     place: str
@@ -70,7 +70,9 @@ def code_leaks(source: Source, files: Mapping[str, str]) -> Iterator[str]:
             yield f"{text.line(line)} holds a part of a model answer of {source.name}: {run}"
 
 
-def _first_on_each_line(found: Mapping[Run, int], secret: Set[Run]) -> Iterator[tuple[int, str]]:
+def _first_on_each_line(
+    found: Mapping[TokenRun, int], secret: Set[TokenRun]
+) -> Iterator[tuple[int, str]]:
     """Yield the lines on which a secret run begins, each with the first such run."""
     runs = {line: " ".join(run) for run, line in reversed(list(found.items())) if run in secret}
     yield from sorted(runs.items())
@@ -110,7 +112,7 @@ def long_numbers(text: str) -> set[str]:
     }
 
 
-def _signatures(source: Source) -> set[Run]:
+def _signatures(source: Source) -> set[TokenRun]:
     """Return the runs in the first lines of the functions asked for, which everybody may call."""
     cells = source.answer_cells().values()
     lines = (line for cell in cells for line in cell.text.splitlines() if line.startswith("def "))
@@ -118,7 +120,7 @@ def _signatures(source: Source) -> set[Run]:
 
 
 @cache
-def token_runs(text: str) -> Mapping[Run, int]:
+def token_runs(text: str) -> Mapping[TokenRun, int]:
     r"""Return all runs of `RUN` significant tokens, each with the line on which it first begins.
 
     Comments are texts of their own: neither do they hide code, nor does code hide in them.
@@ -138,8 +140,8 @@ def token_runs(text: str) -> Mapping[Run, int]:
     return _first_lines(run for tokens in (code, *comments) for run in _runs(tokens))
 
 
-def _first_lines(runs: Iterable[tuple[Run, int]]) -> dict[Run, int]:
-    found: dict[Run, int] = {}
+def _first_lines(runs: Iterable[tuple[TokenRun, int]]) -> dict[TokenRun, int]:
+    found: dict[TokenRun, int] = {}
     for run, line in runs:
         found.setdefault(run, line)
     return found
@@ -156,29 +158,29 @@ def _tokens(text: str, line: int) -> Iterator[_Token]:
         yield _Token(match[0], line, bool(match["word"]) and not keyword.iskeyword(match[0]))
 
 
-def _runs(tokens: Sequence[_Token]) -> Iterator[tuple[Run, int]]:
+def _runs(tokens: Sequence[_Token]) -> Iterator[tuple[TokenRun, int]]:
     """Yield each run that begins and ends with a significant token, and its line."""
     at = [k for k, token in enumerate(tokens) if token.is_significant]
     for first, last in zip(at, at[RUN - 1 :], strict=False):
         yield tuple(token.text for token in tokens[first : last + 1]), tokens[first].line
 
 
-def _texts(name: str, content: str) -> Iterator[Text]:
+def _texts(name: str, content: str) -> Iterator[PublicText]:
     """Yield the texts of a file: cells and outputs of a notebook, strings of code and of JSON."""
     if name.endswith(".ipynb"):
         for number, cell in enumerate(json.loads(content)["cells"], 1):
-            yield Text(f"{name}, cell {number}", 1, "".join(cell["source"]))
+            yield PublicText(f"{name}, cell {number}", 1, "".join(cell["source"]))
             outputs = _strings(cell.get("outputs", []))
-            yield from (Text(f"{name}, output of cell {number}", 1, text) for text in outputs)
+            yield from (PublicText(f"{name}, output of cell {number}", 1, text) for text in outputs)
     elif name.endswith(".json"):
         for key, value in json.loads(content).items():
-            yield from (Text(f"{name}, {key}", 1, text) for text in _strings(value))
+            yield from (PublicText(f"{name}, {key}", 1, text) for text in _strings(value))
     else:
-        yield Text(name, 1, content)
+        yield PublicText(name, 1, content)
     if name.endswith(".py"):
         for node in ast.walk(ast.parse(content)):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                yield Text(name, node.lineno, node.value)
+                yield PublicText(name, node.lineno, node.value)
 
 
 def _strings(data: object) -> Iterator[str]:
@@ -196,7 +198,7 @@ def _strings(data: object) -> Iterator[str]:
 
 
 @cache
-def word_runs(text: str) -> Mapping[Run, int]:
+def word_runs(text: str) -> Mapping[TokenRun, int]:
     """Return all runs of `WORDS` words, each with the line on which it first begins."""
     words = [(word, k) for k, line in enumerate(text.splitlines()) for word in line.split()]
     runs = [words[i : i + WORDS] for i in range(len(words) - WORDS + 1)]

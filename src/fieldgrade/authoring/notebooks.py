@@ -6,7 +6,6 @@ records when or how long.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 from collections.abc import Iterator
@@ -16,6 +15,7 @@ from typing import Any
 import nbformat
 
 from fieldgrade.authoring.sources import REGION, Cell, Source
+from fieldgrade.digests import bytes_digest
 from fieldreport.build.pins import environment, pins
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
@@ -119,7 +119,7 @@ def _told(cell: Cell) -> dict[str, Any]:
 def _identifier(source: Source, cell: Cell, text: str, seen: set[str]) -> str:
     """Return the question's name, or a hash of the content; a number more where it occurs again."""
     name = cell.question or cell.answer
-    digest = hashlib.sha256(f"{source.name}\0{cell.kind}\0{text}".encode()).hexdigest()[:12]
+    digest = bytes_digest(f"{source.name}\0{cell.kind}\0{text}".encode())[:12]
     wanted = f"q-{name.replace('.', '-')}" if name else digest
     identifier, copy = wanted, 1
     while identifier in seen:

@@ -9,18 +9,18 @@ from typing import Any
 
 from fieldcheck.answers import Answers, Mistake
 from fieldcheck.calls import Call, Outcome, perform
-from fieldcheck.ladder import PATIENCE, judge
+from fieldcheck.ladder import TIMEOUT_FACTOR, judge
 from fieldcheck.question import Question
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Verdict
 from fieldgrade.authoring.catalogue import Entry
-from fieldgrade.authoring.hidden import Hidden
-from fieldgrade.authoring.known import known_answers, known_mistakes, public_calls
+from fieldgrade.authoring.hidden_cases import Hidden
+from fieldgrade.authoring.known_answers import known_answers, known_mistakes, public_calls
 
 PUBLIC, OWN = "public cases", "own inputs"
 """The names of the first two checks of every question; hidden ones have names of their own."""
 
-NOT_TOLD = ("exception", "endless", "type", "shape", "not finite", "wrong", "slow")
+REVEALING = ("exception", "endless", "type", "shape", "not finite", "wrong", "slow")
 """Rungs whose sentence would tell a hidden input."""
 
 
@@ -42,7 +42,7 @@ class Trial:
     def verdict(self, functions: dict[str, Any]) -> Verdict:
         """Judge the functions, called in this process: for code that is trusted."""
         question = self.question
-        outcomes = perform(functions, self.calls, PATIENCE * question.limit)
+        outcomes = perform(functions, self.calls, TIMEOUT_FACTOR * question.limit)
         return self.judged(outcomes)
 
     def judged(self, outcomes: Sequence[Outcome]) -> Verdict:
@@ -55,7 +55,7 @@ class Trial:
 
     def told(self, verdict: Verdict) -> Verdict:
         """Return a verdict without what would give a hidden input away."""
-        if self.sentence and verdict.rung in NOT_TOLD:
+        if self.sentence and verdict.rung in REVEALING:
             return replace(verdict, sentence=self.sentence, call=None)
         return verdict
 

@@ -8,7 +8,6 @@ than to judge an answer.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,28 +16,28 @@ from typing import Any, get_args
 
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Rung, Verdict
-from fieldgrade.checking.examine import code_digest
-from fieldgrade.checking.findings import Finding
-from fieldgrade.checking.fingerprint import environment, grader
-from fieldgrade.checking.trusted import Course
-from fieldgrade.isolation.isolation import Server
+from fieldgrade.checking.check_results import CheckResult
+from fieldgrade.checking.course import Course
+from fieldgrade.checking.dependency_digests import environment_digest, grader_digest
+from fieldgrade.digests import json_digest
+from fieldgrade.isolation.server import Server
 from fieldgrade.submissions.submission import Submission
 from fieldrecon._core.atomic_files import write_atomically
 
 
 def keys(course: Course, server: Server, submission: Submission, question: str) -> dict[str, str]:
     """Return the digests of all that the findings on an answer depend on, check by check."""
-    around = _digest(
-        code_digest(submission),
+    around = json_digest(
+        submission.code_digest,
         question,
-        environment(),
-        grader(),
+        environment_digest(),
+        grader_digest(),
         seed(submission.student, question, course.salt),
         server.tier,
         vars(server.limits),
     )
     made_by = course.checks(question)
-    return {check: _digest(around, check, made) for check, made in made_by.items()}
+    return {check: json_digest(around, check, made) for check, made in made_by.items()}
 
 
 @dataclass(frozen=True)
@@ -53,12 +52,12 @@ class Cache:
 
     folder: Path
 
-    def get(self, submission: Submission) -> dict[str, Finding]:
+    def get(self, submission: Submission) -> dict[str, CheckResult]:
         """Return what is known of a submission, by name; what cannot be read is not known."""
         read = {name: _finding(data) for name, data in self._kept(submission).items()}
         return {name: finding for name, finding in read.items() if finding}
 
-    def put(self, submission: Submission, findings: Mapping[str, Finding]) -> None:
+    def put(self, submission: Submission, findings: Mapping[str, CheckResult]) -> None:
         """Keep findings on a submission, by name, beside those that are there."""
         kept = json.dumps({**self._kept(submission), **findings}, default=vars)
         write_atomically(self._file(submission), kept.encode(), sync=False)
@@ -71,21 +70,17 @@ class Cache:
         return kept if isinstance(kept, dict) else {}
 
     def _file(self, submission: Submission) -> Path:
-        name = _digest(submission.student, code_digest(submission))
+        name = json_digest(submission.student, submission.code_digest)
         return self.folder / name[:2] / f"{name}.json"
 
 
-def _digest(*things: Any) -> str:
-    return hashlib.sha256(json.dumps(things).encode()).hexdigest()
-
-
-def _finding(data: Any) -> Finding | None:
+def _finding(data: Any) -> CheckResult | None:
     """Return a finding as it was kept; None if that is none."""
     try:
         verdict = Verdict(**data["verdict"])
         errors = tuple((int(n), str(text)) for n, text in data["cell_errors"])
         broke, returned = tuple(map(str, data["broke"])), tuple(data["returned"])
-        found = Finding(verdict, str(data["check"]), broke, errors, returned)
+        found = CheckResult(verdict, str(data["check"]), broke, errors, returned)
     except (ValueError, KeyError, TypeError):
         return None
     return found if verdict.rung in get_args(Rung) else None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from fieldcheck.verdict import Verdict
-from fieldgrade.isolation.isolation import Tier
+from fieldgrade.isolation.server import Tier
 from fieldrecon._core.atomic_files import write_atomically
 
 FORMAT, VERSION = "fieldrecon results", 1
@@ -251,3 +251,42 @@ def read_results(file: Path) -> Results:
         return from_json(json.loads(file.read_text(encoding="utf-8")))
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from None
+
+
+def ordered(records: Iterable[Record]) -> tuple[Record, ...]:
+    """Return records in the order of students, notebooks and files."""
+    return tuple(sorted(records, key=lambda r: (r.student, r.notebook, r.file, r.digest)))
+
+
+def merged(before: Iterable[Record], now: Iterable[Record]) -> tuple[Record, ...]:
+    """Return earlier records, replaced by those of a new run.
+
+    If the run graded only some questions of the same file, the earlier grades of the other
+    questions stay; if the file is another one, they go. The record of an unreadable file goes once
+    a file of that name has been read.
+    """
+    kept = {_whose(record): record for record in before}
+    for record in now:
+        kept.pop((record.student, "", record.file), None)
+        kept[_whose(record)] = _completed(record, kept.get(_whose(record)))
+    return ordered(kept.values())
+
+
+def _completed(record: Record, old: Record | None) -> Record:
+    """Return a record completed by the grades of an earlier record of the same file."""
+    asked = {grade.question for grade in record.grades}
+    rest = [grade for grade in old.grades if grade.question not in asked] if old else []
+    if old is None or old.digest != record.digest or not rest:
+        return record
+    grades = sorted((*record.grades, *rest), key=lambda grade: _order(grade.question))
+    status = max(record.status, old.status, key=STATUSES.index)
+    return replace(record, grades=tuple(grades), status=status)
+
+
+def _whose(record: Record) -> tuple[str, ...]:
+    own = (record.student, record.notebook)
+    return own if record.notebook else (*own, record.file)
+
+
+def _order(question: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in question.split("."))

@@ -9,7 +9,7 @@ from datetime import timedelta
 from pathlib import Path
 
 from fieldgrade.class_folder.csv_tables import Row, notebook, read_table
-from fieldgrade.class_folder.late import Policy, moment
+from fieldgrade.class_folder.late_policy import LatePolicy, moment
 
 CANVAS = re.compile(r".+ \(\d+\)")
 COLUMNS = ("due", "grace_minutes", "percent_per_day", "most_percent", "canvas", "moodle")
@@ -23,7 +23,7 @@ class Assignment:
     ----------
     notebook : str
         ``"02"``.
-    policy : Policy
+    policy : LatePolicy
         When it is due, and what it costs to be late.
     canvas : str
         Its column in Canvas, with the number: ``"Moving least squares (48213)"``.
@@ -32,7 +32,7 @@ class Assignment:
     """
 
     notebook: str
-    policy: Policy = field(default_factory=Policy)
+    policy: LatePolicy = field(default_factory=LatePolicy)
     canvas: str = ""
     moodle: str = ""
 
@@ -50,7 +50,7 @@ def _assignment(row: Row) -> Assignment:
     canvas = row.get("canvas", "")
     if canvas and not CANVAS.fullmatch(canvas):
         raise ValueError(f"Canvas names a column as in 'Least squares (48213)', not {canvas!r}")
-    policy = Policy(
+    policy = LatePolicy(
         due=moment(row["due"]) if row.get("due") else None,
         grace=timedelta(minutes=_number(row, "grace_minutes", 0.0)),
         per_day=_number(row, "percent_per_day", 0.0, 100.0) / 100,

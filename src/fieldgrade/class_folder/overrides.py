@@ -41,7 +41,7 @@ class Override:
 
 
 @dataclass(frozen=True)
-class Request:
+class RegradeRequest:
     """A student asks that an answer be looked at again.
 
     Parameters
@@ -68,7 +68,7 @@ def read_overrides(path: Path) -> list[Override]:
     return read_table(path, _override, COLUMNS)
 
 
-def read_requests(path: Path) -> list[Request]:
+def read_requests(path: Path) -> list[RegradeRequest]:
     """Return the requests in a file. Columns: student, question, on, request, answer."""
     return read_table(path, _request, ("student", "question", "on", "request"), ("answer",))
 
@@ -78,7 +78,9 @@ def latest(overrides: Iterable[Override]) -> Mapping[tuple[str, str], Override]:
     return {(o.student, o.question): o for o in overrides}
 
 
-def open_requests(requests: Iterable[Request], overrides: Sequence[Override]) -> list[Request]:
+def open_requests(
+    requests: Iterable[RegradeRequest], overrides: Sequence[Override]
+) -> list[RegradeRequest]:
     """Return the requests that nobody has answered, in words or by an override since."""
     decided = {key: o.on for key, o in latest(overrides).items()}
     return [
@@ -99,8 +101,8 @@ def _override(row: Row) -> Override:
     )
 
 
-def _request(row: Row) -> Request:
-    return Request(
+def _request(row: Row) -> RegradeRequest:
+    return RegradeRequest(
         row["student"],
         question(row["question"]),
         _day(row["on"]),

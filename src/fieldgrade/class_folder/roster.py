@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 from fieldgrade.class_folder.csv_tables import Row, notebook, points, question, read_table
-from fieldgrade.class_folder.late import moment
+from fieldgrade.class_folder.late_policy import moment
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""``fieldrecon course``: build the notebooks, prove the graders, make the students' bundle."""
+"""``fieldrecon course``: build the notebooks, test the graders, make the bundle for students."""
 
 from __future__ import annotations
 
@@ -14,22 +14,28 @@ from pathlib import Path
 
 from fieldgrade.authoring import build as building
 from fieldgrade.authoring.bundle import write_bundle
-from fieldgrade.authoring.kernels import (
+from fieldgrade.authoring.publish import publish
+from fieldgrade.authoring.secret_salt import MISSING, make_salt, read_salt
+from fieldgrade.authoring.sources import Source
+from fieldgrade.commands.gradebook import add_commands as add_gradebook
+from fieldgrade.grader_validation.blas_kernels import (
     NO_CHOICE,
-    Request,
-    Run,
+    JudgeRequest,
+    KernelRun,
     Setting,
     has_choice_of_kernels,
     not_as_chosen,
     run,
     settings,
 )
-from fieldgrade.authoring.proof import Proof, prove
-from fieldgrade.authoring.publish import publish
-from fieldgrade.authoring.robustness import Baseline, Changes, bench, changes, changes_of_draws
-from fieldgrade.authoring.secret import MISSING, make_salt, read_salt
-from fieldgrade.authoring.sources import Source
-from fieldgrade.commands.gradebook import add_commands as add_gradebook
+from fieldgrade.grader_validation.known_verdicts import GraderReport, grader_reports
+from fieldgrade.grader_validation.rounding_errors import (
+    Baseline,
+    Changes,
+    bench,
+    changes,
+    changes_of_draws,
+)
 from fieldrecon.cli.console import print_table
 from fieldrecon.cli.terminal import print_files, progress
 
@@ -73,9 +79,9 @@ def _check(options: argparse.Namespace) -> int:
     todo = partial(_checked, salt=salt.text, only=options.question)
     with ProcessPoolExecutor(cpu_count()) as pool, progress(pool.map, "graders") as each:
         parts, baselines, changed = zip(*each(todo, sources), strict=True)
-    proofs: list[Proof] = list(chain.from_iterable(parts))
+    proofs: list[GraderReport] = list(chain.from_iterable(parts))
     baseline: Baseline = reduce(or_, baselines)
-    runs = _runs(Request(tuple(sources), salt.text, options.question, baseline.known))
+    runs = _runs(JudgeRequest(tuple(sources), salt.text, options.question, baseline.known))
     verdicts = ((f"with {setting.name}", found.verdicts) for setting, found in runs)
     for changes_of_its in (*changed, changes(baseline.verdicts, verdicts)):
         proofs = [p.with_problems(changes_of_its.get(p.question, ())) for p in proofs]
@@ -96,13 +102,13 @@ def _check(options: argparse.Namespace) -> int:
     return int(any(proof.problems for proof in proofs) or not proofs or bool(alike))
 
 
-def _checked(source: Source, salt: str, only: str) -> tuple[list[Proof], Baseline, Changes]:
+def _checked(source: Source, salt: str, only: str) -> tuple[list[GraderReport], Baseline, Changes]:
     found = bench(source, salt, only)
     baseline = found.baseline()
-    return list(prove(source, salt, only)), baseline, changes_of_draws(found, baseline)
+    return list(grader_reports(source, salt, only)), baseline, changes_of_draws(found, baseline)
 
 
-def _runs(request: Request) -> list[tuple[Setting, Run]]:
+def _runs(request: JudgeRequest) -> list[tuple[Setting, KernelRun]]:
     """Judge all answers in each setting, and print what each process ran."""
     chosen = settings()
     with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "kernels") as each:

@@ -13,9 +13,8 @@ from pathlib import Path
 
 from fieldgrade.checking.results import Results, read_results
 from fieldgrade.class_folder.csv_tables import to_csv
-from fieldgrade.class_folder.decided import ClassFolder, remembered
-from fieldgrade.class_folder.decisions import Decisions
-from fieldgrade.gradebook.sheets import Line, Sheet, sheets
+from fieldgrade.class_folder.decisions import ClassFolder, Decisions, saved_decisions
+from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet, compute_sheets
 
 TOLERANCE = 1e-9
 LATE = "late"
@@ -45,15 +44,15 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Standing:
+class GradedState:
     """What was graded, and what was decided beside it, at one time."""
 
     results: Results
     decisions: Decisions
 
-    def sheets(self) -> dict[tuple[str, str], Sheet]:
+    def sheets(self) -> dict[tuple[str, str], GradeSheet]:
         """Return the sheets by student and notebook."""
-        found = sheets(self.results, self.decisions)
+        found = compute_sheets(self.results, self.decisions)
         return {(sheet.student["student"], sheet.notebook): sheet for sheet in found}
 
 
@@ -77,14 +76,14 @@ def compared(results: Path, folder: ClassFolder, earlier: Path | None = None) ->
     """
     earlier = earlier or before(results)
     decisions = folder.decisions()
-    then = remembered(earlier)
+    then = saved_decisions(earlier)
     return differences(
-        Standing(read_results(earlier), decisions if then is None else then),
-        Standing(read_results(results), decisions),
+        GradedState(read_results(earlier), decisions if then is None else then),
+        GradedState(read_results(results), decisions),
     )
 
 
-def differences(then: Standing, now: Standing) -> list[Difference]:
+def differences(then: GradedState, now: GradedState) -> list[Difference]:
     """Return the grades that changed, in the order of students and questions."""
     old, new = then.sheets(), now.sheets()
     shared = _shared(then.results, now.results)
@@ -95,7 +94,9 @@ def differences(then: Standing, now: Standing) -> list[Difference]:
     ]
 
 
-def _of_sheets(old: Sheet | None, new: Sheet | None, shared: list[str]) -> Iterator[Difference]:
+def _of_sheets(
+    old: GradeSheet | None, new: GradeSheet | None, shared: list[str]
+) -> Iterator[Difference]:
     """Yield what changed in a notebook of a student."""
     sheet = new or old
     if sheet is None:
@@ -115,7 +116,7 @@ def _of_sheets(old: Sheet | None, new: Sheet | None, shared: list[str]) -> Itera
 
 
 def _reasons(
-    was: Line | None, line: Line | None, answer: list[str], shared: list[str]
+    was: GradeLine | None, line: GradeLine | None, answer: list[str], shared: list[str]
 ) -> tuple[str, ...]:
     """Return why a grade changed; what a person decided is the only reason, where it counts."""
     if was is None or line is None:
@@ -134,7 +135,7 @@ def _reasons(
     return tuple(made) or ("nothing that is recorded: other hidden inputs, or chance",)
 
 
-def _by_person(was: Line, line: Line) -> Iterator[str]:
+def _by_person(was: GradeLine, line: GradeLine) -> Iterator[str]:
     if line.how == "override":
         yield f"override: {line.comment}"
     elif was.how == "override":
@@ -150,21 +151,21 @@ def _shared(then: Results, now: Results) -> list[str]:
     return found + (["secret inputs"] if then.secret != now.secret else [])
 
 
-def _answer(old: Sheet | None, new: Sheet | None) -> list[str]:
+def _answer(old: GradeSheet | None, new: GradeSheet | None) -> list[str]:
     """Return whether another answer was handed in; words and drawings in a file change no code."""
     if not (old and new and old.record and new.record) or old.record.code == new.record.code:
         return []
     return ["answer changed"]
 
 
-def _handed_in(old: Sheet | None, new: Sheet | None) -> tuple[str, ...]:
+def _handed_in(old: GradeSheet | None, new: GradeSheet | None) -> tuple[str, ...]:
     had, has = old is not None and old.record, new is not None and new.record
     if has and not had:
         return ("handed in",)
     return ("withdrawn",) if had and not has else ()
 
 
-def _why_late(old: Sheet | None, new: Sheet | None) -> Iterator[str]:
+def _why_late(old: GradeSheet | None, new: GradeSheet | None) -> Iterator[str]:
     if old is None or new is None or old.record is None or new.record is None:
         return
     if old.record.received != new.record.received:
@@ -175,15 +176,15 @@ def _why_late(old: Sheet | None, new: Sheet | None) -> Iterator[str]:
         yield "points changed"
 
 
-def _lines(sheet: Sheet | None) -> Mapping[str, Line]:
+def _lines(sheet: GradeSheet | None) -> Mapping[str, GradeLine]:
     return {line.question: line for line in sheet.lines} if sheet and sheet.record else {}
 
 
-def _points(line: Line | None) -> float | None:
+def _points(line: GradeLine | None) -> float | None:
     return None if line is None or line.how == "open" else line.points
 
 
-def _lost(sheet: Sheet | None) -> float:
+def _lost(sheet: GradeSheet | None) -> float:
     return -sheet.lost if sheet and sheet.record else 0.0
 
 

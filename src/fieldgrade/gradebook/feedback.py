@@ -15,11 +15,10 @@ from fieldcheck.answers import arrays_from_json, public_answers
 from fieldcheck.calls import Outcome, Values
 from fieldcheck.questions import questions
 from fieldcheck.verdict import TITLES
-from fieldgrade.authoring.known import public_calls
+from fieldgrade.authoring.known_answers import public_calls
 from fieldgrade.checking.results import Record
 from fieldgrade.class_folder.csv_tables import short
-from fieldgrade.gradebook.exports import NOT_YET
-from fieldgrade.gradebook.sheets import Line, Sheet
+from fieldgrade.gradebook.grade_sheets import NOT_YET, GradeLine, GradeSheet
 from fieldgrade.html_pages import page, picture
 
 LARGEST = 1e6
@@ -43,12 +42,12 @@ FOR_STUDENTS = ("a stub stands behind an answer",)
 """Of the notes for instructors those that a student can do something about."""
 
 
-def feedback(sheets: Sequence[Sheet], titles: Mapping[str, str] | None = None) -> str:
+def feedback(sheets: Sequence[GradeSheet], titles: Mapping[str, str] | None = None) -> str:
     """Return the page for one student.
 
     Parameters
     ----------
-    sheets : sequence of Sheet
+    sheets : sequence of GradeSheet
         What the student earns, notebook by notebook.
     titles : mapping, optional
         The titles of the notebooks.
@@ -61,7 +60,7 @@ def feedback(sheets: Sequence[Sheet], titles: Mapping[str, str] | None = None) -
     return page(who, _sum(sheets), "\n".join(body))
 
 
-def _sum(sheets: Sequence[Sheet]) -> str:
+def _sum(sheets: Sequence[GradeSheet]) -> str:
     points, possible = sum(s.points for s in sheets), sum(s.possible for s in sheets)
     told = f"{short(points)} of {short(possible)} points"
     waiting = sum(line.how == "open" for sheet in sheets for line in sheet.lines)
@@ -78,7 +77,7 @@ def _unreadable(record: Record) -> str:
     )
 
 
-def _overview(sheets: Sequence[Sheet], titles: Mapping[str, str]) -> str:
+def _overview(sheets: Sequence[GradeSheet], titles: Mapping[str, str]) -> str:
     head = (
         '<tr><th>Notebook</th><th class="number">Points</th><th class="number">of</th>'
         "<th>Questions</th></tr>"
@@ -93,7 +92,7 @@ def _overview(sheets: Sequence[Sheet], titles: Mapping[str, str]) -> str:
     return f'<div class="scroll"><table>{head}{rows}</table></div>'
 
 
-def _at_a_glance(sheet: Sheet) -> str:
+def _at_a_glance(sheet: GradeSheet) -> str:
     """Return a square for each question, as full as its points are."""
     if sheet.record is None:
         return "nothing handed in"
@@ -101,7 +100,7 @@ def _at_a_glance(sheet: Sheet) -> str:
     return f'<span class="squares">{told}</span>'
 
 
-def _square(line: Line) -> str:
+def _square(line: GradeLine) -> str:
     kind, title, _ = _said(line)
     text = f"{line.question} {title or NOT_YET} {_points(line)} of {short(line.possible)}"
     return f'<i class="{kind}" title="{escape(text)}"></i>'
@@ -111,7 +110,7 @@ def _title(notebook: str, title: str) -> str:
     return escape(f"{notebook} {title}".strip())
 
 
-def _notebook(sheet: Sheet, title: str) -> str:
+def _notebook(sheet: GradeSheet, title: str) -> str:
     heading = f'<h2 id="n{sheet.notebook}">{_title(sheet.notebook, title)}</h2>'
     if sheet.record is None:
         readable = " that could be graded" if sheet.unreadable else ""
@@ -125,7 +124,7 @@ def _notebook(sheet: Sheet, title: str) -> str:
     )
 
 
-def _about(sheet: Sheet) -> list[str]:
+def _about(sheet: GradeSheet) -> list[str]:
     """Return what is said of the whole notebook."""
     record = sheet.record
     if record is None:
@@ -139,7 +138,7 @@ def _about(sheet: Sheet) -> list[str]:
     return told
 
 
-def _answer(line: Line) -> str:
+def _answer(line: GradeLine) -> str:
     kind, title, said = _said(line)
     drawn = _drawn(line)
     figure = f"<figure>{drawn}</figure>" if drawn else ""
@@ -151,11 +150,11 @@ def _answer(line: Line) -> str:
     )
 
 
-def _points(line: Line) -> str:
+def _points(line: GradeLine) -> str:
     return "–" if line.how == "open" else short(line.points)
 
 
-def _said(line: Line) -> tuple[str, str, tuple[str, ...]]:
+def _said(line: GradeLine) -> tuple[str, str, tuple[str, ...]]:
     """Return of which kind an answer is, its title, and what is said of it."""
     if line.how == "open":
         return "open", "", (NOT_YET,)
@@ -167,13 +166,13 @@ def _said(line: Line) -> tuple[str, str, tuple[str, ...]]:
     return kind, TITLES[verdict.rung], (verdict.sentence, changed)
 
 
-def _kind(line: Line) -> str:
+def _kind(line: GradeLine) -> str:
     if line.points >= line.possible:
         return "right"
     return "half" if line.points else "wrong"
 
 
-def _drawn(line: Line) -> str:
+def _drawn(line: GradeLine) -> str:
     """Return the student's field beside the right one, on the public case that shows it best."""
     from fieldcheck.pictures import picture_of_difference
 
@@ -195,7 +194,7 @@ def _drawn(line: Line) -> str:
     return f"{picture(drawn, case)}<figcaption>{escape(case)}</figcaption>"
 
 
-def _arrays(line: Line) -> Values:
+def _arrays(line: GradeLine) -> Values:
     """Return what the student's function returned, as the results keep it."""
     return arrays_from_json(line.grade.returned if line.grade else ())
 

@@ -3,21 +3,35 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
+from itertools import groupby
 
 import numpy as np
 
 from fieldgrade.class_folder.csv_tables import to_csv
-from fieldgrade.gradebook.sheets import Line, Sheet
+from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet
+from fieldgrade.html_pages import page
 
 FEWEST = 3
 """A correlation over fewer submissions tells nothing."""
 MOST_MISTAKES = 3
+LITTLE = 0.2
+"""A discrimination below this says that a question tells little."""
+BAR = 7.0
+"""Length, in em, of the bar of a question that everybody fails."""
+
+EXPLAINED = (
+    "Failed is the part of the answers that did not earn all points; the mean is of the part of "
+    "the points that was earned. Discrimination is the correlation of a question's points with "
+    "those of the other questions of its notebook: below 0.2 it tells little, and below zero "
+    "those who do worse on the rest do better on it, so that it should be looked at."
+)
 
 
 @dataclass(frozen=True)
-class Item:
+class ItemStatistics:
     """How a question did.
 
     Parameters
@@ -44,7 +58,7 @@ class Item:
     mistakes: tuple[tuple[str, int], ...] = ()
 
 
-def items(sheets: Iterable[Sheet]) -> list[Item]:
+def items(sheets: Iterable[GradeSheet]) -> list[ItemStatistics]:
     """Return how each question did, over all submissions; what nobody has read yet is left out."""
     handed_in = [sheet for sheet in sheets if sheet.record]
     notebooks = sorted({sheet.notebook for sheet in handed_in})
@@ -86,7 +100,7 @@ def discrimination(scores: np.ndarray, rest: np.ndarray) -> float | None:
     return float(x @ y / np.sqrt((x @ x) * (y @ y)))
 
 
-def to_table(found: Sequence[Item]) -> str:
+def to_table(found: Sequence[ItemStatistics]) -> str:
     """Return the analysis as CSV."""
     columns = ("question", "answers", "failed", "mean", "discrimination", "commonest mistakes")
     return to_csv(
@@ -95,11 +109,11 @@ def to_table(found: Sequence[Item]) -> str:
     )
 
 
-def _in_words(item: Item) -> str:
+def _in_words(item: ItemStatistics) -> str:
     return "; ".join(f"{name} ({count})" for name, count in item.mistakes)
 
 
-def _items(sheets: Sequence[Sheet]) -> Iterable[Item]:
+def _items(sheets: Sequence[GradeSheet]) -> Iterable[ItemStatistics]:
     """Yield how the questions of one notebook did."""
     for index, first in enumerate(sheets[0].lines):
         graded = [sheet for sheet in sheets if sheet.lines[index].how != "open"]
@@ -109,7 +123,7 @@ def _items(sheets: Sequence[Sheet]) -> Iterable[Item]:
         scores = np.array([line.points / line.possible for line in lines])
         rest = np.array([s.earned - s.lines[index].points for s in graded])
         mistakes = Counter(filter(None, map(_mistake, lines)))
-        yield Item(
+        yield ItemStatistics(
             first.question,
             len(graded),
             float(np.mean(scores < 1)),
@@ -123,8 +137,55 @@ def _commonest(mistakes: Counter[str]) -> list[tuple[str, int]]:
     return sorted(mistakes.items(), key=lambda pair: (-pair[1], pair[0]))[:MOST_MISTAKES]
 
 
-def _mistake(line: Line) -> str:
+def _mistake(line: GradeLine) -> str:
     """Return the misconception of an answer, or how far it came."""
     if line.grade is None or line.grade.verdict.right:
         return ""
     return line.grade.verdict.mistake or line.grade.verdict.rung
+
+
+def analysis_page(
+    found: Sequence[ItemStatistics], titles: Mapping[str, str], told: str = ""
+) -> str:
+    """Return the page with a table for each notebook.
+
+    Parameters
+    ----------
+    found : sequence of ItemStatistics
+        How the questions did, in their order.
+    titles : mapping
+        The titles of the notebooks.
+    told : str
+        A line on who was graded.
+    """
+    body = [f"<p>{escape(EXPLAINED)}</p>"]
+    for notebook, its in groupby(found, key=lambda item: item.question.partition(".")[0]):
+        title = f"{notebook} {titles.get(notebook, '')}".strip()
+        body.append(f"<h2>{escape(title)}</h2>{_table(list(its))}")
+    return page("How the questions did", told, "\n".join(body))
+
+
+def _table(its: Sequence[ItemStatistics]) -> str:
+    head = (
+        '<tr><th>Question</th><th class="number">Answers</th><th>Failed</th>'
+        '<th class="number">Mean</th><th class="number">Discrimination</th>'
+        "<th>Commonest mistakes</th></tr>"
+    )
+    return f'<div class="scroll"><table>{head}{"".join(map(_row, its))}</table></div>'
+
+
+def _row(item: ItemStatistics) -> str:
+    mistakes = "<br>".join(f"{escape(name)} ({count})" for name, count in item.mistakes)
+    bar = f'<span class="bar" style="width:{BAR * item.failed:.2f}em"></span>'
+    return (
+        f'<tr><td>{escape(item.question)}</td><td class="number">{item.answers}</td>'
+        f'<td class="bars">{bar} {item.failed:.0%}</td><td class="number">{item.mean:.0%}</td>'
+        f'<td class="number">{_discrimination(item)}</td><td>{mistakes}</td></tr>'
+    )
+
+
+def _discrimination(item: ItemStatistics) -> str:
+    if item.discrimination is None:
+        return "–"
+    text = f"{item.discrimination:.2f}".replace("-", "−")
+    return f"<mark>{text}</mark>" if item.discrimination < LITTLE else text

@@ -18,8 +18,11 @@ import hashlib
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from itertools import combinations
 
+from fieldgrade.class_folder.csv_tables import to_csv
+from fieldgrade.html_pages import page
 from fieldgrade.submissions.definitions import is_stub
 
 K, WINDOW = 12, 8
@@ -29,6 +32,16 @@ MOST_SHARED = 0.1
 """What more than this part of a class shares is how the question is answered."""
 FEWEST = 3
 """... but so many may always share something without its being common."""
+
+MOST_PAIRS = 30
+"""So many are shown in full; the table has all."""
+MOST_FUNCTIONS = 4
+CAUTION = (
+    "This is evidence to look at, and no verdict. Students who worked together as they were asked "
+    "to, or who read the same page of a book, write what is alike; and a short question has few "
+    "answers. Marked is what these two share and few others do; what was handed out is left out, "
+    "and so are names, comments and layout."
+)
 
 Node = tuple[str, int]
 """What a node of a syntax tree is, and the line in which it stands."""
@@ -240,3 +253,67 @@ def pairs(codes: Sequence[Code], handed_out: Code | None = None) -> list[Pair]:
             shorter = min(len(own[one.student]), len(own[other.student]))
             found.append(Pair(one, other, frozenset(shared), len(shared) / shorter))
     return sorted(found, key=lambda p: (-p.part, -len(p.shared), p.one.student, p.other.student))
+
+
+def to_table(pairs: Sequence[tuple[str, Pair]]) -> str:
+    """Return the pairs of each notebook as CSV."""
+    columns = ("notebook", "one", "other", "shared part", "shared fingerprints", "functions")
+    return to_csv(
+        columns,
+        (
+            (number, p.one.student, p.other.student, p.part, len(p.shared), _shared_functions(p))
+            for number, p in pairs
+        ),
+    )
+
+
+def similarity_page(title: str, pairs: Sequence[Pair], compared: int) -> str:
+    """Return the page for a notebook.
+
+    Parameters
+    ----------
+    title : str
+        Of the notebook.
+    pairs : sequence of Pair
+        Those that share most first.
+    compared : int
+        How many answers were compared.
+    """
+    head = "<tr><th>Pair</th><th class='number'>Shared</th><th>In</th></tr>"
+    rows = "".join(
+        f'<tr><td><a href="#p{n}">{_names(p)}</a></td><td class="number">{p.part:.0%}</td>'
+        f"<td>{escape(_shared_functions(p))}</td></tr>"
+        for n, p in enumerate(pairs[:MOST_PAIRS])
+    )
+    table = f'<div class="scroll"><table>{head}{rows}</table></div>' if pairs else ""
+    body = [f"<p>{escape(CAUTION)}</p>", table]
+    body += [line for n, p in enumerate(pairs[:MOST_PAIRS]) for line in _pair(n, p)]
+    if not pairs:
+        body.append("<p>No two of them share anything that few others do.</p>")
+    told = f"{compared} notebooks compared, {len(pairs)} pairs share something"
+    return page(f"Similar answers: {title}", told, "\n".join(body))
+
+
+def _pair(number: int, pair: Pair) -> Iterator[str]:
+    yield f'<h2 id="p{number}">{_names(pair)}, {pair.part:.0%}</h2>'
+    for mine, theirs, _ in pair.functions()[:MOST_FUNCTIONS]:
+        here, there = pair.lines(mine, theirs)
+        sides = _side(pair.one, mine, here) + _side(pair.other, theirs, there)
+        yield f'<div class="pair">{sides}</div>'
+
+
+def _side(code: Code, name: str, marked: set[int]) -> str:
+    text = "\n".join(
+        f"<mark>{escape(line)}</mark>" if n in marked and line.strip() else escape(line)
+        for n, line in enumerate(code.texts[name].splitlines())
+    )
+    return f'<div><p class="quiet">{escape(code.student)}</p><pre>{text}</pre></div>'
+
+
+def _names(pair: Pair) -> str:
+    return f"{escape(pair.one.student)} and {escape(pair.other.student)}"
+
+
+def _shared_functions(pair: Pair) -> str:
+    found = pair.functions()
+    return ", ".join(one if one == other else f"{one} and {other}" for one, other, _ in found)

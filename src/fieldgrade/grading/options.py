@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from fieldgrade.grading.run import Choice, Run, chosen_tier, cores
-from fieldgrade.isolation.isolation import TIERS
+from fieldgrade.grading.run import Choice, GradingRun, chosen_tier, cores
+from fieldgrade.isolation.server import TIERS
 
 TABLES = Path("class")
 
@@ -55,7 +55,7 @@ def declare(add: Callable[..., Any]) -> None:
     add("--require-isolation", action="store_true", help="refuse to grade without walls")
 
 
-def run_of(options: argparse.Namespace) -> tuple[Run, str]:
+def run_of(options: argparse.Namespace) -> tuple[GradingRun, str]:
     """Return the run that the options describe, and what must be said loudly of its walls.
 
     Raises
@@ -70,7 +70,7 @@ def run_of(options: argparse.Namespace) -> tuple[Run, str]:
         raise ValueError(f"{options.tables} is no folder with the tables of a class")
     tier, banner = chosen_tier(options.tier, options.require_isolation)
     choice = Choice(frozenset(options.only), options.question, options.student)
-    run = Run(
+    run = GradingRun(
         Path(options.submissions),
         options.out,
         options.root,

@@ -11,19 +11,19 @@ from typing import Any
 
 from fieldcheck.questions import get, questions
 from fieldgrade.authoring.build import all_sources
-from fieldgrade.authoring.secret import Salt, read_salt
+from fieldgrade.authoring.secret_salt import Salt, read_salt
 from fieldgrade.authoring.sources import Source
 from fieldgrade.checking.cache import Cache
-from fieldgrade.checking.fingerprint import environment, grader
-from fieldgrade.checking.results import Record, Results, read_results, write_results
-from fieldgrade.checking.trusted import Course
+from fieldgrade.checking.course import Course
+from fieldgrade.checking.dependency_digests import environment_digest, grader_digest
+from fieldgrade.checking.results import Record, Results, merged, read_results, write_results
 from fieldgrade.class_folder.roster import Student, columns, read_points, read_roster, read_times
-from fieldgrade.grading.batch import Portion
+from fieldgrade.grading.batch import GradingTask
 from fieldgrade.grading.ledger import Ledger
-from fieldgrade.grading.merging import merged
-from fieldgrade.isolation.isolation import BANNER, Server, Tier, tiers
+from fieldgrade.isolation.server import BANNER, Server, Tier, tiers
 from fieldgrade.submissions.archive import Archive
-from fieldgrade.submissions.intake import Handed, Intake
+from fieldgrade.submissions.collection import ReceivedFile
+from fieldgrade.submissions.intake import Intake
 
 RESULTS = "results.json"
 
@@ -41,16 +41,16 @@ class Choice:
     question: str = ""
     student: str = ""
 
-    def has(self, handed: Handed) -> bool:
+    def has(self, file: ReceivedFile) -> bool:
         """Whether something of what was handed in is to be graded."""
         wanted = {self.question[:2]} - {""} or set(self.notebooks)
-        if self.student and handed.student.lower() != self.student.lower():
+        if self.student and file.student.lower() != self.student.lower():
             return False
-        return not wanted or handed.notebook in wanted
+        return not wanted or file.notebook in wanted
 
 
 @dataclass(frozen=True)
-class Run:
+class GradingRun:
     """Where everything is, and what is to be done with it.
 
     Parameters
@@ -140,7 +140,9 @@ class Run:
     @property
     def ledger(self) -> Ledger:
         """What ran."""
-        return Ledger(self.out / "ledger.jsonl", environment(), grader(), self.salt.year)
+        return Ledger(
+            self.out / "ledger.jsonl", environment_digest(), grader_digest(), self.salt.year
+        )
 
     @property
     def server(self) -> Server:
@@ -150,7 +152,7 @@ class Run:
     # What is done.
 
     @cached_property
-    def taken(self) -> tuple[list[Handed], list[str]]:
+    def taken(self) -> tuple[list[ReceivedFile], list[str]]:
         """What was handed in and is to be graded, and what came and is nobody's.
 
         Raises
@@ -170,17 +172,17 @@ class Run:
         file = self._table("received.csv")
         times = read_times(file) if file else {}
         intake = Intake(self.archive, self.course.functions(), self.roster, times)
-        handed = [h for h in intake.take(self.submissions) if self.choice.has(h)]
-        if not handed:
+        files = [f for f in intake.take(self.submissions) if self.choice.has(f)]
+        if not files:
             raise ValueError(f"{self.submissions} holds nothing of what was chosen")
-        return handed, intake.strays
+        return files, intake.strays
 
-    def portions(self) -> list[Portion]:
+    def tasks(self) -> list[GradingTask]:
         """Return what is to be graded, in the order of students and notebooks."""
         only = {self.choice.question} - {""}
         return [
-            Portion(h, tuple(q.name for q in self.course.asked(h.notebook, only)))
-            for h in self.taken[0]
+            GradingTask(f, tuple(q.name for q in self.course.asked(f.notebook, only)))
+            for f in self.taken[0]
         ]
 
     def finish(self, records: Iterable[Record]) -> tuple[Results, bool]:
@@ -206,8 +208,8 @@ class Run:
             tuple(students.values()),
             tuple(self._asked()),
             self.salt.secret,
-            environment(),
-            grader(),
+            environment_digest(),
+            grader_digest(),
         )
 
     def _asked(self) -> Iterator[dict[str, Any]]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fieldcheck.calls import Call, Outcome
-from fieldgrade.isolation.isolation import Ended, Server
+from fieldgrade.isolation.server import ProcessEnd, Server
 from fieldgrade.sandbox import frames
 
 SECONDS_TO_START = 20.0
@@ -28,7 +28,7 @@ MOST_TEXT = 2000
 STATUSES = ("returned", "raised", "unwritten", "missing", "timed out")
 
 
-class Broken(Exception):
+class ProcessFailed(Exception):
     """The process is of no more use; the reason in a word, and in a sentence."""
 
     def __init__(self, reason: str, sentence: str) -> None:
@@ -53,7 +53,7 @@ class Process:
 
     def __init__(self, server: Server, last: float) -> None:
         self.server, self.last = server, last
-        self.ended: Ended | None = None
+        self.ended: ProcessEnd | None = None
         self.to_it, self.from_it = server.run()
 
     def await_start(self) -> None:
@@ -66,7 +66,7 @@ class Process:
         """
         try:
             frames.receive(self.from_it, time.monotonic() + SECONDS_TO_START)
-        except (frames.Late, frames.BadFrame, frames.Gone):
+        except (frames.FrameTimeout, frames.BadFrame, frames.PipeClosed):
             raise NotStarted(f"no process starts behind {self.server.tier}") from None
 
     def cell(self, number: int, code: str) -> str:
@@ -82,7 +82,7 @@ class Process:
         head, values = self._ask(*_told(call, seconds), seconds + GRACE)
         return _outcome(head, values, time.monotonic() - start)
 
-    def end(self, patiently: bool = False) -> Ended:
+    def end(self, patiently: bool = False) -> ProcessEnd:
         """End the process, and return how it ended."""
         if self.ended is None:
             self.ended = self.server.end(patiently)
@@ -100,7 +100,7 @@ class Process:
 
         Raises
         ------
-        Broken
+        ProcessFailed
             There is none in time, or what comes is no answer.
         """
         number, late = secrets.randbits(50), min(time.monotonic() + seconds, self.last)
@@ -110,17 +110,17 @@ class Process:
                 answer, values = frames.receive(self.from_it, late)
                 if answer.get("frame") == number:
                     return answer, values
-        except frames.Late:
-            raise Broken("time", f"it was stopped after {seconds:.3g} seconds") from None
+        except frames.FrameTimeout:
+            raise ProcessFailed("time", f"it was stopped after {seconds:.3g} seconds") from None
         except frames.BadFrame as error:
-            raise Broken("output", f"no answer can be had: {error}") from None
-        except frames.Gone:
+            raise ProcessFailed("output", f"no answer can be had: {error}") from None
+        except frames.PipeClosed:
             limit = self.server.limits.cpu_seconds
             raise _death(self.end(patiently=True), limit) from None
-        raise Broken("output", "it answers what was not asked")
+        raise ProcessFailed("output", "it answers what was not asked")
 
 
-def _death(ended: Ended, cpu_seconds: float) -> Broken:
+def _death(ended: ProcessEnd, cpu_seconds: float) -> ProcessFailed:
     """Return why a process ended by itself."""
     watched = {
         "threads": "it started too many threads",
@@ -137,15 +137,15 @@ def _death(ended: Ended, cpu_seconds: float) -> Broken:
     }
     if ended.ended_for:
         reason = "crash" if ended.ended_for == "server" else ended.ended_for
-        return Broken(reason, watched.get(ended.ended_for, ended.ended_for))
+        return ProcessFailed(reason, watched.get(ended.ended_for, ended.ended_for))
     if ended.killed:
-        return Broken("output", "it closed the pipe through which it answers")
+        return ProcessFailed("output", "it closed the pipe through which it answers")
     if ended.signal == 9 and ended.cpu_seconds >= cpu_seconds:
-        return Broken(*signals[24])
+        return ProcessFailed(*signals[24])
     if ended.signal:
         told = f"it was ended by signal {ended.signal}"
-        return Broken(*signals.get(ended.signal, ("crash", told)))
-    return Broken("exit", f"it ended the program (exit status {ended.exit})")
+        return ProcessFailed(*signals.get(ended.signal, ("crash", told)))
+    return ProcessFailed("exit", f"it ended the program (exit status {ended.exit})")
 
 
 def _told(call: Call, seconds: float) -> tuple[dict[str, Any], tuple[Any, ...]]:

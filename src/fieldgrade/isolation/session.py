@@ -11,22 +11,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from fieldcheck.calls import Call, Outcome
-from fieldgrade.isolation.isolation import Ended, Server
-from fieldgrade.isolation.process import Broken, NotStarted, Process
+from fieldgrade.isolation.process import NotStarted, Process, ProcessFailed
+from fieldgrade.isolation.server import ProcessEnd, Server
 
 MOST_FAILURES = 3
 """So often may a process not start."""
 
 
 @dataclass
-class Log:
+class SessionLog:
     """What happened while a submission ran.
 
     Parameters
     ----------
     cell_errors : dict
         The error of each cell that did not end well, by its number.
-    processes : list of Ended
+    processes : list of ProcessEnd
         How each process ended.
     killed : list of str
         Why processes had to be ended: ``"time"``, ``"memory"``, ``"output"``, ``"crash"``,
@@ -38,14 +38,14 @@ class Log:
     """
 
     cell_errors: dict[int, str] = field(default_factory=dict)
-    processes: list[Ended] = field(default_factory=list)
+    processes: list[ProcessEnd] = field(default_factory=list)
     killed: list[str] = field(default_factory=list)
     broke: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
 
 
 @dataclass(frozen=True)
-class Task:
+class CallGroup:
     """Calls to be made one after the other, each within so many seconds.
 
     Once a task of a question has hung or broken down, its others are not tried: each would take as
@@ -59,8 +59,8 @@ class Task:
 
 
 def run(
-    server: Server, cells: Sequence[str], tasks: Sequence[Task]
-) -> tuple[dict[str, tuple[Outcome, ...]], Log]:
+    server: Server, cells: Sequence[str], tasks: Sequence[CallGroup]
+) -> tuple[dict[str, tuple[Outcome, ...]], SessionLog]:
     """Run the cells of a submission and make the calls of all tasks.
 
     Parameters
@@ -69,14 +69,14 @@ def run(
         A started server.
     cells : sequence of str
         Code, in order.
-    tasks : sequence of Task
+    tasks : sequence of CallGroup
         What is to be called once the cells have run.
 
     Returns
     -------
     outcomes : dict
         What came of the calls, by the name of the task.
-    log : Log
+    log : SessionLog
         What else happened.
 
     Raises
@@ -84,7 +84,7 @@ def run(
     NotStarted
         Time and again no process starts, which is no submission's fault.
     """
-    log, outcomes, skipped = Log(), dict[str, tuple[Outcome, ...]](), set[int]()
+    log, outcomes, skipped = SessionLog(), dict[str, tuple[Outcome, ...]](), set[int]()
     started, todo = time.monotonic(), list(tasks)
     last, failures = started + server.limits.seconds_in_all, 0
     for _ in range(server.limits.most_starts):
@@ -103,7 +103,7 @@ def run(
             failures += 1
             if failures == MOST_FAILURES:
                 raise
-        except Broken as broken:
+        except ProcessFailed as broken:
             log.killed.append(broken.reason)
             if attempt.task:
                 task = attempt.task
@@ -118,16 +118,16 @@ def run(
     return outcomes, log
 
 
-def _without(todo: Sequence[Task], broken: Task) -> list[Task]:
+def _without(todo: Sequence[CallGroup], broken: CallGroup) -> list[CallGroup]:
     return [task for task in todo if not broken.question or task.question != broken.question]
 
 
 class _Attempt:
     """One process at work on a submission; it knows at what it was when it broke."""
 
-    def __init__(self, server: Server, log: Log, last: float) -> None:
+    def __init__(self, server: Server, log: SessionLog, last: float) -> None:
         self.process, self.log = Process(server, last), log
-        self.task: Task | None = None
+        self.task: CallGroup | None = None
         self.done: list[Outcome] = []
 
     def run_cells(self, cells: Sequence[str], skipped: set[int]) -> None:
@@ -138,14 +138,14 @@ class _Attempt:
                 continue
             try:
                 error = self.process.cell(number, code)
-            except Broken as broken:
+            except ProcessFailed as broken:
                 skipped.add(number)
                 self.log.cell_errors[number] = str(broken)
                 raise
             if error:
                 self.log.cell_errors[number] = error
 
-    def make_calls(self, task: Task) -> tuple[Outcome, ...]:
+    def make_calls(self, task: CallGroup) -> tuple[Outcome, ...]:
         """Make the calls of a task; once there is nothing to call, the others are not tried."""
         self.task, self.done = task, []
         for call in task.calls:
@@ -155,7 +155,7 @@ class _Attempt:
         self.task = None
         return _filled(self.done, len(task.calls))
 
-    def salvaged(self, task: Task, broken: Broken) -> tuple[Outcome, ...]:
+    def salvaged(self, task: CallGroup, broken: ProcessFailed) -> tuple[Outcome, ...]:
         """Return the outcomes of the task that broke the process."""
         last = Outcome("raised", error=str(broken))
         if broken.reason == "time":

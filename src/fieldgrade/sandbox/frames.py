@@ -34,11 +34,11 @@ class BadFrame(Exception):
     """What came is no frame."""
 
 
-class Gone(Exception):
+class PipeClosed(Exception):
     """The other side has closed the pipe."""
 
 
-class Late(Exception):
+class FrameTimeout(Exception):
     """The other side did not do its part before the deadline."""
 
 
@@ -75,7 +75,7 @@ def send(
 
     Raises
     ------
-    Gone, Late, BadFrame
+    PipeClosed, FrameTimeout, BadFrame
         The pipe was closed, it was not read in time, or this cannot be a frame.
     """
     data = memoryview(pack(head, arrays))
@@ -86,7 +86,7 @@ def send(
         except BlockingIOError:
             continue
         except BrokenPipeError:
-            raise Gone from None
+            raise PipeClosed from None
 
 
 def receive(pipe: int, deadline: float | None = None) -> tuple[dict[str, Any], list[np.ndarray]]:
@@ -94,7 +94,7 @@ def receive(pipe: int, deadline: float | None = None) -> tuple[dict[str, Any], l
 
     Raises
     ------
-    Gone, Late, BadFrame
+    PipeClosed, FrameTimeout, BadFrame
         The pipe was closed, nothing came in time, or what came is no frame.
     """
     lengths = LENGTHS.unpack(_read(pipe, LENGTHS.size, deadline))
@@ -147,7 +147,7 @@ def _read(pipe: int, length: int, deadline: float | None) -> bytes:
         _wait(pipe, select.POLLIN, deadline)
         part = os.read(pipe, min(length, PIECE))
         if not part:
-            raise Gone
+            raise PipeClosed
         parts.append(part)
         length -= len(part)
     return b"".join(parts)
@@ -161,4 +161,4 @@ def _wait(pipe: int, event: int, deadline: float | None) -> None:
     poll.register(pipe, event)
     left = deadline - time.monotonic()
     if left <= 0 or not poll.poll(ceil(1000 * left)):
-        raise Late
+        raise FrameTimeout

@@ -20,7 +20,7 @@ def serve(incoming: int, outgoing: int) -> None:
     while True:
         try:
             head, arrays = frames.receive(incoming)
-        except frames.Gone:
+        except frames.PipeClosed:
             return
         number = {"frame": head["frame"]}
         if "cell" in head:

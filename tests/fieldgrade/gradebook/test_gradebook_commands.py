@@ -77,7 +77,7 @@ def test_a_platform_without_names_is_told_and_not_made(place, capsys):
     """Who does not use Canvas is not stopped by it."""
     (place / "class/assignments.csv").unlink()
     assert run(place, "export") == 0
-    assert "no canvas.csv: assignments.csv has no name under canvas" in capsys.readouterr().out
+    assert "no canvas.csv: column canvas of assignments.csv is empty" in capsys.readouterr().out
     assert not (place / "out/canvas.csv").exists()
 
 
@@ -95,9 +95,9 @@ def test_words_are_read_and_the_points_come_back(place):
 
 def test_an_override_is_told_as_a_difference(place, capsys):
     """What was decided since the class was graded stands in the table with its reason."""
-    from fieldgrade.class_folder.decided import ClassFolder, remember
+    from fieldgrade.class_folder.decisions import ClassFolder, save_decisions
 
-    remember(place / "out", ClassFolder(place / "class"))
+    save_decisions(place / "out", ClassFolder(place / "class"))
     assert run(place, "differences") == 0
     assert "no grade changed" in capsys.readouterr().out
     line = "bob,01.1,1,Hopper,right idea,2026-12-02\n"
@@ -141,7 +141,7 @@ def test_the_tables_of_a_class_are_written_once(tmp_path, capsys):
     assert main(["course", "class", str(tmp_path / "class")]) == 0
     assert "was there" not in capsys.readouterr().out
     assert main(["course", "class", str(tmp_path / "class")]) == 0
-    assert "roster.csv was there" in capsys.readouterr().out
+    assert "roster.csv exists and was kept" in capsys.readouterr().out
 
 
 def test_what_is_wrong_is_told_in_a_sentence(place, capsys):

@@ -13,11 +13,12 @@ from fieldgrade.checking.results import (
     Record,
     Results,
     invalid,
+    merged,
+    ordered,
     read_results,
     to_json,
     write_results,
 )
-from fieldgrade.grading.merging import merged, ordered
 from fieldrecon._core.atomic_files import write_atomically
 
 DIGEST, OTHER = "a" * 64, "b" * 64

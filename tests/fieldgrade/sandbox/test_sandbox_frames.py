@@ -77,7 +77,7 @@ def test_bytes_are_a_frame_or_refused(data):
     """Any bytes at all are refused in one of three ways, or are a frame."""
     try:
         head, values = received(data)
-    except (frames.BadFrame, frames.Gone):
+    except (frames.BadFrame, frames.PipeClosed):
         return
     assert isinstance(head, dict)
     assert all(value.dtype.str in frames.KINDS.values() for value in values)
@@ -140,7 +140,7 @@ def test_a_torn_frame_is_waited_for_until_the_deadline():
     begin = time.monotonic()
     with pipe() as (out, into):
         os.write(into, struct.pack("!II", 100, 0) + b"{")
-        with pytest.raises(frames.Late):
+        with pytest.raises(frames.FrameTimeout):
             frames.receive(out, begin + 0.2)
     assert time.monotonic() - begin > 0.15
 
@@ -150,7 +150,7 @@ def test_a_pipe_that_nobody_reads_is_written_to_until_the_deadline():
     begin = time.monotonic()
     with pipe() as (_, into):
         os.set_blocking(into, False)
-        with pytest.raises(frames.Late):
+        with pytest.raises(frames.FrameTimeout):
             frames.send(into, {}, (np.zeros(10**5),), begin + 0.2)
     assert time.monotonic() - begin > 0.15
 
@@ -159,11 +159,11 @@ def test_a_pipe_that_is_closed_is_told():
     """To read or to write where nobody is at the other end is an end of its own kind."""
     with pipe() as (out, into):
         os.close(into)
-        with pytest.raises(frames.Gone):
+        with pytest.raises(frames.PipeClosed):
             frames.receive(out, time.monotonic() + 600)
     with pipe() as (out, into):
         os.close(out)
-        with pytest.raises(frames.Gone):
+        with pytest.raises(frames.PipeClosed):
             frames.send(into, {}, ())
 
 
@@ -193,5 +193,5 @@ def test_nothing_is_unpickled():
 
     data = pickle.dumps(Evil())
     for frame in (data, struct.pack("!II", len(data), 0) + data):
-        with pytest.raises((frames.BadFrame, frames.Gone)):
+        with pytest.raises((frames.BadFrame, frames.PipeClosed)):
             received(frame)

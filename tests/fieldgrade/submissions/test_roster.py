@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fieldgrade.class_folder.examples import HEADERS, LINES
+from fieldgrade.class_folder.example_tables import HEADERS, LINES
 from fieldgrade.class_folder.roster import Student, columns, read_points, read_roster, read_times
-from fieldgrade.submissions.owners import Owner, students_of
-from fieldgrade.submissions.platforms import is_platform, place
+from fieldgrade.submissions.bulk_downloads import is_platform, parse_path
+from fieldgrade.submissions.owners import OwnerHint, students_of
 
 QUESTIONS = ("01.1", "01.3", "01.5", "01.10")
 
@@ -91,17 +91,17 @@ ADA = Student("s123", "Ada King Lovelace", "ada@x.org", "alove", "12", "77", "",
 BOB = Student("bob", "Bob Byte", "bob@x.org", "bbyte", "13", "78", "", "513")
 ROSTER = {s.student: s for s in (ADA, BOB)}
 SIGNS = {
-    "the number of Canvas": Owner("anybody", "12", platform="canvas"),
-    "the number of Moodle": Owner("Participant", "512", platform="moodle"),
-    "the number of Gradescope": Owner("A. L.", "77", platform="gradescope"),
-    "the address": Owner("A. L.", "", "ADA@x.org", "gradescope"),
-    "an address as a name": Owner("ada@x.org"),
-    "the login": Owner("ALove"),
-    "the name": Owner("Ada King Lovelace"),
-    "the name of Canvas": Owner("lovelaceadaking", "", platform="canvas"),
-    "the name, last in front": Owner("Lovelace, Ada King"),
-    "the name with accents": Owner("Ada Kíng  Lovelacé"),
-    "the number in a text": Owner("hand-in_s123 (final)"),
+    "the number of Canvas": OwnerHint("anybody", "12", platform="canvas"),
+    "the number of Moodle": OwnerHint("Participant", "512", platform="moodle"),
+    "the number of Gradescope": OwnerHint("A. L.", "77", platform="gradescope"),
+    "the address": OwnerHint("A. L.", "", "ADA@x.org", "gradescope"),
+    "an address as a name": OwnerHint("ada@x.org"),
+    "the login": OwnerHint("ALove"),
+    "the name": OwnerHint("Ada King Lovelace"),
+    "the name of Canvas": OwnerHint("lovelaceadaking", "", platform="canvas"),
+    "the name, last in front": OwnerHint("Lovelace, Ada King"),
+    "the name with accents": OwnerHint("Ada Kíng  Lovelacé"),
+    "the number in a text": OwnerHint("hand-in_s123 (final)"),
 }
 
 
@@ -112,10 +112,10 @@ def test_a_student_is_found_by_any_sign(owner):
 
 
 STRANGERS = {
-    "a part of a name": Owner("Bob"[:2]),
-    "a word of a text": Owner("Maria de bob"),
-    "another number": Owner("bytebob", "99", platform="canvas"),
-    "nothing": Owner(""),
+    "a part of a name": OwnerHint("Bob"[:2]),
+    "a word of a text": OwnerHint("Maria de bob"),
+    "another number": OwnerHint("bytebob", "99", platform="canvas"),
+    "nothing": OwnerHint(""),
 }
 
 
@@ -128,9 +128,9 @@ def test_a_stranger_is_nobody_on_the_roster(owner):
 def test_where_two_fit_equally_well_nobody_is_chosen():
     """Two of one name are told apart by a surer sign, or not at all."""
     twins = {k: Student(k, "Kim Lee", canvas_id=n) for k, n in (("k1", "1"), ("k2", "2"))}
-    plain = Owner("Kim Lee")
+    plain = OwnerHint("Kim Lee")
     assert students_of([plain], twins) == {plain: "Kim Lee"}
-    numbered = Owner("leekim", "2", platform="canvas")
+    numbered = OwnerHint("leekim", "2", platform="canvas")
     assert students_of([numbered], twins) == {numbered: "k2"}
 
 
@@ -138,13 +138,13 @@ def test_where_two_fit_equally_well_nobody_is_chosen():
 @given(st.text(max_size=60), st.text(max_size=20), st.text(max_size=20))
 def test_any_text_belongs_to_one_student_at_most(text, number, email):
     """Nothing in a name is an error."""
-    owner = Owner(text, number, email, "moodle")
+    owner = OwnerHint(text, number, email, "moodle")
     assert students_of([owner], ROSTER)[owner] in {text, f"{text} ({number})", "s123", "bob"}
 
 
 @given(st.text(min_size=1).filter(lambda name: "/" not in name), st.text(max_size=5))
 def test_any_name_is_placed(first, rest):
     """A path tells of one owner, whatever stands in it."""
-    where = place([first, *([rest] if rest else [])], {})
+    where = parse_path([first, *([rest] if rest else [])], {})
     assert len(where.owners) == 1
     assert isinstance(is_platform(first), bool)

@@ -1,0 +1,39 @@
+"""Names of files for students, whatever they are called."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections import Counter
+from collections.abc import Iterable
+
+from fieldgrade.digests import bytes_digest
+
+LONGEST = 60
+
+
+def file_names(students: Iterable[str]) -> dict[str, str]:
+    """Return a name for the files of each student: safe on every system, and unlike any other.
+
+    Examples
+    --------
+    >>> file_names(["ada", "Å. Ng"])
+    {'ada': 'ada', 'Å. Ng': 'A._Ng-0b0609'}
+    """
+    everybody = list(students)
+    plain = {student: _plain(student) for student in everybody}
+    taken = Counter(name.casefold() for name in plain.values())
+    return {
+        student: name
+        if name == student and taken[name.casefold()] == 1
+        else f"{name}-{bytes_digest(student.encode('utf-8', 'replace'))[:6]}"
+        for student, name in plain.items()
+    }
+
+
+def _plain(student: str) -> str:
+    """Return letters, digits, points and lines of a name; a name of a device is none of a file."""
+    ascii_only = unicodedata.normalize("NFKD", student).encode("ascii", "ignore").decode()
+    name = re.sub(r"[^A-Za-z0-9._-]+", "_", ascii_only).strip("._-")[:LONGEST]
+    reserved = re.fullmatch(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?", name)
+    return f"_{name}" if reserved or not name else name

@@ -1,0 +1,178 @@
+"""Other rounding errors: OpenBLAS with the kernels of other processors, NumPy without SIMD.
+
+Both are chosen by variables of the environment before NumPy is loaded, so each setting has a
+process of its own. OpenBLAS ignores a name that it does not know, and has several names for the
+same kernels. Therefore each process reports which kernels it ran.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import platform
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import scipy.linalg  # noqa: F401  (loads the OpenBLAS of SciPy, whose kernels are reported)
+from threadpoolctl import threadpool_info
+
+from fieldcheck.answers import Answers
+from fieldgrade.authoring.sources import Source
+from fieldgrade.grader_validation.rounding_errors import TrialKey, Verdicts, bench
+
+CORES = {"Prescott": "SSE3", "Nehalem": "SSE42", "Haswell": "AVX2", "SkylakeX": "AVX512_SKX"}
+"""Processors after which OpenBLAS names its kernels, and the instructions that these need."""
+UMATH: Any = import_module("numpy._core._multiarray_umath")
+"""Where NumPy says which instructions it uses; there is no public name for it."""
+CHOICES = ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES")
+NO_CHOICE = (
+    "The kernels of BLAS cannot be chosen here, so no others are tried: that needs NumPy and SciPy "
+    "with OpenBLAS, on an x86-64 processor."
+)
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Variables of the environment that change rounding errors.
+
+    Parameters
+    ----------
+    name : str
+        In words that can follow "with": ``"the Prescott kernels of OpenBLAS"``.
+    environment : dict
+        The variables.
+    """
+
+    name: str
+    environment: dict[str, str]
+
+    @property
+    def chooses_core(self) -> bool:
+        """Whether the kernels of OpenBLAS are chosen."""
+        return "OPENBLAS_CORETYPE" in self.environment
+
+
+@dataclass(frozen=True)
+class JudgeRequest:
+    """What a process is to judge: answers to the questions whose names begin with `only`."""
+
+    sources: tuple[Source, ...]
+    salt: str
+    only: str
+    known: Mapping[TrialKey, Answers]
+
+
+@dataclass(frozen=True)
+class KernelRun:
+    """What a process found.
+
+    Parameters
+    ----------
+    cores : dict
+        The kernels that the OpenBLAS of NumPy and that of SciPy report.
+    simd : tuple of str
+        The dispatched instruction sets that NumPy uses.
+    verdicts : dict
+        The verdicts on all answers.
+    """
+
+    cores: dict[str, str]
+    simd: tuple[str, ...]
+    verdicts: Verdicts
+
+    def __str__(self) -> str:
+        kernels = ", ".join(f"{name}'s OpenBLAS runs {core}" for name, core in self.cores.items())
+        return (
+            f"{kernels or 'no OpenBLAS'}; NumPy dispatches to {', '.join(self.simd) or 'nothing'}"
+        )
+
+
+def settings() -> list[Setting]:
+    """Return the settings of this machine: kernels of OpenBLAS, and NumPy without SIMD."""
+    names = UMATH.__cpu_dispatch__
+    plain = [Setting("all dispatched SIMD of NumPy off", {CHOICES[1]: " ".join(names)})]
+    if not has_choice_of_kernels():
+        return plain
+    usable = [core for core, needed in CORES.items() if _cpu_has(needed)]
+    return [
+        Setting(f"the {core} kernels of OpenBLAS", {CHOICES[0]: core}) for core in usable
+    ] + plain
+
+
+def has_choice_of_kernels() -> bool:
+    """Whether NumPy and SciPy use OpenBLAS on a processor whose kernels can be chosen by name."""
+    return platform.machine() in ("x86_64", "AMD64") and all(blas_cores().values())
+
+
+def _cpu_has(feature: str) -> bool:
+    """Whether the processor has an instruction set; NumPy 2.4 has new names for groups of them."""
+    features = UMATH.__cpu_features__
+    renamed = {"SSE3": "X86_V2", "SSE42": "X86_V2", "AVX2": "X86_V3", "AVX512_SKX": "X86_V4"}
+    return bool(features.get(feature) or features.get(renamed[feature]))
+
+
+def blas_cores() -> dict[str, str]:
+    """Return for which core the OpenBLAS of NumPy and that of SciPy run; empty for another BLAS."""
+    found = [lib for lib in threadpool_info() if lib["internal_api"] == "openblas"]
+    cores = {}
+    for package in ("NumPy", "SciPy"):
+        own = [lib for lib in found if f"{package.lower()}.libs" in lib["filepath"]] or found
+        cores[package] = own[0]["architecture"] if own else ""
+    return cores
+
+
+def dispatched() -> tuple[str, ...]:
+    """Return the instruction sets to which NumPy dispatches in this process."""
+    return tuple(name for name in UMATH.__cpu_dispatch__ if UMATH.__cpu_features__.get(name))
+
+
+def run(setting: Setting, request: JudgeRequest) -> KernelRun:
+    """Judge all answers in a process with a setting.
+
+    Raises
+    ------
+    RuntimeError
+        The process failed; the message has its last line.
+    """
+    inherited = {name: value for name, value in os.environ.items() if name not in CHOICES}
+    done = subprocess.run(
+        [sys.executable, "-c", f"from {__name__} import answer; answer()"],
+        input=pickle.dumps(request),
+        env=inherited | ONE_THREAD | setting.environment,
+        capture_output=True,
+        check=False,
+    )
+    if done.returncode:
+        last = (done.stderr.decode(errors="replace").strip().splitlines() or ["no message"])[-1]
+        raise RuntimeError(
+            f"the run with {setting.name} stopped with status {done.returncode}: {last}"
+        )
+    found: KernelRun = pickle.loads(done.stdout)
+    return found
+
+
+def not_as_chosen(runs: Sequence[tuple[Setting, KernelRun]]) -> Iterator[str]:
+    """Yield a sentence for two settings with the same kernels, or for SIMD that is still on."""
+    seen: dict[tuple[str, str], str] = {}
+    for setting, found in runs:
+        if setting.chooses_core:
+            for package, core in found.cores.items():
+                other = seen.setdefault((package, core), setting.name)
+                if other != setting.name:
+                    yield f"{package}'s OpenBLAS runs {core} both with {other} and {setting.name}"
+        elif found.simd:
+            yield f"with {setting.name}, NumPy still dispatches to {', '.join(found.simd)}"
+
+
+def answer() -> None:
+    """Read a request from standard input, and write what this process finds to standard output."""
+    request: JudgeRequest = pickle.load(sys.stdin.buffer)
+    verdicts: Verdicts = {}
+    for source in request.sources:
+        verdicts |= bench(source, request.salt, request.only).verdicts(request.known)
+    sys.stdout.buffer.write(pickle.dumps(KernelRun(blas_cores(), dispatched(), verdicts)))
