@@ -1,4 +1,4 @@
-"""The trusted side: the sources of a course, and what answers are held against."""
+"""The course as the grader uses it: sources, points, trials and their digests."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from fieldgrade.submissions.suppress_warnings import LOCK
 
 @dataclass(frozen=True)
 class Course:
-    """The trusted side: the sources, and what each question is worth.
+    """The sources of the notebooks, and the points of the questions.
 
     Parameters
     ----------
     sources : sequence of Source
         The notebooks.
     salt : str
-        From which hidden inputs are drawn.
+        The seed of the hidden inputs.
     worth : mapping
-        Points that differ from those of the questions.
+        Points that override those of the questions.
     """
 
     sources: Sequence[Source]
@@ -37,13 +37,13 @@ class Course:
     worth: Mapping[str, float] = field(default_factory=dict)
 
     def asked(self, number: str, only: Collection[str] = ()) -> list[Question]:
-        """Return the questions of a notebook, or those of them that are chosen."""
+        """Return the questions of a notebook, or only the selected ones."""
         return [
             q for q in questions().values() if q.notebook == number and (not only or q.name in only)
         ]
 
     def functions(self) -> dict[str, list[str]]:
-        """Return which functions each notebook asks for."""
+        """Return the functions that each notebook asks for."""
         return {s.number: [q.function for q in self.asked(s.number)] for s in self.sources}
 
     def source(self, number: str) -> Source:
@@ -51,24 +51,24 @@ class Course:
         return next(source for source in self.sources if source.number == number)
 
     def checks(self, name: str) -> Mapping[str, str]:
-        """Return the digests of the checks of a question, in the order in which they are made.
+        """Return the digests of the checks of a question, in the order in which they run.
 
-        Each is of what comes of this check alone, and an edit of another leaves it as it is.
+        An edit of one check does not change the digest of another.
         """
         return _checks(self.source(name.partition(".")[0]).path, name)
 
     def solution(self, name: str) -> dict[str, Any]:
-        """Return the functions of the notebook of a question, as the solution has them."""
+        """Return the functions of the solution of a question's notebook."""
         return _material(self.source(name.partition(".")[0]).path).functions
 
     def made_by(self, name: str) -> str:
-        """Return the digest of what the verdict on a question depends on, but for the answer."""
+        """Return the digest of all that a verdict depends on, except the answer."""
         return _made_by(self.source(name.partition(".")[0]).path, name)
 
     def trials(
         self, number: str, student: str, only: Collection[str] = ()
     ) -> dict[str, tuple[Trial, ...]]:
-        """Return what the answers of a student to a notebook go through, by question."""
+        """Return the trials of a student's answers to a notebook, by question."""
         path = self.source(number).path
         with LOCK:
             made = _material(path)
@@ -93,7 +93,7 @@ class _Material:
     hidden: list[Hidden]
 
     def of(self, name: str) -> _Material:
-        """Return what bears on one question."""
+        """Return the material of one question."""
         mistakes = [m for m in self.mistakes if m.question == name]
         hidden = [h for h in self.hidden if h.question == name]
         return _Material(self.functions, mistakes, hidden)
@@ -101,7 +101,7 @@ class _Material:
 
 @cache
 def _material(path: Path) -> _Material:
-    """Return what a source defines; each process reads it once."""
+    """Return the functions, mistakes and hidden cases of a source, read once per process."""
     with LOCK:
         source = Source(path)
         mistakes = entries(source, "misconceptions")

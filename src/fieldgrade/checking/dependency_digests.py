@@ -1,8 +1,8 @@
-"""Digests of checks: what a verdict depends on, and nothing that it does not.
+"""Digests of all that a verdict depends on: the keys of the cache.
 
-A digest of a file changes with every comment in it, and one file holds the checks of a whole
-notebook. So functions are followed to what they call, by their compiled code, without the numbers
-of lines; a change to one check leaves the digests of the others as they are.
+A digest of a file would change with every comment, and one file has the checks of a whole notebook.
+Therefore the digest follows a function to the functions that it calls, by their compiled code
+without line numbers. A change to one check does not change the digests of others.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def dependency_digest(*things: Any) -> str:
 
 
 def _structure(thing: Any, seen: dict[int, tuple[int, Any]]) -> Any:
-    """Return what a thing is, as nested tuples; what was met before, by its number."""
+    """Return an object as nested tuples; an object that occurs again is replaced by its number."""
     if thing is None or isinstance(thing, bool | int | float | complex | str | bytes):
         return repr(thing)
     if id(thing) in seen:
@@ -70,7 +70,7 @@ def _structure(thing: Any, seen: dict[int, tuple[int, Any]]) -> Any:
 
 
 def _function(function: FunctionType, seen: dict[int, tuple[int, Any]]) -> Any:
-    """Return the code of a function, and what its names and its surroundings stand for."""
+    """Return the code of a function, with its defaults, closure and the globals that it uses."""
     known = function.__globals__
     around = [cell.cell_contents for cell in function.__closure__ or ()]
     return (
@@ -108,7 +108,7 @@ def _names(code: CodeType) -> set[str]:
 
 
 def _by_name(thing: Any) -> Any:
-    """Return the name of what belongs to a library; of ours, the file too that it stands in."""
+    """Return the name of an object of a library; for this project, with the digest of its file."""
     kind = thing if isinstance(thing, ModuleType | type) or callable(thing) else type(thing)
     module = kind.__name__ if isinstance(kind, ModuleType) else getattr(kind, "__module__", "")
     name = (module, getattr(kind, "__qualname__", getattr(kind, "__name__", type(kind).__name__)))
@@ -124,7 +124,7 @@ def _file(module: str) -> str:
 
 
 def _is_ours(module: str | None) -> bool:
-    """Whether a module is of this project or of a course, not of Python or of a library."""
+    """Whether a module belongs to this project or to a course, rather than to a library."""
     name = module or ""
     if name.partition(".")[0] in OURS or name not in sys.modules:
         return name != ""
@@ -149,12 +149,12 @@ JUDGING = {
     "fieldgrade.sandbox": (),
     "fieldgrade.submissions": ("definitions", "submission"),
 }
-"""The modules that have a say in every verdict, by package; all of a package that names none."""
+"""The modules that every verdict depends on, by package; all modules if none is named."""
 
 
 @cache
 def grader_digest() -> str:
-    """Return a digest of what runs and judges answers, the checks left out."""
+    """Return a digest of the code that runs and judges answers, without the checks."""
     return dependency_digest([_files(files(package), stems) for package, stems in JUDGING.items()])
 
 

@@ -1,4 +1,4 @@
-"""From a submission to a record of its grades: run behind walls, judged on this side."""
+"""Grade one submission: run its code in the sandbox, judge the returned values outside."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from fieldgrade.submissions.submission import Submission, Unreadable
 from fieldgrade.submissions.suppress_warnings import suppress_warnings
 
 MOST_SHOWN = 2000
-"""Numbers of a wrong answer that are kept to be drawn."""
+"""Values of a wrong answer that are kept for a picture, at most."""
 
 
 Tried = Mapping[str, Mapping[int, Trial]]
-"""By question, and by the place of the check among all of the question."""
+"""By question, and by the index of the check among all checks of the question."""
 
 
 @dataclass(frozen=True)
 class SandboxRun:
-    """What was found in one run behind the walls, and what it cost."""
+    """The results of one run in the sandbox, and its cost."""
 
     results: CheckResults
     seconds: float = 0.0
@@ -43,12 +43,12 @@ class SandboxRun:
 def grade(
     course: Course, server: Server, submission: Submission, only: Collection[str] = ()
 ) -> Record:
-    """Grade a submission behind the walls of a started server.
+    """Grade a submission with a started server.
 
     Returns
     -------
     Record
-        Also for what cannot be read: a batch never stops because of a submission.
+        Also for an unreadable submission: no submission stops a batch.
 
     Raises
     ------
@@ -79,37 +79,37 @@ def run_checks(
     number: str,
     checks: Mapping[str, Collection[str]],
 ) -> SandboxRun:
-    """Make checks of the answers of a submission behind the walls of a started server.
+    """Run checks of the answers of a submission with a started server.
 
-    Nothing of it is imported, executed or unpickled on this side: its code goes to the server as
-    text, and arrays come back. All public cases are tried before the first hidden one, so that no
-    error that is told to a student can speak of hidden inputs. What is right but slow is tried once
-    more: the machine may have been busy.
+    Nothing of the submission is imported, executed or unpickled outside the sandbox: its code goes
+    to the server as text, and the server returns arrays. All public cases run before the first
+    hidden one, so that no error message shown to a student can contain hidden inputs. An answer
+    that is right but slow runs once more: the machine may have been busy.
     """
     tried = {
         name: {k: trial for k, trial in enumerate(its) if trial.name in checks[name]}
         for name, its in course.trials(number, submission.student, checks).items()
     }
-    found = _run_sandboxed(server, submission, tried)
-    slow = dict(_slow(tried, found.results))
+    first = _run_sandboxed(server, submission, tried)
+    slow = dict(_slow(tried, first.results))
     if not slow:
-        return found
+        return first
     again = _run_sandboxed(server, submission, slow)
     faster = {
-        name: {**found.results[name], **its}
+        name: {**first.results[name], **its}
         for name, its in again.results.items()
         if next(iter(its.values())).verdict.right
     }
     return SandboxRun(
-        {**found.results, **faster},
-        found.seconds + again.seconds,
-        found.cpu_seconds + again.cpu_seconds,
-        max(found.peak, again.peak),
+        {**first.results, **faster},
+        first.seconds + again.seconds,
+        first.cpu_seconds + again.cpu_seconds,
+        max(first.peak, again.peak),
     )
 
 
 def _slow(tried: Tried, found: CheckResults) -> Iterator[tuple[str, Mapping[int, Trial]]]:
-    """Yield what is to be tried of an answer that was slow: from that check on."""
+    """Yield the checks to repeat for slow answers: from the slow check on."""
     for name, its in found.items():
         *passed, last = its
         if its[last].verdict.rung == "slow":
@@ -117,99 +117,99 @@ def _slow(tried: Tried, found: CheckResults) -> Iterator[tuple[str, Mapping[int,
 
 
 def _run_sandboxed(server: Server, submission: Submission, tried: Tried) -> SandboxRun:
-    tasks = [
+    groups = [
         (k, CallGroup(f"{name} {k}", trial.calls, TIMEOUT_FACTOR * trial.question.limit, name))
         for name, its in tried.items()
         for k, trial in its.items()
         if trial.question.function in submission.definitions
     ]
-    ordered = [task for _, task in sorted(tasks, key=lambda pair: pair[0])]
+    ordered = [group for _, group in sorted(groups, key=lambda pair: pair[0])]
     outcomes, log = run(server, submission.cells, ordered)
     return SandboxRun(
-        {name: dict(_findings(name, its, outcomes, log)) for name, its in tried.items()},
+        {name: dict(_check_results(name, its, outcomes, log)) for name, its in tried.items()},
         log.seconds,
         sum(p.cpu_seconds for p in log.processes),
         max((p.peak for p in log.processes), default=0),
     )
 
 
-def _findings(
+def _check_results(
     name: str,
     tried: Mapping[int, Trial],
     outcomes: Mapping[str, tuple[Outcome, ...]],
     log: SessionLog,
 ) -> Iterator[tuple[str, CheckResult]]:
-    """Yield what each check finds of an answer, up to the first that it does not pass."""
-    for place, trial in tried.items():
-        task = f"{name} {place}"
-        came = outcomes.get(task, (Outcome("missing"),) * len(trial.calls))
-        finding = _finding(trial, came, tuple(_broke(task, log)), log)
-        yield trial.name, finding
-        if not finding.verdict.right:
+    """Yield the result of each check of an answer, up to the first failure."""
+    for index, trial in tried.items():
+        group = f"{name} {index}"
+        outcomes_of_trial = outcomes.get(group, (Outcome("missing"),) * len(trial.calls))
+        result = _check_result(trial, outcomes_of_trial, tuple(_broke(group, log)), log)
+        yield trial.name, result
+        if not result.verdict.right:
             return
 
 
-def _finding(
-    trial: Trial, came: Sequence[Outcome], broke: tuple[str, ...], log: SessionLog
+def _check_result(
+    trial: Trial, outcomes_of_trial: Sequence[Outcome], broke: tuple[str, ...], log: SessionLog
 ) -> CheckResult:
-    verdict = _judged(trial, came)
+    verdict = _judged(trial, outcomes_of_trial)
     check = "" if verdict.right else trial.name
-    returned = _shown(verdict, came) if check == PUBLIC else ()
+    returned = _shown(verdict, outcomes_of_trial) if check == PUBLIC else ()
     if check != PUBLIC:
         verdict = replace(verdict, call=None)
     return CheckResult(verdict, check, broke, tuple(sorted(log.cell_errors.items())), returned)
 
 
-def _shown(verdict: Verdict, came: Sequence[Outcome]) -> tuple[Mapping[str, Any], ...]:
-    """Return wrong numbers that a student may see beside the right ones, if few and finite."""
+def _shown(verdict: Verdict, outcomes_of_trial: Sequence[Outcome]) -> tuple[Mapping[str, Any], ...]:
+    """Return wrong values that are shown beside the right ones, if they are few and finite."""
     if verdict.rung not in ("wrong", "misconception") or verdict.call is None:
         return ()
-    values = came[verdict.call].values or ()
+    values = outcomes_of_trial[verdict.call].values or ()
     real = all(v.dtype.kind in "biuf" and np.isfinite(v).all() for v in values)
     if not real or sum(v.size for v in values) > MOST_SHOWN:
         return ()
     return tuple(arrays_to_json(values))
 
 
-def _judged(trial: Trial, came: Sequence[Outcome]) -> Verdict:
-    """Judge outcomes; what no check can stand is wrong, if it stands the right answer.
+def _judged(trial: Trial, outcomes_of_trial: Sequence[Outcome]) -> Verdict:
+    """Judge outcomes; if judging raises an error, the answer is wrong.
 
     Raises
     ------
     GraderError
-        The check fails on the right answer too.
+        Judging the right answer raises an error too.
     """
     with suppress_warnings(), np.errstate(all="ignore"):
         try:
-            return trial.judged(came)
+            return trial.judge_outcomes(outcomes_of_trial)
         except Exception as error:
             right = tuple(Outcome("returned", values=values) for values in trial.answers.right)
             try:
-                trial.judged(right)
+                trial.judge_outcomes(right)
             except Exception as fault:
                 raise GraderError(f"{trial.name} of {trial.question.name}: {fault!r}") from fault
             sentence = f"What it returns cannot be judged ({type(error).__name__})."
             return Verdict(trial.question.name, "wrong", sentence)
 
 
-def _broke(task: str, log: SessionLog) -> Iterator[str]:
-    """Yield why processes had to be ended, but for what happened in calls of other tasks."""
+def _broke(group: str, log: SessionLog) -> Iterator[str]:
+    """Yield why processes were killed, except in calls of other groups."""
     elsewhere = list(log.broke.values())
     for reason in log.killed:
         if reason in elsewhere:
             elsewhere.remove(reason)
         else:
             yield reason
-    if task in log.broke:
-        yield log.broke[task]
+    if group in log.broke:
+        yield log.broke[group]
 
 
 def assemble_record(
     course: Course, submission: Submission, number: str, tier: str, sandbox_run: SandboxRun
 ) -> Record:
-    """Return the record of a submission from what was found of its answers."""
+    """Return the record of a submission, from the results of its checks."""
     found = sandbox_run.results
-    each = [finding for its in found.values() for finding in its.values()]
+    each = [result for its in found.values() for result in its.values()]
     return Record(
         submission.student,
         submission.name,
@@ -227,21 +227,21 @@ def assemble_record(
 
 
 def _grade(course: Course, question: Question, found: Mapping[str, CheckResult]) -> Grade:
-    *_, finding = found.values()  # the first check that is not passed, or the last that is
+    *_, result = found.values()  # the first failure, or the last check
     worth = float(course.worth.get(question.name, question.points))
     return Grade(
         question.name,
-        worth * finding.verdict.credit,
+        worth * result.verdict.credit,
         worth,
-        finding.verdict,
-        finding.check,
+        result.verdict,
+        result.check,
         course.made_by(question.name),
-        finding.returned,
+        result.returned,
     )
 
 
-def _status(findings: Iterable[CheckResult]) -> Status:
-    broke = {reason for finding in findings for reason in finding.broke}
+def _status(results: Iterable[CheckResult]) -> Status:
+    broke = {reason for result in results for reason in result.broke}
     for reason in ("memory", "output", "time"):
         if reason in broke:
             return f"killed: {reason}"  # type: ignore[return-value]
@@ -251,10 +251,10 @@ def _status(findings: Iterable[CheckResult]) -> Status:
 def _notes(
     submission: Submission, asked: Iterable[Question], found: Iterable[CheckResult]
 ) -> Iterator[str]:
-    """Yield what the instructor should look at."""
+    """Yield notes for the instructor."""
     for question in asked:
         stubs = submission.definitions.get(question.function, ())
         if len(stubs) > 1 and stubs[-1] and not all(stubs):
-            yield f"{question.name}: a stub stands behind an answer, and takes its place"
-    for finding in found:
-        yield from (f"code cell {number + 1}: {error}" for number, error in finding.cell_errors)
+            yield f"{question.name}: a stub is defined after an answer and replaces it"
+    for result in found:
+        yield from (f"code cell {number + 1}: {error}" for number, error in result.cell_errors)

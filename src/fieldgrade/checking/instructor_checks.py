@@ -1,16 +1,16 @@
-"""Checks that an instructor adds: functions of pytest in ``checks/test_*.py`` beside the tables.
+"""Checks that an instructor adds: pytest functions in ``checks/test_*.py`` beside the tables.
 
-A check is asked of every submission whose answer is right so far. It calls what the student wrote,
-behind the walls, and gets arrays back::
+A check runs for every answer that passed all other checks. It calls the student's function in the
+sandbox and gets arrays::
 
     @pytest.mark.question("01.2", "The plane must not depend on the order of the points.", costs=1)
     def test_order_does_not_matter(answer):
         points, values = ...
-        turned = answer("01.2", points[::-1], values[::-1])
-        np.testing.assert_allclose(turned, answer("01.2", points, values))
+        reordered = answer("01.2", points[::-1], values[::-1])
+        np.testing.assert_allclose(reordered, answer("01.2", points, values))
 
-When it fails, the student is told the sentence, and never the inputs. Each check is tried on the
-solution before it may fail anybody.
+If the check fails, the student reads the sentence, and never the inputs. Each check must first pass
+on the solution.
 """
 
 from __future__ import annotations
@@ -35,26 +35,26 @@ from fieldgrade.isolation.session import CallGroup, run
 from fieldgrade.submissions.submission import Submission
 
 Answer = Callable[..., Any]
-"""``answer(question, *arguments)``: what the student's function returns, as array or arrays."""
+"""``answer(question, *arguments)``: the values of the student's function, one array or several."""
 Caller = Callable[[Question, Call], Outcome]
 
 
 class CallFailed(AssertionError):
-    """A call of a student's function returned nothing that could be looked at."""
+    """A call of a student's function did not return arrays of the expected shapes."""
 
 
 @dataclass(frozen=True)
 class InstructorCheck:
-    """What an instructor asks beyond the questions.
+    """A check that an instructor adds to a question.
 
     Parameters
     ----------
     question : str
-        On which it bears.
+        The name of the question.
     sentence : str
-        What students are told whose answers do not pass.
+        The sentence for students whose answers fail.
     costs : float, optional
-        The points that this takes away; all of them if it is not told.
+        The points that are deducted; all if not given.
     """
 
     question: str
@@ -62,26 +62,28 @@ class InstructorCheck:
     costs: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what would mislead students."""
+        """Validate the question, the sentence and the deduction."""
         get(self.question)
         if not self.sentence.strip():
             raise ValueError(f"a check of {self.question} needs a sentence for the student")
         if self.costs is not None and not self.costs > 0:
-            raise ValueError(f"a check of {self.question} costs points, not {self.costs}")
+            raise ValueError(
+                f"a check of {self.question} must cost more than 0 points, not {self.costs}"
+            )
 
 
 @dataclass(frozen=True)
 class InstructorCheckResult:
-    """What came of a check for a submission.
+    """The result of an instructor's check for a submission.
 
     Parameters
     ----------
     check : InstructorCheck
-        What was asked.
+        The check.
     name : str
-        In words, from the name of the function.
+        The name of the function, in words.
     made_by : str
-        Digest of the function and all that it calls.
+        Digest of the function and of all that it calls.
     passed : bool
         Whether the answer passed.
     """
@@ -93,7 +95,7 @@ class InstructorCheckResult:
 
 
 def answer_of_submission(server: Server, submission: Submission) -> Answer:
-    """Return what calls functions of a submission, each call in a process of its own."""
+    """Return a function that calls a submission in the sandbox, each call in a new process."""
 
     def outcome(question: Question, call: Call) -> Outcome:
         task = CallGroup("check", (call,), TIMEOUT_FACTOR * question.limit)
@@ -106,7 +108,7 @@ def answer_of_submission(server: Server, submission: Submission) -> Answer:
 
 
 def answer_of_solution(functions: dict[str, Any]) -> Answer:
-    """Return what calls functions of the solution, in this process."""
+    """Return a function that calls the solution, in this process."""
     return _answer(lambda q, call: perform(functions, (call,), TIMEOUT_FACTOR * q.limit)[0])
 
 
@@ -120,15 +122,15 @@ def _answer(outcome: Caller) -> Answer:
 
 
 def _plain(argument: Any) -> Any:
-    """Return an argument as frames can carry it: numbers and text as they are, the rest arrays."""
+    """Return an argument that frames can carry: numbers and text unchanged, others as arrays."""
     is_plain = isinstance(argument, bool | int | float | str) or argument is None
     return argument if is_plain else np.asarray(argument)
 
 
 def _arrays(question: Question, call: Call, outcome: Outcome) -> Any:
     if outcome.values is None:
-        told = outcome.error or outcome.returned
-        raise CallFailed(f"{question.function}: {outcome.status} {told}".rstrip())
+        reason = outcome.error or outcome.returned
+        raise CallFailed(f"{question.function}: {outcome.status} {reason}".rstrip())
     values, shapes = fitted(outcome.values, question.shapes(call)), list(question.shapes(call))
     if [v.shape for v in values] != shapes:
         raise CallFailed(f"{question.function} returns {in_words(values)}, not shapes {shapes}")
@@ -136,7 +138,7 @@ def _arrays(question: Question, call: Call, outcome: Outcome) -> Any:
 
 
 def apply_instructor_checks(record: Record, checked: Iterable[InstructorCheckResult]) -> Record:
-    """Return a record in whose grades the checks of instructors have had their say."""
+    """Return a record whose grades include the checks of instructors."""
     made = list(checked)
     return replace(
         record,
@@ -156,10 +158,10 @@ def _with_checks(grade: Grade, made: Sequence[InstructorCheckResult]) -> Grade:
     if not failed or not grade.verdict.right:
         return grade
     costs = sum(grade.possible if c.check.costs is None else c.check.costs for c in failed)
-    told = " ".join(dict.fromkeys(c.check.sentence for c in failed))
+    sentences = " ".join(dict.fromkeys(c.check.sentence for c in failed))
     return replace(
         grade,
         points=max(0.0, grade.points - costs),
         check=failed[0].name,
-        verdict=Verdict(grade.question, "wrong", told),
+        verdict=Verdict(grade.question, "wrong", sentences),
     )

@@ -38,7 +38,7 @@ WALLS = {
     "none": "Your notebook was run on the grader's own machine.",
     "": "Your notebook was not run.",
 }
-FOR_STUDENTS = ("a stub stands behind an answer",)
+FOR_STUDENTS = ("a stub is defined after an answer",)
 """Of the notes for instructors those that a student can do something about."""
 
 

@@ -1,4 +1,4 @@
-"""pytest, started for a class: what the command line does, and what a program can do as well."""
+"""Grade a class from Python: start pytest with the plugin."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ def grade_class(
     progress: Callable[[int, int], None] = lambda *_: None,
     options: Sequence[str] = (),
 ) -> Grading:
-    """Grade a class, and return what was found; its `results` have been written, too.
+    """Grade a class, write the results, and return the plugin, which has them as `results`.
 
     Parameters
     ----------
     run : GradingRun
-        What is graded, behind which walls, and where the results go.
+        The submissions, the tier of the sandbox, and where the results go.
     executor : Executor, optional
-        What does the work: a pool of processes, or ``get_executor()`` of a Dask client whose
+        A pool of processes, or ``get_executor()`` of a Dask client whose
         workers see the same folders. Without one there are as many processes as `run` has jobs,
         and for one job a thread.
     progress : callable, optional
-        ``progress(done, total)`` is called as submissions are done.
+        ``progress(done, total)`` is called when a submission is completed.
     options : sequence of str, optional
-        Options of pytest, which prints what it does then.
+        Options of pytest, which then prints its output.
 
     Raises
     ------
@@ -52,9 +52,9 @@ def grade_class(
     """
     if executor is None and run.jobs > 1:
         prepare(FOR_WORKERS)
-    _ = run.taken  # what is wrong with the tables, or with what was handed in, is told first
+    _ = run.taken  # errors in tables and submissions are reported first
     grading = Grading(run, executor, progress)
-    with one_blas_thread(), by_itself():
+    with one_blas_thread(), isolated_pytest():
         status = pytest.main([*_arguments(run), *(options or QUIET)], plugins=[grading])
     if grading.error:
         raise RuntimeError(f"the grader failed: {grading.error}") from grading.error
@@ -70,13 +70,13 @@ def grade_class(
 
 
 @contextmanager
-def by_itself() -> Iterator[None]:
-    """Let pytest not hear of what it is told elsewhere, and leave nothing beside the checks."""
+def isolated_pytest() -> Iterator[None]:
+    """Run pytest without configuration from outside, and without files beside the checks."""
     before, wrote, known = dict(os.environ), sys.dont_write_bytecode, set(sys.modules)
     for name in ("PYTEST_ADDOPTS", "PYTEST_PLUGINS"):
         os.environ.pop(name, None)
     os.environ |= {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONDONTWRITEBYTECODE": "1"}
-    sys.dont_write_bytecode = True  # nor read an old check that is as long as the new one
+    sys.dont_write_bytecode = True  # a stale .pyc could be read for a check of equal length
     try:
         yield
     finally:
@@ -84,7 +84,7 @@ def by_itself() -> Iterator[None]:
         os.environ.update(before)
         sys.dont_write_bytecode = wrote
         for name in [n for n in sys.modules if n not in known and is_check(n)]:
-            del sys.modules[name]  # the next run reads it again
+            del sys.modules[name]  # the next run imports it again
 
 
 def is_check(module: str) -> bool:
@@ -93,12 +93,12 @@ def is_check(module: str) -> bool:
 
 
 def _arguments(run: GradingRun) -> list[str]:
-    """Return what pytest is told; processes of pytest-xdist hear of the run by its options."""
+    """Return the arguments of pytest; processes of pytest-xdist get the run from its options."""
     run.out.mkdir(parents=True, exist_ok=True)
-    place = run.checks or run.out  # a folder must be named, or conftest.py is looked for here
-    told = [
-        str(place),
-        f"--confcutdir={place}",
+    folder = run.checks or run.out  # without a folder pytest would look for conftest.py here
+    arguments = [
+        str(folder),
+        f"--confcutdir={folder}",
         "--rootdir=.",
         "-c",
         os.devnull,
@@ -118,6 +118,6 @@ def _arguments(run: GradingRun) -> list[str]:
         f"--tier={run.tier}",
         f"--jobs={run.jobs}",
     ]
-    told += [f"--class={run.tables}"] if run.tables else []
-    told += ["-p", "xdist.plugin"] if find_spec("xdist") else []
-    return told + [f"--only={number}" for number in sorted(run.choice.notebooks)]
+    arguments += [f"--class={run.tables}"] if run.tables else []
+    arguments += ["-p", "xdist.plugin"] if find_spec("xdist") else []
+    return arguments + [f"--only={number}" for number in sorted(run.choice.notebooks)]

@@ -1,4 +1,4 @@
-"""The checks of instructors as items of pytest: which there are, and how one is made."""
+"""The checks of instructors as pytest items: how they are parametrised and run."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ USAGE = f"{MARK}(name, sentence, costs=None): a check that an instructor adds to
 
 
 def check_of(holder: pytest.Function | Any) -> InstructorCheck | None:
-    """Return what a function checks; None if it is an ordinary test.
+    """Return the check of a test function; None if it is an ordinary test.
 
     Raises
     ------
     ValueError
-        Its mark is not understood.
+        The arguments of the mark are wrong.
     """
     mark = next(iter(holder.iter_markers(MARK)), None)
     if mark is None:
@@ -49,39 +49,43 @@ def check_of(holder: pytest.Function | Any) -> InstructorCheck | None:
 
 
 def parametrized(metafunc: pytest.Metafunc, tasks: Sequence[GradingTask]) -> None:
-    """Let a check be made for each submission that has its question."""
+    """Parametrise a check with each submission that has its question."""
     check = check_of(metafunc.definition)
     if check is None and FIXTURE not in metafunc.fixturenames:
         return
     if check is None or FIXTURE not in metafunc.fixturenames:
         name = metafunc.definition.name
         raise ValueError(f"{name} needs both @pytest.mark.{MARK}(...) and an argument {FIXTURE!r}")
-    asked = [p for task in tasks for p in answer_ids(task) if p.question == check.question]
+    asked = [a for task in tasks for a in answer_ids(task) if a.question == check.question]
     parameters = [
-        pytest.param(place, id=printable(f"{place.student}-{place.notebook}"), marks=group(place))
-        for place in asked
+        pytest.param(
+            answer_id,
+            id=printable(f"{answer_id.student}-{answer_id.notebook}"),
+            marks=group(answer_id),
+        )
+        for answer_id in asked
     ]
     metafunc.parametrize(FIXTURE, parameters, indirect=True)
 
 
 def answer_of_item(item: pytest.Item) -> AnswerId | None:
-    """Return what an item of an instructor's check is about."""
+    """Return the answer that an instructor's check belongs to."""
     spec = getattr(item, "callspec", None)
-    place = spec.params.get(FIXTURE) if spec else None
-    return place if isinstance(place, AnswerId) else None
+    answer_id = spec.params.get(FIXTURE) if spec else None
+    return answer_id if isinstance(answer_id, AnswerId) else None
 
 
-class Instructor:
-    """Makes the checks of instructors, as far as it is not known what comes of them."""
+class InstructorCheckRunner:
+    """Runs the checks of instructors whose results are not cached."""
 
     def __init__(self, run: GradingRun) -> None:
         self.run = run
-        self.sound: dict[str, str] = {}
+        self.errors_on_solution: dict[str, str] = {}
 
     def checked(
         self, item: pytest.Function, check: InstructorCheck, submission: Submission
     ) -> InstructorCheckResult:
-        """Return what comes of a check, from the cache or by making it.
+        """Return the result of a check, from the cache or by running it.
 
         Raises
         ------
@@ -92,19 +96,23 @@ class Instructor:
         key = self._key(made_by, submission)
         found = self.run.cache.get(submission).get(key)
         if found is None:
-            self._require_sound(item, check, made_by)
+            self._require_passes_on_solution(item, check, made_by)
             passed = not _error(item, item.funcargs)
             verdict = Verdict(check.question, "right" if passed else "wrong", check.sentence)
             found = CheckResult(verdict, "" if passed else name)
             self.run.cache.put(submission, {key: found})
         return InstructorCheckResult(check, name, made_by, found.verdict.right)
 
-    def _require_sound(self, item: pytest.Function, check: InstructorCheck, made_by: str) -> None:
-        if made_by not in self.sound:
+    def _require_passes_on_solution(
+        self, item: pytest.Function, check: InstructorCheck, made_by: str
+    ) -> None:
+        if made_by not in self.errors_on_solution:
             right = answer_of_solution(self.run.course.solution(check.question))
-            self.sound[made_by] = _error(item, item.funcargs | {FIXTURE: right})
-        if self.sound[made_by]:
-            raise GraderError(f"{_in_words(item)} fails on the solution: {self.sound[made_by]}")
+            self.errors_on_solution[made_by] = _error(item, item.funcargs | {FIXTURE: right})
+        if self.errors_on_solution[made_by]:
+            raise GraderError(
+                f"{_in_words(item)} fails on the solution: {self.errors_on_solution[made_by]}"
+            )
 
     def _key(self, made_by: str, submission: Submission) -> str:
         server = self.run.server
@@ -119,7 +127,7 @@ class Instructor:
 
 
 def _error(item: pytest.Function, arguments: dict[str, Any]) -> str:
-    """Return how a check ends with such arguments; empty if well."""
+    """Return the error of a check with these arguments; empty if it passes."""
     wanted = {name: arguments[name] for name in item._fixtureinfo.argnames}
     try:
         item.obj(**wanted)
@@ -131,7 +139,7 @@ def _error(item: pytest.Function, arguments: dict[str, Any]) -> str:
 
 
 def _made_by(item: pytest.Function, check: InstructorCheck) -> str:
-    """Return the digest of a check, of what it is given, and of the fixtures that it uses."""
+    """Return the digest of a check, its parameters and its fixtures."""
     given = {name: value for name, value in item.callspec.params.items() if name != FIXTURE}
     fixtures = {k: v for k, v in item._fixtureinfo.name2fixturedefs.items() if k != FIXTURE}
     functions = [definition.func for name in sorted(fixtures) for definition in fixtures[name]]

@@ -1,4 +1,4 @@
-"""What pytest collects of a class: for each submission and question, the checks one by one."""
+"""The pytest items of a class: a check of an answer in a submission."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ READABLE = "can be read"
 
 @dataclass(frozen=True)
 class AnswerId:
-    """A question of a submission; none if the submission cannot be read.
+    """Identifies an answer: a submission and a question.
 
     Parameters
     ----------
     student, notebook, file : str
-        Whose submission, which notebook it is, and under which name it came.
+        The student, the number of the notebook, and the name of the file.
     digest : str
-        Of its content.
+        Digest of the file.
     question : str
-        Its name.
+        The name of the question; empty for the submission as a whole.
     """
 
     student: str
@@ -37,19 +37,19 @@ class AnswerId:
 
     @property
     def whole(self) -> AnswerId:
-        """The submission."""
+        """The identifier of the submission as a whole."""
         return replace(self, question="")
 
 
 def answer_ids(task: GradingTask) -> Iterator[AnswerId]:
-    """Yield the questions of a task."""
+    """Yield the identifiers of the answers of a task."""
     file = task.file
     for question in task.questions or ("",):
         yield AnswerId(file.student, file.notebook, file.name, file.digest, question)
 
 
 def printable(text: str) -> str:
-    r"""Return a text without what a terminal or a file could not bear, such as names of files have.
+    r"""Replace the characters of a text that are not printable, as in names of files.
 
     Examples
     --------
@@ -59,43 +59,43 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
-def group(place: AnswerId) -> pytest.MarkDecorator:
+def group(answer_id: AnswerId) -> pytest.MarkDecorator:
     """Return the mark by which pytest-xdist keeps a submission in one process."""
-    return pytest.mark.xdist_group(printable(f"{place.student} {place.notebook}"))
+    return pytest.mark.xdist_group(printable(f"{answer_id.student} {answer_id.notebook}"))
 
 
 class CheckItem(pytest.Item):
-    """A check of an answer. What is found of it was found by the batch."""
+    """A check of an answer, whose result comes from the batch."""
 
     def __init__(
         self,
         *,
-        place: AnswerId,
+        answer_id: AnswerId,
         checks: list[str],
         check: str,
         record: Callable[[AnswerId], Record],
         **others: Any,
     ) -> None:
         super().__init__(**others)
-        self.place, self.checks, self.check, self.record = place, checks, check, record
+        self.answer_id, self.checks, self.check, self.record = answer_id, checks, check, record
 
     def runtest(self) -> None:
-        """Say what was found."""
-        record = self.record(self.place)
+        """Pass, fail or skip by the record of the submission."""
+        record = self.record(self.answer_id)
         if self.check == READABLE or not record.grades:
             if record.status in ("unreadable", "fault"):
                 pytest.fail(printable("; ".join(record.notes)), pytrace=False)
             return
-        grade = next(g for g in record.grades if g.question == self.place.question)
-        told(grade, self.check, self.checks)
+        grade = next(g for g in record.grades if g.question == self.answer_id.question)
+        report_check(grade, self.check, self.checks)
 
     def reportinfo(self) -> tuple[str, None, str]:
-        """Return what stands in the head of a report."""
-        return printable(self.place.file), None, self.check
+        """Return the heading of a report."""
+        return printable(self.answer_id.file), None, self.check
 
 
-def told(grade: Grade, check: str, checks: list[str]) -> None:
-    """Let pytest know what a grade says of a check: passed, failed, or not reached."""
+def report_check(grade: Grade, check: str, checks: list[str]) -> None:
+    """Report to pytest whether a check passed, failed or was not reached."""
     if grade.check == check:
         pytest.fail(printable(str(grade.verdict)), pytrace=False)
     if grade.check in checks and checks.index(check) > checks.index(grade.check):
@@ -106,19 +106,23 @@ def items(
     session: pytest.Session, task: GradingTask, course: Course, record: Callable[[AnswerId], Record]
 ) -> Iterator[CheckItem]:
     """Yield the items of a task: ``ada::01_fit.ipynb::01.2::public cases``."""
-    for place in answer_ids(task):
-        checks = [*course.checks(place.question)] if place.question else [READABLE]
-        owner = printable("::".join(filter(None, (place.student, place.file, place.question))))
+    for answer_id in answer_ids(task):
+        checks = [*course.checks(answer_id.question)] if answer_id.question else [READABLE]
+        owner = printable(
+            "::".join(filter(None, (answer_id.student, answer_id.file, answer_id.question)))
+        )
         for check in checks:
             item = CheckItem.from_parent(
                 session,
                 name=f"{owner}::{check}",
                 nodeid=f"{owner}::{check}",
-                place=place,
+                answer_id=answer_id,
                 checks=checks,
                 check=check,
                 record=record,
             )
-            item.extra_keyword_matches.update((place.student, place.notebook, place.question))
-            item.add_marker(group(place))
+            item.extra_keyword_matches.update(
+                (answer_id.student, answer_id.notebook, answer_id.question)
+            )
+            item.add_marker(group(answer_id))
             yield item

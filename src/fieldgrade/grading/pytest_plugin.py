@@ -1,9 +1,9 @@
-"""pytest as the engine of grading: a submission, a question and a check make an item.
+"""The pytest plugin that grades a class: an item is a check of an answer.
 
-``pytest -p fieldgrade.grading.pytest_plugin --submissions DIR --out OUT`` grades a class, and so
-does ``fieldrecon grade``, which calls it. A batch does the work behind walls, and items wait for
-what it finds. With ``-n`` each process of pytest-xdist has walls of its own, and what belongs to a
-submission stays together.
+``pytest -p fieldgrade.grading.pytest_plugin --submissions DIR --out OUT`` grades a class, as does
+``fieldrecon grade``, which calls it. A batch runs the checks in sandboxes, and the items wait for
+its records. With ``-n``, each process of pytest-xdist has its own sandbox, and all items of a
+submission run in one process.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from fieldgrade.checking.results import Record, Results
 from fieldgrade.grading.batch import Batch, GradingTask
 from fieldgrade.grading.instructor_items import (
     USAGE,
-    Instructor,
+    InstructorCheckRunner,
     answer_of_item,
     check_of,
     parametrized,
 )
 from fieldgrade.grading.options import declare, run_of
 from fieldgrade.grading.pytest_items import AnswerId, CheckItem, answer_ids, items
-from fieldgrade.grading.pytest_reports import ReportCollector, answer_of_record, written
+from fieldgrade.grading.pytest_reports import ReportCollector, answer_of_record, to_text
 from fieldgrade.grading.run import GradingRun
 from fieldgrade.isolation import worker_servers
 from fieldgrade.isolation.server import GraderError
@@ -46,7 +46,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
-    """Prepare to grade what the options say, and to collect the checks of instructors only."""
+    """Prepare the run that the options describe; collect only checks of instructors."""
     if not config.option.submissions:
         return
     grading = grading_of(config)
@@ -65,7 +65,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.fixture
 def answer(request: pytest.FixtureRequest) -> Any:
-    """What a student's functions return, called behind walls: ``answer("01.2", *arguments)``."""
+    """Call a student's functions in the sandbox: ``answer("01.2", *arguments)``."""
     grading = grading_of(request.config)
     assert grading is not None
     return answer_of_submission(grading.run.server, grading.submission(request.param))
@@ -83,7 +83,7 @@ class Grading:
     Parameters
     ----------
     run : GradingRun
-        What is graded.
+        The run.
     executor, progress
         As for `fieldgrade.grading.grade_class.grade_class`.
     """
@@ -100,7 +100,7 @@ class Grading:
         self.changed = False
         self.problems: list[str] = []
         self.error: BaseException | None = None
-        self._instructor = Instructor(run)
+        self._instructor_checks = InstructorCheckRunner(run)
         self._tasks: dict[AnswerId, GradingTask] = {}
         self._records: dict[AnswerId, Record] = {}
         self._fresh: list[Record] = []
@@ -109,45 +109,47 @@ class Grading:
         self._open = ExitStack()
         self._is_worker = False
 
-    # Collecting.
+    # Collection.
 
     def pytest_sessionstart(self, session: pytest.Session) -> None:
-        """Let servers be started from here on."""
+        """Permit sandbox servers."""
         self._is_worker = hasattr(session.config, "workerinput")
         self._open.enter_context(worker_servers.serving())
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Make items of the checks of instructors."""
+        """Parametrise the checks of instructors."""
         parametrized(metafunc, self.run.tasks())
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_collection_modifyitems(
         self, session: pytest.Session, items: list[pytest.Item]
     ) -> Generator[None, None, None]:
-        """Put the items of submissions in front; then see which of all are chosen."""
+        """Prepend the items of submissions; after the selection, note which remain."""
         items[:0] = self._items(session)
-        self._of = Counter(filter(None, map(_place, items)))
+        self._of = Counter(filter(None, map(_answer_id, items)))
         yield
-        chosen = set(filter(None, map(_place, items)))
+        chosen = set(filter(None, map(_answer_id, items)))
         for task in self.run.tasks():
-            at = [place for place in answer_ids(task) if place in chosen]
-            if at:
-                questions = tuple(place.question for place in at if place.question)
-                self._tasks[at[0].whole] = GradingTask(task.file, questions)
+            chosen_ids = [answer_id for answer_id in answer_ids(task) if answer_id in chosen]
+            if chosen_ids:
+                questions = tuple(
+                    answer_id.question for answer_id in chosen_ids if answer_id.question
+                )
+                self._tasks[chosen_ids[0].whole] = GradingTask(task.file, questions)
 
     def _items(self, session: pytest.Session) -> list[pytest.Item]:
         run = self.run
         return [i for p in run.tasks() for i in items(session, p, run.course, self.record)]
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Remember what could not be collected."""
+        """Note errors of collection."""
         if report.failed:
             self.problems.append(report.longreprtext)
 
-    # Running.
+    # Execution.
 
     def pytest_runtestloop(self, session: pytest.Session) -> None:
-        """Begin: one process does all; those of pytest-xdist each do what they are told to."""
+        """Start the batch, unless processes of pytest-xdist run the items."""
         if self._is_worker or getattr(session.config.option, "dist", "no") != "no":
             return
         workers = min(self.run.jobs, len(self._tasks)) or 1
@@ -161,36 +163,36 @@ class Grading:
             run.course, run.server, run.archive, run.cache, run.ledger, self.executor, workers
         )
 
-    def record(self, place: AnswerId) -> Record:
-        """Return the record of a submission, once it is there."""
-        if self._is_worker and place.whole not in self._records:
-            self._stream = self._batch(1).records([self._tasks[place.whole]])
-        while place.whole not in self._records:
+    def record(self, answer_id: AnswerId) -> Record:
+        """Return the record of a submission; wait for it if necessary."""
+        if self._is_worker and answer_id.whole not in self._records:
+            self._stream = self._batch(1).records([self._tasks[answer_id.whole]])
+        while answer_id.whole not in self._records:
             try:
                 _, record = next(self._stream)
-            except Exception as error:  # of the executor, or of the disk: not of a submission
+            except Exception as error:  # of the executor or of the disk, not of a submission
                 self.error = error
                 pytest.exit(f"the grader failed: {error!r}", pytest.ExitCode.INTERNAL_ERROR)
             self._records[answer_of_record(record)] = record
             self._fresh.append(record)
             self.progress(len(self._records), len(self._tasks))
-        return self._records[place.whole]
+        return self._records[answer_id.whole]
 
-    def submission(self, place: AnswerId) -> Submission:
-        """Return what was handed in."""
-        return self._tasks[place.whole].file.submission(self.run.archive)
+    def submission(self, answer_id: AnswerId) -> Submission:
+        """Return the submission of an answer."""
+        return self._tasks[answer_id.whole].file.submission(self.run.archive)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool | None:
-        """Make the check of an instructor, if the answer is right so far."""
-        place, check = answer_of_item(pyfuncitem), check_of(pyfuncitem)
-        if place is None or check is None:
+        """Run the check of an instructor, if the answer passed all other checks."""
+        answer_id, check = answer_of_item(pyfuncitem), check_of(pyfuncitem)
+        if answer_id is None or check is None:
             return None
-        grades = {grade.question: grade for grade in self.record(place).grades}
-        if place.question not in grades or not grades[place.question].verdict.right:
-            pytest.skip(f"{place.question} is not right")
+        grades = {grade.question: grade for grade in self.record(answer_id).grades}
+        if answer_id.question not in grades or not grades[answer_id.question].verdict.right:
+            pytest.skip(f"{answer_id.question} is not right")
         try:
-            checked = self._instructor.checked(pyfuncitem, check, self.submission(place))
+            checked = self._instructor_checks.checked(pyfuncitem, check, self.submission(answer_id))
         except GraderError as fault:
             pyfuncitem.stash[FAULT] = str(fault)
             pytest.fail(f"the grader failed: {fault}", pytrace=False)
@@ -199,27 +201,27 @@ class Grading:
             pytest.fail(check.sentence, pytrace=False)
         return True
 
-    # Telling.
+    # Reports.
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(
         self, item: pytest.Item, call: pytest.CallInfo[None]
     ) -> Generator[None, Any, Any]:
-        """Let the last report of an item carry what was found."""
+        """Attach the results to the last report of an item."""
         report: Any = yield
-        place = _place(item)
-        if place and call.when == "teardown":
+        answer_id = _answer_id(item)
+        if answer_id and call.when == "teardown":
             fresh, self._fresh = self._fresh, []
             checked, fault = item.stash.get(CHECKED, None), item.stash.get(FAULT, "")
-            report.graded = written(place, self._of[place], fresh, checked, fault)
+            report.graded = to_text(answer_id, self._of[answer_id], fresh, checked, fault)
         return report
 
     def pytest_internalerror(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
-        """Remember what broke the session."""
+        """Note an error of the session."""
         self.error = excinfo.value
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Gather what was found, in this process or in others."""
+        """Collect results, from this process or from others."""
         if hasattr(report, "graded"):
             self.collector.add(report.graded)
 
@@ -234,5 +236,5 @@ class Grading:
             self._open.close()
 
 
-def _place(item: pytest.Item) -> AnswerId | None:
-    return item.place if isinstance(item, CheckItem) else answer_of_item(item)
+def _answer_id(item: pytest.Item) -> AnswerId | None:
+    return item.answer_id if isinstance(item, CheckItem) else answer_of_item(item)

@@ -1,4 +1,4 @@
-"""What the items of pytest tell of their submissions, gathered from one process or several."""
+"""Results in the reports of pytest items, collected from one process or several."""
 
 from __future__ import annotations
 
@@ -18,35 +18,35 @@ from fieldgrade.grading.pytest_items import AnswerId
 
 
 def answer_of_record(record: Record) -> AnswerId:
-    """Return the place of a submission, from its record."""
+    """Return the identifier of a submission, from its record."""
     return AnswerId(record.student, record.notebook, record.file, record.digest)
 
 
-def written(
-    place: AnswerId,
+def to_text(
+    answer_id: AnswerId,
     of: int,
     records: Iterable[Record],
     checked: InstructorCheckResult | None,
     fault: str,
 ) -> str:
-    """Return what an item has to tell when it is done, as text that can travel.
+    """Return the results of an item as text, which can be sent between processes.
 
     Parameters
     ----------
-    place : AnswerId
-        What it is about.
+    answer_id : AnswerId
+        The answer.
     of : int
-        How many items there are about the same.
+        How many items the answer has.
     records : iterable of Record
-        Those that came in the meantime, of whatever submission.
+        Records that were completed in the meantime, of any submission.
     checked : InstructorCheckResult, optional
-        What came of an instructor's check.
+        The result of an instructor's check.
     fault : str
-        In what the grader failed; empty if it did not.
+        The failure of the grader; empty if there is none.
     """
     return json.dumps(
         {
-            "place": asdict(place),
+            "place": asdict(answer_id),
             "of": of,
             "records": [record_to_json(r) for r in records],
             "checked": asdict(checked) if checked else None,
@@ -57,14 +57,14 @@ def written(
 
 @dataclass
 class ReportCollector:
-    """What was found in a run.
+    """Collects the results of a run.
 
     Parameters
     ----------
     records : dict
         The records, by submission.
     faults : list of str
-        In what the grader failed.
+        Failures of the grader.
     """
 
     records: dict[AnswerId, Record] = field(default_factory=dict)
@@ -74,29 +74,29 @@ class ReportCollector:
     _checked: dict[AnswerId, list[InstructorCheckResult]] = field(default_factory=dict)
 
     def add(self, text: str) -> None:
-        """Take in what an item told."""
+        """Add the results of an item."""
         data: dict[str, Any] = json.loads(text)
-        place = AnswerId(**data["place"])
-        self._done[place] += 1
-        self._of[place] = data["of"]
+        answer_id = AnswerId(**data["place"])
+        self._done[answer_id] += 1
+        self._of[answer_id] = data["of"]
         for record in map(record_from_json, data["records"]):
             self.records[answer_of_record(record)] = record
         if data["checked"]:
             check = InstructorCheck(**data["checked"].pop("check"))
-            self._checked.setdefault(place.whole, []).append(
+            self._checked.setdefault(answer_id.whole, []).append(
                 InstructorCheckResult(check, **data["checked"])
             )
         if data["fault"] and data["fault"] not in self.faults:
             self.faults.append(data["fault"])
 
     def complete(self) -> Iterator[Record]:
-        """Yield records with the grades of those questions whose checks were all made."""
-        for place, record in self.records.items():
-            whole = apply_instructor_checks(record, self._checked.get(place, ()))
-            grades = tuple(g for g in whole.grades if self._is_done(place, g.question))
+        """Yield records with the grades of the questions whose checks are complete."""
+        for answer_id, record in self.records.items():
+            whole = apply_instructor_checks(record, self._checked.get(answer_id, ()))
+            grades = tuple(g for g in whole.grades if self._is_done(answer_id, g.question))
             if grades or not whole.grades:
                 yield replace(whole, grades=grades)
 
-    def _is_done(self, place: AnswerId, question: str) -> bool:
-        at = replace(place, question=question)
+    def _is_done(self, answer_id: AnswerId, question: str) -> bool:
+        at = replace(answer_id, question=question)
         return self._done[at] > 0 and self._done[at] == self._of[at]

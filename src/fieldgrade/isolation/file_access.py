@@ -1,4 +1,4 @@
-"""What is on the students' side: a Python without the course, in walls of bubblewrap's."""
+"""The files that the sandbox can see: Python without the course, by bubblewrap and by Landlock."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
 }
-"""All that a server is told by its environment; nothing is inherited."""
+"""The whole environment of a server; nothing is inherited."""
 PACKAGES = ("fieldrecon", "fieldreport", "fieldcheck", "fieldgrade")
 SECONDS_TO_TRY = 20.0
 
 
 @dataclass(frozen=True)
 class SandboxFolders:
-    """Where students' code runs.
+    """The folders of a sandbox.
 
     Parameters
     ----------
     stage : Path
-        A folder with what runs there: the locks and the calls, no answers.
+        The code that runs in the sandbox: restrictions and calls, no answers.
     homes : Path
-        The only folder that a submission may write to; empty when it comes.
+        The only folder that a submission may write to; empty at the start.
     fonts : Path
-        matplotlib's list of fonts, read when the server starts.
+        The font list of matplotlib, read when the server starts.
     """
 
     stage: Path
@@ -47,16 +47,16 @@ class SandboxFolders:
     fonts: Path
 
     @classmethod
-    def made(cls, scratch: Path) -> SandboxFolders:
-        """Make the folders in an empty one."""
-        place = cls(scratch / "stage", scratch / "homes", scratch / "fonts")
-        place.homes.mkdir(mode=0o700)
-        _fill(place.stage)
-        copy_font_list(place.fonts)
-        return place
+    def create(cls, scratch: Path) -> SandboxFolders:
+        """Create the folders in an empty folder."""
+        folders = cls(scratch / "stage", scratch / "homes", scratch / "fonts")
+        folders.homes.mkdir(mode=0o700)
+        _fill(folders.stage)
+        copy_font_list(folders.fonts)
+        return folders
 
-    def told(self) -> dict[str, Any]:
-        """Return what the server needs to know of the place."""
+    def settings(self) -> dict[str, Any]:
+        """Return the settings of the server: its folders, and the paths that Landlock allows."""
         hidden = hidden_folders()
         parts = [(path, part) for path in self._readable() for part in _without(path, hidden)]
         return {
@@ -68,30 +68,30 @@ class SandboxFolders:
         }
 
     def python(self) -> list[str]:
-        """Return the command that starts a server, to be followed by what it is told.
+        """Return the command that starts a server; its arguments follow.
 
-        It is the Python that the environment was made from, which knows nothing of the
-        environment and reads no start-up files.
+        It is the base Python of the virtual environment, which does not use the environment and
+        reads no start-up files.
         """
         start = f"import sys; sys.path.insert(0, {str(self.stage)!r}); "
         start += "from fieldgrade.sandbox.server import main; main()"
         return [getattr(sys, "_base_executable", sys.executable), "-I", "-S", "-B", "-c", start]
 
     def bubblewrap(self) -> list[str]:
-        """Return the command that puts the walls up."""
-        return _walls(self._readable(), (self.homes, self.fonts), hidden_folders())
+        """Return the bubblewrap command, to be followed by the command to run."""
+        return _bubblewrap_command(self._readable(), (self.homes, self.fonts), hidden_folders())
 
     def _readable(self) -> list[Path]:
         folders = [*map(Path, SYSTEM), Path(sys.base_prefix), *map(Path, _packages()), self.stage]
         return [path for path in dict.fromkeys(folders) if path.exists()]
 
 
-def work() -> bool:
-    """Whether bubblewrap is installed, and the kernel lets it put up walls."""
+def bubblewrap_works() -> bool:
+    """Whether bubblewrap is installed and the kernel permits its namespaces."""
     if shutil.which("bwrap") is None:
         return False
     readable = [Path(path) for path in SYSTEM if Path(path).exists()]
-    trial = [*_walls(readable, (), ()), "true"]
+    trial = [*_bubblewrap_command(readable, (), ()), "true"]
     try:
         return not subprocess.run(trial, capture_output=True, timeout=SECONDS_TO_TRY).returncode
     except subprocess.TimeoutExpired:
@@ -99,7 +99,7 @@ def work() -> bool:
 
 
 def hidden_folders() -> list[Path]:
-    """Return the folders of the course, which nothing on the students' side may read."""
+    """Return the folders of the course, which the sandbox may not read."""
     packages = [Path(str(files(name))).resolve() for name in PACKAGES]
     roots = [package.parent.parent for package in packages]
     return list(dict.fromkeys([*packages, *(r for r in roots if (r / "solutions").is_dir())]))
@@ -109,11 +109,13 @@ def _packages() -> list[str]:
     return list(dict.fromkeys(sysconfig.get_path(name) for name in ("purelib", "platlib")))
 
 
-def _walls(readable: Iterable[Path], writable: Iterable[Path], hidden: Iterable[Path]) -> list[str]:
-    """Return the command of bubblewrap: nothing is shared, a few folders can be read.
+def _bubblewrap_command(
+    readable: Iterable[Path], writable: Iterable[Path], hidden: Iterable[Path]
+) -> list[str]:
+    """Return the bubblewrap command: no shared namespace, a few readable folders.
 
-    The private /tmp is mounted first, since it would hide what is bound below it. What can be
-    written to is bound from outside, where it is emptied; all else is read-only in the end.
+    The private /tmp is mounted first, since it would hide mounts below it. Writable folders are
+    bound from outside, where they are emptied; everything else is remounted read-only at the end.
     """
     options = [
         "--unshare-all",
@@ -134,26 +136,26 @@ def _walls(readable: Iterable[Path], writable: Iterable[Path], hidden: Iterable[
             masks[str(inside)] = None
     for path in writable:
         options += ["--bind", str(path), str(path)]
-    for place in (*masks, "/tmp", "/dev", "/"):
-        options += ["--remount-ro", place]
+    for path_in_sandbox in (*masks, "/tmp", "/dev", "/"):
+        options += ["--remount-ro", path_in_sandbox]
     return [shutil.which("bwrap") or "bwrap", *options]
 
 
 def _without(folder: Path, hidden: Iterable[Path]) -> Iterator[Path]:
-    """Yield a folder or, if it holds hidden ones, what else it holds; links do not lead out."""
-    place = folder.resolve()
-    if place in hidden:
+    """Yield a folder or, if it has hidden folders, its other entries; no link leads out."""
+    resolved = folder.resolve()
+    if resolved in hidden:
         return
-    if not any(h.is_relative_to(place) for h in hidden):
+    if not any(h.is_relative_to(resolved) for h in hidden):
         yield folder
         return
     for entry in sorted(folder.iterdir()):
-        if not entry.is_symlink() or entry.resolve().is_relative_to(place):
+        if not entry.is_symlink() or entry.resolve().is_relative_to(resolved):
             yield from _without(entry, hidden)
 
 
 def _fill(stage: Path) -> None:
-    """Copy what runs on the students' side: the locks, the calls, and no answers."""
+    """Copy the code that runs in the sandbox: restrictions and calls, no answers."""
     package = stage / "fieldgrade"
     shutil.copytree(str(files("fieldgrade.sandbox")), package / "sandbox", ignore=_compiled)
     (package / "__init__.py").touch()

@@ -1,4 +1,4 @@
-"""How submissions are kept apart from the grader, and from each other: what this machine offers."""
+"""The sandbox server as the grader controls it, and the tiers of isolation of this machine."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MEBIBYTE = 1 << 20
 SECONDS_TO_START = 60.0
 SECONDS_TO_END = 30.0
 BANNER = (
-    "NOT ISOLATED: this machine has neither bubblewrap nor Landlock, so what students wrote runs "
+    "NOT ISOLATED: this machine has neither bubblewrap nor Landlock, so students' code runs "
     "with your rights. Grade in a container instead: see docs/threat-model.md."
 )
 
@@ -33,24 +33,24 @@ class GraderError(Exception):
 
 @dataclass(frozen=True)
 class Limits:
-    """What a submission may use.
+    """Limits of a submission.
 
     Parameters
     ----------
     memory : int
-        Bytes beyond what NumPy and matplotlib take.
+        Bytes, in addition to those of NumPy and matplotlib.
     cpu_seconds : int
-        Processor time of one process, for what computes in the background; it is as long as a
-        submission may take, so that no answer pays for what others have used.
+        Processor time of one process, against computations in the background; as long as a whole
+        submission may take, so that no answer suffers from the time of others.
     file_size : int
-        Bytes of a file.
+        Bytes of one file.
     seconds_per_cell, seconds_per_call : float
-        After so many seconds a cell or a call is ended, however it holds on; calls that have a
-        limit of their own are ended by the shorter one.
+        Time limits of a cell and of a call, after which the process is killed; a call with its own
+        limit is killed after the shorter one.
     seconds_in_all : float
-        After so many seconds what is left of a submission is given up,
+        Time limit of a whole submission.
     most_starts : int
-        and after so many processes, each of which broke down.
+        How many processes of one submission may break down.
     """
 
     memory: int = 1024 * MEBIBYTE
@@ -69,16 +69,16 @@ class ProcessEnd:
     Parameters
     ----------
     killed : bool
-        It still ran when it was told to end.
+        Whether it still ran and was killed at the end.
     ended_for : str
-        What it was ended for before that: ``"threads"``, ``"disk"``, or ``"server"`` if the server
-        went with it.
+        Why it was killed before that: ``"threads"``, ``"disk"``, or ``"server"`` if the server
+        ended too.
     signal, exit : int
-        The signal that ended it, or its exit status.
+        The signal that ended the process, or its exit status.
     cpu_seconds : float
         Processor time.
     peak : int
-        Bytes of memory, at most.
+        Peak memory, in bytes.
     """
 
     killed: bool = False
@@ -90,29 +90,29 @@ class ProcessEnd:
 
 
 def tiers() -> tuple[Tier, ...]:
-    """Return the tiers that work on this machine, the safest first; bubblewrap is tried."""
-    locks = seccomp.is_known()
+    """Return the tiers that work on this machine, the safest first; bubblewrap is tested."""
+    has_filter = seccomp.is_known()
     found: list[Tier] = []
-    if locks and file_access.work():
+    if has_filter and file_access.bubblewrap_works():
         found.append("bubblewrap")
-    if locks and landlock.version():
+    if has_filter and landlock.version():
         found.append("landlock")
     return (*found, "none")
 
 
 @dataclass
 class Server:
-    """A forking server behind the walls of a tier; it serves one submission at a time.
+    """A forking server in a sandbox, which runs one submission at a time.
 
-    If it ends unasked, the next submission finds a new one. The thread that starts it must outlive
-    it, since bubblewrap ends with the thread that made it.
+    If the server ends unexpectedly, the next submission starts a new one. The thread that starts it
+    must outlive it, since bubblewrap ends with the thread that created it.
 
     Parameters
     ----------
     tier : str
         ``"bubblewrap"``, ``"landlock"`` or ``"none"``.
     limits : Limits
-        What each submission may use.
+        The limits of each submission.
     """
 
     tier: Tier
@@ -122,7 +122,7 @@ class Server:
 
     @contextmanager
     def started(self) -> Iterator[Server]:
-        """Start the server, and end it and all that it made at the end of the block."""
+        """Start the server; at the end of the block, end it and all its processes."""
         self._over = False
         self._start()
         try:
@@ -132,14 +132,15 @@ class Server:
             self._stop()
 
     def run(self) -> tuple[int, int]:
-        """Start a locked-in process; return the pipes to write to and to read from.
+        """Start a sandboxed process; return the pipes to write to and to read from.
 
-        The pipe to write to does not block, so that who does not read it holds up nobody.
+        The pipe to write to does not block, so that a process that does not read it cannot block
+        the grader.
 
         Raises
         ------
         RuntimeError
-            The server does not start, or it has been ended, by another thread perhaps.
+            The server does not start, or it has been ended, perhaps by another thread.
         """
         if self._over:
             raise RuntimeError("the server has been ended")
@@ -150,19 +151,19 @@ class Server:
         their_in, to_them = os.pipe()
         from_them, their_out = os.pipe()
         os.set_blocking(to_them, False)
-        with suppress(OSError):  # its end is seen at the other end of the pipes
+        with suppress(OSError):  # the end of the server is noticed at the pipes
             socket.send_fds(self._control, [b"r"], [their_in, their_out])
         os.close(their_in)
         os.close(their_out)
         return to_them, from_them
 
     def end(self, patiently: bool = False) -> ProcessEnd:
-        """End the process, if it has not ended yet, and tell how it did.
+        """End the process, if it has not ended yet, and return how it ended.
 
         Parameters
         ----------
         patiently : bool
-            Give it a moment to end by itself, so that it can be told why it does.
+            Give it a moment to end by itself, so that the reason can be reported.
         """
         answer = b""
         try:
@@ -172,28 +173,28 @@ class Server:
                 if not part:
                     raise ConnectionError
                 answer += part
-        except OSError:  # it is gone, or takes too long
+        except OSError:  # the server has ended, or takes too long
             self._stop()
             return ProcessEnd(killed=True, ended_for="server")
         return ProcessEnd(**json.loads(answer))
 
     def _start(self) -> None:
         self._scratch = Path(tempfile.mkdtemp(prefix="grading-"))
-        place = file_access.SandboxFolders.made(self._scratch)
+        folders = file_access.SandboxFolders.create(self._scratch)
         self._control, theirs = socket.socketpair()
         self._control.settimeout(SECONDS_TO_START)
         settings: dict[str, Any] = {
-            **place.told(),
+            **folders.settings(),
             "limits": asdict(self.limits),
             "seccomp": self.tier != "none",
             "landlock": self.tier != "none" and landlock.version() > 0,
         }
-        python = [*place.python(), str(theirs.fileno()), json.dumps(settings)]
+        python = [*folders.python(), str(theirs.fileno()), json.dumps(settings)]
         self._process = subprocess.Popen(
-            [*place.bubblewrap(), *python] if self.tier == "bubblewrap" else python,
+            [*folders.bubblewrap(), *python] if self.tier == "bubblewrap" else python,
             pass_fds=[theirs.fileno()],
             stdin=subprocess.DEVNULL,
-            cwd=place.stage,
+            cwd=folders.stage,
             env=file_access.ENVIRONMENT,
             start_new_session=True,
         )
@@ -203,10 +204,10 @@ class Server:
                 self._control.settimeout(SECONDS_TO_END)
                 return
         self._stop()
-        raise RuntimeError(f"the server behind {self.tier} does not start")
+        raise RuntimeError(f"the sandbox server ({self.tier}) does not start")
 
     def _stop(self) -> None:
-        """End the server, which ends what it made; what hangs is killed."""
+        """End the server and with it its processes; kill it if it hangs."""
         if self._process is None:
             return
         process, self._process = self._process, None

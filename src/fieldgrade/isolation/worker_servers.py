@@ -1,4 +1,4 @@
-"""One started server for each thread or process that grades, whatever pool it belongs to."""
+"""One started sandbox server for each thread or process that grades, in any pool."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from fieldrecon._core.worker_processes import Processes
 T = TypeVar("T")
 
 
-class _Workplace(threading.local):
-    """What a thread holds; a forked process inherits the memory of it, but not the server."""
+class _Held(threading.local):
+    """The server of a thread; a forked process inherits the memory, but not the server."""
 
     server: Server | None = None
     process: int = 0
     stack: ExitStack | None = None
 
 
-_here = _Workplace()
+_here = _Held()
 _open: dict[int, list[ExitStack]] = {}
 _lock = threading.Lock()
 _over = threading.Event()
 
 
 class WorkEnded(Exception):
-    """The work is over, and no server is started any more."""
+    """The grading has ended, and no server is started any more."""
 
 
 def with_server(tier: Tier, limits: Limits, do: Callable[[Server], T]) -> T:
-    """Return what comes of doing something with a server; where it fails, with a fresh one.
+    """Call a function with a server; if it fails, call it again with a new server.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def server(tier: Tier, limits: Limits) -> Server:
     if held and _here.process == os.getpid() and (held.tier, held.limits) == (tier, limits):
         return held
     dismiss()
-    with _lock:  # what is being started when the work ends is seen by who ends it
+    with _lock:  # a server that is being started is seen by `close`
         if _over.is_set():
             raise WorkEnded
         stack = ExitStack()
@@ -79,13 +79,13 @@ def server(tier: Tier, limits: Limits) -> Server:
         _here.process, _here.stack = os.getpid(), stack
         if os.getpid() not in _open:
             _open[os.getpid()] = []
-            util.Finalize(None, close, exitpriority=10)  # processes of a pool run no atexit
+            util.Finalize(None, close, exitpriority=10)  # processes of a pool do not run atexit
         _open[os.getpid()].append(stack)
     return _here.server
 
 
 def dismiss() -> None:
-    """End the server of this thread: it is in doubt, and the next one is fresh."""
+    """End the server of this thread, which may be broken."""
     stack, _here.server, _here.stack = _here.stack, None, None
     if stack and _here.process == os.getpid():
         with _lock:
@@ -96,7 +96,7 @@ def dismiss() -> None:
 
 
 def close() -> None:
-    """End all servers of this process; whoever else does so waits until they have ended."""
+    """End all servers of this process; concurrent callers wait until they have ended."""
     with _lock:
         for stack in _open.pop(os.getpid(), []):
             with suppress(Exception):
@@ -106,7 +106,7 @@ def close() -> None:
 
 @contextmanager
 def serving() -> Iterator[None]:
-    """Let servers be started in this block, and end all of this process with it."""
+    """Permit servers in this block; at its end, end all servers of this process."""
     _over.clear()
     try:
         yield
@@ -117,10 +117,10 @@ def serving() -> Iterator[None]:
 
 @contextmanager
 def worker_pool(count: int) -> Iterator[Executor]:
-    """Give what grades: a thread for one worker, else a process for each, with a server of its own.
+    """Give an executor: a thread for one worker, else a process for each, with its own server.
 
-    Threads would take turns at the interpreter. What is at work when the block ends is given up, by
-    processes at once, by the thread with the block of `serving` around this one.
+    Threads would compete for the interpreter. Unfinished work is abandoned at the end of the block:
+    by processes at once, by the thread at the end of the surrounding block of `serving`.
     """
     if count == 1:
         thread = ThreadPoolExecutor(1, "grading")
@@ -141,10 +141,10 @@ def worker_pool(count: int) -> Iterator[Executor]:
 
 
 def _cores_for_each(count: int) -> SimpleQueue[int] | None:
-    """Return a core for each worker, if there are as many: else the system places them better.
+    """Return a core for each worker if their numbers agree; otherwise the system assigns them.
 
-    A worker and the process behind its walls take turns. On two cores each would have to wake the
-    other from its sleep for every answer.
+    A worker and its sandboxed process alternate. On two cores each answer would have to wake a
+    sleeping core.
     """
     free = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     if len(free) != count:
@@ -156,7 +156,7 @@ def _cores_for_each(count: int) -> SimpleQueue[int] | None:
 
 
 def _begin(over: Connection, cores: SimpleQueue[int] | None) -> None:
-    """Take a core, and end the servers of this process when the other end of the pipe is closed."""
+    """Bind to a core; end the servers of this process when the other end of the pipe is closed."""
 
     def watch() -> None:
         with suppress(EOFError, OSError):

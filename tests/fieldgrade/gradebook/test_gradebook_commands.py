@@ -155,7 +155,7 @@ def test_what_is_wrong_is_told_in_a_sentence(place, capsys):
     assert "overrides.csv:1: there is no column points, by, reason, on" in capsys.readouterr().err
     (place / "out/results.json").write_text("{}")
     assert run(place, "analysis") == 2
-    assert "results.json: this is no file of results" in capsys.readouterr().err
+    assert "results.json: this is not a file of results" in capsys.readouterr().err
 
 
 def test_differences_are_printed_as_a_table(capsys):

@@ -47,7 +47,7 @@ def evil_sheets():
         "ada",
         [grade("01.1", 0.0, rung="exception", sentence=EVIL), grade("01.2", 2.0)],
         file=EVIL,
-        notes=("01.1: a stub stands behind an answer, and takes its place", EVIL),
+        notes=("01.1: a stub is defined after an answer and replaces it", EVIL),
     )
     broken = record("ada", [], notebook="", status="unreadable", file=EVIL, notes=(EVIL,))
     students = [{"student": "ada", "name": EVIL, "section": EVIL}]

@@ -148,7 +148,7 @@ def test_what_is_wrong_anyway_is_not_tried(tmp_path, calls):
     [
         ('"01.2", "Values', '"01.99", "Values', "asked for in question '01.99'"),
         ("Values that all grow by one move the plane up by one.", " ", "needs a sentence"),
-        ("costs=1", "costs=0", "costs points, not 0"),
+        ("costs=1", "costs=0", "must cost more than 0 points, not 0"),
         ("costs=1", "price=1", "write @pytest.mark.question"),
         ("(answer, cloud):", "(cloud):", "needs both"),
     ],
@@ -369,9 +369,9 @@ def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
         (["--only", "99"], "there is no notebook 99"),
         (["--question", "01.99"], "asked for in question '01.99'"),
         (["--question", "01.2", "--only", "02"], "question 01.2 is not in 02"),
-        (["--student", "nobody"], "holds nothing of what was chosen"),
-        (["--class", "nowhere"], "nowhere is no folder with the tables of a class"),
-        (["--out", "IN/graded"], "results are no submissions"),
+        (["--student", "nobody"], "contains no submission of the selection"),
+        (["--class", "nowhere"], "nowhere is not a folder with the tables of a class"),
+        (["--out", "IN/graded"], "results must not be among the submissions"),
         (["--pytest", "--no-such"], "pytest does not understand --no-such"),
     ],
 )

@@ -110,8 +110,8 @@ def test_what_has_another_form_is_refused(tmp_path, place, value, told):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("{}", "no file of results"),
-        ("[1]", "no file of results"),
+        ("{}", "not a file of results"),
+        ("[1]", "not a file of results"),
         ('{"format": "fieldrecon results", "version": 2}', "version 2; version 1 is known"),
         ("{", "results.json: "),
     ],

@@ -12,7 +12,7 @@ from fieldgrade.isolation import file_access
 
 @pytest.fixture
 def place(tmp_path):
-    return file_access.SandboxFolders.made(tmp_path)
+    return file_access.SandboxFolders.create(tmp_path)
 
 
 def test_no_answer_is_on_the_stage(place):
@@ -33,7 +33,7 @@ def test_no_answer_is_on_the_stage(place):
 
 def test_the_course_cannot_be_read(place):
     """No folder that can be read holds the sources, the package or the library."""
-    told = place.told()
+    told = place.settings()
     for hidden in file_access.hidden_folders():
         assert hidden.is_dir()
         for path in told["readable"]:
@@ -61,7 +61,7 @@ def test_bubblewrap_covers_what_is_hidden_before_it_shows_what_lies_in_it(tmp_pa
     usr, course = tmp_path / "usr", tmp_path / "usr" / "course"
     packages = course / "venv"
     packages.mkdir(parents=True)
-    command = file_access._walls([usr, packages], [], [course])
+    command = file_access._bubblewrap_command([usr, packages], [], [course])
     order = [command.index(str(path)) for path in (usr, course, packages)]
     assert order == sorted(order)
     assert command[command.index(str(course)) - 1] == "--tmpfs"
@@ -72,6 +72,6 @@ def test_bubblewrap_covers_what_is_hidden_before_it_shows_what_lies_in_it(tmp_pa
 def test_bubblewrap_that_fails_is_none(monkeypatch):
     """Where the program is missing, or the kernel does not let it, its tier is not offered."""
     monkeypatch.setattr(file_access.shutil, "which", lambda _: None)
-    assert not file_access.work()
+    assert not file_access.bubblewrap_works()
     monkeypatch.setattr(file_access.shutil, "which", lambda _: "/bin/false")
-    assert not file_access.work()
+    assert not file_access.bubblewrap_works()

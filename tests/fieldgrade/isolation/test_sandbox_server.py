@@ -25,12 +25,12 @@ from fieldgrade.sandbox import homes, landlock, seccomp
 def test_the_safest_comes_first(locks, bubblewrap, version, expected, monkeypatch):
     """Both kinds of walls need the filter of calls, without which processes are not counted."""
     monkeypatch.setattr(seccomp, "is_known", lambda: locks)
-    monkeypatch.setattr(server_module.file_access, "work", lambda: bubblewrap)
+    monkeypatch.setattr(server_module.file_access, "bubblewrap_works", lambda: bubblewrap)
     monkeypatch.setattr(landlock, "version", lambda: version)
     assert server_module.tiers() == expected
 
 
-def test_other_systems_have_no_walls(monkeypatch):
+def test_other_systems_have_no_bubblewrap_command(monkeypatch):
     """On macOS, as on machines whose calls are not known, only the last tier is left."""
     monkeypatch.setattr(seccomp.sys, "platform", "darwin")
     assert not seccomp.is_known()

@@ -456,7 +456,7 @@ def test_a_stale_stub_behind_an_answer_is_told(tmp_path):
     stale, fresh = notebook(answer, copy), notebook(copy, answer)
     handed = taken(tmp_path, {"s1/01.ipynb": stale, "s2/01.ipynb": fresh})
     told = [list(_notes_on(h, Archive(tmp_path / "received"))) for h in handed]
-    assert told == [["01.2: a stub stands behind an answer, and takes its place"], []]
+    assert told == [["01.2: a stub is defined after an answer and replaces it"], []]
 
 
 def _notes_on(handed, archive):
