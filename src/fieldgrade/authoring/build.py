@@ -1,4 +1,4 @@
-"""From the sources to all that is made of them, and back: whether that is up to date."""
+"""Build notebooks, known answers and stubs from the sources, if they are out of date."""
 
 from __future__ import annotations
 
@@ -40,36 +40,36 @@ def all_sources(root: Path) -> list[Source]:
 
 
 def require_questions(source: Source) -> None:
-    """Raise ValueError if a source has cells for questions that nobody judges."""
+    """Raise ValueError if a source has cells for questions without a `Question`."""
     missing = [name for name in source.answer_cells() if name not in questions()]
     if missing:
         raise ValueError(
             f"{source.path.name} has a cell for {', '.join(missing)}, and no module "
-            f"src/fieldcheck/questions/q{source.name}.py says how it is tried"
+            f"src/fieldcheck/questions/q{source.name}.py defines these questions"
         )
 
 
 def build(root: Path, chosen: list[Source], each: Each = map) -> None:
-    """Write exercises, known answers, stubs, and the executed solutions that are out of date.
+    """Write exercises, known answers, stubs, and executed solutions that are out of date.
 
     Raises
     ------
     ValueError
-        Something of a solution would reach the students. No file has been written then.
+        A part of a solution would reach the students. No file is written.
     """
     files = {root / "src/fieldcheck/stubs.json": stubs_file(root)}
     for source in chosen:
         files |= student_files(root, source)
     problems = list(dict.fromkeys(leaks(root, "fieldrecon", files)))
     if problems:
-        raise ValueError("students would be told too much: " + "; ".join(problems))
+        raise ValueError("files for students would contain solutions: " + "; ".join(problems))
     for file, text in files.items():
         _write(file, text)
     list(each(lambda source: _solve(root, source), chosen))
 
 
 def student_files(root: Path, source: Source) -> dict[Path, str]:
-    """Return the files that a source makes for students, and what is in them."""
+    """Return the files for students that are built from a source, with their content."""
     known = root / "src/fieldcheck/answers" / f"{source.number}.json"
     return {
         root / "exercises" / f"{source.name}.ipynb": to_text(student_notebook(source)),
@@ -78,7 +78,7 @@ def student_files(root: Path, source: Source) -> dict[Path, str]:
 
 
 def _known_text(file: Path, fresh: str) -> str:
-    """Return the text that is there if only rounding errors of another machine changed."""
+    """Return the existing text if it differs only by rounding errors."""
     kept = file.read_text(encoding="utf-8") if file.is_file() else "{}"
     return kept if same_answers(kept, fresh) else fresh
 
@@ -94,12 +94,12 @@ def stubs_file(root: Path) -> str:
 
 
 def solved_file(root: Path, source: Source) -> Path:
-    """Return the place of the executed solution."""
+    """Return the path of the executed solution."""
     return root / "solutions" / f"{source.name}.ipynb"
 
 
 def is_solved(root: Path, source: Source) -> bool:
-    """Whether the executed solution on disk was made of what is there now."""
+    """Whether the executed solution is up to date with its source and the checks."""
     file = solved_file(root, source)
     if not file.is_file():
         return False
@@ -108,7 +108,7 @@ def is_solved(root: Path, source: Source) -> bool:
 
 
 def ingredients(root: Path, source: Source) -> str:
-    """Return a digest of what an executed solution depends on: source, checks, and the maker."""
+    """Return a digest of all that an executed solution depends on."""
     package = root / "src/fieldcheck"
     files = [*sorted(package.glob("*.py")), *sorted(package.glob("*.js"))]
     files += [package / "answers" / f"{source.number}.json"]
@@ -130,16 +130,16 @@ def _solve(root: Path, source: Source) -> None:
 
 
 def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator[str]:
-    """Yield what students would be told too much.
+    """Yield parts of solutions and hidden cases in files for students.
 
     Parameters
     ----------
     root : Path
         The checkout.
     salt : str
-        What hidden inputs are drawn from.
+        The seed of the hidden inputs.
     made : mapping
-        Files that are not written yet, and what will be in them.
+        Files that are not written yet, with their content.
     """
     there = (path for _, path in student_tree(root) if path.is_file() and path not in made)
     texts = {path: path.read_text(encoding="utf-8") for path in there} | dict(made)

@@ -1,4 +1,4 @@
-"""The students' bundle: notebooks, the self-check package, and what to install."""
+"""The bundle for students: notebooks, the package fieldcheck, and the requirements."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FIXED = (1980, 1, 1, 0, 0, 0)
 
 
 def student_tree(root: Path) -> Iterator[tuple[str, Path]]:
-    """Yield the name in the bundle, and the place, of each file that students get."""
+    """Yield the name in the bundle and the path of each file for students."""
     for path in sorted((root / "exercises").glob("*.ipynb")):
         yield path.name, path
     package = root / "src" / "fieldcheck"

@@ -1,6 +1,6 @@
-"""Cases that only a grader tries, in ``grading/`` beside the sources, a file for each notebook.
+"""Hidden cases, which only the grader uses: ``grading/`` beside the sources.
 
-A hidden case has the sentence that a student may read instead of the input::
+A hidden case has a sentence for the student, who never sees the input::
 
     @hidden("01.2", "Points far from the origin lose digits in monomials around it.")
     def far_away(seed):
@@ -21,7 +21,7 @@ Inputs = Callable[[int], tuple[Call, ...]]
 
 @dataclass(frozen=True)
 class Hidden:
-    """Hidden cases of a question: from a seed to calls, and what may be said of them."""
+    """Hidden cases of a question: a function from seeds to calls, and the sentence for students."""
 
     question: str
     sentence: str

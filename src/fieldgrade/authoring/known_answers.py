@@ -1,4 +1,4 @@
-"""The known answers to a question: what the solution and the catalogued mistakes give."""
+"""Known answers to a question: the values of the solution and of the catalogued mistakes."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from fieldgrade.authoring.catalogue import Entry, entries
 from fieldgrade.authoring.sources import Source
 
 SAME = 0.1
-"""Known answers that differ by less, in units of the tolerance, are the same but for rounding."""
+"""Known answers that differ by less, in units of the tolerance, differ only by rounding."""
 
 
 def known_answers(
     question: Question, calls: Sequence[Call], functions: dict[str, Any], mistakes: Sequence[Entry]
 ) -> Answers:
-    """Return what the solution and each mistake give for the calls.
+    """Return the values of the solution and of each mistake for the calls.
 
     Raises
     ------
     ValueError
-        The solution does not return the shapes that the question promises.
+        The solution does not return the shapes that the question states.
     """
     right = perform(functions, calls, TIMEOUT_FACTOR * question.limit)
     return Answers(
@@ -40,7 +40,7 @@ def known_answers(
 def known_mistakes(
     question: Question, calls: Sequence[Call], functions: dict[str, Any], mistakes: Sequence[Entry]
 ) -> tuple[Mistake, ...]:
-    """Return what each mistake that can be named gives for the calls."""
+    """Return the values of each recognisable mistake for the calls."""
     limit = TIMEOUT_FACTOR * question.limit
     return tuple(
         Mistake(m.name, m.sentence, perform(m.namespace(functions), calls, limit))
@@ -58,18 +58,18 @@ def _right(question: Question, call: Call, outcome: Outcome) -> Values:
     if [v.shape for v in values] != list(question.shapes(call)):
         raise ValueError(
             f"the solution of {question.name} for {call.case} returns shapes "
-            f"{[v.shape for v in values]}; the question promises {list(question.shapes(call))}"
+            f"{[v.shape for v in values]}; the question states {list(question.shapes(call))}"
         )
     return values
 
 
 def public_calls(question: Question) -> tuple[Call, ...]:
-    """Return the fixed cases that are the same for everybody."""
+    """Return the public cases, which are the same for everybody."""
     return question.inputs(seed(EVERYBODY, question.name))
 
 
 def answers_file(source: Source) -> str:
-    """Return the text that ``fieldcheck/answers/NN.json`` should have, but for rounding errors."""
+    """Return the text of ``fieldcheck/answers/NN.json``."""
     functions, mistakes = source.functions(), entries(source, "misconceptions")
     asked = [q for q in questions().values() if q.notebook == source.number]
     data = {q.name: to_json(known_answers(q, public_calls(q), functions, mistakes)) for q in asked}
@@ -89,11 +89,11 @@ def _same(question: Question, before: Answers, now: Answers) -> bool:
         right = tuple(Outcome("returned", values=values) for values in answers.right)
         return [right, *(m.outcomes for m in answers.mistakes)]
 
-    def told(answers: Answers) -> list[tuple[str, str]]:
+    def names(answers: Answers) -> list[tuple[str, str]]:
         return [(m.name, m.sentence) for m in answers.mistakes]
 
     calls = public_calls(question)
-    return told(before) == told(now) and all(
+    return names(before) == names(now) and all(
         len(one) == len(other) == len(calls) and now.distance(question, calls, one, other) <= SAME
         for one, other in zip(outcomes(before), outcomes(now), strict=True)
     )

@@ -1,4 +1,4 @@
-"""The secret salt: from it the grader draws inputs that nobody has seen."""
+"""The secret salt, from which the grader draws hidden inputs."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from fieldcheck.seeds import PUBLIC_SALT
 
 FILE = ".course-secret.json"
 MISSING = (
-    "There is no secret salt, so the inputs of the graders are those that students can draw too. "
-    "Make one with: fieldrecon course init"
+    "There is no secret salt, so students can compute the inputs of the graders. "
+    "Create it with: fieldrecon course init"
 )
 
 
 @dataclass(frozen=True)
 class Salt:
-    """A salt and the year it is for; without a secret one, the public salt."""
+    """A salt and its year; the public salt if there is no secret one."""
 
     text: str
     year: int = 0
@@ -36,7 +36,7 @@ def read_salt(folder: Path) -> Salt:
     Raises
     ------
     ValueError
-        git tracks the file, or it is not what `make_salt` wrote.
+        git tracks the file, or it is damaged.
     """
     file = folder / FILE
     if not file.is_file():
@@ -46,7 +46,7 @@ def read_salt(folder: Path) -> Salt:
         data = json.loads(file.read_text(encoding="utf-8"))
         return Salt(str(data["salt"]), int(data["year"]))
     except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{FILE} is damaged: remove it, and make another with init") from error
+        raise ValueError(f"{FILE} is damaged: remove it, and create another with init") from error
 
 
 def make_salt(folder: Path, year: int, renew: bool = False) -> Salt:
@@ -55,13 +55,13 @@ def make_salt(folder: Path, year: int, renew: bool = False) -> Salt:
     Raises
     ------
     ValueError
-        git tracks the file or would, or there is one already and it is not to be renewed.
+        git tracks the file or does not ignore it, or it exists and `renew` is false.
     """
     file = folder / FILE
     _require_untracked(file)
     if file.exists() and not renew:
         raise ValueError(
-            f"{FILE} is there, for {read_salt(folder).year}; with --renew it is replaced, and the "
+            f"{FILE} exists, for {read_salt(folder).year}; with --renew it is replaced, and the "
             "inputs of all students change"
         )
     salt = Salt(secrets.token_hex(16), year)
@@ -72,11 +72,13 @@ def make_salt(folder: Path, year: int, renew: bool = False) -> Salt:
 
 
 def _require_untracked(file: Path) -> None:
-    """Refuse a file that git tracks, or that it would take up."""
+    """Refuse a file that git tracks or does not ignore."""
     if _git(file.parent, "rev-parse", "--is-inside-work-tree"):
         return
     if _git(file.parent, "ls-files", "--error-unmatch", file.name) == 0:
-        raise ValueError(f"git tracks {file.name}, so it is no secret: remove it there, and renew")
+        raise ValueError(
+            f"git tracks {file.name}, so it is not secret: remove it from git, and renew it"
+        )
     if _git(file.parent, "check-ignore", "--quiet", file.name) != 0:
         raise ValueError(f"git does not ignore {file.name}: add it to .gitignore first")
 

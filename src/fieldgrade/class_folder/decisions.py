@@ -91,15 +91,15 @@ def require_known(
     for decision in given:
         what = f"{short(decision.points)} points for {decision.student}, {decision.question}"
         if decision.student not in students:
-            problems.append(f"{what}: nobody of that name is on the roster")
+            problems.append(f"{what}: no such student is on the roster")
         elif decision.question not in worth:
             problems.append(f"{what}: there is no such question")
         elif decision.points > worth[decision.question]:
             problems.append(f"{what}: the question is worth {short(worth[decision.question])}")
         elif isinstance(decision, Mark) and decision.question in in_code:
-            problems.append(f"{what}: answers in code are checked; write an override instead")
+            problems.append(f"{what}: this answer is code; write an override instead")
     for name in sorted({student for student, _ in decisions.extensions} - set(students)):
-        problems.append(f"an extension for {name}: nobody of that name is on the roster")
+        problems.append(f"an extension for {name}: no such student is on the roster")
     if problems:
         raise ValueError("\n".join(problems))
 

@@ -1,4 +1,4 @@
-"""The tables of a class with their columns, and lines that show how to fill them."""
+"""Empty tables of a class, with columns and example lines."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ HEADERS: Mapping[str, tuple[str, ...]] = {
     "requests.csv": ("student", "question", "on", "request", "answer"),
 }
 
-TOLD: Mapping[str, str] = {
-    "roster.csv": "Who is in the class. Only the first column must be filled; the others are "
-    "needed by the platform whose files you want.",
-    "points.csv": "What questions are worth, where it differs from the notebooks.",
-    "received.csv": "When notebooks came, where it is better known than from the files.",
-    "assignments.csv": "When notebooks are due, what a day begun after that costs, and what they "
-    "are called in Canvas and Moodle.",
-    "extensions.csv": "Who has more time, and why.",
-    "overrides.csv": "Points that a person grants in place of the grader's; the last line counts.",
-    "requests.csv": "What students ask to be looked at again; an empty answer is an open request.",
+DESCRIPTIONS: Mapping[str, str] = {
+    "roster.csv": "The students of the class. Column student is required and must equal the "
+    "text in student.txt; the others are needed for the files of your platform.",
+    "points.csv": "Points of questions, if they differ from those of the notebooks.",
+    "received.csv": "Times of receipt, which override those of the files.",
+    "assignments.csv": "Deadlines, late penalty for each day begun, and names and ids in Canvas "
+    "and Moodle.",
+    "extensions.csv": "Extended deadlines, with the reason.",
+    "overrides.csv": "Points that replace those of the grader; the last line counts.",
+    "requests.csv": "Regrade requests; a request with an empty answer is open.",
 }
 
 LINES: Mapping[str, tuple[str, ...]] = {
@@ -48,14 +48,14 @@ LINES: Mapping[str, tuple[str, ...]] = {
 
 
 def example(name: str) -> str:
-    """Return a table without content: a line on what it is for, its columns, lines to copy."""
+    """Return an empty table: columns, a comment on its purpose, example lines as comments."""
     comments = (f"# {line}" for line in LINES[name])
-    told = '"# ' + TOLD[name].replace('"', '""') + '"'
-    return "\n".join([",".join(HEADERS[name]), told, *comments]) + "\n"
+    comment = '"# ' + DESCRIPTIONS[name].replace('"', '""') + '"'
+    return "\n".join([",".join(HEADERS[name]), comment, *comments]) + "\n"
 
 
 def write_examples(folder: Path) -> Iterator[tuple[Path, bool]]:
-    """Write the tables of a class that are missing; yield all, and whether each was written."""
+    """Write missing tables of a class; yield all paths, and whether each was written."""
     for name in HEADERS:
         file = folder / name
         is_new = not file.exists()

@@ -1,4 +1,4 @@
-"""Names of files for students, whatever they are called."""
+"""Safe and unique file names for students."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LONGEST = 60
 
 
 def file_names(students: Iterable[str]) -> dict[str, str]:
-    """Return a name for the files of each student: safe on every system, and unlike any other.
+    """Return a file name for each student: valid on every system, and unique.
 
     Examples
     --------
@@ -32,7 +32,7 @@ def file_names(students: Iterable[str]) -> dict[str, str]:
 
 
 def _plain(student: str) -> str:
-    """Return letters, digits, points and lines of a name; a name of a device is none of a file."""
+    """Return the ASCII letters and digits of a name, with . _ -; device names are changed."""
     ascii_only = unicodedata.normalize("NFKD", student).encode("ascii", "ignore").decode()
     name = re.sub(r"[^A-Za-z0-9._-]+", "_", ascii_only).strip("._-")[:LONGEST]
     reserved = re.fullmatch(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?", name)

@@ -1,6 +1,6 @@
-"""What a late hand-in costs: a pure function of when it came, the deadline and an extension.
+"""The late policy: the penalty as a function of time of receipt, deadline and extension.
 
-Nothing is stored with the grades, so a deadline that moves is all that has to be changed.
+The penalty is not stored with the grades, so changing a deadline changes the final grades.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ DAY = timedelta(days=1)
 
 @dataclass(frozen=True)
 class LatePolicy:
-    """A deadline and what it costs to miss it.
+    """A deadline and the penalty for late submission.
 
     Parameters
     ----------
     due : datetime, optional
         The deadline, with its time zone; without one nothing is late.
     grace : timedelta
-        So much later is not late yet.
+        A submission within this time after the deadline is not late.
     per_day : float
-        The part of the points that each day begun after the deadline costs.
+        The share of the points that is lost for each day begun after the deadline.
     most : float
-        The part that is lost at most.
+        The largest share that is lost.
     """
 
     due: datetime | None = None
@@ -40,7 +40,7 @@ class LatePolicy:
 
 @dataclass(frozen=True)
 class Extension:
-    """More time for one student and one notebook, and why."""
+    """An extended deadline for one student and one notebook, with the reason."""
 
     student: str
     notebook: str
@@ -49,7 +49,7 @@ class Extension:
 
 
 def days_late(received: datetime, due: datetime, grace: timedelta = timedelta(0)) -> int:
-    """Return how many days after the deadline have begun; none within the grace.
+    """Return how many days have begun after the deadline; 0 within the grace period.
 
     Examples
     --------
@@ -63,24 +63,26 @@ def days_late(received: datetime, due: datetime, grace: timedelta = timedelta(0)
     return 0 if over <= max(grace, timedelta(0)) else ceil(over / DAY)
 
 
-def kept(received: datetime | None, policy: LatePolicy, until: datetime | None = None) -> float:
-    """Return the part of the points that is kept, between 0 and 1.
+def late_factor(
+    received: datetime | None, policy: LatePolicy, until: datetime | None = None
+) -> float:
+    """Return the share of the points that remains, between 0 and 1.
 
-    It is max(1 - d p, 1 - m) after d days begun, with p lost per day and m at most.
+    It is max(1 - d p, 1 - m) after d days begun, with penalty p per day and largest penalty m.
 
     Parameters
     ----------
     received : datetime, optional
-        When it was handed in; what has no time is not late.
+        The time of receipt; a submission without one is not late.
     policy : LatePolicy
-        The deadline, and what a day costs.
+        The deadline and the penalty.
     until : datetime, optional
-        An extension. It never hurts: the later of the two deadlines counts.
+        An extended deadline; the later of the two deadlines counts.
 
     Examples
     --------
     >>> policy = LatePolicy(moment("2026-11-30T23:59+01:00"), per_day=0.1, most=0.5)
-    >>> kept(moment("2026-12-02T12:00+01:00"), policy)
+    >>> late_factor(moment("2026-12-02T12:00+01:00"), policy)
     0.8
     """
     if received is None or policy.due is None:
@@ -91,24 +93,26 @@ def kept(received: datetime | None, policy: LatePolicy, until: datetime | None =
 
 
 def moment(text: str) -> datetime:
-    """Return a point in time, which has a time zone.
+    """Parse a time with a time zone.
 
     Raises
     ------
     ValueError
-        It is none, or it might be any of 24.
+        The text is not a time, or has no time zone.
     """
     try:
         time = datetime.fromisoformat(text)
     except ValueError:
-        raise ValueError(f"a time is written as 2026-11-30T23:59+01:00, not {text!r}") from None
+        raise ValueError(
+            f"a time must be written as 2026-11-30T23:59+01:00, not {text!r}"
+        ) from None
     if time.tzinfo is None:
         raise ValueError(f"{text!r} has no time zone: write it as {text}+01:00 or {text}Z")
     return time
 
 
 def read_extensions(path: Path) -> Mapping[tuple[str, str], Extension]:
-    """Return the extensions in a file by student and notebook; of several the longest counts.
+    """Return the extensions in a file, by student and notebook; the longest one counts.
 
     Columns: student, notebook, until, reason.
     """

@@ -1,4 +1,4 @@
-"""Answers in words: a page per question to read them on, and a CSV file to write points into."""
+"""Manual grading of written answers: a page to read for each question, and a table of points."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ class Mark:
 
 @dataclass(frozen=True)
 class WrittenQuestion:
-    """A question that is answered in words.
+    """A question with a written answer.
 
     Parameters
     ----------
     name : str
         ``"01.7"``.
     points : float
-        What it is worth.
+        The points.
     asked, answer, rubric : str
-        The question, the model answer, and how it is graded, as Markdown.
+        The question, the model answer and the rubric, as Markdown.
     """
 
     name: str
@@ -56,7 +56,7 @@ class WrittenQuestion:
 
 
 def written_questions(source: Source) -> list[WrittenQuestion]:
-    """Return the questions of a source that are answered in words."""
+    """Return the questions of a source with written answers."""
     rubrics = {cell.rubric: cell.text for cell in source.cells if cell.rubric}
     return [
         WrittenQuestion(
@@ -77,22 +77,23 @@ def marking_page(
     marks: Mapping[str, Mark] | None = None,
     changed: Collection[str] = (),
 ) -> str:
-    """Return the page with the question, its rubric, the model answer, and everybody's words.
+    """Return the page with the question, its rubric, the model answer, and all answers.
 
-    In students' words formulas are set, and nothing else is interpreted; below they stand as typed.
+    In students' answers formulas are typeset, and nothing else is interpreted; the typed text is
+    shown below.
 
     Parameters
     ----------
     question : WrittenQuestion
-        What was asked.
+        The question.
     answers : mapping
-        The words of each student; empty where nothing was written.
+        The answer of each student; may be empty.
     marks : mapping, optional
-        The points given so far, by student.
+        The marks so far, by student.
     changed : collection of str
-        Who wrote something else since.
+        The students whose answers changed after they were marked.
     """
-    # late, since who only reads marks need not wait for fonts
+    # imported here, since reading marks needs no pandoc
     from fieldgrade.html_pages import page, rendered, with_formulas
 
     written = {student: words for student, words in sorted(answers.items()) if words}
@@ -110,8 +111,8 @@ def marking_page(
         ),
         f'<p class="quiet">Nothing written: {escape(", ".join(silent))}.</p>' if silent else "",
     ]
-    told = f"{short(question.points)} points, to be written into {question.name}.csv"
-    return page(f"Question {question.name}", told, "\n".join(body))
+    subtitle = f"{short(question.points)} points, to be entered into {question.name}.csv"
+    return page(f"Question {question.name}", subtitle, "\n".join(body))
 
 
 def _counted(answers: int) -> str:
@@ -126,8 +127,8 @@ def _article(
     mark: Mark | None,
     is_changed: bool,
 ) -> str:
-    given = f"{short(mark.points)} of {short(question.points)}" if mark else "not read"
-    given += ", and changed since" if is_changed else ""
+    given = f"{short(mark.points)} of {short(question.points)}" if mark else "not marked"
+    given += ", changed since then" if is_changed else ""
     comment = f'<p class="quiet">{escape(mark.comment)}</p>' if mark and mark.comment else ""
     kind = "wrong" if is_changed else "right" if mark else "open"
     return (
@@ -138,22 +139,22 @@ def _article(
 
 
 def update_table(file: Path, answers: Mapping[str, str]) -> list[str]:
-    """Add a line for each student to a table of points, and return who wrote something else since.
+    """Add missing students to a table of points; return those who changed a marked answer.
 
-    Lines that are there stay as they are, byte by byte, whatever they hold. Who wrote nothing
-    gets a line with no points.
+    Existing lines stay unchanged, byte by byte. A student without an answer gets a line with 0
+    points.
 
     Parameters
     ----------
     file : Path
-        ``NN.k.csv``; it is made if there is none.
+        ``NN.k.csv``; it is created if it does not exist.
     answers : mapping
-        The words of each student; empty where nothing was written.
+        The answer of each student; may be empty.
 
     Raises
     ------
     ValueError
-        A line of the file makes no sense.
+        A line of the file is invalid.
     """
     if not file.is_file():
         lines = (_line(*pair) for pair in sorted(answers.items()))
@@ -177,7 +178,7 @@ def update_table(file: Path, answers: Mapping[str, str]) -> list[str]:
 
 
 def answer_digest(words: str) -> str:
-    """Return a short digest of an answer, by which it is seen that it changed since it was read."""
+    """Return a short digest of an answer, which shows whether it changed after it was marked."""
     return bytes_digest(words.encode())[:10] if words else ""
 
 
@@ -186,14 +187,14 @@ def _line(student: str, words: str) -> tuple[object, ...]:
 
 
 def read_marks(folder: Path) -> list[Mark]:
-    """Return the points that were entered, from the files ``NN.k.csv`` of a folder.
+    """Return the marks in the files ``NN.k.csv`` of a folder.
 
-    Columns: student, points, comment, answer. A line without points is not read yet.
+    Columns: student, points, comment, answer. A line without points is not marked yet.
 
     Raises
     ------
     ValueError
-        A line makes no sense; the sentence names file and line.
+        A line is invalid; the message names file and line.
     """
     return [
         Mark(row["student"], question(file.stem), points(row["points"]), row.get("comment", ""))

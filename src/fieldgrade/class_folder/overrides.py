@@ -1,7 +1,7 @@
-"""Grades that a person changes: records of their own, with a name and a reason, and the requests.
+"""Overrides of grades by the staff, with name and reason, and regrade requests.
 
-Both are CSV files to which lines are added. Nothing that was graded is changed: an override stands
-beside it, and the last one counts.
+Both are CSV files to which lines are appended. An override does not change the automatic grade, and
+the last override counts.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ COLUMNS = ("student", "question", "points", "by", "reason", "on")
 
 @dataclass(frozen=True)
 class Override:
-    """What a person grants in place of the grader's points.
+    """Points that replace those of the grader.
 
     Parameters
     ----------
     student, question : str
-        Whose answer to what.
+        The student and the question.
     points : float
-        Granted.
+        The new points.
     by, reason : str
-        Who decided, and why.
+        The person who decided, and the reason.
     on : date
-        When.
+        The day.
     """
 
     student: str
@@ -42,18 +42,18 @@ class Override:
 
 @dataclass(frozen=True)
 class RegradeRequest:
-    """A student asks that an answer be looked at again.
+    """A regrade request of a student.
 
     Parameters
     ----------
     student, question : str
-        Who asks about what.
+        The student and the question.
     on : date
-        When.
+        The day.
     request : str
-        Why, in the student's words.
+        The reason, in the student's words.
     answer : str
-        What was answered, where no points were changed; empty as long as it is open.
+        The answer, if no points were changed; empty as long as the request is open.
     """
 
     student: str
@@ -81,7 +81,7 @@ def latest(overrides: Iterable[Override]) -> Mapping[tuple[str, str], Override]:
 def open_requests(
     requests: Iterable[RegradeRequest], overrides: Sequence[Override]
 ) -> list[RegradeRequest]:
-    """Return the requests that nobody has answered, in words or by an override since."""
+    """Return the requests without an answer and without a later override."""
     decided = {key: o.on for key, o in latest(overrides).items()}
     return [
         r
@@ -115,4 +115,4 @@ def _day(text: str) -> date:
     try:
         return date.fromisoformat(text)
     except ValueError:
-        raise ValueError(f"a day is written as 2026-11-30, not {text!r}") from None
+        raise ValueError(f"a day must be written as 2026-11-30, not {text!r}") from None

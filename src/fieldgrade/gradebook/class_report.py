@@ -1,6 +1,6 @@
-"""The report on a class, as HTML and PDF: facts, tables and figures, set as the report is.
+"""The report on a class, as HTML and PDF, typeset like the project's report.
 
-Nobody is named in it, and nothing that a student wrote is in it.
+It names nobody and quotes no student.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from fieldreport.build.document import Document
 
 TEXTS = Path(__file__).parent
 SHARED = ("filters", "template.html", "template.typ", "style.css", "references.bib")
-"""What the text of the report is set with, beside its chapters."""
+"""Files of the project's report that the class report uses too."""
 WRAPPED = "table.result td { white-space: normal; }\n"
-"""Sentences stand in the tables of this report, not only numbers."""
+"""The tables of this report contain sentences, not only numbers."""
 
 OUTCOMES = {"right": "#2a6428", "in part": "#d7a65f", "wrong": "#a33b00", "not written": "#c8ccd2"}
-WALLS = {"bubblewrap": "bubblewrap", "landlock": "Landlock", "none": "none", "": "did not run"}
+SANDBOX = {"bubblewrap": "bubblewrap", "landlock": "Landlock", "none": "none", "": "did not run"}
 
 
 def class_report(
@@ -46,13 +46,13 @@ def class_report(
     Parameters
     ----------
     results : Results
-        What was graded.
+        The results of the grader.
     sheets : sequence of GradeSheet
-        What counts.
+        The final grades.
     titles : mapping
         The titles of the notebooks.
     sentences : mapping
-        What students are told of a mistake, by question and its name.
+        The sentence of each mistake, by question and name.
     source : Path
         The folder of the project's report, with its templates.
     out : Path
@@ -61,13 +61,13 @@ def class_report(
     Raises
     ------
     ValueError
-        Nobody handed in anything that could be graded.
+        No notebook was graded.
     """
-    handed_in = [sheet for sheet in sheets if sheet.record]
-    if not handed_in:
+    submitted = [sheet for sheet in sheets if sheet.record]
+    if not submitted:
         raise ValueError("there is nothing to report on: no notebook was graded")
-    numbers = sorted({sheet.notebook for sheet in handed_in})
-    by_number = {n: [s for s in handed_in if s.notebook == n] for n in numbers}
+    numbers = sorted({sheet.notebook for sheet in submitted})
+    by_number = {n: [s for s in submitted if s.notebook == n] for n in numbers}
     values = {"class": _class(results, sheets, by_number, titles)}
     figures = {"class/class_points": _points_figure(by_number)}
     for number, its in by_number.items():
@@ -85,7 +85,7 @@ def class_report(
 def _lay_out(
     text: Path, source: Path, values: Mapping[str, Any], titles: Mapping[str, str]
 ) -> None:
-    """Put chapters, templates and metadata where the report generator looks for them."""
+    """Copy chapters, templates and metadata into the folder of the text."""
     for name in SHARED:
         copy = shutil.copytree if (source / name).is_dir() else shutil.copyfile
         copy(source / name, text / name)
@@ -99,19 +99,23 @@ def _lay_out(
 
 def _chapters(values: Mapping[str, Any], titles: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     yield "00", (TEXTS / "class_report.md").read_text(encoding="utf-8")
-    chapter, told = (
+    chapter, mistakes_text = (
         Template((TEXTS / f"class_{name}.md").read_text(encoding="utf-8"))
         for name in ("notebook", "mistakes")
     )
     for number in sorted(name[-2:] for name in values if name != "class"):
         has_mistakes = values[f"notebook_{number}"]["tables"]["mistakes"]["rows"]
-        mistakes = told.substitute(number=number) if has_mistakes else "No mistake was recognised."
+        mistakes = (
+            mistakes_text.substitute(number=number)
+            if has_mistakes
+            else "No mistake was recognised."
+        )
         title = f"Notebook {number}: {titles.get(number, '')}".rstrip(": ")
         yield number, chapter.substitute(number=number, title=title, mistakes=mistakes) + "\n"
 
 
-def _told(facts: Mapping[str, Any], figures: list[str], **tables: Any) -> dict[str, Any]:
-    """Return facts, tables and figures in the form in which those of experiments come."""
+def _as_experiment(facts: Mapping[str, Any], figures: list[str], **tables: Any) -> dict[str, Any]:
+    """Return facts, tables and figures in the form of an experiment's results."""
     return {
         "title": "",
         "facts": dict(facts),
@@ -131,7 +135,7 @@ def _class(
     left = sum(line.how == "open" for its in by_number.values() for s in its for line in s.lines)
     facts = {
         "students": len({sheet.student["student"] for sheet in sheets}),
-        "handed_in": len({record.student for record in results.records}),
+        "submitted": len({record.student for record in results.records}),
         "submissions": sum(map(len, by_number.values())),
         "inputs": "Hidden inputs were drawn from a secret."
         if results.secret
@@ -145,20 +149,20 @@ def _class(
             number,
             titles.get(number, ""),
             len(its),
-            sum(sheet.kept < 1 for sheet in its),
+            sum(sheet.late_factor < 1 for sheet in its),
             its[0].possible,
             *_middle([sheet.points for sheet in its]),
         )
         for number, its in by_number.items()
     ]
-    walls = Counter(WALLS[record.tier] for record in results.records)
+    sandbox = Counter(SANDBOX[record.tier] for record in results.records)
     status = Counter(record.status for record in results.records)
-    columns = ("notebook", "title", "handed in", "late", "possible", "mean", "median")
-    return _told(
+    columns = ("notebook", "title", "submitted", "late", "possible", "mean", "median")
+    return _as_experiment(
         facts,
         ["class_points"],
         notebooks=(columns, notebooks),
-        walls=(("walls", "submissions"), walls.most_common()),
+        sandbox=(("sandbox", "submissions"), sandbox.most_common()),
         status=(("status", "submissions"), status.most_common()),
     )
 
@@ -180,7 +184,7 @@ def _notebook(
         (question, count, sentences.get((question, mistake), mistake))
         for (question, mistake), count in sorted(mistakes.items(), key=lambda m: (-m[1], m[0]))
     ]
-    return _told(
+    return _as_experiment(
         {},
         [f"notebook_{number}_outcomes"],
         items=(
@@ -192,12 +196,12 @@ def _notebook(
 
 
 def _item(item: ItemStatistics) -> tuple[str, int, float, float, float | str]:
-    told = "–" if item.discrimination is None else item.discrimination
-    return item.question, item.answers, 100 * item.failed, 100 * item.mean, told
+    discrimination = "–" if item.discrimination is None else item.discrimination
+    return item.question, item.answers, 100 * item.failed, 100 * item.mean, discrimination
 
 
 def _points_figure(by_number: Mapping[str, Sequence[GradeSheet]]) -> bytes:
-    """Draw a dot for each student and notebook, those with equal points above each other."""
+    """Draw a dot for each student and notebook, equal points stacked."""
     with figure(FULL_WIDTH, 0.8 + 0.55 * len(by_number)) as (page, axes):
         for row, (_, its) in enumerate(by_number.items()):
             parts = np.sort([sheet.points / (sheet.possible or 1) for sheet in its])
@@ -215,7 +219,7 @@ def _points_figure(by_number: Mapping[str, Sequence[GradeSheet]]) -> bytes:
 
 
 def _outcomes_figure(its: Sequence[GradeSheet]) -> bytes:
-    """Draw a bar for each question, divided by what came of the answers."""
+    """Draw a stacked bar of outcomes for each question."""
     asked = [line.question for line in its[0].lines]
     with figure(FULL_WIDTH, 0.9 + 0.26 * len(asked)) as (page, axes):
         start = np.zeros(len(asked))
@@ -234,7 +238,7 @@ def _outcomes_figure(its: Sequence[GradeSheet]) -> bytes:
 
 
 def _outcome(line: GradeLine) -> str:
-    """Return which part of the bar an answer belongs to; nothing if nobody has graded it."""
+    """Return the outcome of an answer; empty if it is not graded yet."""
     if line.how == "open":
         return ""
     if line.points >= line.possible:

@@ -37,7 +37,7 @@ def _row(sheets: Sequence[GradeSheet]) -> list[object]:
     row: list[object] = [student["student"], student.get("name", ""), student.get("section", "")]
     for sheet in sheets:
         row += [None if line.how == "open" else line.points for line in sheet.lines]
-        row += [-sheet.lost, sheet.points, sheet.status]
+        row += [-sheet.late_penalty, sheet.points, sheet.status]
     files = "; ".join(record.file for record in sheets[0].unreadable)
     return [*row, sum(sheet.points for sheet in sheets), files]
 
@@ -45,11 +45,11 @@ def _row(sheets: Sequence[GradeSheet]) -> list[object]:
 def canvas_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignment]) -> str:
     """Return a file for *Import* in the gradebook of Canvas.
 
-    Canvas wants the columns Student, ID, SIS User ID, SIS Login ID and Section, in this order, then
-    one for each assignment. It tells a student by the ID, then by the SIS User ID, then by the
-    login; an assignment by the number in parentheses behind its name: without the number it would
-    make a new one. A row that begins with Points Possible follows the header, and its numbers are
-    taken over. Of a notebook that was not handed in the cell is empty, which changes nothing::
+    Canvas expects the columns Student, ID, SIS User ID, SIS Login ID and Section, in this order,
+    then one for each assignment. It identifies a student by the ID, then by the SIS User ID, then
+    by the login, and an assignment by the number in parentheses after its name; without the number
+    it would create a new assignment. A row that begins with Points Possible follows the header. The
+    cell of a notebook that was not submitted is empty, which changes nothing::
 
         Student,ID,SIS User ID,SIS Login ID,Section,Least squares (48213)
             Points Possible,,,,,20
@@ -58,22 +58,21 @@ def canvas_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignmen
     Parameters
     ----------
     sheets : iterable of GradeSheet
-        The grades. The roster has the columns name, canvas_id, sis_id, login and section; who has
-        none of the second to the fourth is left out.
+        The final grades. Students without canvas_id, sis_id and login in the roster are left out.
     assignments : mapping
-        What the notebooks are called.
+        The names of the notebooks in Canvas.
 
     Raises
     ------
     ValueError
-        No notebook has a name in Canvas, or Canvas could tell nobody.
+        No notebook has a name in Canvas, or no student can be identified.
 
     References
     ----------
-    Instructure, "How do I import grades in the Gradebook?", Canvas Instructor Guide; and what reads
-    the file, ``lib/gradebook_importer.rb`` of github.com/instructure/canvas-lms.
+    Instructure, "How do I import grades in the Gradebook?", Canvas Instructor Guide; and
+    ``lib/gradebook_importer.rb`` of github.com/instructure/canvas-lms, which reads the file.
     """
-    rows = _told("canvas", by_student(sheets))
+    rows = _identified("canvas", by_student(sheets))
     named = _named("canvas", rows, {n: a.canvas for n, a in assignments.items()})
     header = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
     possible: list[object] = ["    Points Possible", None, None, None, None]
@@ -94,10 +93,10 @@ def _canvas_student(student: Mapping[str, str]) -> list[object]:
 def moodle_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignment]) -> str:
     """Return a file for *Import, CSV file* in the grades of Moodle.
 
-    Its columns are those of Moodle's own export: who, and for each assignment the grade and the
-    feedback. Students are told by their ID number or by their address, whichever more of them have;
-    map that to *useridnumber* or *useremail*. Grade and feedback have to be imported together:
-    feedback without grades deletes the grades. The feedback is HTML::
+    Its columns are those of Moodle's own export: the student, and for each assignment the grade and
+    the feedback. Students are identified by ID number or e-mail address, whichever more of them
+    have; map this column to *useridnumber* or *useremail*. Grade and feedback have to be imported
+    together: feedback without grades deletes the grades. The feedback is HTML::
 
         Email address,Assignment: Least squares (Real),Assignment: Least squares (Feedback)
         ada@uni.dk,17.5,01.1 right (2 of 2).<br>01.2 not right yet (0 of 2).
@@ -105,22 +104,22 @@ def moodle_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignmen
     Parameters
     ----------
     sheets : iterable of GradeSheet
-        The grades. The roster has the column sis_id, which is Moodle's ID number, or email; who
-        is without is left out.
+        The final grades. Students without sis_id (Moodle's ID number) or email in the roster are
+        left out.
     assignments : mapping
-        What the notebooks are called in Moodle: ``"Assignment: Least squares"``.
+        The names of the notebooks in Moodle: ``"Assignment: Least squares"``.
 
     Raises
     ------
     ValueError
-        No notebook has a name in Moodle, or nobody a number or an address.
+        No notebook has a name in Moodle, or no student can be identified.
 
     References
     ----------
     Moodle documentation, "Grade import", https://docs.moodle.org/en/Grade_import, "CSV grade
     import" and note 3; the names of the columns are those of "Grade export".
     """
-    rows = _told("moodle", by_student(sheets))
+    rows = _identified("moodle", by_student(sheets))
     named = _named("moodle", rows, {n: a.moodle for n, a in assignments.items()})
     (key,) = _keys("moodle", rows)
     columns = ["ID number" if key == "sis_id" else "Email address"]
@@ -143,8 +142,9 @@ def _grades_and_feedback(row: Sequence[GradeSheet], named: Iterable[str]) -> Ite
 def gradescope_json(sheet: GradeSheet) -> dict[str, Any]:
     """Return what Gradescope reads as ``results.json`` of a submission.
 
-    One test for each question. The score of the whole is given too, since it knows what being late
-    costs, and Gradescope takes it in place of the sum. What is not graded yet has no status::
+    It has one test for each question. The total score is included, since it contains the late
+    penalty, and Gradescope uses it instead of the sum. A question that is not graded yet has no
+    status::
 
         {"score": 17.5, "output": "", "output_format": "text", "visibility": "after_published",
          "stdout_visibility": "hidden", "extra_data": {},
@@ -204,39 +204,39 @@ def _possible(rows: Sequence[Sequence[GradeSheet]], notebook: str) -> object:
 def _named(
     column: str, rows: Sequence[Sequence[GradeSheet]], names: Mapping[str, str]
 ) -> Mapping[str, str]:
-    """Return the names of the notebooks that were graded."""
+    """Return the platform's names of the graded notebooks."""
     graded = {sheet.notebook for sheet in (rows[0] if rows else ())}
     named = {notebook: name for notebook, name in names.items() if name and notebook in graded}
     if not named:
         raise ValueError(
-            f"no graded notebook has a name in {column.title()}: write it into assignments.csv, in "
+            f"no graded notebook has a name in {column.title()}: enter it in assignments.csv, in "
             f"the column {column}"
         )
     return named
 
 
 def left_out(platform: str, sheets: Iterable[GradeSheet]) -> list[str]:
-    """Return the students whom a platform could not tell from the roster; its file has them not."""
+    """Return the students whom a platform cannot identify, and who are not in its file."""
     keys = _keys(platform, by_student(sheets))
     students = [row[0].student for row in by_student(sheets)]
     return [s["student"] for s in students if not any(s.get(key) for key in keys)]
 
 
-def _told(platform: str, rows: Sequence[Sequence[GradeSheet]]) -> list[Sequence[GradeSheet]]:
-    """Return the rows of students that a platform can tell."""
+def _identified(platform: str, rows: Sequence[Sequence[GradeSheet]]) -> list[Sequence[GradeSheet]]:
+    """Return the rows of students whom a platform can identify."""
     keys = _keys(platform, rows)
-    told = [row for row in rows if any(row[0].student.get(key) for key in keys)]
-    if not told:
+    identified = [row for row in rows if any(row[0].student.get(key) for key in keys)]
+    if not identified:
         raise ValueError(
-            f"{platform.title()} cannot tell who anybody is: the roster needs {' or '.join(keys)}"
+            f"{platform.title()} cannot identify any student: the roster needs {' or '.join(keys)}"
         )
-    return told
+    return identified
 
 
 def _keys(platform: str, rows: Sequence[Sequence[GradeSheet]]) -> tuple[str, ...]:
-    """Return the columns of the roster by which a platform tells students.
+    """Return the columns of the roster by which a platform identifies students.
 
-    Moodle takes one of its two: that which more students have.
+    For Moodle it is one of two: the one that more students have.
     """
     if platform == "canvas":
         return "canvas_id", "sis_id", "login"

@@ -1,7 +1,7 @@
-"""What a student reads: one page, made from the results and from what is public of the course.
+"""The feedback page of a student, from the results and public material.
 
-Nothing of a hidden input is on it. A picture is drawn of public cases only, and of a hidden case
-stands there the sentence that was written for students.
+It shows no hidden input: pictures are drawn for public cases only, and a hidden case is represented
+by its sentence for students.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from fieldgrade.gradebook.grade_sheets import NOT_YET, GradeLine, GradeSheet
 from fieldgrade.html_pages import page, picture
 
 LARGEST = 1e6
-"""Values that are so many times larger than the right ones are told, not drawn."""
+"""Values that exceed the right ones by this factor are not drawn."""
 
 STATUS = {
     "partly": "A part of the notebook broke down while it was run; the rest was graded.",
@@ -30,16 +30,16 @@ STATUS = {
     "killed: memory": "A part of the notebook needed too much memory and was stopped; the rest was "
     "graded.",
     "killed: output": "A part of the notebook wrote too much and was stopped; the rest was graded.",
-    "fault": "It could not be graded yet. That is not your fault: you will hear.",
+    "fault": "It could not be graded yet. This is not your fault; it will be graded later.",
 }
-WALLS = {
-    "bubblewrap": "Your notebook was run apart from everybody else's, without a network.",
-    "landlock": "Your notebook was run apart from everybody else's, without a network.",
+SANDBOX = {
+    "bubblewrap": "Your notebook was run in a sandbox, without a network.",
+    "landlock": "Your notebook was run in a sandbox, without a network.",
     "none": "Your notebook was run on the grader's own machine.",
     "": "Your notebook was not run.",
 }
 FOR_STUDENTS = ("a stub is defined after an answer",)
-"""Of the notes for instructors those that a student can do something about."""
+"""Notes for instructors that students see too."""
 
 
 def feedback(sheets: Sequence[GradeSheet], titles: Mapping[str, str] | None = None) -> str:
@@ -48,7 +48,7 @@ def feedback(sheets: Sequence[GradeSheet], titles: Mapping[str, str] | None = No
     Parameters
     ----------
     sheets : sequence of GradeSheet
-        What the student earns, notebook by notebook.
+        The grade sheets of the student.
     titles : mapping, optional
         The titles of the notebooks.
     """
@@ -73,7 +73,7 @@ def _unreadable(record: Record) -> str:
     reason = "".join(f" {escape(note)}." for note in record.notes[:1])
     return (
         f'<p class="warning">The file {escape(record.file)} could not be graded:{reason} '
-        "Hand it in again, saved as a notebook.</p>"
+        "Submit it again, saved as a notebook.</p>"
     )
 
 
@@ -93,9 +93,9 @@ def _overview(sheets: Sequence[GradeSheet], titles: Mapping[str, str]) -> str:
 
 
 def _at_a_glance(sheet: GradeSheet) -> str:
-    """Return a square for each question, as full as its points are."""
+    """Return a square for each question, filled according to its points."""
     if sheet.record is None:
-        return "nothing handed in"
+        return "not submitted"
     told = "".join(_square(line) for line in sheet.lines)
     return f'<span class="squares">{told}</span>'
 
@@ -114,10 +114,10 @@ def _notebook(sheet: GradeSheet, title: str) -> str:
     heading = f'<h2 id="n{sheet.notebook}">{_title(sheet.notebook, title)}</h2>'
     if sheet.record is None:
         readable = " that could be graded" if sheet.unreadable else ""
-        return f"<section>{heading}<p>Nothing was handed in{readable}.</p></section>"
+        return f"<section>{heading}<p>Nothing was submitted{readable}.</p></section>"
     about = "".join(f"<p>{escape(said)}</p>" for said in _about(sheet))
     answers = "\n".join(_answer(line) for line in sheet.lines)
-    footer = " ".join((WALLS[sheet.record.tier], f"File: {sheet.record.file},"))
+    footer = " ".join((SANDBOX[sheet.record.tier], f"File: {sheet.record.file},"))
     return (
         f"<section>{heading}{about}\n{answers}\n<footer>{escape(footer)} SHA-256 "
         f"{sheet.record.digest[:16]}…</footer></section>"
@@ -125,15 +125,15 @@ def _notebook(sheet: GradeSheet, title: str) -> str:
 
 
 def _about(sheet: GradeSheet) -> list[str]:
-    """Return what is said of the whole notebook."""
+    """Return the feedback on the whole notebook."""
     record = sheet.record
     if record is None:
         return []
     told = [f"{short(sheet.points)} of {short(sheet.possible)} points."]
     if record.status in STATUS:
         told.append(STATUS[record.status])
-    if sheet.lost:
-        told.append(f"It came late, which costs {short(sheet.lost)} of the points.")
+    if sheet.late_penalty:
+        told.append(f"Late submission: {short(sheet.late_penalty)} points less.")
     told += [n for n in record.notes if any(known in n for known in FOR_STUDENTS)]
     return told
 
@@ -155,13 +155,13 @@ def _points(line: GradeLine) -> str:
 
 
 def _said(line: GradeLine) -> tuple[str, str, tuple[str, ...]]:
-    """Return of which kind an answer is, its title, and what is said of it."""
+    """Return the CSS class of an answer, its title, and its sentences."""
     if line.how == "open":
         return "open", "", (NOT_YET,)
     if line.grade is None:
         return _kind(line), "", (line.comment,)
     verdict = line.grade.verdict
-    changed = f"Changed by a person: {line.comment}" if line.how == "override" else ""
+    changed = f"Changed by the staff: {line.comment}" if line.how == "override" else ""
     kind = verdict.rung if verdict.rung == "unwritten" else _kind(line)
     return kind, TITLES[verdict.rung], (verdict.sentence, changed)
 
@@ -173,7 +173,7 @@ def _kind(line: GradeLine) -> str:
 
 
 def _drawn(line: GradeLine) -> str:
-    """Return the student's field beside the right one, on the public case that shows it best."""
+    """Return a picture of the student's values and the right ones, on a public case."""
     from fieldcheck.pictures import picture_of_difference
 
     if line.grade is None or not line.grade.returned or line.grade.verdict.call is None:
@@ -195,7 +195,7 @@ def _drawn(line: GradeLine) -> str:
 
 
 def _arrays(line: GradeLine) -> Values:
-    """Return what the student's function returned, as the results keep it."""
+    """Return the values of the student's function that the results contain."""
     return arrays_from_json(line.grade.returned if line.grade else ())
 
 

@@ -1,4 +1,4 @@
-"""What counts: the grader's points, a reader's, a person's override, and what being late costs."""
+"""Final grades: automatic grades, manual marks, overrides and late penalties combined."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fieldcheck.verdict import TITLES
 from fieldgrade.checking.results import Grade, Record, Results
 from fieldgrade.class_folder.csv_tables import short
 from fieldgrade.class_folder.decisions import Decisions, require_known
-from fieldgrade.class_folder.late_policy import kept, moment
+from fieldgrade.class_folder.late_policy import late_factor, moment
 
 NOT_YET = "Not graded yet."
 
@@ -20,21 +20,21 @@ How = Literal["checked", "read", "override", "open"]
 
 @dataclass(frozen=True)
 class GradeLine:
-    """What one question earns.
+    """The final points of one question.
 
     Parameters
     ----------
     question : str
         Its name.
     points, possible : float
-        Earned, and to be earned.
+        Points earned, and the largest possible number.
     how : str
-        ``"checked"`` by the grader, ``"read"`` by a person, changed by an ``"override"``, or still
-        ``"open"``: an answer in words that nobody has read.
+        Graded by the grader (``"checked"``), by hand (``"read"``), by an ``"override"``, or not yet
+        (``"open"``): a written answer without a mark.
     comment : str
-        What the reader wrote, or why it was changed.
+        The comment of the marker, or the reason of the override.
     grade : Grade, optional
-        What the grader found.
+        The automatic grade.
     """
 
     question: str
@@ -47,44 +47,44 @@ class GradeLine:
 
 @dataclass(frozen=True)
 class GradeSheet:
-    """What one student earns with one notebook.
+    """The final points of one student for one notebook.
 
     Parameters
     ----------
     student : mapping
-        Who, as on the roster.
+        The line of the roster.
     notebook : str
-        Which.
+        The number of the notebook.
     lines : tuple of GradeLine
         One for each question.
     record : Record, optional
-        The submission that counts; without one nothing was handed in.
-    kept : float
-        The part of the points that being late leaves.
+        The graded submission, if there is one.
+    late_factor : float
+        The share of the points that remains after the late penalty.
     unreadable : tuple of Record
-        What else the student handed in, and nobody can read.
+        Other submitted files, which are unreadable.
     """
 
     student: Mapping[str, str]
     notebook: str
     lines: tuple[GradeLine, ...]
     record: Record | None = None
-    kept: float = 1.0
+    late_factor: float = 1.0
     unreadable: tuple[Record, ...] = ()
 
     @property
     def earned(self) -> float:
-        """The points before what being late costs."""
+        """The points before the late penalty."""
         return sum(line.points for line in self.lines)
 
     @property
     def points(self) -> float:
-        """The points that count, to two decimals."""
-        return round(self.earned * self.kept, 2)
+        """The points after the late penalty, to two decimals."""
+        return round(self.earned * self.late_factor, 2)
 
     @property
-    def lost(self) -> float:
-        """What being late costs."""
+    def late_penalty(self) -> float:
+        """The late penalty."""
         return round(self.earned - self.points, 2)
 
     @property
@@ -94,27 +94,27 @@ class GradeSheet:
 
     @property
     def status(self) -> str:
-        """How the submission went, or that there is none."""
-        return self.record.status if self.record else "nothing handed in"
+        """The status of the submission, or that there is none."""
+        return self.record.status if self.record else "not submitted"
 
 
 def grade_sheets(results: Results, decisions: Decisions | None = None) -> list[GradeSheet]:
     """Return a sheet for each student and notebook, in the order of the roster.
 
-    Of several submissions of a student to a notebook the last one handed in counts. Who is not on
-    the roster stands at the end; notebooks that nobody handed in are left out.
+    If a student submitted a notebook several times, the last submission counts. Students who are
+    not on the roster come last; notebooks that nobody submitted are left out.
 
     Parameters
     ----------
     results : Results
-        What was graded.
+        The results of the grader.
     decisions : Decisions, optional
-        What people decided.
+        The decisions of the staff.
 
     Raises
     ------
     ValueError
-        A decision is about nobody's answer, or grants more than a question is worth.
+        A decision names no existing answer, or gives more points than possible.
     """
     decisions = decisions or Decisions()
     in_code = {q["question"] for q in results.questions if q["kind"] == "code"}
@@ -123,7 +123,7 @@ def grade_sheets(results: Results, decisions: Decisions | None = None) -> list[G
 
 
 def compute_sheets(results: Results, decisions: Decisions) -> list[GradeSheet]:
-    """Return what `grade_sheets` does, whatever the decisions are."""
+    """Return the same as `grade_sheets`, without validating the decisions."""
     counting = _last(results.records)
     worth = _worth(results)
     notebooks = sorted({notebook for _, notebook in counting})
@@ -136,7 +136,7 @@ def compute_sheets(results: Results, decisions: Decisions) -> list[GradeSheet]:
             notebook,
             tuple(_lines(name, notebook, worth, record, decisions)),
             record,
-            _kept(record, decisions),
+            _late_factor(record, decisions),
             tuple(r for r in results.records if r.student == name and not r.notebook),
         )
 
@@ -152,7 +152,7 @@ def _worth(results: Results) -> dict[str, float]:
 
 
 def everybody(results: Results) -> dict[str, Mapping[str, str]]:
-    """Return the students by name: the roster, then who handed something in and is not on it."""
+    """Return the students by name: the roster, then submitters who are not on it."""
     students = {student["student"]: student for student in results.students}
     others = sorted({record.student for record in results.records} - set(students))
     return students | {name: {"student": name} for name in others}
@@ -179,7 +179,7 @@ def _lines(
     record: Record | None,
     decisions: Decisions,
 ) -> Iterator[GradeLine]:
-    """Yield what each question earns: by an override if there is one, else as read or checked."""
+    """Yield the points of each question: from an override, else a mark, else the grader."""
     grades = {grade.question: grade for grade in (record.grades if record else ())}
     for question, possible in worth.items():
         if question.partition(".")[0] != notebook:
@@ -197,12 +197,12 @@ def _lines(
             yield GradeLine(question, 0.0, possible, "open" if record else "checked")
 
 
-def _kept(record: Record | None, decisions: Decisions) -> float:
+def _late_factor(record: Record | None, decisions: Decisions) -> float:
     if record is None or not record.received or record.notebook not in decisions.assignments:
         return 1.0
     extension = decisions.extensions.get((record.student, record.notebook))
     policy = decisions.assignments[record.notebook].policy
-    return kept(moment(record.received), policy, extension.until if extension else None)
+    return late_factor(moment(record.received), policy, extension.until if extension else None)
 
 
 def by_student(sheets: Iterable[GradeSheet]) -> list[list[GradeSheet]]:
@@ -211,13 +211,13 @@ def by_student(sheets: Iterable[GradeSheet]) -> list[list[GradeSheet]]:
 
 
 def said_of(line: GradeLine) -> tuple[str, str]:
-    """Return what is said of an answer: a title, and a sentence that may be empty."""
+    """Return the feedback on an answer: a title, and a sentence that may be empty."""
     if line.how == "open":
         return line.question, NOT_YET
     if line.grade is None:
         return line.question, line.comment
     title = f"{line.question} {TITLES[line.grade.verdict.rung].lstrip('— ')}"
-    changed = f"Changed by a person: {line.comment}" if line.how == "override" else ""
+    changed = f"Changed by the staff: {line.comment}" if line.how == "override" else ""
     return title, " ".join(filter(None, (line.grade.verdict.sentence, changed)))
 
 
@@ -232,5 +232,7 @@ def summary(sheet: GradeSheet) -> list[str]:
 
 
 def about(sheet: GradeSheet) -> list[str]:
-    """Return what is said of a whole notebook: what being late costs."""
-    return [f"Handed in late: {short(sheet.lost)} points less."] if sheet.lost else []
+    """Return the feedback on a notebook as a whole: the late penalty."""
+    return (
+        [f"Submitted late: {short(sheet.late_penalty)} points less."] if sheet.late_penalty else []
+    )

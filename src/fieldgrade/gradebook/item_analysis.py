@@ -1,4 +1,4 @@
-"""How the questions did: how many fail, whether they tell the good from the weak, and why."""
+"""Item analysis: difficulty and discrimination of each question, and common mistakes."""
 
 from __future__ import annotations
 
@@ -15,39 +15,39 @@ from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet
 from fieldgrade.html_pages import page
 
 FEWEST = 3
-"""A correlation over fewer submissions tells nothing."""
+"""Smallest number of submissions for a correlation."""
 MOST_MISTAKES = 3
 LITTLE = 0.2
-"""A discrimination below this says that a question tells little."""
+"""A discrimination below this value is marked."""
 BAR = 7.0
-"""Length, in em, of the bar of a question that everybody fails."""
+"""Length of the bar of a question that everybody fails, in em."""
 
 EXPLAINED = (
-    "Failed is the part of the answers that did not earn all points; the mean is of the part of "
-    "the points that was earned. Discrimination is the correlation of a question's points with "
-    "those of the other questions of its notebook: below 0.2 it tells little, and below zero "
-    "those who do worse on the rest do better on it, so that it should be looked at."
+    "Failed: the share of answers without full points. Mean: the mean share of the points. "
+    "Discrimination: the correlation of a question's points with those of the other questions of "
+    "its notebook. A value below 0.2 says little; a negative value means that students who do "
+    "worse on the other questions do better on this one, so the question should be reviewed."
 )
 
 
 @dataclass(frozen=True)
 class ItemStatistics:
-    """How a question did.
+    """Statistics of a question.
 
     Parameters
     ----------
     question : str
         Its name.
     answers : int
-        Submissions to its notebook in which it was graded.
+        The number of graded answers.
     failed : float
-        The part of them that did not earn all points.
+        The share of answers without full points.
     mean : float
-        The mean part of the points that was earned.
+        The mean share of the points.
     discrimination : float, optional
         See `discrimination`.
     mistakes : tuple of (str, int)
-        The commonest misconceptions, or the rungs reached where none was recognised, with counts.
+        The most common misconceptions with counts, or the rungs if none was recognised.
     """
 
     question: str
@@ -59,7 +59,7 @@ class ItemStatistics:
 
 
 def items(sheets: Iterable[GradeSheet]) -> list[ItemStatistics]:
-    """Return how each question did, over all submissions; what nobody has read yet is left out."""
+    """Return the statistics of each question; answers that are not graded yet are left out."""
     handed_in = [sheet for sheet in sheets if sheet.record]
     notebooks = sorted({sheet.notebook for sheet in handed_in})
     return [
@@ -70,20 +70,20 @@ def items(sheets: Iterable[GradeSheet]) -> list[ItemStatistics]:
 
 
 def discrimination(scores: np.ndarray, rest: np.ndarray) -> float | None:
-    """Return the correlation of a question's scores with those of all the others.
+    """Return the correlation of a question's scores with those of all other questions.
 
-    With x the scores of the question and y those of the rest, over the same students,
+    Let x be the scores of the question and y those of the other questions:
 
         r = Σ (x - x̄)(y - ȳ) / sqrt(Σ (x - x̄)² Σ (y - ȳ)²);
 
-    where a question is either right or wrong this is the point-biserial correlation. The question
-    itself is not in the rest, which would raise r. Below 0.2 a question tells little, below zero it
-    is answered better by those who do worse on the rest, and should be looked at.
+    For a question that is either right or wrong, r is the point-biserial correlation. The question
+    itself is excluded from y, since it would raise r. A value below 0.2 says little; a question
+    with a negative value should be reviewed.
 
     Returns
     -------
     float or None
-        None where all have the same score, or fewer than three were graded.
+        None if all scores are equal, or fewer than three answers were graded.
 
     References
     ----------
@@ -114,7 +114,7 @@ def _in_words(item: ItemStatistics) -> str:
 
 
 def _items(sheets: Sequence[GradeSheet]) -> Iterable[ItemStatistics]:
-    """Yield how the questions of one notebook did."""
+    """Yield the statistics of the questions of one notebook."""
     for index, first in enumerate(sheets[0].lines):
         graded = [sheet for sheet in sheets if sheet.lines[index].how != "open"]
         if not graded or first.possible == 0:
@@ -138,38 +138,38 @@ def _commonest(mistakes: Counter[str]) -> list[tuple[str, int]]:
 
 
 def _mistake(line: GradeLine) -> str:
-    """Return the misconception of an answer, or how far it came."""
+    """Return the misconception of an answer, or its rung."""
     if line.grade is None or line.grade.verdict.right:
         return ""
     return line.grade.verdict.mistake or line.grade.verdict.rung
 
 
 def analysis_page(
-    found: Sequence[ItemStatistics], titles: Mapping[str, str], told: str = ""
+    found: Sequence[ItemStatistics], titles: Mapping[str, str], subtitle: str = ""
 ) -> str:
     """Return the page with a table for each notebook.
 
     Parameters
     ----------
     found : sequence of ItemStatistics
-        How the questions did, in their order.
+        The statistics of the questions, in order.
     titles : mapping
         The titles of the notebooks.
-    told : str
-        A line on who was graded.
+    subtitle : str
+        The numbers of notebooks and students.
     """
     body = [f"<p>{escape(EXPLAINED)}</p>"]
     for notebook, its in groupby(found, key=lambda item: item.question.partition(".")[0]):
         title = f"{notebook} {titles.get(notebook, '')}".strip()
         body.append(f"<h2>{escape(title)}</h2>{_table(list(its))}")
-    return page("How the questions did", told, "\n".join(body))
+    return page("Statistics of the questions", subtitle, "\n".join(body))
 
 
 def _table(its: Sequence[ItemStatistics]) -> str:
     head = (
         '<tr><th>Question</th><th class="number">Answers</th><th>Failed</th>'
         '<th class="number">Mean</th><th class="number">Discrimination</th>'
-        "<th>Commonest mistakes</th></tr>"
+        "<th>Most common mistakes</th></tr>"
     )
     return f'<div class="scroll"><table>{head}{"".join(map(_row, its))}</table></div>'
 

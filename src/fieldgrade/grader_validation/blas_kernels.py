@@ -1,8 +1,8 @@
-"""Other rounding errors: OpenBLAS with the kernels of other processors, NumPy without SIMD.
+"""Verdicts with the OpenBLAS kernels of other processors, and with NumPy without SIMD.
 
-Both are chosen by variables of the environment before NumPy is loaded, so each setting has a
-process of its own. OpenBLAS ignores a name that it does not know, and has several names for the
-same kernels. Therefore each process reports which kernels it ran.
+Both are chosen by environment variables before NumPy is loaded, so each setting runs in its own
+process. OpenBLAS ignores unknown names, and has several names for the same kernels. Therefore each
+process reports its kernels.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from threadpoolctl import threadpool_info
 
 from fieldcheck.answers import Answers
 from fieldgrade.authoring.sources import Source
-from fieldgrade.grader_validation.rounding_errors import TrialKey, Verdicts, bench
+from fieldgrade.grader_validation.rounding_errors import TrialKey, Verdicts, rounding_test
 
 CORES = {"Prescott": "SSE3", "Nehalem": "SSE42", "Haswell": "AVX2", "SkylakeX": "AVX512_SKX"}
 """Processors after which OpenBLAS names its kernels, and the instructions that these need."""
 UMATH: Any = import_module("numpy._core._multiarray_umath")
-"""Where NumPy says which instructions it uses; there is no public name for it."""
+"""The module in which NumPy reports its instruction sets; it has no public name."""
 CHOICES = ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES")
 NO_CHOICE = (
     "The kernels of BLAS cannot be chosen here, so no others are tried: that needs NumPy and SciPy "
@@ -59,7 +59,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class JudgeRequest:
-    """What a process is to judge: answers to the questions whose names begin with `only`."""
+    """A request to a process: judge answers to the questions whose names begin with `only`."""
 
     sources: tuple[Source, ...]
     salt: str
@@ -69,7 +69,7 @@ class JudgeRequest:
 
 @dataclass(frozen=True)
 class KernelRun:
-    """What a process found.
+    """The result of a process.
 
     Parameters
     ----------
@@ -174,5 +174,5 @@ def answer() -> None:
     request: JudgeRequest = pickle.load(sys.stdin.buffer)
     verdicts: Verdicts = {}
     for source in request.sources:
-        verdicts |= bench(source, request.salt, request.only).verdicts(request.known)
+        verdicts |= rounding_test(source, request.salt, request.only).verdicts(request.known)
     sys.stdout.buffer.write(pickle.dumps(KernelRun(blas_cores(), dispatched(), verdicts)))

@@ -1,4 +1,4 @@
-"""The proof that the graders are right: what they say of every answer whose worth is known."""
+"""Test the graders on answers with known verdicts: solution, stub, mistakes, mutants and others."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from fieldgrade.grader_validation.mutants import mutants
 FEWEST_ALTERNATIVES = 3
 FEWEST_CAUGHT = 0.95
 APART = 100.0
-"""Known answers differ by at least so many tolerances on the public cases."""
+"""Known answers must differ by this many tolerances on the public cases."""
 SECONDS_FOR_A_MUTANT = 0.5
 STUDENT = "proof"
 
 
 @dataclass(frozen=True)
 class GraderReport:
-    """What the graders of a question said, and what of it is wrong.
+    """The verdicts of the graders of a question, and what is wrong with them.
 
     Parameters
     ----------
     question : str
-        Its name.
+        The name of the question.
     mistakes, alternatives, mutants : int
-        How many there are.
+        The numbers of answers.
     caught : int
-        How many mutants lost points.
+        The number of mutants that lost points.
     survivors : tuple of str
-        The mutants that did not.
+        The mutants that lost no points.
     problems : tuple of str
-        What has to be mended; none if all is well.
+        Failures of the test; empty if there are none.
     """
 
     question: str
@@ -55,12 +55,12 @@ class GraderReport:
     problems: tuple[str, ...] = field(default=())
 
     def with_problems(self, more: Sequence[str]) -> GraderReport:
-        """Return a proof with more that has to be mended."""
+        """Return the report with more problems."""
         return replace(self, problems=(*self.problems, *more))
 
 
 def grader_reports(source: Source, salt: str, only: str = "") -> Iterator[GraderReport]:
-    """Yield the proof of each question of a notebook."""
+    """Yield the report on each question of a notebook."""
     functions = source.functions()
     mistakes, others = entries(source, "misconceptions"), entries(source, "alternatives")
     hidden, cells = hidden_cases(source), source.answer_cells()
@@ -99,9 +99,9 @@ def _prove(
         *(f"a reason is given, but this is caught: {s}" for s in reasons if s not in survivors),
     ]
     if not question.laws:
-        problems.append("it has no law, so nothing can be said of a student's own inputs")
+        problems.append("it has no law, so answers to a student's own inputs cannot be judged")
     if total == 0:
-        problems.append("its solution cannot be changed: there is nothing between the markers")
+        problems.append("its solution has no mutants: there is nothing between the markers")
     elif caught < FEWEST_CAUGHT * total:
         problems.append(f"only {caught} of {total} mutants lose points")
     return GraderReport(
@@ -117,7 +117,7 @@ def _reference_and_stub(
         yield f"the solution is not right: {verdict}"
     verdict = grade(tried, functions | _defined(empty, functions))
     if verdict.rung != "unwritten" or verdict.credit:
-        yield f"the stub should be told that it is not written; it is told: {verdict}"
+        yield f"the stub should get the verdict unwritten; it gets: {verdict}"
 
 
 def _mistakes(
@@ -126,15 +126,15 @@ def _mistakes(
     for mistake in mistakes:
         verdict = grade(tried, mistake.namespace(functions))
         if verdict.right:
-            yield f"the mistake {mistake.name!r} is told that it is right"
+            yield f"the mistake {mistake.name!r} gets the verdict right"
         elif verdict.mistake != (mistake.name if mistake.named else ""):
-            yield f"the mistake {mistake.name!r} is told: {verdict}"
+            yield f"the mistake {mistake.name!r} gets: {verdict}"
         if len(mistake.sentence) < 40:
-            yield f"the mistake {mistake.name!r} has no sentence to speak of"
+            yield f"the mistake {mistake.name!r} has a sentence of less than 40 characters"
 
 
 def _apart(public: Trial) -> Iterator[str]:
-    """Yield the pairs of known answers that the public cases hardly tell apart."""
+    """Yield the pairs of known answers that hardly differ on the public cases."""
     right = tuple(Outcome("returned", values=values) for values in public.answers.right)
     known = [("the right answer", right)]
     known += [(f"{m.name!r}", m.outcomes) for m in public.answers.mistakes]
@@ -148,17 +148,17 @@ def _alternatives(
     tried: Sequence[Trial], functions: dict[str, Any], others: Sequence[Entry]
 ) -> Iterator[str]:
     if len(others) < FEWEST_ALTERNATIVES:
-        yield f"only {len(others)} right answers in other ways; {FEWEST_ALTERNATIVES} are wanted"
+        yield f"only {len(others)} alternative right answers; {FEWEST_ALTERNATIVES} are required"
     for other in others:
         verdict = grade(tried, other.namespace(functions))
         if not verdict.right:
-            yield f"the right answer {other.name!r} is told: {verdict}"
+            yield f"the right answer {other.name!r} gets: {verdict}"
 
 
 def _survivors(
     tried: Sequence[Trial], functions: dict[str, Any], code: str
 ) -> tuple[int, list[str]]:
-    """Return how many mutants there are, and those that lose no points."""
+    """Return the number of mutants, and those that lose no points."""
     limit = SECONDS_FOR_A_MUTANT / TIMEOUT_FACTOR
     hurried = [replace(t, question=replace(t.question, limit=limit)) for t in tried]
     total, survivors = 0, []
@@ -174,13 +174,13 @@ def _survivors(
 
 
 def _defined(code: str, functions: dict[str, Any]) -> dict[str, Any]:
-    """Return what code defines, seeing the functions of the notebook."""
+    """Return the definitions of code that may use the functions of the notebook."""
     namespace = dict(functions)
     exec(compile(code, "answer", "exec"), namespace)
     return {key: value for key, value in namespace.items() if functions.get(key) is not value}
 
 
 def survivors_with_reasons(source: Source) -> dict[str, dict[str, str]]:
-    """Return the changes that no check need notice, and why, by question."""
+    """Return the equivalent mutants with their reasons, by question."""
     path = Path(source.path.parent / "grading" / "survivors.toml")
     return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}

@@ -1,7 +1,7 @@
-"""Small changes to a solution, each of which a check must notice.
+"""Mutants: small changes to a solution, which the checks must detect.
 
-The usual tools change files of a package and start its tests anew for each change. Here a function
-of a few lines is changed in its syntax tree and judged in the same process, thousands in a minute.
+The usual tools for mutation testing restart the tests for each change. Here the syntax tree of a
+function of a few lines is changed and judged in the same process, thousands of mutants in a minute.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ COMPARISON: dict[type[ast.cmpop], type[ast.cmpop]] = {
     ast.NotEq: ast.Eq,
 }
 LEFT_OUT = ("abs", "sqrt", "log", "exp", "square", "transpose", "unique", "sort", "argsort")
-"""Functions whose argument may take their place."""
+"""Functions that may be replaced by their argument."""
 
 Change = Callable[[ast.AST], Iterator[ast.AST]]
 
 
 def mutants(function: str) -> Iterator[tuple[str, str]]:
-    r"""Yield what was changed, and the changed code, of a function given by its code.
+    r"""Yield the description and the code of each mutant of a function.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class _Replace(ast.NodeTransformer):
 
 
 def _changes(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield what may stand in the place of a node."""
+    """Yield the replacements of a node."""
     node = copy.deepcopy(node)
     if isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         yield ast.BinOp(node.left, ARITHMETIC[type(node.op)](), node.right)

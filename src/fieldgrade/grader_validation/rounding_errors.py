@@ -1,9 +1,9 @@
-"""Robustness of the graders: verdicts must not depend on rounding errors.
+"""Verdicts must not depend on rounding errors: test with perturbed inputs.
 
-The known answers are computed once. Then the solution, the other right answers and the mistakes are
-run again where rounding errors are different, and judged by these known answers. Every verdict has
-to stay the same. Rounding errors are different on inputs that are changed in their last digits
-(here), and with other kernels of BLAS or other instructions of the processor (``kernels.py``).
+The known answers are computed once. Then the solution, the alternative answers and the mistakes run
+again with other rounding errors, and are judged by these known answers. Every verdict must stay the
+same. Rounding errors change with inputs that are perturbed in their last digits (here), and with
+other BLAS kernels or instructions of the processor (``blas_kernels``).
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ STUDENTS = ("first", "second", "third")
 """Students whose own and hidden inputs are tried."""
 
 TrialKey = tuple[str, str]
-"""A question, and the inputs on which an answer to it is tried."""
+"""A question, and the name of a trial."""
 Verdicts = dict[tuple[str, str, str], str]
 """Verdicts by question, inputs and answer."""
 Changes = dict[str, list[str]]
-"""By question, a sentence for each answer whose verdict is another one."""
+"""By question, a sentence for each answer whose verdict changed."""
 
 
 @dataclass(frozen=True)
 class Baseline:
-    """The known answers, and the verdicts that they lead to without any change."""
+    """The known answers, and the verdicts without perturbation."""
 
     known: dict[TrialKey, Answers]
     verdicts: Verdicts
@@ -50,7 +50,7 @@ class Baseline:
 
 @dataclass(frozen=True)
 class RoundingTest:
-    """The trials of the questions of a notebook, and the answers that go through them.
+    """The trials of the questions of a notebook, and the answers to be judged.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class RoundingTest:
         Trials by question and inputs: the public cases, and the own and hidden inputs of three
         students, with the known mistakes of each.
     answers : dict
-        By question: what each answer is called, and the answer; None is the solution.
+        By question: names and answers; None is the solution.
     """
 
     functions: dict[str, Any]
@@ -68,12 +68,12 @@ class RoundingTest:
     answers: dict[str, dict[str, Entry | None]]
 
     def baseline(self) -> Baseline:
-        """Return what is known and what is judged in this process."""
+        """Return the known answers and the verdicts of this process."""
         known = {place: trial.answers for place, trial in self.trials.items()}
         return Baseline(known, self.verdicts(known))
 
     def verdicts(self, known: Mapping[TrialKey, Answers], draw: int | None = None) -> Verdicts:
-        """Judge each answer by known answers; with a `draw`, on inputs that are changed."""
+        """Judge each answer by known answers; with a `draw`, on perturbed inputs."""
         return {
             (question, inputs, name): self._verdict(trial, entry, known[question, inputs], draw)
             for (question, inputs), trial in self.trials.items()
@@ -89,7 +89,7 @@ class RoundingTest:
         return repr(verdict.mistake) if verdict.mistake else verdict.rung
 
 
-def bench(source: Source, salt: str, only: str = "") -> RoundingTest:
+def rounding_test(source: Source, salt: str, only: str = "") -> RoundingTest:
     """Return the trials of the questions of a notebook whose names begin with `only`."""
     functions, hidden = source.functions(), hidden_cases(source)
     mistakes, others = entries(source, "misconceptions"), entries(source, "alternatives")
@@ -113,13 +113,13 @@ def bench(source: Source, salt: str, only: str = "") -> RoundingTest:
 
 
 def _complete(trial: Trial) -> Trial:
-    """Return a trial that knows what the mistakes give."""
+    """Return a trial with the values of the mistakes."""
     known = replace(trial.answers, mistakes=trial.mistakes() or trial.answers.mistakes)
     return replace(trial, answers=known)
 
 
 def perturbed(calls: Iterable[Call], draw: int) -> tuple[Call, ...]:
-    """Return calls whose floating-point inputs are changed by 1e-14, up or down at random.
+    """Return calls whose floating-point inputs are changed relatively by ±1e-14, at random.
 
     Arguments that a call declares exact keep their digits, and so do integers and booleans.
 
@@ -150,14 +150,14 @@ def _changed(argument: Any, random: np.random.Generator) -> Any:
 
 
 def changes(before: Verdicts, runs: Iterable[tuple[str, Verdicts]]) -> Changes:
-    """Return what is judged otherwise in other runs.
+    """Return the verdicts that changed in other runs.
 
     Parameters
     ----------
     before : dict
         The verdicts to compare with.
     runs : iterable
-        Pairs of words that say when ("with …", "when …"), and the verdicts then.
+        Pairs of a condition in words ("with …", "when …") and the verdicts.
     """
     found: dict[tuple[str, str], list[str]] = {}
     for when, after in runs:
@@ -166,15 +166,17 @@ def changes(before: Verdicts, runs: Iterable[tuple[str, Verdicts]]) -> Changes:
             if now != verdict:
                 sentence = f"{answer} is judged {now} and no longer {verdict} {when}: {inputs}"
                 found.setdefault((question, answer), []).append(sentence)
-    told: Changes = {}
+    summary: Changes = {}
     for (question, _), sentences in found.items():
         first, more = sentences[0], len(sentences) - 1
-        told.setdefault(question, []).append(first + (f" (and {more} times more)" if more else ""))
-    return told
+        summary.setdefault(question, []).append(
+            first + (f" (and {more} times more)" if more else "")
+        )
+    return summary
 
 
 def changes_of_draws(found: RoundingTest, baseline: Baseline) -> Changes:
-    """Return what is judged otherwise on inputs that are changed in their last digits."""
+    """Return the verdicts that change on perturbed inputs."""
     draws = (
         (f"when the inputs change by {CHANGE:.0e} (draw {k})", found.verdicts(baseline.known, k))
         for k in range(DRAWS)

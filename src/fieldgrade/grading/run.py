@@ -106,7 +106,7 @@ class GradingRun:
                 "points": points,
             }
             for source in all_sources(self.root)
-            for question, points in source.words.items()
+            for question, points in source.written_points.items()
         ]
 
     @cached_property

@@ -52,7 +52,7 @@ def test_the_student_notebook_is_that_of_its_source(source):
 def test_headers_alone_tell_the_questions_in_words(source):
     """As the whole notebook does, which takes long to read."""
     told = {c.answer: float(c.metadata.get("points", 0)) for c in source.cells if c.answer}
-    assert source.words == told
+    assert source.written_points == told
     assert told
 
 
@@ -216,14 +216,14 @@ def problems(source, question):
 def test_the_proof_needs_other_right_answers(course):
     """A question with too few other right answers is told."""
     damage(course.path.parent / "alternatives" / course.path.name, '@answers("01.5")\n', "")
-    assert any("only 2 right answers in other ways" in p for p in problems(course, "01.5"))
+    assert any("only 2 alternative right answers" in p for p in problems(course, "01.5"))
 
 
 def test_the_proof_finds_a_right_answer_that_is_refused(course):
     """A right answer that is told otherwise is a fault of the grader."""
     path = course.path.parent / "alternatives" / course.path.name
     damage(path, "(coefficients[np.newaxis, 1:]", "(coefficients[np.newaxis, :-1]")
-    assert any("the right answer 'repeated' is told: 01.5" in p for p in problems(course, "01.5"))
+    assert any("the right answer 'repeated' gets: 01.5" in p for p in problems(course, "01.5"))
 
 
 def test_the_proof_finds_a_mistake_that_is_none(course):
@@ -231,7 +231,7 @@ def test_the_proof_finds_a_mistake_that_is_none(course):
     path = course.path.parent / "misconceptions" / course.path.name
     damage(path, "return coefficients[1:] * x", "return coefficients[1:] + 0 * x")
     found = problems(course, "01.5")
-    assert any("'times the place' is told that it is right" in p for p in found)
+    assert any("'times the place' gets the verdict right" in p for p in found)
     assert any("tolerances apart" in p for p in found)
 
 
@@ -551,7 +551,7 @@ def test_a_secret_salt_is_made_once_a_year(repository):
     assert secret_salt.read_salt(repository) == made
     assert made.secret
     assert (repository / secret_salt.FILE).stat().st_mode & 0o077 == 0
-    with pytest.raises(ValueError, match="is there, for 2031; with --renew"):
+    with pytest.raises(ValueError, match="exists, for 2031; with --renew"):
         secret_salt.make_salt(repository, 2032)
     assert secret_salt.make_salt(repository, 2032, renew=True).text != made.text
 

@@ -87,10 +87,10 @@ def test_lateness_is_applied_when_points_are_read_off():
 @pytest.mark.parametrize(
     ("decisions", "told"),
     [
-        (Decisions(overrides=[override(1, student="adda")]), "adda, 01.1: nobody of that name"),
+        (Decisions(overrides=[override(1, student="adda")]), "adda, 01.1: no such student"),
         (Decisions(overrides=[override(1, question="01.9")]), "ada, 01.9: there is no such quest"),
         (Decisions(overrides=[override(3)]), "3 points for ada, 01.1: the question is worth 2"),
-        (Decisions(marks=[Mark("ada", "01.2", 1)]), "answers in code are checked; write an over"),
+        (Decisions(marks=[Mark("ada", "01.2", 1)]), "this answer is code; write an over"),
     ],
 )
 def test_decisions_that_would_have_no_effect_are_refused(decisions, told):
@@ -116,9 +116,9 @@ def test_who_handed_in_nothing_that_can_be_read_is_not_forgotten():
         "student,name,section,01.1 of 2,01 late,01 points,01 status,points,unreadable files"
     )
     assert rows[1:] == [
-        "cy,Cy,,0,0,0,nothing handed in,0,",
+        "cy,Cy,,0,0,0,not submitted,0,",
         "ada,,,2,0,2,graded,2,",
-        "bob,,,0,0,0,nothing handed in,0,photo.ipynb",
+        "bob,,,0,0,0,not submitted,0,photo.ipynb",
     ]
 
 
@@ -155,13 +155,21 @@ def test_examples_never_overwrite_a_table(tmp_path):
 @pytest.mark.parametrize(
     ("name", "line", "told"),
     [
-        ("overrides.csv", "ada,01.3,2,,fair,2026-12-02", "2: nothing stands under by"),
+        ("overrides.csv", "ada,01.3,2,,fair,2026-12-02", "2: column by is empty"),
         ("overrides.csv", "ada,1.3,2,Hopper,fair,2026-12-02", "2: a question is written as 01.2"),
-        ("overrides.csv", "ada,01.3,2,Hopper,fair,2/12/26", "2: a day is written as 2026-11-30"),
-        ("overrides.csv", "ada,01.3,two,Hopper,fair,2026-12-02", "2: points are a number such as"),
-        ("requests.csv", "ada,01.3,2026-12-02,,", "2: nothing stands under request"),
-        ("assignments.csv", "01,,,,,Least squares,", "2: Canvas names a column as in"),
-        ("assignments.csv", "01,,,150,,,", "2: percent_per_day is a number from 0 to 100"),
+        (
+            "overrides.csv",
+            "ada,01.3,2,Hopper,fair,2/12/26",
+            "2: a day must be written as 2026-11-30",
+        ),
+        (
+            "overrides.csv",
+            "ada,01.3,two,Hopper,fair,2026-12-02",
+            "2: points must be a number such as",
+        ),
+        ("requests.csv", "ada,01.3,2026-12-02,,", "2: column request is empty"),
+        ("assignments.csv", "01,,,,,Least squares,", "2: a Canvas column has a name"),
+        ("assignments.csv", "01,,,150,,,", "2: percent_per_day must be a number from 0 to 100"),
     ],
 )
 def test_a_bad_line_of_a_table_is_told_clearly(name, line, told, tmp_path):

@@ -113,7 +113,7 @@ def test_similar_notebooks_are_shown(place):
     (pair,) = rows(place / "out/similarity/pairs.csv")[1:]
     assert pair[:4] == ["01", "ada", "bob", "1"]
     assert "fit" in pair[5]
-    assert "no verdict" in (place / "out/similarity/01.html").read_text("utf-8")
+    assert "not a verdict" in (place / "out/similarity/01.html").read_text("utf-8")
 
 
 def test_the_analysis_counts_mistakes(place):
@@ -128,7 +128,7 @@ def test_the_class_report_has_facts_tables_and_figures_and_names_nobody(place):
     assert run(place, "report") == 0
     page = (place / "out/report/report.html").read_text("utf-8")
     text = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", "", page))
-    assert "The class has 2 students. 2 of them handed something in" in text
+    assert "The class has 2 students. 2 of them submitted" in text
     assert "The constant is missing." in text
     assert page.count("data:image/svg+xml") == 2
     assert (place / "out/report/report.pdf").read_bytes().startswith(b"%PDF")

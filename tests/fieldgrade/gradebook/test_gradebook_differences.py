@@ -50,7 +50,7 @@ BEFORE = standing()
         (standing(0.0, grader="h"), 0, ["grader changed"]),
         (standing(0.0, environment="f"), 0, ["packages changed"]),
         (standing(0.0, secret=True), 0, ["secret inputs"]),
-        (standing(0.0), 0, ["nothing that is recorded: other hidden inputs, or chance"]),
+        (standing(0.0), 0, ["no recorded change: other hidden inputs, or chance"]),
         (standing(0.0, code="d", grader="h"), 0, ["answer changed", "grader changed"]),
         (standing(2.0, Decisions(overrides=[WHO])), 1, ["override: right but for a sign"]),
         (standing(0.0, Decisions(overrides=[WHO])), 1, ["override: right but for a sign"]),
@@ -76,7 +76,7 @@ def test_an_override_that_goes_is_told():
 def test_points_of_a_reader_are_a_change_from_nothing():
     """An answer in words that was read has points where it had none."""
     now = standing(decisions=Decisions(marks=[Mark("ada", "01.7", 1.5)]))
-    assert differences(BEFORE, now) == [Difference("ada", "01.7", None, 1.5, ("read by a person",))]
+    assert differences(BEFORE, now) == [Difference("ada", "01.7", None, 1.5, ("marked by hand",))]
 
 
 def test_a_deadline_that_moves_is_told_of_the_whole_notebook():
@@ -92,7 +92,7 @@ def test_who_hands_in_or_is_gone_is_told():
     """A notebook that came has no grades before, and one that is gone none after."""
     alone = GradedState(replace(BEFORE.results, records=BEFORE.results.records[1:]), Decisions())
     (came,) = differences(alone, BEFORE)
-    assert (came.before, came.now, came.reasons) == (None, 2, ("handed in",))
+    assert (came.before, came.now, came.reasons) == (None, 2, ("submitted",))
     (gone,) = differences(BEFORE, alone)
     assert (gone.before, gone.now, gone.reasons) == (2, None, ("withdrawn",))
 

@@ -77,7 +77,9 @@ def test_canvas_without_a_number_is_refused(tmp_path):
 
     file = tmp_path / "assignments.csv"
     file.write_text("notebook,canvas\n01,Least squares\n")
-    with pytest.raises(ValueError, match=r"Canvas names a column as in 'Least squares \(48213\)'"):
+    with pytest.raises(
+        ValueError, match=r"a Canvas column has a name and an id, 'Least squares \(48213\)'"
+    ):
         read_assignments(file)
 
 
@@ -120,7 +122,7 @@ def test_gradescope_reads_a_score_and_a_test_for_each_question():
     shared = {"name_format": "text", "output_format": "text", "visibility": "after_published"}
     assert json.loads(exports.gradescope_text(sheet)) == {
         "score": 1.6,
-        "output": "Handed in late: 0.4 points less.",
+        "output": "Submitted late: 0.4 points less.",
         "output_format": "text",
         "visibility": "after_published",
         "stdout_visibility": "hidden",
@@ -163,7 +165,7 @@ def test_who_a_platform_cannot_tell_is_left_out_and_told():
     assert exports.left_out("canvas", found) == ["unknown"]
     assert "unknown" not in exports.canvas_csv(found, NAMED)
     assert exports.left_out("moodle", found) == ["unknown"]
-    with pytest.raises(ValueError, match="Moodle cannot tell who anybody is: the roster needs"):
+    with pytest.raises(ValueError, match="Moodle cannot identify any student: the roster needs"):
         exports.moodle_csv(sheets(stray), NAMED)
     with pytest.raises(ValueError, match="no graded notebook has a name in Canvas"):
         exports.canvas_csv(found, {})

@@ -96,7 +96,7 @@ def test_a_changed_answer_is_told_to_the_reader(file):
 def test_a_mistyped_table_is_not_touched(file):
     """A line that makes no sense is told, and nothing is written."""
     file.write_text("student,points,comment\nada,many,\n")
-    with pytest.raises(ValueError, match=r"01.7.csv:2: points are a number such as 1.5"):
+    with pytest.raises(ValueError, match=r"01.7.csv:2: points must be a number such as 1.5"):
         update_table(file, {"bob": "words"})
     assert file.read_text() == "student,points,comment\nada,many,\n"
 
@@ -116,7 +116,7 @@ def test_the_page_has_question_rubric_model_answer_and_everybodys_words():
     assert "2 answers" in page
     assert "Nothing written: bob." in page
     assert "2 of 3" in page
-    assert "2 of 3, and changed since" in marking_page(question, {"ada": "x"}, marks, ["ada"])
+    assert "2 of 3, changed since then" in marking_page(question, {"ada": "x"}, marks, ["ada"])
 
 
 HOSTILE = [

@@ -171,7 +171,7 @@ def test_the_page_shows_both_sides_and_runs_nothing():
     evil = FIT.replace("np.insert(points, 0", "np.insert('<script>alert(1)</script>', 0")
     (found,) = pairs([code("<b>ada", [evil]), code("bob", [evil])])
     page = similarity_page("01", [found], 2)
-    assert "evidence to look at, and no verdict" in page
+    assert "evidence to look at, not a verdict" in page
     assert "<mark>    return np.linalg.solve(left, right)</mark>" in page
     assert "<mark>    b = np.insert(&#x27;&lt;script&gt;" in page
     assert "<mark>    &quot;&quot;&quot;Return" not in page

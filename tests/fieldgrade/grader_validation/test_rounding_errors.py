@@ -71,7 +71,7 @@ def noisy(course):
 
 
 def of_draws(source, question):
-    found = rounding_errors.bench(source, SALT, question)
+    found = rounding_errors.rounding_test(source, SALT, question)
     return rounding_errors.changes_of_draws(found, found.baseline())
 
 
@@ -143,7 +143,7 @@ def test_inputs_on_one_line_must_be_declared_exact(monkeypatch):
 
 
 def judged_by_processes(source, question, settings):
-    baseline = rounding_errors.bench(source, SALT, question).baseline()
+    baseline = rounding_errors.rounding_test(source, SALT, question).baseline()
     request = JudgeRequest((source,), SALT, question, baseline.known)
     runs = [(setting, blas_kernels.run(setting, request)) for setting in settings]
     verdicts = ((f"with {setting.name}", found.verdicts) for setting, found in runs)

@@ -45,22 +45,22 @@ BAD = {
         read_roster,
         "student,name\nada,Ada\n,Nobody\nbob\nADA,Again\nx,y,z\n",
         [
-            "table.csv:3: nothing stands under student",
-            "table.csv:5: ADA stands in line 2 already",
-            "table.csv:6: there are 3 cells in the line, and 2 columns",
+            "table.csv:3: column student is empty",
+            "table.csv:5: ADA is already in line 2",
+            "table.csv:6: the line has 3 cells for 2 columns",
         ],
     ),
     "points": (
         lambda file: read_points(file, QUESTIONS),
         "question,points\n01.1,two\n1.1,2\n09.9,1\n01.3,2\n01.3,3\n01.5,\n01.10,-1\n",
         [
-            "table.csv:2: points are a number such as 1.5, not 'two'",
+            "table.csv:2: points must be a number such as 1.5, not 'two'",
             "table.csv:3: a question is written as 01.2, not '1.1'; spreadsheets shorten such names"
             " unless the column is formatted as text",
             "table.csv:4: there is no question 09.9",
-            "table.csv:6: 01.3 stands in line 5 already",
-            "table.csv:7: nothing stands under points",
-            "table.csv:8: points are a number such as 1.5, not '-1'",
+            "table.csv:6: 01.3 is already in line 5",
+            "table.csv:7: column points is empty",
+            "table.csv:8: points must be a number such as 1.5, not '-1'",
         ],
     ),
     "times": (
@@ -73,7 +73,7 @@ BAD = {
             "table.csv:3: a notebook is written as 02, not 'one'",
             "table.csv:4: '2026-11-30T12:00' has no time zone: write it as "
             "2026-11-30T12:00+01:00 or 2026-11-30T12:00Z",
-            "table.csv:5: a time is written as 2026-11-30T23:59+01:00, not 'yesterday'",
+            "table.csv:5: a time must be written as 2026-11-30T23:59+01:00, not 'yesterday'",
         ],
     ),
 }
