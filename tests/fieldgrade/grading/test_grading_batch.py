@@ -468,13 +468,13 @@ def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):
 def test_an_executor_that_breaks_down_ends_the_run(tmp_path):
     """It is no submission's fault, so no grade comes of it."""
 
-    class ProcessFailed(ThreadPoolExecutor):
+    class BrokenPool(ThreadPoolExecutor):
         def submit(self, *_):
             raise BrokenExecutor("a worker is gone")
 
     todo = run(tmp_path, {"ada/01.ipynb": notebook(*right())})
     with pytest.raises(RuntimeError, match="a worker is gone"):
-        graded(todo, ProcessFailed(1))
+        graded(todo, BrokenPool(1))
     assert not (todo.out / "results.json").exists()
 
 

@@ -118,15 +118,15 @@ def test_no_shape_is_too_odd(kind, shape):
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (struct.pack("!II", frames.MOST_HEAD + 1, 0), "longer than it may be"),
-        (struct.pack("!II", 2, frames.MOST_BODY + 1), "longer than it may be"),
+        (struct.pack("!II", frames.MOST_HEAD + 1, 0), "too long"),
+        (struct.pack("!II", 2, frames.MOST_BODY + 1), "too long"),
         (struct.pack("!II", 1, 0) + b"{", "cannot be read: JSONDecodeError"),
         (struct.pack("!II", 99999, 0) + b"[" * 99999, "cannot be read: RecursionError"),
-        (struct.pack("!II", 2, 0) + b"{}", "does not say which arrays"),
-        (struct.pack("!II", 2, 0) + b"[]", "does not say which arrays"),
-        (struct.pack("!II", 13, 1) + b'{"arrays":[]}' + b"x", "more than its arrays"),
-        (struct.pack("!II", 22, 0) + b'{"arrays":[["f",[1]]]}', "larger than what came"),
-        (struct.pack("!II", 22, 8) + b'{"arrays":[["O",[1]]]}' + bytes(8), "else than numbers"),
+        (struct.pack("!II", 2, 0) + b"{}", "does not describe its arrays"),
+        (struct.pack("!II", 2, 0) + b"[]", "does not describe its arrays"),
+        (struct.pack("!II", 13, 1) + b'{"arrays":[]}' + b"x", "surplus bytes"),
+        (struct.pack("!II", 22, 0) + b'{"arrays":[["f",[1]]]}', "larger than its data"),
+        (struct.pack("!II", 22, 8) + b'{"arrays":[["O",[1]]]}' + bytes(8), "not numeric"),
     ],
 )
 def test_what_is_no_frame_is_refused_in_words(data, words):
@@ -170,10 +170,10 @@ def test_a_pipe_that_is_closed_is_told():
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ((np.array(["x"]),), "else than numbers"),
-        ((np.array([{}], dtype=object),), "else than numbers"),
-        ((np.broadcast_to(0.0, frames.MOST_BODY // 8 + 1),), "longer than it may be"),
-        ((np.zeros(1),) * (frames.MOST_ARRAYS + 1), "longer than it may be"),
+        ((np.array(["x"]),), "not numeric"),
+        ((np.array([{}], dtype=object),), "not numeric"),
+        ((np.broadcast_to(0.0, frames.MOST_BODY // 8 + 1),), "too long"),
+        ((np.zeros(1),) * (frames.MOST_ARRAYS + 1), "too long"),
     ],
 )
 def test_what_the_other_side_would_refuse_is_not_sent(values, words):
