@@ -8,7 +8,7 @@ python := $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help test test-slow test-all lint format report check-reproducible bench notebooks check-graders \
+.PHONY: help test test-slow test-all lint format architecture report check-reproducible bench notebooks check-graders \
   publish bundle grade lab lock clean distclean FORCE
 
 # The packages are those of the lock files, whatever else this shell can import.
@@ -60,6 +60,9 @@ lint: $(ready) ## check the format, the style (ruff), the types (mypy) and which
 
 format: $(ready) ## write the code as ruff formats it
 	@$(python) -m ruff format
+
+architecture: $(ready) ## draw docs/images/architecture.svg from the imports
+	@$(python) tools/architecture.py
 
 # Report. The command looks at contents and redoes what changed; make only asks whether to start it.
 # Folders are among the sources, so that a removed file counts (report/. and not report, which is

@@ -8,17 +8,17 @@ from functools import partial
 
 import numpy as np
 
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.pipelines.block_averages import block_means
 from fieldrecon.polynomials import dimension
 from fieldrecon.reconstruction import Field
-from fieldrecon.selection.cross_validation import Judge
+from fieldrecon.selection.cross_validation import CrossValidator
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldrecon.selection.models import Candidate
+from fieldrecon.selection.models import Model
 
 Fit = Callable[[np.ndarray, np.ndarray], Field]
 CHOICES = ((2, 1, 50), (3, 3, 40), (4, 2, 120), (7, 4, 60))
@@ -44,10 +44,10 @@ def patches_of(power: int, degree: int, patch_size: int) -> Fit:
 def patches_by_leave_one_out(points: np.ndarray, values: np.ndarray) -> Field:
     """Kernel, degree and patch size that miss left-out samples least, judged in a few blocks."""
     makers = [partial(_patches, *choice) for choice in CHOICES]
-    judge = Judge.of(points, values)
+    judge = CrossValidator.of(points, values)
     if judge.blocks is not None:
         judge = replace(judge, blocks=judge.blocks[:BLOCKS])
-    trial = judge.trial(Candidate("patches", "PU", "patches, blended", lambda _: makers))
+    trial = judge.evaluate(Model("patches", "PU", "patches, blended", lambda _: makers))
     return trial.maker(points).field(values)
 
 

@@ -44,12 +44,7 @@ end
 
 -- equations -------------------------------------------------------------------------------------
 -- A display with its label becomes a span that holds formula, label and number.
-local function concerns_equations(x)
-  return x.t == 'Math' and x.mathtype == 'DisplayMath' or x.t == 'RawInline'
-end
-
 local function equations(inlines)
-  if not inlines:find_if(concerns_equations) then return nil end
   local out, i = pandoc.Inlines {}, 1
   while inlines[i] do
     local x, rest = inlines[i], nil
@@ -64,8 +59,6 @@ local function equations(inlines)
         x = pandoc.Span({ x }, pandoc.Attr(id, { 'equation' }, { number = number }))
         rest, i = after, j
       end
-    elseif x.t == 'RawInline' and x.format:match 'tex' then
-      problems.add('raw TeX would vanish; write $$ ... $$ {#eq:name}: ' .. x.text:sub(1, 50), x.text:match '[^\n]+')
     end
     out:insert(x)
     if rest and rest ~= '' then out:insert(pandoc.Str(rest)) end
@@ -74,9 +67,15 @@ local function equations(inlines)
   return out
 end
 
-local function raw_tex(block)
-  if block.format:match 'tex' then
-    problems.add('raw TeX would vanish; write $$ ... $$ {#eq:name}: ' .. block.text:sub(1, 50), block.text:match '[^\n]+')
+-- The text of a whole paragraph tells sooner than its inlines do that it has no equation.
+local function paragraph(block)
+  if not tostring(block):find 'DisplayMath' then return nil end
+  return block:walk { traverse = 'topdown', Inlines = equations }
+end
+
+local function raw_tex(x)
+  if x.format:match 'tex' then
+    problems.add('raw TeX would vanish; write $$ ... $$ {#eq:name}: ' .. x.text:sub(1, 50), x.text:match '[^\n]+')
   end
 end
 
@@ -96,8 +95,8 @@ return function(doc)
   captions.prepare(doc)
   doc.blocks = doc.blocks:walk {
     traverse = 'topdown',
-    Header = heading, Inlines = equations, RawBlock = raw_tex, CodeBlock = listing,
-    Figure = captions.figure, Table = captions.table, Div = statements,
+    Header = heading, Para = paragraph, Plain = paragraph, RawInline = raw_tex, RawBlock = raw_tex,
+    CodeBlock = listing, Figure = captions.figure, Table = captions.table, Div = statements,
   }
   return doc
 end

@@ -79,9 +79,19 @@ local function in_table(t)
   return t
 end
 
+-- Most blocks quote nothing. The text of a whole block tells that sooner than a walk through its words.
+local function with_numbers(block)
+  local text = tostring(block)
+  if not text:find '{{' and not text:find '}}' then return { block } end
+  return pandoc.Blocks { block }
+    :walk { Image = function(i) i.caption = i.caption:walk(plain); return i end }
+    :walk { Table = in_table }:walk(fill)
+end
+
 return function(doc)
-  doc.blocks = doc.blocks:walk { Image = function(i) i.caption = i.caption:walk(plain); return i end }
-  doc.blocks = doc.blocks:walk { Table = in_table }:walk(fill)
+  local filled = pandoc.Blocks {}
+  for _, block in ipairs(doc.blocks) do filled:extend(with_numbers(block)) end
+  doc.blocks = filled
   for key, value in pairs(doc.meta) do
     if pandoc.utils.type(value) == 'Inlines' or pandoc.utils.type(value) == 'Blocks' then
       doc.meta[key] = value:walk(fill)

@@ -13,8 +13,9 @@ local function load(doc)
   require('values').load(pandoc.utils.stringify(doc.meta.values))
 end
 
+-- Citations that are not found stop pandoc at once, so all other problems go before them.
 local function finish(doc)
-  return problems.hand_on(doc)
+  return problems.hand_on(doc) or pandoc.utils.citeproc(doc)
 end
 
 return {
@@ -23,5 +24,5 @@ return {
   { Pandoc = require 'quotations' },   -- {{experiment.fact:format}} becomes the number
   { Pandoc = require 'numbers' },      -- everything that is counted gets its number
   { Pandoc = require 'references' },   -- @fig:name becomes Figure 2.1
-  { Pandoc = finish },
+  { Pandoc = finish },               -- @lancaster1981 becomes a citation
 }

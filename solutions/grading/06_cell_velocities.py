@@ -3,6 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
+from fieldcheck.questions.q06_cell_velocities import normal_velocities
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -41,10 +42,8 @@ def of_a_right_angle(seed):
 @hidden("06.3", "The defect does not depend on the unit of length.")
 def defect_in_other_units(seed):
     random = np.random.default_rng(seed + 3)
-    return tuple(
-        Call("defect", (right_angle(random, size), random.normal(size=3)), "a triangle")
-        for size in (1e-3, 1e2)
-    )
+    corners = [right_angle(random, size) for size in (1e-3, 1e2)]
+    return tuple(Call("defect", (q, normal_velocities(random, q)), "a triangle") for q in corners)
 
 
 @hidden(

@@ -6,6 +6,7 @@ from fieldcheck.calls import Call
 from fieldcheck.questions.q07_voronoi_coordinates import (
     mirror_images,
     on_edges,
+    place_for_weights,
     places_inside,
     star,
 )
@@ -28,7 +29,7 @@ def few_and_many(seed):
     calls = []
     for n in (3, 10):
         center, rim, corners = star(random, n)
-        (x,) = places_inside(random, center, corners, 1)
+        x = place_for_weights(random, center, rim, corners)
         calls.append(Call("weights", (center, rim, corners, x), f"{n} neighbours"))
     return tuple(calls)
 

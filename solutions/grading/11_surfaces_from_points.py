@@ -12,7 +12,7 @@ from fieldcheck.questions.q11_point_clouds import (
     outward_of_drop,
     torus,
 )
-from fieldcheck.questions.q11_zero_levels import about, body
+from fieldcheck.questions.q11_zero_levels import about, body, near_diagonals
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -83,7 +83,7 @@ def in_four_dimensions(seed):
 @hidden("11.7", "It must hold in every dimension, and for no steps at all.")
 def no_steps(seed):
     random = np.random.default_rng(seed + 7)
-    x, coefficients = about(random, 4, 3), body(random, 3, 5)
+    x, coefficients = near_diagonals(random, 4, 3), body(random, 3, 5)
     return (
         Call("to_surface", (x, *coefficients, 0), "no steps"),
         Call("to_surface", (x, *coefficients, 3), "three steps"),

@@ -12,7 +12,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from fieldreport.build.document import pandoc
+from fieldreport.build.typesetting import pandoc
 
 TEMPLATE = Path(__file__).parent / "page.html"
 FORMULA = re.compile(r"(\$\$[^$]{1,2000}\$\$|\$(?!\s)[^$\n]{1,500}(?<!\s)\$)")

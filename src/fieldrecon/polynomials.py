@@ -153,7 +153,7 @@ class Frame:
         low, high = points.min(axis=0), points.max(axis=0)
         center = low / 2 + high / 2
         extent = float((high / 2 - low / 2).max())
-        return cls(center, power_of_two_above(extent))
+        return cls(center, float(power_of_two_above(extent)))
 
     def local(self, x: np.ndarray) -> np.ndarray:
         """Coordinates (..., d) in the frame."""
@@ -195,10 +195,18 @@ def powers_of_scale(scale: float, exponent: np.ndarray, what: str) -> np.ndarray
     return np.ldexp(1.0, bits)
 
 
-def power_of_two_above(length: float) -> float:
-    """The least power of two that is not below `length`, if any is; one for a length of zero."""
-    mantissa, exponent = math.frexp(length)
-    return math.ldexp(1.0, min(exponent - (mantissa == 0.5), 1023)) if length > 0 else 1.0
+def power_of_two_above(length: ArrayLike) -> np.ndarray:
+    """The least powers of two that are not below the lengths, if any is; one for a length of zero.
+
+    Scaling by a power of two rounds nothing.
+
+    >>> power_of_two_above([0.0, 0.7, 1.0, 3.0])
+    array([1., 1., 1., 4.])
+    """
+    length = np.asarray(length)
+    mantissa, exponent = np.frexp(length)
+    power = np.ldexp(1.0, np.minimum(exponent - (mantissa == 0.5), 1023))
+    return np.where(length > 0, power, 1.0)
 
 
 @lru_cache(maxsize=64)

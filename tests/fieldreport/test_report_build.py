@@ -12,7 +12,15 @@ from types import SimpleNamespace
 import pytest
 
 from fieldrecon._core.atomic_files import temporary_beside
-from fieldreport.build import build, compute, document, pins, reproducible, steps, unchanged
+from fieldreport.build import (
+    build,
+    pinned_kernels,
+    reproducible,
+    rerun,
+    step_records,
+    typesetting,
+    up_to_date,
+)
 from fieldreport.build.lock import only_build_in
 from fieldreport.commands import report as command
 from fieldreport.framework import result_files as files
@@ -29,7 +37,7 @@ def set_no_text(self, values, metadata):  # noqa: ARG001
 
 @pytest.fixture
 def report(tmp_path, monkeypatch):
-    monkeypatch.setattr(document.Document, "compile", set_no_text)
+    monkeypatch.setattr(typesetting.Document, "compile", set_no_text)
     return SmallReport(tmp_path, monkeypatch)
 
 
@@ -58,7 +66,7 @@ def test_manifest_tells_versions_pins_parameters_seeds_and_every_output(whole):
     assert told["sha256"] == {n: hashlib.sha256(b).hexdigest() for n, b in outputs.items()}
     assert told["experiments"]["fake_a"]["params"]["points"] == 1000
     assert told["experiments"]["fake_a"]["seeds"] == {"seed": 7}
-    assert told["pins"] == pins.pins()
+    assert told["pins"] == pinned_kernels.pins()
     assert set(told["versions"]) >= {"python", "numpy", "scipy", "typst", "pypandoc_binary"}
 
 
@@ -168,7 +176,7 @@ CHANGES = {
 def once(tmp_path_factory):
     """A report of which an experiment reads a file, built once."""
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr(document.Document, "compile", set_no_text)
+        monkeypatch.setattr(typesetting.Document, "compile", set_no_text)
         report = SmallReport(tmp_path_factory.mktemp("unchanged"), monkeypatch)
         (report.source / "data.json").write_text("measured")
         read = f'field(default="{report.source / "data.json"}", metadata={{"file": True}})'
@@ -182,7 +190,7 @@ def once(tmp_path_factory):
 
 
 def nothing_changed(report):
-    return unchanged.told(report.options())
+    return up_to_date.told(report.options())
 
 
 class TestNothingChanged:
@@ -216,7 +224,7 @@ class TestNothingChanged:
     def test_another_python_is_seen(self, report, monkeypatch):
         """Its version and its build."""
         other = SimpleNamespace(version="4.0", path=sys.path, stderr=sys.stderr)
-        monkeypatch.setattr(unchanged, "sys", other)
+        monkeypatch.setattr(up_to_date, "sys", other)
         assert not nothing_changed(report)
 
     def test_a_build_is_begun_only_after_a_change(self, report, monkeypatch):
@@ -228,7 +236,7 @@ class TestNothingChanged:
             whole(arguments)
 
         monkeypatch.setattr(build, "build", begin)
-        monkeypatch.setattr(document.Document, "compile", set_no_text)
+        monkeypatch.setattr(typesetting.Document, "compile", set_no_text)
         assert report.build() == 0
         assert begun == []
         (report.source / "data.json").write_text("measured again")
@@ -278,7 +286,7 @@ def test_a_build_killed_at_any_write_is_completed_by_the_next(report, monkeypatc
         return whole(path, content)
 
     with monkeypatch.context() as during:
-        for module in (files, compute, build, steps):
+        for module in (files, rerun, build, step_records):
             during.setattr(module, "write_atomically", write)
         with pytest.raises(Killed):
             report.build()
@@ -339,7 +347,7 @@ def test_interruption_ends_quietly(report, monkeypatch, capfd):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(compute, "write_result", interrupted)
+    monkeypatch.setattr(rerun, "write_result", interrupted)
     assert report.build() == command.INTERRUPTED
     told = capfd.readouterr().err
     assert "interrupted" in told
@@ -398,7 +406,7 @@ def test_facts_agree_to_the_digits_stated():
 
 def test_other_pins_do_all_again(built, monkeypatch):
     """A folder that was built with other pins, or none, is not up to date."""
-    for module in (compute, unchanged):
+    for module in (rerun, up_to_date):
         monkeypatch.setattr(module, "pins", lambda: {"OPENBLAS_CORETYPE": "another"})
     assert built.build() == 0
     assert sorted(built.did()) == ["draw fake_a", "draw fake_b", "run fake_a", "run fake_b"]

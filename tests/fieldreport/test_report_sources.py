@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from fieldreport import experiments
-from fieldreport.build import sources
-from fieldreport.build.compute import RUN_NAMES
-from fieldreport.build.sources import code_behind
+from fieldreport.build import code_dependencies
+from fieldreport.build.code_dependencies import PACKAGES, _defined, code_behind
+from fieldreport.build.rerun import RUN_NAMES
 
 
 def is_text(statement):
@@ -50,7 +50,7 @@ def imported(statement, module):
 
 
 def inner_module(base, name):
-    ours = base.partition(".")[0] in sources.PACKAGES and find_spec(base).submodule_search_locations
+    ours = base.partition(".")[0] in PACKAGES and find_spec(base).submodule_search_locations
     return f"{base}.{name}" if ours and find_spec(f"{base}.{name}") else None
 
 
@@ -64,7 +64,7 @@ def literally(module, names):
     needed, before = set(names), None
     while needed != before:
         before = set(needed)
-        kept = [s for s in statements if not (d := set(sources._defined(s))) or d & needed]
+        kept = [s for s in statements if not (d := set(_defined(s))) or d & needed]
         needed |= set().union(*map(used, kept))
     found = {module: kept}
     todo = [t for s in kept for t in imported(s, module)]
@@ -73,7 +73,7 @@ def literally(module, names):
         root = name.partition(".")[0]
         if name in found or root in sys.stdlib_module_names:
             continue
-        if root not in sources.PACKAGES:
+        if root not in PACKAGES:
             found[root] = None
         else:
             found[name] = parsed(name)
@@ -92,9 +92,9 @@ def test_the_code_found_is_that_of_the_definition(name, names, kept, tmp_path):
     """The same modules, each in the same form, and the versions of the same packages."""
     module = f"{experiments.__name__}.{name}"
     if kept:
-        with sources.keeping(tmp_path / "code.json"):
+        with code_dependencies.keeping(tmp_path / "code.json"):
             code_behind(module, names)
-    with sources.keeping(tmp_path / "code.json"):
+    with code_dependencies.keeping(tmp_path / "code.json"):
         fast, slow = code_behind(module, names), literally(module, names)
     assert set(fast) == set(slow)
     assert {m: fast[m] for m, form in slow.items() if form} == {m: f for m, f in slow.items() if f}
@@ -111,13 +111,14 @@ def test_each_module_is_parsed_once(monkeypatch):
         return whole(*arguments, **options)
 
     found = set()
-    sources.forget()
+    modules = [experiments.module_of(name) for name in ("power_sampling", "terrain", "peers")]
+    code_dependencies.forget()
     with monkeypatch.context() as during:
         during.setattr(ast, "parse", parse)
-        for name in ("power_sampling", "terrain", "peers", "coupling"):
+        for module in modules:
             for names in (RUN_NAMES, ("plot",), ("run",)):
-                found |= set(code_behind(experiments.module_of(name), names))
-    assert len(parsed_trees) == len([name for name in found if name.startswith(sources.PACKAGES)])
+                found |= set(code_behind(module, names))
+    assert len(parsed_trees) == len([name for name in found if name.startswith(PACKAGES)])
 
 
 def test_a_module_that_was_kept_is_parsed_when_it_changed(tmp_path, monkeypatch):
@@ -126,15 +127,15 @@ def test_a_module_that_was_kept_is_parsed_when_it_changed(tmp_path, monkeypatch)
     module, file, kept = f"{experiments.__name__}.fake_c", tmp_path / "fake_c.py", tmp_path / "kept"
     parsed_texts = []
 
-    def parse(text, module, whole=sources._parsed):
+    def parse(text, module, whole=code_dependencies._parsed):
         parsed_texts.append(text)
         return whole(text, module)
 
-    monkeypatch.setattr(sources, "_parsed", parse)
+    monkeypatch.setattr(code_dependencies, "_parsed", parse)
     found = []
     for text in ("import math\nx = 1\n", "import math\nx = 1\n", "import numpy\nx = 2\n"):
         file.write_text(text)
-        with sources.keeping(kept):
+        with code_dependencies.keeping(kept):
             found.append(code_behind(module))
     assert found[0] == found[1] != found[2]
     assert set(found[2]) == {module, "numpy"}

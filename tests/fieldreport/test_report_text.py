@@ -7,8 +7,8 @@ import shutil
 import pytest
 import typst
 
-from fieldreport.build.document import Document, unquoted_facts
-from fieldreport.build.failure import BuildError
+from fieldreport.build.errors import BuildError
+from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.build.webfonts import code_points, font_faces
 from report_fixtures import REPORT
 

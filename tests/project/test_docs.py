@@ -3,6 +3,7 @@
 import ast
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -59,10 +60,9 @@ def readme_commands() -> list[list[str]]:
 @pytest.mark.slow
 @pytest.mark.parametrize("command", readme_commands(), ids=" ".join)
 def test_the_readme_s_commands_run(command, tmp_path, monkeypatch, capsys):
-    """As they stand there, in a folder that holds a table of samples."""
+    """As they stand there, in a folder with the sample files."""
     monkeypatch.chdir(tmp_path)
-    heights = (f"{x},{y},{x * y}" for x in range(6) for y in range(6))
-    (tmp_path / "points.csv").write_text("\n".join(["east,north,height", *heights]))
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
     assert main(command) == 0
     assert capsys.readouterr().out
 
@@ -135,11 +135,11 @@ CONTRACTS = (ROOT / "pyproject.toml").read_text().partition("[tool.importlinter]
 @pytest.mark.parametrize(
     ("wrong", "broken"),
     [
-        ("fieldrecon/kernels/radial.py: import fieldrecon.methods.rbf", "Rooms of the library"),
+        ("fieldrecon/kernels/base.py: import fieldrecon.methods.rbf", "Rooms of the library"),
         ("fieldrecon/_core/chunks.py: def f(): from fieldreport import build", "Packages"),
         ("fieldreport/framework/settings.py: from fieldreport import build", "Rooms of the report"),
         ("fieldgrade/sandbox/frames.py: import fieldgrade.commands", "Rooms of the grader"),
-        ("fieldrecon/kernels/radial.py: import fieldrecon.kernels.positive_definite", "No circles"),
+        ("fieldrecon/kernels/base.py: import fieldrecon.kernels.positive_definite", "No circles"),
         ("fieldrecon/newroom/__init__.py: ", "Rooms of the library"),
     ],
 )
@@ -165,6 +165,13 @@ def test_an_import_the_wrong_way_is_seen(wrong, broken, tmp_path):
     )
     assert checked.returncode == 1, checked.stdout + checked.stderr
     assert broken in re.findall(r"^(.*?)(?::.*)? BROKEN$", checked.stdout, flags=re.M)
+
+
+def test_the_picture_of_the_house_is_up_to_date():
+    """`make architecture` draws it from the imports."""
+    drawn = runpy.run_path(str(ROOT / "tools" / "architecture.py"))
+    picture = drawn["PICTURE"].read_text(encoding="utf-8")
+    assert drawn["in_words"](drawn["rooms_and_imports"]()) in picture, "run: make architecture"
 
 
 SOURCES = {

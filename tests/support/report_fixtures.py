@@ -10,7 +10,7 @@ from pathlib import Path
 from checkout import ROOT
 from fieldrecon._core.chunks import Inline
 from fieldreport import experiments
-from fieldreport.build import compute, sources
+from fieldreport.build import code_dependencies, rerun
 from fieldreport.commands.report import add_arguments, main
 
 REPORT = ROOT / "report"
@@ -100,7 +100,7 @@ class SmallReport:
         for name in ("fake_a", "fake_b"):
             self.write_experiment(name)
         self.write_chapter()
-        monkeypatch.setattr(compute, "workers", lambda count: nullcontext(Inline()))  # noqa: ARG005
+        monkeypatch.setattr(rerun, "workers", lambda count: nullcontext(Inline()))  # noqa: ARG005
         monkeypatch.setattr(experiments, "_HERE", self.code.parent)
         monkeypatch.setattr(experiments, "__path__", [str(self.code.parent), *experiments.__path__])
 
@@ -121,7 +121,7 @@ class SmallReport:
         """Build as a new process would, and return the exit status."""
         for name in [n for n in sys.modules if n.startswith("fieldreport.experiments.topic")]:
             del sys.modules[name]
-        sources.forget()
+        code_dependencies.forget()
         importlib.invalidate_caches()
         return main(self.options(*options))
 

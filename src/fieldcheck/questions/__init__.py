@@ -38,5 +38,7 @@ def get(name: str) -> Question:
     if name not in known:
         notebook = str(name).partition(".")[0].zfill(2)
         there = [other for other in known if other.startswith(f"{notebook}.")] or list(known)
-        raise ValueError(f"question {name!r} asks for no function; there are {', '.join(there)}")
+        raise ValueError(
+            f"there is no function to write in question {name!r}; there are {', '.join(there)}"
+        )
     return known[name]

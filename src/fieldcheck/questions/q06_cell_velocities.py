@@ -15,6 +15,9 @@ FAR = 1e6
 DIGITS_FAR_AWAY = 1e-7
 """What rounding of the corners explains there; squares of the coordinates are off by far more."""
 
+LEAST_DEFECT = 0.01
+"""Of normal velocities of size one; a smaller one would be known to fewer than twelve digits."""
+
 
 def triangle(random: np.random.Generator, anticlockwise: bool, size: float = 1.0) -> np.ndarray:
     """Return the corners of a triangle with three different sides, none of them short."""
@@ -75,17 +78,27 @@ def leave_the_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float
 # 06.2 and 06.3 The velocity of a cell, and what it does not explain
 
 
+def normal_velocities(random: np.random.Generator, q: np.ndarray) -> np.ndarray:
+    """Return normal velocities that no constant velocity comes near: their defect has digits."""
+    lengths = np.hypot(*(np.roll(q, -1, axis=0) - np.roll(q, 1, axis=0)).T)
+    while True:
+        v = random.normal(size=3)
+        if abs(lengths @ v) > LEAST_DEFECT * np.sqrt(lengths @ lengths):
+            return v
+
+
 def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
     """Return data at random; with a wind on top; with all velocities doubled; obtuse; small."""
     random = np.random.default_rng(seed)
-    q, v = triangle(random, True), random.normal(size=3)
-    small = triangle(random, False, 0.2)
+    q = triangle(random, True)
+    v = normal_velocities(random, q)
+    small, wide = triangle(random, False, 0.2), obtuse(random)
     return (
         Call(name, (q, v), "normal velocities at random"),
         Call(name, (q, v + shadows(q)), "the same plus those of the velocity (2, −1)"),
         Call(name, (q, -2 * v), "the same times minus two"),
-        Call(name, (obtuse(random), random.normal(size=3)), "an obtuse triangle"),
-        Call(name, (small, random.normal(size=3)), "a small triangle, clockwise"),
+        Call(name, (wide, normal_velocities(random, wide)), "an obtuse triangle"),
+        Call(name, (small, normal_velocities(random, small)), "a small triangle, clockwise"),
     )
 
 

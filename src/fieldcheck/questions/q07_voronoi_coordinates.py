@@ -15,6 +15,7 @@ from fieldcheck.question import Law, Question, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
 SLOPES = np.array([2.0, -1.0])
+LEAST_COSINE = 1e-3
 
 
 def star(random: np.random.Generator, n: int, clockwise: bool = False) -> Star:
@@ -42,6 +43,20 @@ def places_inside(
 ) -> np.ndarray:
     """Return m places well inside a cell."""
     return center + 0.8 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
+
+
+def place_for_weights(
+    random: np.random.Generator, center: np.ndarray, rim: np.ndarray, corners: np.ndarray
+) -> np.ndarray:
+    """Return a place well inside a cell, from which no way to a corner is at right angles to a
+    spoke: nobody who multiplies the two divides by rounding.
+    """
+    spokes = (rim - center) / np.linalg.norm(rim - center, axis=1, keepdims=True)
+    while True:
+        (x,) = places_inside(random, center, corners, 1)
+        ways = (corners - x) / np.linalg.norm(corners - x, axis=1, keepdims=True)
+        if np.abs(ways @ spokes.T).min() > LEAST_COSINE:
+            return x
 
 
 def on_edges(corners: np.ndarray) -> np.ndarray:
@@ -135,7 +150,7 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         (5, True, "five neighbours, listed clockwise"),
     ):
         center, rim, corners = star(random, n, clockwise)
-        (x,) = places_inside(random, center, corners, 1)
+        x = place_for_weights(random, center, rim, corners)
         calls.append(Call("weights", (center, rim, corners, x), case))
     double = tuple(2 * part for part in calls[0].arguments)
     return (*calls, Call("weights", double, "six neighbours, everything twice as large"))

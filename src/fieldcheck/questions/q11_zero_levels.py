@@ -80,8 +80,20 @@ def body(
 
 def about(random: np.random.Generator, n: int, d: int) -> np.ndarray:
     """Return places round the origin, none of them near it."""
-    x = random.normal(size=(n, d))
-    return random.uniform(0.8, 1.1, (n, 1)) * x / np.sqrt((x * x).sum(axis=1))[:, None]
+    return round_origin(random, random.normal(size=(n, d)))
+
+
+def near_diagonals(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return such places near the diagonals: no derivative vanishes there, by which a coordinate's
+    own step might be divided.
+    """
+    signs = random.choice([-1.0, 1.0], (n, d))
+    return round_origin(random, signs * random.uniform(0.7, 1.3, (n, d)))
+
+
+def round_origin(random: np.random.Generator, x: np.ndarray) -> np.ndarray:
+    """Return places in the given directions from the origin, none of them near it."""
+    return random.uniform(0.8, 1.1, (len(x), 1)) * x / np.sqrt((x * x).sum(axis=1))[:, None]
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
@@ -123,11 +135,11 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
     """Return places near a zero level, and one step, two, and enough."""
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
-    x = about(random, 6, 2)
+    x = near_diagonals(random, 6, 2)
     return (
         Call("to_surface", (x, *plane, 5), "five steps in the plane"),
         Call("to_surface", (x, *plane, 1), "one step in the plane"),
-        Call("to_surface", (about(random, 5, 3), *space, 2), "two steps in space"),
+        Call("to_surface", (near_diagonals(random, 5, 3), *space, 2), "two steps in space"),
     )
 
 

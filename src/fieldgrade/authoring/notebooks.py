@@ -16,7 +16,7 @@ import nbformat
 
 from fieldgrade.authoring.sources import REGION, Cell, Source
 from fieldgrade.digests import bytes_digest
-from fieldreport.build.pins import environment, pins
+from fieldreport.build.pinned_kernels import environment, pins
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 KEPT_METADATA = ("question", "answer", "rubric")

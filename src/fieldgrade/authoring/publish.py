@@ -12,8 +12,8 @@ from typing import cast
 
 from fieldgrade.authoring.build import solved_file
 from fieldgrade.authoring.sources import Source
-from fieldreport.build.document import NO_DATE, PDF_STANDARD, UPRIGHT_NABLA, pandoc
-from fieldreport.build.failure import BuildError
+from fieldreport.build.errors import BuildError
+from fieldreport.build.typesetting import NO_DATE, PDF_STANDARD, UPRIGHT_NABLA, pandoc
 from fieldreport.build.webfonts import font_faces
 
 TEMPLATE = Path(__file__).parent / "template"

@@ -21,7 +21,7 @@ from fieldgrade.gradebook.item_analysis import ItemStatistics, items
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldrecon.plotting.style import FULL_WIDTH, figure
-from fieldreport.build.document import Document
+from fieldreport.build.typesetting import Document
 
 TEXTS = Path(__file__).parent
 SHARED = ("filters", "template.html", "template.typ", "style.css", "references.bib")

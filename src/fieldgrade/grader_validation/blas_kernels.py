@@ -14,20 +14,19 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Any
-
-import scipy.linalg  # noqa: F401  (loads the OpenBLAS of SciPy, whose kernels are reported)
-from threadpoolctl import threadpool_info
 
 from fieldcheck.answers import Answers
 from fieldgrade.authoring.sources import Source
 from fieldgrade.grader_validation.rounding_errors import TrialKey, Verdicts, rounding_test
+from fieldrecon._core.simd_dispatch import blas_cores, dispatch, dispatched, features
 
-CORES = {"Prescott": "SSE3", "Nehalem": "SSE42", "Haswell": "AVX2", "SkylakeX": "AVX512_SKX"}
-"""Processors after which OpenBLAS names its kernels, and the instructions that these need."""
-UMATH: Any = import_module("numpy._core._multiarray_umath")
-"""The module in which NumPy reports its instruction sets; it has no public name."""
+CORES = {
+    "Prescott": {"SSE3", "X86_V2"},
+    "Nehalem": {"SSE42", "X86_V2"},
+    "Haswell": {"AVX2", "X86_V3"},
+    "SkylakeX": {"AVX512_SKX", "X86_V4"},
+}
+"""Processors after which OpenBLAS names its kernels, and what these need, by NumPy's two names."""
 CHOICES = ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES")
 NO_CHOICE = (
     "The kernels of BLAS cannot be chosen here, so no others are tried: that needs NumPy and SciPy "
@@ -94,11 +93,10 @@ class KernelRun:
 
 def settings() -> list[Setting]:
     """Return the settings of this machine: kernels of OpenBLAS, and NumPy without SIMD."""
-    names = UMATH.__cpu_dispatch__
-    plain = [Setting("all dispatched SIMD of NumPy off", {CHOICES[1]: " ".join(names)})]
+    plain = [Setting("all dispatched SIMD of NumPy off", {CHOICES[1]: " ".join(dispatch())})]
     if not has_choice_of_kernels():
         return plain
-    usable = [core for core, needed in CORES.items() if _cpu_has(needed)]
+    usable = [core for core, names in CORES.items() if names & features()]
     return [
         Setting(f"the {core} kernels of OpenBLAS", {CHOICES[0]: core}) for core in usable
     ] + plain
@@ -107,28 +105,6 @@ def settings() -> list[Setting]:
 def has_choice_of_kernels() -> bool:
     """Whether NumPy and SciPy use OpenBLAS on a processor whose kernels can be chosen by name."""
     return platform.machine() in ("x86_64", "AMD64") and all(blas_cores().values())
-
-
-def _cpu_has(feature: str) -> bool:
-    """Whether the processor has an instruction set; NumPy 2.4 has new names for groups of them."""
-    features = UMATH.__cpu_features__
-    renamed = {"SSE3": "X86_V2", "SSE42": "X86_V2", "AVX2": "X86_V3", "AVX512_SKX": "X86_V4"}
-    return bool(features.get(feature) or features.get(renamed[feature]))
-
-
-def blas_cores() -> dict[str, str]:
-    """Return for which core the OpenBLAS of NumPy and that of SciPy run; empty for another BLAS."""
-    found = [lib for lib in threadpool_info() if lib["internal_api"] == "openblas"]
-    cores = {}
-    for package in ("NumPy", "SciPy"):
-        own = [lib for lib in found if f"{package.lower()}.libs" in lib["filepath"]] or found
-        cores[package] = own[0]["architecture"] if own else ""
-    return cores
-
-
-def dispatched() -> tuple[str, ...]:
-    """Return the instruction sets to which NumPy dispatches in this process."""
-    return tuple(name for name in UMATH.__cpu_dispatch__ if UMATH.__cpu_features__.get(name))
 
 
 def run(setting: Setting, request: JudgeRequest) -> KernelRun:

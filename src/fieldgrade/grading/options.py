@@ -7,8 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from fieldgrade.grading.run import Choice, GradingRun, chosen_tier, cores
+from fieldgrade.grading.run import Choice, GradingRun, chosen_tier
 from fieldgrade.isolation.server import TIERS
+from fieldrecon._core.worker_processes import available_cores
 
 TABLES = Path("class")
 
@@ -46,7 +47,7 @@ def declare(add: Callable[..., Any]) -> None:
     add(
         "--jobs",
         type=jobs,
-        default=cores(),
+        default=available_cores(),
         metavar="N",
         help="submissions at once (default: one for each core)",
     )

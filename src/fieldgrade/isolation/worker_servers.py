@@ -16,7 +16,7 @@ from typing import TypeVar
 from threadpoolctl import threadpool_limits
 
 from fieldgrade.isolation.server import GraderError, Limits, Server, Tier
-from fieldrecon._core.worker_processes import Processes
+from fieldrecon._core.worker_processes import WorkerPool
 
 T = TypeVar("T")
 
@@ -131,7 +131,7 @@ def worker_pool(count: int) -> Iterator[Executor]:
         return
     over, block = Pipe(duplex=False)
     begin = partial(_begin, over, _cores_for_each(count))
-    processes = Processes(count, begin=begin, end=close)
+    processes = WorkerPool(count, begin=begin, end=close)
     try:
         yield processes
     finally:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import tempfile
 from collections import deque
@@ -16,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fieldrecon._core.blas_threads import one_blas_thread
+from fieldrecon._core.worker_processes import available_cores
 
 Progress = Callable[[int, int], object]
 Result = TypeVar("Result")
@@ -50,7 +50,7 @@ def chunked(
     )
     pending: deque[tuple[slice, Future[Result]]] = deque()
     done, ahead = 0, iter(slices)
-    with pool as workers, _at_hand(partial(_on_one_thread, work), executor) as work_there:
+    with pool as workers, _shared_work(partial(_on_one_thread, work), executor) as work_there:
         try:
             while True:
                 while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
@@ -68,13 +68,13 @@ def chunked(
                 future.cancel()
 
 
-def passes(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:
-    """Yield, for each of so many passes over `total` things, what tells `progress` of it."""
+def split_progress(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:
+    """Yield a progress callable for each of `number` passes over `total` things."""
     for before in range(number):
-        yield progress and partial(_told_of_pass, progress, total, before, number)
+        yield progress and partial(_pass_progress, progress, total, before, number)
 
 
-def _told_of_pass(
+def _pass_progress(
     progress: Progress, total: int, before: int, number: int, done: int, of: int
 ) -> None:
     progress(total * (before * of + done) // (number * of), total)
@@ -87,16 +87,16 @@ def _on_one_thread(work: Callable[[np.ndarray], Result], x: np.ndarray) -> Resul
 
 
 @contextmanager
-def _at_hand(
+def _shared_work(
     work: Callable[[np.ndarray], Result], executor: Executor | None
 ) -> Iterator[Callable[[np.ndarray], Result]]:
-    """The work as threads take it; for processes, in a file until all is done.
+    """Yield the work for threads as it is, for processes as a file that is deleted at the end.
 
-    An executor that has a place of its own for it says so by `holding`.
+    An executor that shares work in its own way has a method `shared_work`.
     """
-    holding = getattr(executor, "holding", None)
-    if holding is not None:
-        with holding(work) as held:
+    shared_work = getattr(executor, "shared_work", None)
+    if shared_work is not None:
+        with shared_work(work) as held:
             yield held
         return
     if not isinstance(executor, ProcessPoolExecutor):
@@ -131,7 +131,5 @@ class Inline(Executor):
 
 
 def _threads(chunks: int) -> Executor:
-    cores = (
-        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    )
-    return Inline() if min(chunks, cores) <= 1 else ThreadPoolExecutor(min(chunks, cores))
+    workers = min(chunks, available_cores())
+    return Inline() if workers <= 1 else ThreadPoolExecutor(workers)

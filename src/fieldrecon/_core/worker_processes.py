@@ -14,6 +14,13 @@ from multiprocessing.context import BaseContext
 from typing import Any
 
 
+def available_cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def prepare(modules: Sequence[str]) -> None:
     """Begin to import modules for the processes to come; this does not wait for it."""
     if sys.platform == "linux":
@@ -39,7 +46,7 @@ def _nothing() -> None:
     """Do it."""
 
 
-class Processes(ProcessPoolExecutor):
+class WorkerPool(ProcessPoolExecutor):
     """Fresh processes, started as there is work for them.
 
     Parameters

@@ -22,7 +22,7 @@ Cuts: TypeAlias = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True)
-class Boxes:
+class KDPartition:
     """A few slabs, each halved across the longest side again and again; they fill all space.
 
     Attributes
@@ -43,7 +43,9 @@ class Boxes:
     sites: np.ndarray
 
     @classmethod
-    def around(cls, points: np.ndarray, size: float, progress: Progress | None = None) -> Boxes:
+    def around(
+        cls, points: np.ndarray, size: float, progress: Progress | None = None
+    ) -> KDPartition:
         """Boxes of so many of the sites (n, d) or fewer, but not by more than a fifth."""
         number, levels = _slabs_and_levels(len(points) / size)
         across = int(np.argmax(points.max(axis=0) / 2 - points.min(axis=0) / 2))
@@ -52,7 +54,7 @@ class Boxes:
         *halvings, sites = zip(*(part for _, part in parts), strict=True)
         return cls(across, cuts, [_joined(level) for level in halvings], np.concatenate(sites))
 
-    def in_order(self) -> tuple[Boxes, np.ndarray]:
+    def in_order(self) -> tuple[KDPartition, np.ndarray]:
         """The same boxes for sites renumbered so that neighbours follow each other; the order."""
         there = self.sites >= 0
         sites = np.full_like(self.sites, -1)

@@ -9,6 +9,8 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.validation import as_count
+
 
 @dataclass(frozen=True)
 class Neighborhood:
@@ -41,36 +43,19 @@ def as_neighbors(neighbors: int | None, n: int) -> int | None:
     """A number of neighbours that leaves one of n sites to set the scale, or None for all."""
     if neighbors is None:
         return None
-    if (
-        isinstance(neighbors, bool)
-        or not isinstance(neighbors, int | np.integer)
-        or not 1 <= neighbors < n
-    ):
-        raise ValueError(
-            f"neighbors must be an integer from 1 to {n - 1}, fewer than the {n} points, or None "
-            f"for all of them; got {neighbors!r}"
-        )
-    return int(neighbors)
+    wanted = f"an integer from 1 to {n - 1}, fewer than the {n} points, or None for all of them"
+    return as_count(neighbors, "neighbors", 1, n - 1, wanted)
 
 
-def places(sites: np.ndarray) -> np.ndarray:
-    """Number of its place for each site (n,): the same for sites that coincide."""
-    order = np.lexsort(sites.T)
-    elsewhere = (np.diff(sites[order], axis=0) != 0).any(axis=1)
-    place = np.empty(len(sites), dtype=int)
-    place[order] = np.concatenate([[0], np.cumsum(elsewhere)])
-    return place
-
-
-def gathered(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For each of (m, k) places: the column of the first like it in its row, and how many are."""
-    order = np.argsort(place, axis=1, kind="stable")
-    ordered = np.take_along_axis(place, order, axis=1)
+def group_rows(label: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each of (m, k) labels: the column of the first equal one in its row, and their number."""
+    order = np.argsort(label, axis=1, kind="stable")
+    ordered = np.take_along_axis(label, order, axis=1)
     new = np.diff(ordered, axis=1, prepend=-1) != 0
-    start = np.maximum.accumulate(np.where(new, np.arange(place.shape[1]), 0), axis=1)
+    start = np.maximum.accumulate(np.where(new, np.arange(label.shape[1]), 0), axis=1)
     lead, count = np.empty_like(order), np.zeros_like(order)
     np.put_along_axis(lead, order, np.take_along_axis(order, start, axis=1), axis=1)
-    np.add.at(count, (np.arange(len(place))[:, None], lead), 1)
+    np.add.at(count, (np.arange(len(label))[:, None], lead), 1)
     return lead, np.take_along_axis(count, lead, axis=1)
 
 

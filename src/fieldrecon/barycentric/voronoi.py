@@ -82,7 +82,7 @@ class VoronoiCell(ConvexCoordinates):
         faces = faces.reshape(opposite.shape)
         self._center = mesh.points[i]
         edges = mesh.points[neighbors] - self._center
-        self._unit = power_of_two_above(float(np.abs(edges).max()))
+        self._unit = float(power_of_two_above(np.abs(edges).max()))
         edges /= self._unit
         normals = edges / (edges**2).sum(axis=1)[:, None]
         centers = simplices.circumcenters(mesh.points[star])
@@ -178,7 +178,7 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
     def work(which: np.ndarray) -> np.ndarray:
         part = parts[which[0]]
         places = pointer[part, None] + np.arange(pointer[part[0] + 1] - pointer[part[0]])
-        weights[places], lost = valid.without_warnings(
+        weights[places], lost = valid.quiet_evaluate(
             weights_of_cells, mesh, vertex[part], rows[part], cells[places]
         )
         return part[lost]
@@ -186,7 +186,7 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
     lost = [pairs for _, pairs in chunked(work, np.arange(len(parts)), 1)]
     _alone(mesh, vertex, rows, np.concatenate([*lost, np.zeros(0, np.intp)]), weights, pointer)
     h = sparse.csr_array((weights, cells, pointer), shape=(len(rows), len(mesh.cells)))
-    return valid.finite_rows(h, rows)
+    return valid.check_finite(h, rows)
 
 
 def _empty(mesh: SimplexMesh, vertex: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -263,7 +263,7 @@ def weights_of_cells(
     neighbors, present, faces = _ranked(opposite)
     center = mesh.points[vertices]
     edges = mesh.points.take(neighbors, axis=0) - center[:, None]
-    unit = np.exp2(np.frexp(np.abs(edges).max(axis=(1, 2)))[1])
+    unit = power_of_two_above(np.abs(edges).max(axis=(1, 2)))
     edges /= unit[:, None, None]
     normals = edges / np.einsum("gfd,gfd->gf", edges, edges)[..., None]
     y = (x - center) / unit[:, None]

@@ -23,10 +23,10 @@ from fieldrecon.methods.globe import OnGlobe, to_unit
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 from fieldrecon.pipelines.survey import Outcome
 from fieldrecon.reconstruction import Field, Reconstruction
-from fieldrecon.selection.cross_validation import NO_FIELD, Judge, Trial, best
+from fieldrecon.selection.cross_validation import NO_FIELD, CrossValidator, ModelScore, best
 from fieldrecon.selection.extrapolation import extrapolated
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldrecon.selection.models import CANDIDATES
+from fieldrecon.selection.models import MODELS
 from fieldrecon.selection.prediction_intervals import ErrorEstimate
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--method",
         default="best",
         metavar="NAME",
-        help=f"{', '.join(CANDIDATES)}, or best (the "
+        help=f"{', '.join(MODELS)}, or best (the "
         "default): the one that misses left-out samples least",
     )
     where = parser.add_mutually_exclusive_group()
@@ -110,9 +110,9 @@ def _outputs(options: argparse.Namespace) -> tuple[Path | None, list[str]]:
     """Find the file that is wanted, None for a folder, and the formats; refuse what cannot be."""
     if (options.samples is None) == (options.load is None):
         raise ValueError("give either a table of samples or --load with a field")
-    if options.method not in {"best", *CANDIDATES}:
+    if options.method not in {"best", *MODELS}:
         raise ValueError(
-            f"there is no method {options.method!r}; there are best, {', '.join(CANDIDATES)}"
+            f"there is no method {options.method!r}; there are best, {', '.join(MODELS)}"
         )
     suffix = options.out.suffix
     file = options.out if re.fullmatch(r"\.[A-Za-z]\w*", suffix) else None
@@ -132,10 +132,10 @@ def _outcome(options: argparse.Namespace, stage: Stage) -> Outcome:
     sites = to_unit(samples.points) if samples.lonlat else samples.points
     places = _places(options, samples)
     if loaded is None:
-        judge = Judge.of(sites, samples.values)
+        judge = CrossValidator.of(sites, samples.values)
         trials = _trials(judge, options.method, stage)
         chosen, (field, values) = best(trials, lambda t: _values(t, samples, places, stage))
-        judged = judge.judged
+        judged = judge.n_held_out
     else:
         field, trials, chosen, judged = loaded, [], None, 0
         values = field(places.points, progress=stage("evaluating"))
@@ -174,13 +174,13 @@ def _loaded(options: argparse.Namespace) -> tuple[Samples, Field]:
     return Samples(given, points, values, isinstance(field.method, OnGlobe)), field
 
 
-def _trials(judge: Judge, method: str, stage: Stage) -> list[Trial]:
+def _trials(judge: CrossValidator, method: str, stage: Stage) -> list[ModelScore]:
     """Judge the method that is asked for, or all."""
-    asked_for = method in CANDIDATES
-    candidates = [CANDIDATES[method]] if asked_for else [*CANDIDATES.values()]
+    asked_for = method in MODELS
+    candidates = [MODELS[method]] if asked_for else [*MODELS.values()]
     progress, trials = stage("choosing a method"), []
     for done, candidate in enumerate(candidates, 1):
-        trials.append(judge.trial(candidate, asked_for))
+        trials.append(judge.evaluate(candidate, asked_for))
         progress(done, len(candidates))
     return trials
 
@@ -195,12 +195,12 @@ def _places(options: argparse.Namespace, samples: Samples) -> Places:
 
 
 def _values(
-    trial: Trial, samples: Samples, places: Places, stage: Stage
+    trial: ModelScore, samples: Samples, places: Places, stage: Stage
 ) -> tuple[Field, np.ndarray]:
     """Fit the method of a trial to all samples, and evaluate it."""
     if trial.maker is None:
         raise ValueError(trial.reason)
-    patches = trial.candidate.family == "PU"
+    patches = trial.model.family == "PU"
     progress = stage("making patches" if patches else "fitting")
     maker: Callable[..., Reconstruction] = trial.maker
     if patches:

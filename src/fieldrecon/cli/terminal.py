@@ -58,14 +58,14 @@ def stages() -> Iterator[Callable[[str], Callable[[int, int], None]]]:
 def print_outcome(outcome: Outcome) -> None:
     """Print how each method did, what was evaluated, and what a reader should beware of."""
     tried = [t for t in outcome.ranked if t.residuals is not None]
-    rows = [(t.candidate.name, t.candidate.meaning, t.rms, t.largest) for t in tried]
+    rows = [(t.model.name, t.model.meaning, t.rms, t.largest) for t in tried]
     name, count = outcome.samples.names[-1], len(outcome.samples.points)
     if rows:
         title = f"{name} at {count} points: error when each of {outcome.judged} is left out"
         print_table(("method", "what it is", "rms error", "largest error"), rows, title=title)
     for t in outcome.trials:
         if t.residuals is None:
-            say(f"{t.candidate.name}: {t.reason}.")
+            say(f"{t.model.name}: {t.reason}.")
     for remark in outcome.remarks:
         say(remark)
     say(f"Evaluated: {outcome.method}.")

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon.coupling.transfer import Coupling, Transfer, applied, as_surface
-from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.reconstruction import Reconstruction
 
@@ -122,7 +122,7 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     Examples
     --------
     >>> import numpy as np
-    >>> from fieldrecon.coupling.rigid_motions import net_force_and_moment
+    >>> from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
     >>> plate = np.pad(np.indices((4, 6)).reshape(2, -1).T * 1.0, ((0, 0), (0, 1)))
     >>> skin = plate + [0.2, 0.3, 0.5]
     >>> coupling = couple(plate, skin)

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fieldrecon._core import validation as valid
-from fieldrecon.coupling.rigid_motions import as_vectors, net_force_and_moment, rigid_motions
+from fieldrecon.coupling.rigid_body_motions import as_vectors, net_force_and_moment, rigid_motions
 from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon._core.extras import remedy
+from fieldrecon._core.validation import as_count
 
 _SAMPLE = "jacksboro_fault_dem.npz"
 
@@ -61,10 +62,7 @@ class Terrain:
         heights : ndarray of shape (m,)
             The level on which each point lies.
         """
-        if isinstance(spacing, bool) or not isinstance(spacing, int | np.integer) or spacing < 1:
-            raise ValueError(
-                f"spacing must be a whole number of metres, 1 or more; got {spacing!r}"
-            )
+        as_count(spacing, "spacing", wanted="a whole number of metres, 1 or more")
         if not (np.isfinite(apart) and apart >= 0):
             raise ValueError(f"apart must be zero or a positive number of metres; got {apart!r}")
         nodes = self.points.reshape(*self.height.shape, 2)

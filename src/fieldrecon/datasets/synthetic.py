@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fieldrecon._core.validation import as_queries
+from fieldrecon._core.validation import as_count, as_queries
 from fieldrecon.datasets.elevation import Terrain, terrain
 
 __all__ = [
@@ -40,7 +40,7 @@ def uniform(n: int, d: int, seed: Seed) -> np.ndarray:
     -------
     ndarray of shape (n, d)
     """
-    return np.random.default_rng(seed).random((_count(n, "n"), _count(d, "d")))
+    return np.random.default_rng(seed).random((as_count(n, "n"), as_count(d, "d")))
 
 
 def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
@@ -73,8 +73,8 @@ def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
     # scipy.stats takes longer to import than all the rest of this package
     from scipy.stats import qmc
 
-    sequence = qmc.Halton(_count(d, "d"), scramble=seed is not None, rng=seed)
-    return sequence.random(_count(n, "n"))
+    sequence = qmc.Halton(as_count(d, "d"), scramble=seed is not None, rng=seed)
+    return sequence.random(as_count(n, "n"))
 
 
 def jittered_grid(side: int, d: int, jitter: float, seed: Seed) -> np.ndarray:
@@ -101,7 +101,7 @@ def jittered_grid(side: int, d: int, jitter: float, seed: Seed) -> np.ndarray:
     """
     if not 0 <= jitter <= 1:
         raise ValueError(f"jitter must be between 0 and 1; got {jitter!r}")
-    cells = np.indices((_count(side, "side"),) * _count(d, "d")).reshape(d, -1).T
+    cells = np.indices((as_count(side, "side"),) * as_count(d, "d")).reshape(d, -1).T
     offsets = jitter * (uniform(len(cells), d, seed) - 0.5)
     return (cells + 0.5 + offsets) / side
 
@@ -128,8 +128,9 @@ def clustered(n: int, d: int, clusters: int, spread: float, seed: Seed) -> np.nd
     if not (np.isfinite(spread) and spread > 0):
         raise ValueError(f"spread must be a positive number; got {spread!r}")
     rng = np.random.default_rng(seed)
-    centres = uniform(_count(clusters, "clusters"), d, rng)
-    x = centres[rng.integers(clusters, size=_count(n, "n"))] + spread * rng.standard_normal((n, d))
+    centres = uniform(as_count(clusters, "clusters"), d, rng)
+    own = centres[rng.integers(clusters, size=as_count(n, "n"))]
+    x = own + spread * rng.standard_normal((n, d))
     return 1 - np.abs(1 - x % 2)
 
 
@@ -174,7 +175,7 @@ def power_of_sum(n: int) -> AnalyticField:
     ----------
     Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 40).
     """
-    n = _count(n, "n", least=0)
+    n = as_count(n, "n", 0)
 
     def values(x: ArrayLike) -> np.ndarray:
         return _points(x).sum(axis=-1) ** n
@@ -225,9 +226,3 @@ R. Franke, Scattered data interpolation: tests of some methods, Mathematics of C
 
 def _points(x: ArrayLike) -> np.ndarray:
     return as_queries(x, np.shape(x)[-1] if np.ndim(x) else 1)
-
-
-def _count(n: int, name: str, least: int = 1) -> int:
-    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < least:
-        raise ValueError(f"{name} must be a whole number, {least} or more; got {n!r}")
-    return int(n)

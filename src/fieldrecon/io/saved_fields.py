@@ -25,30 +25,31 @@ from typing import Any
 
 import numpy as np
 
+from fieldrecon import kernels, methods
 from fieldrecon._core.atomic_files import whole_file
-from fieldrecon.kernels import positive_definite, radial
-from fieldrecon.methods.globe import OnGlobe
-from fieldrecon.methods.least_squares import LeastSquares
-from fieldrecon.methods.moving_least_squares import MovingLeastSquares
-from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldrecon.methods.rbf import RBF
+from fieldrecon.kernels import Radial
 from fieldrecon.reconstruction import Field, Reconstruction
 
 FORMAT, VERSION = "fieldrecon field", 1
 
-_ARGUMENTS: Mapping[type[Reconstruction], tuple[str, ...]] = {
-    LeastSquares: ("degree",),
-    MovingLeastSquares: ("weight", "degree", "neighbors"),
-    RBF: ("kernel", "degree", "smoothing"),
-    PartitionOfUnityRBF: ("kernel", "degree", "patch_size", "smoothing"),
-    OnGlobe: ("method",),
+
+def _is_made_from_points(method: object) -> bool:
+    if not (isinstance(method, type) and issubclass(method, Reconstruction)):
+        return False
+    try:
+        method._argument_names()
+    except TypeError:
+        return False
+    return True
+
+
+_METHODS: Mapping[str, type[Reconstruction]] = {
+    name: method for name, method in vars(methods).items() if _is_made_from_points(method)
 }
-_METHODS = {method.__name__: method for method in _ARGUMENTS}
-_KERNELS: Mapping[str, type[radial.Radial]] = {
-    kernel.__name__: kernel
-    for module in (radial, positive_definite)
-    for kernel in vars(module).values()
-    if is_dataclass(kernel) and isinstance(kernel, type) and issubclass(kernel, radial.Radial)
+_KERNELS: Mapping[str, type[Radial]] = {
+    name: kernel
+    for name, kernel in vars(kernels).items()
+    if is_dataclass(kernel) and isinstance(kernel, type) and issubclass(kernel, Radial)
 }
 
 
@@ -143,22 +144,25 @@ def description(method: Reconstruction) -> dict[str, Any]:
     TypeError
         If method or kernel is not one of the library's.
     """
-    if type(method) not in _ARGUMENTS:
-        raise TypeError(f"a field of {type(method).__name__} cannot be saved; known methods can")
-    arguments = {name: _argument(getattr(method, name)) for name in _ARGUMENTS[type(method)]}
-    if isinstance(method, PartitionOfUnityRBF):
-        arguments["degree"] = method._levels[0].systems[0].degree  # as asked for, not what is left
-    return {"name": type(method).__name__} | arguments
+    name = type(method).__name__
+    try:
+        arguments = method._arguments()
+    except TypeError as error:
+        raise TypeError(f"a field of {name} cannot be saved: {error}") from None
+    if _METHODS.get(name) is not type(method):
+        raise TypeError(f"a field of {name} cannot be saved: fieldrecon.methods has no {name}")
+    return {"name": name} | {key: _argument(value) for key, value in arguments.items()}
 
 
 def _argument(value: Any) -> Any:
     if isinstance(value, Reconstruction):
         return description(value)
-    if not isinstance(value, radial.Radial):
+    if not isinstance(value, Radial):
         return value
-    if _KERNELS.get(type(value).__name__) is not type(value):
-        raise TypeError(f"a field with {type(value).__name__} cannot be saved; known kernels can")
-    return {"name": type(value).__name__} | asdict(value)  # type: ignore[call-overload]
+    name = type(value).__name__
+    if _KERNELS.get(name) is not type(value):
+        raise TypeError(f"a field with {name} cannot be saved: fieldrecon.kernels has no {name}")
+    return {"name": name} | asdict(value)  # type: ignore[call-overload]
 
 
 def _plain(number: Any) -> Any:
@@ -167,20 +171,22 @@ def _plain(number: Any) -> Any:
 
 
 def _method(described: Mapping[str, Any], points: np.ndarray) -> Reconstruction:
-    arguments = dict(described)
-    method = _known(_METHODS, arguments.pop("name"))
-    wanted = set(_ARGUMENTS[method])
-    if set(arguments) != wanted:
-        got = sorted(arguments)
-        raise ValueError(f"{method.__name__} is made with {sorted(wanted)}; got {got}")
-    if method is OnGlobe:
-        return OnGlobe(points, partial(_method, arguments["method"]))
-    for name in wanted & {"kernel", "weight"}:
-        arguments[name] = _kernel(arguments[name])
-    return method(points, **arguments)
+    given = dict(described)
+    method = _known(_METHODS, given.pop("name"))
+    wanted = sorted(method._argument_names())
+    if sorted(given) != wanted:
+        raise ValueError(f"{method.__name__} is made with {wanted}; got {sorted(given)}")
+    return method._made(points, **{name: _restored(value) for name, value in given.items()})
 
 
-def _kernel(described: Mapping[str, Any]) -> radial.Radial:
+def _restored(value: Any) -> Any:
+    """An argument from its description: a kernel, a function of points to a method, or itself."""
+    if not isinstance(value, Mapping):
+        return value
+    return partial(_method, value) if value.get("name") in _METHODS else _kernel(value)
+
+
+def _kernel(described: Mapping[str, Any]) -> Radial:
     parameters = dict(described)
     kernel = _known(_KERNELS, parameters.pop("name"))
     wanted = {f.name for f in fields(kernel)}

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
+from fieldrecon._core.duplicates import refuse_coincident
 from fieldrecon.meshes import simplices
 
 _TIE = 1e-5
@@ -37,7 +38,7 @@ def delaunay_cells(points: np.ndarray) -> np.ndarray:
         If the extent of the points exceeds the range of floating-point numbers.
     """
     _refuse_too_few(points)
-    _refuse_repeated(points)
+    refuse_coincident(points, "points must be distinct; these coincide: {pairs}")
     local = _in_local_frame(points)
     try:
         cells = _cells_without_flat_ones(points, local)
@@ -105,15 +106,6 @@ def _refuse_too_few(points: np.ndarray) -> None:
     n, d = points.shape
     if n <= d:
         raise ValueError(f"points must be at least {d + 1} for a mesh in {d} dimensions; got {n}")
-
-
-def _refuse_repeated(points: np.ndarray) -> None:
-    order = np.lexsort(points.T[::-1])
-    same = np.flatnonzero((points[order[1:]] == points[order[:-1]]).all(axis=1))
-    if len(same):
-        i, j = sorted((int(order[same[0]]), int(order[same[0] + 1])))
-        more = f", and {len(same) - 1} more repeat another" if len(same) > 1 else ""
-        raise ValueError(f"points must be distinct; points {i} and {j} coincide{more}")
 
 
 def _refuse_cracks(points: np.ndarray, cells: np.ndarray, open_sides: np.ndarray) -> None:

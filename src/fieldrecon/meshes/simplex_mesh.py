@@ -204,8 +204,7 @@ class SimplexMesh:
         >>> mesh.cells_around(1).sum(axis=1).tolist(), mesh.cells_around(2).sum(axis=1).tolist()
         ([1, 2, 2, 1], [2, 2, 2, 2])
         """
-        if isinstance(rings, bool) or not isinstance(rings, int | np.integer) or rings < 1:
-            raise ValueError(f"rings must be an integer, 1 or more; got {rings!r}")
+        valid.as_count(rings, "rings")
         at = self.vertex_cell_incidence
         around = at if vertices is None else at[self._as_vertices(vertices)]
         for _ in range(rings - 1):

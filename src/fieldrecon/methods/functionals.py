@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon.kernels.derivatives import descent
-from fieldrecon.kernels.radial import Radial
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.derivatives import radial_derivative
 from fieldrecon.polynomials import Frame, monomial_gradients, monomial_laplacians, monomials
 
 
@@ -91,7 +91,7 @@ class Functionals:
             return total
         along = sum(self.gradient[:, k, None] * z for k, z in enumerate(offsets))
         against = sum(others.gradient[:, k] * z for k, z in enumerate(offsets))
-        phi = [np.zeros_like(s) if j > top else descent(kernel, s, j) for j in range(5)]
+        phi = [np.zeros_like(s) if j > top else radial_derivative(kernel, s, j) for j in range(5)]
         a, c = self.value[:, None], self.laplacian[:, None]
         total += (along * others.value - a * against) * phi[1]
         total -= self.gradient @ others.gradient.T * phi[1] + along * against * phi[2]

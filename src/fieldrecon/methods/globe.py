@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon._core import validation as valid
+from fieldrecon._core.chunks import Progress
 from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 
@@ -120,6 +121,9 @@ class OnGlobe(Reconstruction):
         """
         values = valid.as_values(values, len(self.points))
         return Field(self, values, lambda columns: self.method.field(columns, **how)._prepared)
+
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
+        return self.method._leave_one_out(values, progress)
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
         return self.method._weight_rows(to_unit(x))

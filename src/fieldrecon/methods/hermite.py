@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import rows_of
+from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.saddle_point import SaddlePoint
+from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import smoothness
-from fieldrecon.kernels.radial import Radial
 from fieldrecon.methods.functionals import Functionals, derivatives_at, together, values_at
 from fieldrecon.methods.solvability import (
     as_augmentation,
@@ -61,7 +62,7 @@ class HermiteRBF(Reconstruction):
 
     Examples
     --------
-    >>> from fieldrecon.kernels.radial import polyharmonic
+    >>> from fieldrecon.kernels import polyharmonic
     >>> method = HermiteRBF(
     ...     [values_at([[0, 0]]), derivatives_at([[0, 0], [1, 0]], [[1, 0], [0, 1]])],
     ...     polyharmonic(3),
@@ -93,7 +94,7 @@ class HermiteRBF(Reconstruction):
         self._unit_kernel = as_finite(kernel.in_units(self._frame.scale))
         a = self._of_kernel(self._local)
         self._largest = abs(within_range(a, f"derivatives of {kernel!r}")).max()
-        self._system = valid.without_warnings(SaddlePoint, np.asfortranarray(a), p)
+        self._system = valid.quiet_evaluate(SaddlePoint, np.asfortranarray(a), p)
 
     def field(self, values: ArrayLike) -> HermiteField:
         """Field of these data.
@@ -132,7 +133,7 @@ class HermiteRBF(Reconstruction):
         """
         asked = self._as_asked(functionals)
         self._refuse_if_too_large(len(asked))
-        return valid.finite_rows(valid.without_warnings(self._weights_of, asked), asked.points)
+        return valid.check_finite(valid.quiet_evaluate(self._weights_of, asked), asked.points)
 
     def _as_asked(self, functionals: Functionals | Sequence[Functionals]) -> Functionals:
         asked = together(functionals)
@@ -147,7 +148,7 @@ class HermiteRBF(Reconstruction):
         return asked
 
     def _of_kernel(self, local: Functionals) -> np.ndarray:
-        return valid.without_warnings(local.of_kernel, self._local, self._unit_kernel)
+        return valid.quiet_evaluate(local.of_kernel, self._local, self._unit_kernel)
 
     def _weights_of(self, asked: Functionals) -> np.ndarray:
         local, size = asked.in_frame(self._frame)
@@ -234,8 +235,8 @@ class HermiteField(Field):
         rows = self.method._chunk_rows(int(np.prod(self._shape, dtype=int)))
         for start in range(0, len(asked), rows):
             part = asked[start : start + rows]
-            values = valid.without_warnings(self.method._applied, part, self._prepared)
-            values = valid.finite_rows(values, part.points)
+            values = valid.quiet_evaluate(self.method._applied, part, self._prepared)
+            values = valid.check_finite(values, part.points)
             result[start : start + rows] = values.reshape((len(part), *self._shape))
         return result
 
@@ -251,9 +252,9 @@ def _refuse_a_rough_kernel(kernel: Radial, order: int) -> None:
 def _refuse_dependent(local: Functionals) -> None:
     """Functionals at one point that say the same, or of which one follows from the others."""
     rows = np.column_stack([local.value, local.gradient, local.laplacian])
-    _, group = np.unique(local.points + 0.0, axis=0, return_inverse=True)
-    order = np.argsort(group.ravel(), kind="stable")
-    starts = np.flatnonzero(np.diff(group.ravel()[order], prepend=-1))
+    group = coincidence_labels(local.points)
+    order = np.argsort(group, kind="stable")
+    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
     for members in np.split(order, starts[1:]):
         if len(members) > 1 and np.linalg.matrix_rank(rows[members]) < len(members):
             which = ", ".join(str(i) for i in members[:5])

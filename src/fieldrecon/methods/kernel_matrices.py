@@ -18,7 +18,7 @@ from scipy.spatial.distance import cdist
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon._numerics.saddle_point import SaddlePoint, SparseSaddlePoint, entries_of_factor
-from fieldrecon.kernels.radial import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.methods.solvability import refuse_beyond_memory, within_range
 
 TILE = 1024
@@ -55,11 +55,11 @@ class AllPairs:
         for part, block in chunked(self._rows, np.arange(n), rows_of(64 * n)):
             a[part.start :, part] = block.T
         a[np.diag_indices_from(a)] += smoothing
-        return valid.without_warnings(SaddlePoint, a, p)
+        return valid.quiet_evaluate(SaddlePoint, a, p)
 
     def _rows(self, rows: np.ndarray) -> np.ndarray:
         squared = cdist(self.sites[rows], self.sites[rows[0] :], "sqeuclidean")
-        values = valid.without_warnings(self.kernel.of_squared, squared)
+        values = valid.quiet_evaluate(self.kernel.of_squared, squared)
         return within_range(values, f"values of {self.kernel!r}")
 
     def values(self, x: np.ndarray) -> Iterator[tuple[slice, Block]]:

@@ -179,6 +179,10 @@ class NaturalCubicSpline(Reconstruction):
         beta = self._frame.global_coefficients(beta, 1)
         return (unit * alpha).reshape((-1, *shape)), beta.reshape((2, *shape))
 
+    @classmethod
+    def _argument_names(cls) -> list[str]:
+        raise TypeError("NaturalCubicSpline is not made from points (n, d): they have no axis")
+
     def _queries(self, x: ArrayLike) -> np.ndarray:
         return super()._queries(np.asarray(x)[..., None])
 

@@ -10,7 +10,7 @@ from fieldrecon.io.saved_fields import description
 from fieldrecon.io.tables import csv_bytes
 from fieldrecon.pages.one_page import page
 from fieldrecon.pipelines.survey import Outcome
-from fieldrecon.selection.cross_validation import Trial
+from fieldrecon.selection.cross_validation import ModelScore
 
 METHODS = ("method", "what it is", "rms error", "largest error", "remark")
 
@@ -46,9 +46,9 @@ def methods_csv(outcome: Outcome) -> bytes:
     return csv_bytes(METHODS, (_method_row(trial) for trial in outcome.ranked))
 
 
-def _method_row(trial: Trial) -> tuple[object, ...]:
+def _method_row(trial: ModelScore) -> tuple[object, ...]:
     errors = ("", "") if trial.residuals is None else (trial.rms, trial.largest)
-    return trial.candidate.name, trial.candidate.meaning, *errors, trial.reason
+    return trial.model.name, trial.model.meaning, *errors, trial.reason
 
 
 def _methods(outcome: Outcome) -> str:
@@ -57,8 +57,8 @@ def _methods(outcome: Outcome) -> str:
         return ""
     rows = "".join(
         f"<tr{' class=chosen' if trial is outcome.chosen else ''}>"
-        + _cells([trial.candidate.name])
-        + f'<td class="words">{escape(trial.candidate.meaning)}</td>'
+        + _cells([trial.model.name])
+        + f'<td class="words">{escape(trial.model.meaning)}</td>'
         + (
             f'<td class="words" colspan="2">{escape(trial.reason)}</td>'
             if trial.residuals is None

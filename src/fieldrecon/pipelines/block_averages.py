@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._numerics.kd_partition import Boxes
+from fieldrecon._numerics.kd_partition import KDPartition
 
 
 def block_means(points: ArrayLike, values: ArrayLike, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -53,11 +53,10 @@ def block_means(points: ArrayLike, values: ArrayLike, count: int) -> tuple[np.nd
     """
     points = valid.as_points(points)
     values = valid.as_values(values, len(points))
-    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
-        raise ValueError(f"count must be a positive integer; got {count!r}")
+    valid.as_count(count, "count", wanted="a positive integer")
     if count > len(points):
         raise ValueError(f"count must be at most {len(points)}, the number of points; got {count}")
-    sites = Boxes.around(points, len(points) / count).sites
+    sites = KDPartition.around(points, len(points) / count).sites
     there = sites >= 0
     held = there.sum(axis=1)
     starts = (np.cumsum(held) - held)[held > 0]

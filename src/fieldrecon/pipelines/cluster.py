@@ -41,7 +41,7 @@ class Cluster(Executor):
         self._client = client
 
     @contextmanager
-    def holding(self, work: Callable[[np.ndarray], Any]) -> Iterator[Any]:
+    def shared_work(self, work: Callable[[np.ndarray], Any]) -> Iterator[Any]:
         """The work on every worker, until all chunks are done."""
         held = self._client.scatter(work, broadcast=True, hash=False)
         try:
@@ -50,7 +50,7 @@ class Cluster(Executor):
             held.release()
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
-        """Start a task, whose future is Dask's; `fn` may be what `holding` gave."""
+        """Start a task, whose future is Dask's; `fn` may be what `shared_work` gave."""
         return self._client.submit(_call, fn, *args, pure=False, **kwargs)
 
 

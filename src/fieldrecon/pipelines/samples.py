@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fieldrecon._core.chunks import Progress
+from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon.io.tables import BadRow, Wanted, bare_name, chosen_columns, read_table
 from fieldrecon.methods.globe import principal
 
@@ -199,23 +200,19 @@ def _count(count: int, what: str) -> str:
 
 def _merged(samples: partial[Samples], points: np.ndarray, values: np.ndarray) -> Samples:
     """Give each point once, in the order of the file, with the mean of its values."""
-    order = np.lexsort(points.T)
-    ordered, own = points[order], values[order]
-    new = np.append(True, (ordered[1:] != ordered[:-1]).any(axis=1))
-    start = np.flatnonzero(new)
+    label = coincidence_labels(points)
+    order = np.argsort(label, kind="stable")
+    start = np.searchsorted(label[order], np.arange(label.max() + 1))
     if len(start) == len(points):
         return samples(points=points, values=values)
-    count = np.diff(np.append(start, len(points)))
+    own, count = values[order], np.diff(np.append(start, len(points)))
     with np.errstate(over="ignore"):  # numbers that lie too far apart to be subtracted
         spread = np.maximum.reduceat(own, start) - np.minimum.reduceat(own, start)
     # divided before they are added, so that the sum of large values is a number too
     means = np.add.reduceat(own / np.repeat(count, count), start)
-    means = np.where(spread > 0, means, own[start])
-    first = np.minimum.reduceat(order, start)
-    kept = np.argsort(first)
     return samples(
-        points=points[first[kept]],
-        values=means[kept],
+        points=points[order[start]],
+        values=np.where(spread > 0, means, own[start]),
         merged=len(points) - len(start),
         conflicts=int((spread > 0).sum()),
         spread=float(spread.max()),

@@ -11,7 +11,7 @@ from fieldrecon._core.memory import memory_used
 from fieldrecon.io.netcdf import Result
 from fieldrecon.pipelines.samples import Samples
 from fieldrecon.reconstruction import Field
-from fieldrecon.selection.cross_validation import Trial
+from fieldrecon.selection.cross_validation import ModelScore
 from fieldrecon.selection.extrapolation import GAP, OUTSIDE
 from fieldrecon.selection.prediction_intervals import COVERAGE, ErrorEstimate
 
@@ -25,11 +25,11 @@ class Outcome:
     source : str
         The file that the samples, or the field, came from.
     samples : Samples
-    trials : sequence of Trial
+    trials : sequence of ModelScore
         Methods that were judged; none of a field that was loaded.
     judged : int
         Samples that were left out for each of them.
-    chosen : Trial, optional
+    chosen : ModelScore, optional
         The method that was taken.
     field : Field
     band : ErrorEstimate or str
@@ -43,9 +43,9 @@ class Outcome:
 
     source: str
     samples: Samples
-    trials: Sequence[Trial]
+    trials: Sequence[ModelScore]
     judged: int
-    chosen: Trial | None
+    chosen: ModelScore | None
     field: Field
     band: ErrorEstimate | str
     result: Result
@@ -57,10 +57,10 @@ class Outcome:
         """What was evaluated."""
         if self.chosen is None:
             return f"the field of {self.source}"
-        return f"{self.chosen.candidate.name}, {self.chosen.candidate.meaning}"
+        return f"{self.chosen.model.name}, {self.chosen.model.meaning}"
 
     @property
-    def ranked(self) -> list[Trial]:
+    def ranked(self) -> list[ModelScore]:
         """The trials, the one that misses least first."""
         return sorted(self.trials, key=lambda trial: trial.rms)
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.duplicates import first_of_equal
 from fieldrecon.polynomials import monomials
 from fieldrecon.surfaces.normal_orientation import orient_normals
 from fieldrecon.surfaces.normals import PointNormals, as_cloud, estimate_normals
@@ -52,7 +53,7 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
     """What counts of a cloud, and what is to be said of it."""
     given = as_cloud(points)
     n = None if normals is None else as_oriented(points, normals)[1]
-    first = np.sort(np.unique(given + 0.0, axis=0, return_index=True)[1])
+    first = np.flatnonzero(first_of_equal(given) == np.arange(len(given)))
     if len(first) < 4:
         raise np.linalg.LinAlgError(
             f"a surface takes four different points or more; got {len(first)}"

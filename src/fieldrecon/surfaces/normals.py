@@ -112,8 +112,7 @@ def as_cloud(points: ArrayLike) -> np.ndarray:
 
 def nearest(p: np.ndarray, k: int) -> np.ndarray:
     """Indices (n, k) of the nearest points, itself first; fewer if there are not so many."""
-    if isinstance(k, bool) or not isinstance(k, int | np.integer) or k < 3:
-        raise ValueError(f"neighbors must be an integer, and 3 points or more; got {k!r}")
+    valid.as_count(k, "neighbors", 3, wanted="an integer, and 3 points or more")
     tree = cKDTree(p, balanced_tree=False)
     index = np.empty((len(p), min(int(k), len(p))), dtype=np.int64)
     # in the order of the leaves neighbours are found near each other in memory

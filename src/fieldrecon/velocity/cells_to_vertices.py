@@ -13,7 +13,8 @@ from fieldrecon.polynomials import monomials
 from fieldrecon.velocity.stencils import (
     LocalWeights,
     MatrixOfWeights,
-    Stars,
+    Stencils,
+    amplification,
     as_vertices,
     fit_on_rings,
     scaled_offsets,
@@ -127,13 +128,14 @@ class _AffineFit:
     def __init__(self, mesh: SimplexMesh) -> None:
         self.mesh = mesh
 
-    def __call__(self, stars: Stars) -> LocalWeights:
+    def __call__(self, stencils: Stencils) -> LocalWeights:
         """Weights of the cells in the value at each vertex."""
-        offset = self.mesh.circumcenters[stars.index] - self.mesh.points[stars.vertices][:, None]
-        y, _ = scaled_offsets(offset, stars.there)
+        offset = (
+            self.mesh.circumcenters[stencils.index] - self.mesh.points[stencils.vertices][:, None]
+        )
+        y, _ = scaled_offsets(offset, stencils.there)
         squared = np.einsum("mkd,mkd->mk", y, y)
-        nearest = np.where(stars.there, squared, np.inf).min(axis=1)
-        w = np.where(stars.there, 2 / (1 + squared / nearest[:, None]), 0.0)
+        nearest = np.where(stencils.there, squared, np.inf).min(axis=1)
+        w = np.where(stencils.there, 2 / (1 + squared / nearest[:, None]), 0.0)
         c = estimable_weights(monomials(y, 1), w, 1)
-        amplification = np.linalg.norm(c[:, 0], axis=1)
-        return LocalWeights(c, amplification, np.count_nonzero(w, axis=1))
+        return LocalWeights(c, amplification(c), np.count_nonzero(w, axis=1))

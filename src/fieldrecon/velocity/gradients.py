@@ -14,19 +14,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._numerics.weighted_least_squares import estimable_weights
-from fieldrecon.kernels.radial import Radial, thin_plate_spline
+from fieldrecon._numerics.weighted_least_squares import (
+    estimable_weights,
+    weights_of_changing_weights,
+)
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
+from fieldrecon.kernels.weights import as_weight, log_square_slope
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.polynomials import Frame, monomials
+from fieldrecon.polynomials import Frame, monomials, power_of_two_above
 from fieldrecon.velocity.stencils import (
     LocalWeights,
-    Stars,
+    Stencils,
     ValuesOfWeights,
+    amplification,
     as_vertices,
-    as_weight,
     fit_on_rings,
     number_that_count,
-    relative_weights,
+    weights_at,
 )
 
 # A site this many times farther than the middle one is no neighbour: the circumcentres of flat
@@ -120,20 +125,20 @@ class _LocalGradients:
         self.mesh, self.method, self.sites = mesh, method, sites
         self.unit = Frame.around(mesh.points).scale
 
-    def __call__(self, stars: Stars) -> LocalWeights:
+    def __call__(self, stencils: Stencils) -> LocalWeights:
         """Weights of the cells in the gradient at each vertex."""
-        offset = self.sites[stars.index] - self.mesh.points[stars.vertices][:, None]
-        w = relative_weights(self.method.weight, self.unit, offset, stars.there)
+        offset = self.sites[stencils.index] - self.mesh.points[stencils.vertices][:, None]
+        w = weights_at(self.method.weight, self.unit, offset, stencils.there)
         distance, typical = _distances(offset, w > 0)
         counted = number_that_count(w)
         w = np.where(distance <= _FAR * typical[:, None], w, 0.0)
-        length = np.exp2(np.ceil(np.log2(np.where(np.isfinite(typical), typical, 1.0))))
+        length = power_of_two_above(np.where(np.isfinite(typical), typical, 1.0))
         y = offset / length[:, None, None] * (w > 0)[..., None]
         affine = estimable_weights(monomials(y, 1), (w > 0).astype(float), y.shape[2] + 1)
-        size = np.sqrt(np.einsum("mdk,mdk->md", affine, affine)[:, 1:].max(axis=1))
+        size = amplification(affine[:, 1:])
         weights = np.full(affine[:, 1:].shape, np.nan)
         ok = np.flatnonzero(np.isfinite(size))
-        batch = CellStars(y[ok], w[ok], affine[ok], length[ok] / self.unit, self.unit)
+        batch = CellStencils(y[ok], w[ok], affine[ok], length[ok] / self.unit, self.unit)
         weights[ok] = self.method(batch) / length[ok, None, None]
         return LocalWeights(weights, size, counted)
 
@@ -147,7 +152,7 @@ def _distances(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 @dataclass(frozen=True)
-class CellStars:
+class CellStencils:
     """Sites about a batch of m vertices, in units of their own; they determine affine functions.
 
     Attributes
@@ -182,9 +187,9 @@ class local_least_squares:
 
     weight: ClassVar[Radial | None] = None
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
         """Weights (m, d, k) of the data in the gradient."""
-        return stars.affine[:, 1:]
+        return stencils.affine[:, 1:]
 
 
 @dataclass(frozen=True)
@@ -207,29 +212,21 @@ class local_moving_least_squares:
     weight: Radial
 
     def __post_init__(self) -> None:
-        as_weight(self.weight, none_allowed=False)
+        as_weight(self.weight)
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
-        """Weights (m, d, k) of the data in the gradient.
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
+        """Weights (m, d, k) of the data in the gradient."""
+        b = monomials(stencils.y, 1)
+        c = estimable_weights(b, stencils.w, b.shape[-1])
+        change = weights_of_changing_weights(c, b, stencils.w, self._log_gradient(stencils))
+        return c[:, 1:] + change.mT
 
-        grad f = (c_1 ... c_d) + sum_i a_i (grad w_i^2 / w_i^2) (f - B c)_i, a the weights of c_0.
-        """
-        b = monomials(stars.y, 1)
-        c = estimable_weights(b, stars.w, b.shape[-1])
-        u = c[:, 0, :, None] * self._log_gradient(stars)
-        # sum_i w_i^2 r_i = 0 gives the residual of the heaviest site, which rounding spoils
-        heaviest = np.argmax(stars.w, axis=1)[:, None, None]
-        u = u - stars.w[..., None] ** 2 * np.take_along_axis(u, heaviest, axis=1)
-        return c[:, 1:] + u.mT - (u.mT @ b) @ c
-
-    def _log_gradient(self, stars: CellStars) -> np.ndarray:
+    def _log_gradient(self, stencils: CellStencils) -> np.ndarray:
         """Gradient (m, k, d) of log w_i^2 by x."""
-        weight, length = self.weight.in_units(stars.unit), stars.length[:, None]
-        r = np.linalg.norm(stars.y, axis=2) * length
-        with np.errstate(all="ignore"):
-            steepness = 2 * weight.slope(r) / weight(r) * length**2
-        known = (stars.w > 0) & np.isfinite(steepness)
-        return -np.where(known, steepness, 0.0)[..., None] * stars.y
+        length = stencils.length[:, None]
+        r = np.linalg.norm(stencils.y, axis=2) * length
+        slope = log_square_slope(self.weight.in_units(stencils.unit), r, stencils.w) * length**2
+        return -slope[..., None] * stencils.y
 
 
 @dataclass(frozen=True)
@@ -272,9 +269,9 @@ class local_rbf:
             )
         valid.as_length(self.smoothing, "smoothing", zero_allowed=True)
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
         """Weights (m, d, k) of the data in the gradient: H (g, mu) = (grad phi, grad b)."""
-        y, there = stars.y, stars.w > 0
+        y, there = stencils.y, stencils.w > 0
         m, k, d = y.shape
         squared = np.zeros((m, k, k))
         for axis in range(d):

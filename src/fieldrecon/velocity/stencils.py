@@ -17,13 +17,14 @@ from scipy import sparse
 
 from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon._numerics.weighted_least_squares import LARGEST_WEIGHT
-from fieldrecon.kernels.radial import Radial
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.weights import relative_weights
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.polynomials import EPS
+from fieldrecon.polynomials import EPS, power_of_two_above
 
 
 @dataclass(frozen=True)
-class Stars:
+class Stencils:
     """Sites about a batch of m vertices, at most k of them each.
 
     Attributes
@@ -40,14 +41,14 @@ class Stars:
     index: np.ndarray
     there: np.ndarray
 
-    def some(self, chosen: np.ndarray) -> Stars:
-        """The chosen ones."""
-        return Stars(self.vertices[chosen], self.index[chosen], self.there[chosen])
+    def subset(self, chosen: np.ndarray) -> Stencils:
+        """The stencils of the chosen vertices."""
+        return Stencils(self.vertices[chosen], self.index[chosen], self.there[chosen])
 
 
 @dataclass(frozen=True)
 class LocalWeights:
-    """What a fit makes of a batch of stars.
+    """What a fit makes of a batch of stencils.
 
     Attributes
     ----------
@@ -72,7 +73,7 @@ BLOCK = 2**17
 """Vertices whose neighbourhoods are held in memory at once."""
 
 
-Fit = Callable[[Stars], LocalWeights]
+Fit = Callable[[Stencils], LocalWeights]
 
 
 def as_vertices(mesh: SimplexMesh, vertices: ArrayLike | None) -> np.ndarray:
@@ -96,8 +97,8 @@ def as_vertices(mesh: SimplexMesh, vertices: ArrayLike | None) -> np.ndarray:
     return i
 
 
-Take = Callable[[np.ndarray, Stars, np.ndarray], None]
-"""Receives places in the list of vertices, their stars, and their weights (m, r, k)."""
+Accumulate = Callable[[np.ndarray, Stencils, np.ndarray], None]
+"""Receives places in the list of vertices, their stencils, and their weights (m, r, k)."""
 
 
 def fit_on_rings(
@@ -105,7 +106,7 @@ def fit_on_rings(
     sites_of_cells: sparse.csr_array | None,
     vertices: np.ndarray,
     fit: Fit,
-    take: Take,
+    accumulate: Accumulate,
     what: tuple[str, str],
 ) -> np.ndarray:
     """Fit at vertices, each on the data of the first rings that determine the result.
@@ -120,8 +121,8 @@ def fit_on_rings(
         The vertices.
     fit : Fit
         The fit.
-    take : Take
-        Receives the weights, batch by batch, from several threads; each vertex once.
+    accumulate : callable
+        Called with the weights, batch by batch, from several threads; each vertex once.
     what : (str, str)
         What the sites are and what is sought, for the error: "faces", "its velocity".
 
@@ -144,7 +145,7 @@ def fit_on_rings(
     rings = np.zeros(len(vertices), dtype=int)
     for start in range(0, len(vertices), BLOCK):
         places = np.arange(start, min(start + BLOCK, len(vertices)))
-        _fit_block(incidences, vertices, places, rings, fit, take, what)
+        _fit_block(incidences, vertices, places, rings, fit, accumulate, what)
     return rings
 
 
@@ -163,7 +164,7 @@ def _fit_block(
     pending: np.ndarray,
     rings: np.ndarray,
     fit: Fit,
-    take: Take,
+    accumulate: Accumulate,
     what: tuple[str, str],
 ) -> None:
     cells = of.cells[vertices[pending]]
@@ -171,7 +172,7 @@ def _fit_block(
     while len(pending):
         rings[pending] += 1
         sites = cells if of.sites is None else cells @ of.sites
-        done, counted = _fit_ring(sites, vertices, pending, before, fit, take)
+        done, counted = _fit_ring(sites, vertices, pending, before, fit, accumulate)
         exhausted = counted == before
         rings[pending[done & exhausted]] -= 1  # the ring before had the same sites
         if (exhausted & ~done).any():
@@ -190,7 +191,7 @@ def _fit_ring(
     pending: np.ndarray,
     before: np.ndarray,
     fit: Fit,
-    take: Take,
+    accumulate: Accumulate,
 ) -> tuple[np.ndarray, np.ndarray]:
     """One fit for each row of `sites`: whether it is done, and how many sites counted."""
     start, counts = sites.indptr[:-1], np.diff(sites.indptr)
@@ -201,16 +202,16 @@ def _fit_ring(
         place = np.arange(counts[rows].max())
         there = place < counts[rows, None]
         index = sites.indices.take(np.where(there, start[rows, None] + place, 0))
-        stars = Stars(vertices[pending[rows]], index, there)
-        local = fit(stars)
+        stencils = Stencils(vertices[pending[rows]], index, there)
+        local = fit(stencils)
         # where wider rings have nothing new, what is determined at all has to do
         limit = np.where(local.counted == before[rows], LARGEST_WEIGHT, WELL_DETERMINED)
         ok = local.amplification <= limit
         done[rows], counted[rows] = ok, local.counted
         if ok.all():
-            take(pending[rows], stars, local.weights)
+            accumulate(pending[rows], stencils, local.weights)
         else:
-            take(pending[rows[ok]], stars.some(ok), local.weights[ok])
+            accumulate(pending[rows[ok]], stencils.subset(ok), local.weights[ok])
         return rows
 
     # those with as many sites lie together, so that little is padded
@@ -229,11 +230,11 @@ class MatrixOfWeights:
         self.counts = np.zeros(shape[0], dtype=np.intp)
         self.parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
-    def __call__(self, places: np.ndarray, stars: Stars, weights: np.ndarray) -> None:
+    def __call__(self, places: np.ndarray, stencils: Stencils, weights: np.ndarray) -> None:
         """Take a batch."""
-        self.counts[places] = np.count_nonzero(stars.there, axis=1)
-        data = np.moveaxis(weights, 1, 0)[:, stars.there]
-        self.parts.append((places, stars.index[stars.there], data))
+        self.counts[places] = np.count_nonzero(stencils.there, axis=1)
+        data = np.moveaxis(weights, 1, 0)[:, stencils.there]
+        self.parts.append((places, stencils.index[stencils.there], data))
 
     def matrices(self) -> tuple[sparse.csr_array, ...]:
         """The matrices; the batches are let go one by one, so that no weight is held twice."""
@@ -262,39 +263,27 @@ class ValuesOfWeights:
         self.data = data
         self.values = np.empty((places, data.shape[1], results), dtype=data.dtype)
 
-    def __call__(self, places: np.ndarray, stars: Stars, weights: np.ndarray) -> None:
+    def __call__(self, places: np.ndarray, stencils: Stencils, weights: np.ndarray) -> None:
         """Take a batch."""
-        weights = np.where(stars.there[:, None], weights, 0.0)
-        of_sites = self.data.take(stars.index, axis=0)
+        weights = np.where(stencils.there[:, None], weights, 0.0)
+        of_sites = self.data.take(stencils.index, axis=0)
         self.values[places] = (weights @ of_sites).mT
 
 
-# Weights above this stand for infinity: their squares, and the inverses of those, are numbers.
-_INFINITE = 1e120
-
-
-def as_weight(weight: Radial | None, none_allowed: bool = True) -> Radial | None:
-    """A weight that falls with the distance, or none."""
-    if weight is None and none_allowed:
-        return None
-    if not isinstance(weight, Radial):
-        raise ValueError(
-            f"weight must be a radial function such as inverse_square(0.1); got {weight!r}"
-        )
-    if weight.order > 0 or weight.homogeneity > 0:
-        raise ValueError(f"weight must be positive and fall with the distance; {weight!r} does not")
-    return weight
+def amplification(c: np.ndarray) -> np.ndarray:
+    """Largest change (m,) of the results C f, C (m, r, k), by errors of norm one of the data f."""
+    return np.sqrt(np.einsum("mrk,mrk->mr", c, c).max(axis=1))
 
 
 def scaled_offsets(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Offsets (m, k, d) of the sites in units (m,) of their size, powers of two."""
     # a sum instead of the largest: numpy adds along a short axis in a fraction of the time
     size = np.einsum("mkd,mk->mk", np.abs(offset), there).max(axis=1)
-    unit = np.exp2(np.ceil(np.log2(np.where(size > 0, size, 1.0))))
+    unit = power_of_two_above(size)
     return offset / unit[:, None, None], unit
 
 
-def relative_weights(
+def weights_at(
     weight: Radial | None, unit: float, offset: np.ndarray, there: np.ndarray
 ) -> np.ndarray:
     """Weights (m, k) of sites at offsets (m, k, d), the largest of each vertex one.
@@ -303,11 +292,7 @@ def relative_weights(
     """
     if weight is None:
         return there.astype(np.float64)
-    with np.errstate(all="ignore"):  # a weight may vanish, or be infinite at a distance of zero
-        w = weight.in_units(unit)(np.linalg.norm(offset / unit, axis=2))
-    w = np.where(there, np.minimum(w, _INFINITE), 0.0)
-    top = w.max(axis=1, initial=0.0)
-    return w / np.where(top > 0, top, 1.0)[:, None]
+    return relative_weights(weight.in_units(unit), np.linalg.norm(offset / unit, axis=2), there)
 
 
 def number_that_count(w: np.ndarray) -> np.ndarray:

@@ -10,21 +10,22 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._numerics.weighted_least_squares import estimable_weights
-from fieldrecon.kernels.radial import Radial
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.weights import as_weight
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import Frame
 from fieldrecon.velocity.stencils import (
+    Accumulate,
     LocalWeights,
     MatrixOfWeights,
-    Stars,
-    Take,
+    Stencils,
     ValuesOfWeights,
+    amplification,
     as_vertices,
-    as_weight,
     fit_on_rings,
     number_that_count,
-    relative_weights,
     scaled_offsets,
+    weights_at,
 )
 
 
@@ -173,7 +174,7 @@ def vertex_velocities(
     vertices = as_vertices(mesh, vertices)
     d = mesh.points.shape[1]
     found = ValuesOfWeights(d, len(vertices), v.reshape(len(v), -1))
-    rings = _AffineVelocity(mesh, as_weight(weight)).at(vertices, found)
+    rings = _AffineVelocity(mesh, weight).at(vertices, found)
     return VertexVelocities(found.values.reshape(len(vertices), *v.shape[1:], d), rings)
 
 
@@ -209,7 +210,7 @@ def velocity_weights(
     """
     vertices = as_vertices(mesh, vertices)
     found = MatrixOfWeights(mesh.points.shape[1], (len(vertices), len(mesh.faces)))
-    _AffineVelocity(mesh, as_weight(weight)).at(vertices, found)
+    _AffineVelocity(mesh, weight).at(vertices, found)
     return found.matrices()
 
 
@@ -218,33 +219,34 @@ class _AffineVelocity:
 
     def __init__(self, mesh: SimplexMesh, weight: Radial | None) -> None:
         self.mesh = mesh
-        self.weight = weight
+        self.weight = None if weight is None else as_weight(weight)
         self.unit = Frame.around(mesh.points).scale
         first, *others = (mesh.points.take(corner, axis=0) for corner in mesh.faces.T)
         to_center = sum(other - first for other in others) / len(mesh.faces.T)
         # together, so that one fetch brings all there is to know of a face
         self.faces = np.stack([first, to_center, mesh.face_normals], axis=1)
 
-    def at(self, vertices: np.ndarray, take: Take) -> np.ndarray:
-        """Give the weights at vertices to `take`; return the rings."""
+    def at(self, vertices: np.ndarray, accumulate: Accumulate) -> np.ndarray:
+        """Give the weights at vertices to `accumulate`; return the rings."""
         what = ("faces", "its velocity")
-        return fit_on_rings(self.mesh, self.mesh.cell_face_incidence, vertices, self, take, what)
+        return fit_on_rings(
+            self.mesh, self.mesh.cell_face_incidence, vertices, self, accumulate, what
+        )
 
-    def __call__(self, stars: Stars) -> LocalWeights:
+    def __call__(self, stencils: Stencils) -> LocalWeights:
         """Weights of the faces in the velocity at each vertex."""
-        corner, to_center, normals = np.moveaxis(self.faces.take(stars.index, axis=0), 2, 0)
+        corner, to_center, normals = np.moveaxis(self.faces.take(stencils.index, axis=0), 2, 0)
         # by differences of points, and not of centroids, which the distance to the origin rounds
-        offset = corner - self.mesh.points[stars.vertices][:, None] + to_center
-        y, _ = scaled_offsets(offset, stars.there)
-        w = relative_weights(self.weight, self.unit, offset, stars.there)
+        offset = corner - self.mesh.points[stencils.vertices][:, None] + to_center
+        y, _ = scaled_offsets(offset, stencils.there)
+        w = weights_at(self.weight, self.unit, offset, stencils.there)
         m, k, d = normals.shape
         b = np.empty((m, k, 1 + d, d))  # rows n, y_1 n, ..., y_d n
         b[:, :, 0] = normals
         for i, j in np.ndindex(d, d):  # numpy's loop over an axis of two or three is slow
             np.multiply(y[..., i], normals[..., j], out=b[:, :, 1 + i, j])
         c = estimable_weights(b.reshape(m, k, d + d * d), w, d)
-        amplification = np.sqrt(np.einsum("mdk,mdk->md", c, c).max(axis=1))
-        return LocalWeights(c, amplification, number_that_count(w))
+        return LocalWeights(c, amplification(c), number_that_count(w))
 
 
 def as_normal_velocities(v: ArrayLike, mesh: SimplexMesh) -> np.ndarray:

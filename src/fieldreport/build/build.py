@@ -12,25 +12,25 @@ from typing import Any
 from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
 from fieldrecon.cli.progress import Bar
 from fieldreport import experiments
-from fieldreport.build import unchanged
-from fieldreport.build.compute import Job, compute, jobs_of
-from fieldreport.build.document import Document, unquoted_facts
-from fieldreport.build.failure import BuildError
+from fieldreport.build import up_to_date
+from fieldreport.build.code_dependencies import code_behind, keeping
+from fieldreport.build.errors import BuildError
 from fieldreport.build.lock import only_build_in
 from fieldreport.build.manifest import manifest, versions
-from fieldreport.build.sources import code_behind, keeping
-from fieldreport.build.steps import Steps, content_digest, digest, digests
+from fieldreport.build.rerun import Job, compute, jobs_of
+from fieldreport.build.step_records import Steps, content_digest, digest, digests
+from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.framework.result_files import read_result
 
 
 def build(arguments: argparse.Namespace) -> None:
     """Run, draw, compile, and write the manifest, as far as each is out of date."""
     source, out = arguments.source, arguments.out or arguments.source / "build"
-    key = unchanged.key(arguments)  # before anything is read: what is edited meanwhile counts
+    key = up_to_date.key(arguments)  # before anything is read: what is edited meanwhile counts
     document = Document(source, out)
     if not document.chapters:
         raise BuildError(f"there are no chapters in {source / 'chapters'}; is this the checkout?")
-    settings = _settings(unchanged.settings_file(arguments))
+    settings = _settings(up_to_date.settings_file(arguments))
     with Bar() as progress, only_build_in(out, progress.say), keeping(out / ".state/code.json"):
         _sweep(out)
         steps = Steps(out)
@@ -41,7 +41,7 @@ def build(arguments: argparse.Namespace) -> None:
         if not arguments.only:
             _remove_others(jobs, out / "experiments")
             _finish(document, jobs, steps, progress)
-            unchanged.record(steps, key, read)
+            up_to_date.record(steps, key, read)
 
 
 def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) -> None:
@@ -54,7 +54,7 @@ def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) ->
             "results": digests(_results(jobs), document.out),
             "values": values,
             "versions": versions(),
-            "code": code_behind("fieldreport.build.document"),
+            "code": code_behind("fieldreport.build.typesetting"),
         }
     )
     if not steps.done("document", key):

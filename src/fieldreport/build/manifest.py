@@ -9,8 +9,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fieldreport.build.pins import pins
-from fieldreport.build.steps import digests
+from fieldreport.build.pinned_kernels import pins
+from fieldreport.build.step_records import digests
 
 PACKAGES = ("fieldrecon", "numpy", "scipy", "matplotlib", "fonttools", "pypandoc_binary", "typst")
 

@@ -17,10 +17,11 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from fieldrecon._core.simd_dispatch import dispatch
 from fieldreport import experiments
-from fieldreport.build.failure import BuildError
-from fieldreport.build.pins import dispatch, pins
-from fieldreport.build.steps import digests
+from fieldreport.build.errors import BuildError
+from fieldreport.build.pinned_kernels import pins
+from fieldreport.build.step_records import digests
 
 LEVEL_OF_ROUNDING = 1e-8
 """A power of ten below it is the order of magnitude of a rounding error."""

@@ -15,7 +15,7 @@ from fontTools import subset
 from fontTools.ttLib import TTFont
 
 from fieldrecon.plotting.fonts import MATH, SERIF_FACES, font_bytes
-from fieldreport.build.failure import BuildError
+from fieldreport.build.errors import BuildError
 
 CSS = {
     "regular": "font-weight: 400; font-style: normal",

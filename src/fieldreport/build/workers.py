@@ -8,11 +8,11 @@ from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from typing import Any
 
-from fieldrecon._core.worker_processes import Processes
-from fieldreport.build import pins
+from fieldrecon._core.worker_processes import WorkerPool
+from fieldreport.build import pinned_kernels
 
 
-class PinnedProcesses(Processes):
+class PinnedProcesses(WorkerPool):
     """Processes whose OpenBLAS and NumPy obey the pins, whatever the caller's environment says.
 
     A process of the server that others are forked from would have the environment of its start.
@@ -25,12 +25,12 @@ class PinnedProcesses(Processes):
 
     def __init__(self, count: int) -> None:
         super().__init__(count, context=multiprocessing.get_context("spawn"))
-        self._pins = pins.pins()
+        self._pins = pinned_kernels.pins()
 
     def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
         """Have a function called, in a process that is started now if none is free."""
-        with pins.environment(self._pins):
-            return super().submit(pins.run_pinned, self._pins, fn, *args, **kwargs)
+        with pinned_kernels.environment(self._pins):
+            return super().submit(pinned_kernels.run_pinned, self._pins, fn, *args, **kwargs)
 
 
 @contextmanager

@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 
 from fieldrecon._core.extras import require
-from fieldreport.build import unchanged
-from fieldreport.build.failure import BuildError, disk_failure
+from fieldreport.build import up_to_date
+from fieldreport.build.errors import BuildError, disk_failure
 
 INTERRUPTED = 130
 
@@ -71,7 +71,7 @@ def main(arguments: argparse.Namespace) -> int:
     try:
         if arguments.check_reproducible:
             return reproducible.check(arguments)
-        if arguments.only or not unchanged.told(arguments):
+        if arguments.only or not up_to_date.told(arguments):
             from fieldreport.build.build import build
 
             build(arguments)

@@ -54,7 +54,7 @@ def test_a_server_leaves_nothing_behind():
 
 GRADER = """
 import sys
-from fieldrecon.course.grading import isolation, session
+from fieldgrade.isolation import server as server_module, session
 with server_module.Server(sys.argv[1]).started() as server:
     print(server._scratch, flush=True)
     group = session.CallGroup("x", (), 1.0)

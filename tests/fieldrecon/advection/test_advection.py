@@ -13,8 +13,8 @@ from fieldrecon.advection.characteristics import SCHEMES, Inflow, Snapshots, dep
 from fieldrecon.advection.mass_fixer import within
 from fieldrecon.advection.semi_lagrangian_steps import State, semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian
-from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

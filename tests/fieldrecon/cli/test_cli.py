@@ -18,7 +18,7 @@ from fieldrecon.cli.main import main
 from fieldrecon.datasets.synthetic import clustered, franke, uniform
 from fieldrecon.io import read_mesh_and_data, write_mesh
 from fieldrecon.io.tables import csv_bytes
-from fieldrecon.selection.models import CANDIDATES
+from fieldrecon.selection.models import MODELS
 from fieldreport import experiments
 from fieldreport.commands import experiments as experiments_command
 
@@ -146,7 +146,7 @@ def test_reconstruct_writes_a_grid(capsys, tmp_path, survey):
     assert 0 < outside < 143
     assert f"{outside} of 143 nodes lie outside the convex hull" in shown
     methods = read_csv(out / "methods.csv")
-    assert {row["method"] for row in methods} == set(CANDIDATES)
+    assert {row["method"] for row in methods} == set(MODELS)
     errors = [float(row["rms error"]) for row in methods if row["rms error"]]
     assert errors == sorted(errors)
     assert f"Evaluated: {methods[0]['method']}," in shown
@@ -224,14 +224,14 @@ def test_the_page_is_whole_in_itself(tmp_path, survey):
         "patches of r⁵, blended",
     ):
         assert wanted in words, wanted
-    assert CANDIDATES["tps"].meaning not in words  # nobody asked how the others do
+    assert MODELS["tps"].meaning not in words  # nobody asked how the others do
 
 
 def test_the_page_tells_how_each_method_did(tmp_path, survey):
     """Where none is asked for."""
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11") == 0
     words = " ".join(Page((tmp_path / "a.html").read_text()).texts)
-    for name, candidate in CANDIDATES.items():
+    for name, candidate in MODELS.items():
         assert name in words
         assert candidate.meaning in words or f"{name}: not tried" in words, name
 

@@ -62,7 +62,7 @@ def _balance(matrix: np.ndarray) -> np.ndarray:
     return scale
 
 
-def solved_for_each(
+def batched_solve_grouped(
     solve: Callable[[np.ndarray, np.ndarray], np.ndarray],
     system: np.ndarray,
     right: np.ndarray,

@@ -19,8 +19,8 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from fieldrecon._core.chunks import Progress, passes
-from fieldrecon._numerics.kd_partition import Boxes
+from fieldrecon._core.chunks import Progress, split_progress
+from fieldrecon._numerics.kd_partition import KDPartition
 from fieldrecon.methods.partition_of_unity.patch_systems import PatchSystems, Problem
 from fieldrecon.methods.partition_of_unity.patches import SITES_PER_BOX, Patches, bump, systems_of
 
@@ -91,11 +91,11 @@ def levels_of(
 ) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
     sites = np.arange(len(points))
-    tell: Iterator[Progress | None] = passes(progress, len(points), PASSES)
+    tell: Iterator[Progress | None] = split_progress(progress, len(points), PASSES)
     while True:
         alone = len(sites) <= ALONE * k
         size = len(sites) if alone else max(1, SITES_PER_BOX * k)
-        boxes = Boxes.around(points[sites], size, next(tell))
+        boxes = KDPartition.around(points[sites], size, next(tell))
         boxes, order = boxes.in_order()
         sites = sites[order]
         own = points[sites]
@@ -219,7 +219,7 @@ class Moments:
         for level, sums in zip(self._levels, self._sums, strict=True):
             for systems, own in zip(level.systems, sums, strict=True):
                 sites = level.sites[systems.sites].ravel()
-                where, rows = _gathered(sites, systems.adjoint(own).reshape(len(sites), v))
+                where, rows = _summed_by_row(sites, systems.adjoint(own).reshape(len(sites), v))
                 total[where] += rows
         return total
 
@@ -235,11 +235,11 @@ def moments(
             query = share.query[pairs]
             basis = systems.basis(member, x[query]) * share.weight[pairs, None]
             terms = basis[..., None] * f[query, None, :]
-            found.append((number, own, *_gathered(member, terms)))
+            found.append((number, own, *_summed_by_row(member, terms)))
     return found
 
 
-def _gathered(rows: np.ndarray, terms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _summed_by_row(rows: np.ndarray, terms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows, each once and rising, and the sums of their terms (p, ...)."""
     order = np.argsort(rows, kind="stable")
     rows = rows[order]

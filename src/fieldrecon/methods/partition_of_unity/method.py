@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,8 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
-from fieldrecon.kernels.radial import Radial, polyharmonic
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS
 from fieldrecon.methods.partition_of_unity.blending import (
     Moments,
@@ -25,8 +26,14 @@ from fieldrecon.methods.partition_of_unity.blending import (
     weight_rows,
 )
 from fieldrecon.methods.partition_of_unity.patch_systems import Problem
-from fieldrecon.methods.solvability import as_augmentation, as_finite, as_kernel, refuse_duplicates
-from fieldrecon.polynomials import Frame, dimension, powers_of_scale
+from fieldrecon.methods.solvability import (
+    as_augmentation,
+    as_finite,
+    as_kernel,
+    refuse_duplicates,
+    unit_smoothing,
+)
+from fieldrecon.polynomials import Frame, dimension
 from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 Coefficients: TypeAlias = Sequence[Sequence[np.ndarray]]
@@ -123,7 +130,9 @@ class PartitionOfUnityRBF(Reconstruction):
             refuse_duplicates(self.points)
         self._frame = Frame.around(self.points)
         unit_kernel = as_finite(self.kernel.in_units(self._frame.scale))
-        problem = Problem(unit_kernel, degree, self._unit_smoothing())
+        problem = Problem(
+            unit_kernel, degree, unit_smoothing(self.smoothing, self.kernel, self._frame.scale)
+        )
         local = self._frame.local(self.points)
         size = min(self.patch_size, len(local))
         self._levels = tuple(levels_of(local, size, problem, progress))
@@ -161,7 +170,11 @@ class PartitionOfUnityRBF(Reconstruction):
         prepare = partial(self._prepare, executor=executor, progress=progress)
         return Field(self, valid.as_values(values, len(self.points)), prepare)
 
-    def left_out(self, values: np.ndarray, progress: Progress | None = None) -> np.ndarray:
+    def _arguments(self) -> dict[str, Any]:
+        # the degree as it was asked for, not the lowest that a patch determines
+        return super()._arguments() | {"degree": self._levels[0].systems[0].degree}
+
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
         """Residuals (n, v) of the data (n, v), each against the field of all others.
 
         The patches stay, and each gives up the site: a weighted mean of lambda_i / (S^-1)_ii over
@@ -171,7 +184,7 @@ class PartitionOfUnityRBF(Reconstruction):
         weights, done = np.zeros(len(values)), 0
         for number, systems in enumerate(level.systems):
             patches = np.flatnonzero(level.group == number)
-            work = partial(systems.left_out, values[level.sites])
+            work = partial(systems.leave_one_out, values[level.sites])
             told = progress and partial(_told, progress, done, len(level.patches))
             done += len(systems)
             every = np.arange(len(systems))
@@ -182,18 +195,12 @@ class PartitionOfUnityRBF(Reconstruction):
                 np.add.at(total, level.sites[own], weight[..., None] * rest)
         if not weights.all():
             i = int(np.flatnonzero(weights == 0)[0])
-            where = valid.place(self.points[i])
+            where = valid.format_point(self.points[i])
             raise np.linalg.LinAlgError(
                 f"without point {i}, ({where}), the others of its patches do not determine the "
-                "polynomial: it cannot be left out"
+                "polynomial"
             )
         return total / weights[:, None]
-
-    def _unit_smoothing(self) -> float:
-        if self.smoothing == 0:
-            return 0.0
-        power = np.array([-self.kernel.homogeneity])
-        return self.smoothing * float(powers_of_scale(self._frame.scale, power, "the smoothing")[0])
 
     def _prepare(
         self,
@@ -268,7 +275,7 @@ class PartitionOfUnityRBF(Reconstruction):
 
     def _order(self, x: np.ndarray) -> np.ndarray:
         boxes = self._levels[0].patches.boxes
-        box = boxes.containing(valid.without_warnings(self._frame.local, x))
+        box = boxes.containing(valid.quiet_evaluate(self._frame.local, x))
         return np.argsort(box, kind="stable")
 
     def _chunk_rows(self, columns: int) -> int:
@@ -293,9 +300,5 @@ def _as_patch_size(size: int | None, d: int, degree: int) -> int:
     q = dimension(d, degree)
     if size is None:
         return max(4 * q, 12 * d)
-    if isinstance(size, bool) or not isinstance(size, int | np.integer) or size <= q:
-        raise ValueError(
-            f"patch_size must be an integer above {q}, the number of polynomials of degree "
-            f"{degree} in {d} variables; got {size!r}"
-        )
-    return int(size)
+    wanted = f"an integer above {q}, the number of polynomials of degree {degree} in {d} variables"
+    return valid.as_count(size, "patch_size", q + 1, wanted=wanted)

@@ -19,15 +19,19 @@ from operator import iadd
 import numpy as np
 
 from fieldrecon._core.chunks import Progress, chunked, rows_of
-from fieldrecon._core.validation import place, without_warnings
-from fieldrecon.kernels.radial import Radial
-from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each
+from fieldrecon._core.validation import format_point, quiet_evaluate
+from fieldrecon.kernels.base import Radial
+from fieldrecon.methods.partition_of_unity.batched_systems import (
+    COLUMNS,
+    batched_solve_grouped,
+    solved,
+)
 from fieldrecon.methods.partition_of_unity.polynomial_rank import leverages, ranks
+from fieldrecon.methods.solvability import TOLERATED_MISS, too_flat
 from fieldrecon.polynomials import dimension, monomial_gradients, monomials
 
 MOST_LEVERAGE = 1 - 1e-4
 """Of a site in the least-squares polynomial of its patch, if the others determine it without."""
-_TOLERATED_MISS = 1e-2  # of the size of the data, before a field is refused
 
 
 @dataclass(frozen=True)
@@ -113,7 +117,7 @@ class PatchSystems:
     ) -> np.ndarray:
         """Coefficients (p, k + q, v) of all patches for the data (n, v) of all sites."""
         found = np.empty((len(self), self.size, values.shape[1]), dtype=values.dtype)
-        work = partial(without_warnings, self.coefficients, values)
+        work = partial(quiet_evaluate, self.coefficients, values)
         rows = self.rows(values.shape[1])
         for part, some in chunked(work, np.arange(len(self)), rows, executor, progress):
             found[part] = some
@@ -132,7 +136,7 @@ class PatchSystems:
             found[i, k:] = transform @ found[i, k:]
         return found
 
-    def left_out(self, values: np.ndarray, patch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def leave_one_out(self, values: np.ndarray, patch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residuals (p, k, v) of the sites, each against the others of its patch; where they tell.
 
         lambda_i / (S^-1)_ii; they tell (p, k) where the others determine the polynomials too.
@@ -161,7 +165,7 @@ class PatchSystems:
         are large where sites are close.
         """
         k, rows = self.sites.shape[1], self.rows(COLUMNS)
-        return solved_for_each(self._solved_for_data, patch, terms, k, rows)
+        return batched_solve_grouped(self._solved_for_data, patch, terms, k, rows)
 
     def adjoint(self, moments: np.ndarray) -> np.ndarray:
         """C^T m (p, k, v) of moments (p, k + q, v), without forming C."""
@@ -257,9 +261,10 @@ class PatchSystems:
         missed = np.abs(matrix @ found - right).max(axis=1)
         size = np.abs(right).max(axis=1)
         relative = missed / np.where(size > 0, size, 1.0)
-        if not (relative <= _TOLERATED_MISS).all():
-            worst = int(np.argmax(np.where(np.isnan(relative), np.inf, relative).max(axis=1)))
-            raise _too_flat(self.origin[patch[worst]])
+        if not (relative <= TOLERATED_MISS).all():
+            error = np.where(np.isnan(relative), np.inf, relative).max(axis=1)
+            where = format_point(self.origin[patch[np.argmax(error)]])
+            raise too_flat(f"the field of the patch about ({where})", error.max())
 
 
 def _squared(y: np.ndarray, unit: np.ndarray | None) -> np.ndarray:
@@ -272,11 +277,3 @@ def _squared(y: np.ndarray, unit: np.ndarray | None) -> np.ndarray:
 def _per_patch(factor: np.ndarray, like: np.ndarray) -> np.ndarray:
     """Factors (p,) as an array that multiplies one of shape (p, ...)."""
     return factor.reshape(len(factor), *(1 for _ in like.shape[1:]))
-
-
-def _too_flat(where: np.ndarray) -> np.linalg.LinAlgError:
-    return np.linalg.LinAlgError(
-        f"the field of the patch about ({place(where)}) would miss its data, by rounding: the "
-        "kernel is too flat for sites this close and data this rough; choose a smaller scale, a "
-        "rougher kernel or some smoothing"
-    )

@@ -17,10 +17,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress, chunked, rows_of
-from fieldrecon._numerics.kd_partition import Boxes, halved
+from fieldrecon._numerics.kd_partition import KDPartition, halved
 from fieldrecon.methods.partition_of_unity.patch_systems import PatchSystems, Problem
-from fieldrecon.methods.partition_of_unity.polynomial_rank import doubtful, told_apart
-from fieldrecon.polynomials import dimension
+from fieldrecon.methods.partition_of_unity.polynomial_rank import (
+    determined_basis,
+    maybe_rank_deficient,
+)
+from fieldrecon.polynomials import dimension, power_of_two_above
 
 SITES_PER_BOX = 1 / 3
 """Sites of the box that a patch is made for, as a part of the sites of the patch."""
@@ -68,7 +71,7 @@ class Patches:
     radii: np.ndarray
     sites: np.ndarray
     representatives: np.ndarray
-    boxes: Boxes
+    boxes: KDPartition
     ball: np.ndarray
     start: np.ndarray
 
@@ -77,7 +80,7 @@ class Patches:
         cls,
         points: np.ndarray,
         tree: cKDTree,
-        boxes: Boxes,
+        boxes: KDPartition,
         k: int,
         covering: Progress | None = None,
         reaching: Progress | None = None,
@@ -90,7 +93,7 @@ class Patches:
         return cls(centers, radii, sites, representatives, boxes, *reached)
 
     @classmethod
-    def single(cls, points: np.ndarray, boxes: Boxes) -> Patches:
+    def single(cls, points: np.ndarray, boxes: KDPartition) -> Patches:
         """One patch of all sites (n, d)."""
         center = points.min(axis=0) / 2 + points.max(axis=0) / 2
         every = np.arange(len(points))[None, :]
@@ -231,7 +234,7 @@ def systems_of(
 
 def _reduce(systems: PatchSystems, patches: np.ndarray) -> None:
     for patch in patches.tolist():
-        transform = told_apart(systems.frames(np.array([patch]))[0], systems.degree)
+        transform = determined_basis(systems.frames(np.array([patch]))[0], systems.degree)
         if transform is not None:
             systems.reduced[patch] = transform
 
@@ -239,7 +242,7 @@ def _reduce(systems: PatchSystems, patches: np.ndarray) -> None:
 def _frames(
     points: np.ndarray, sites: np.ndarray, degree: int, progress: Progress | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Origins and units of length of patches with these sites (p, k), and which are doubtful."""
+    """Origins and units of length of patches with these sites, and their `maybe_rank_deficient`."""
     d = points.shape[1]
     rows = rows_of(16 * sites.shape[1] * (d + dimension(d, degree)))
     parts = chunked(partial(_some_frames, points, degree), sites, rows, progress=progress)
@@ -253,7 +256,5 @@ def _some_frames(
     places = points[sites]
     origin = places.mean(axis=1)
     y = places - origin[:, None, :]
-    radius = np.linalg.norm(y, axis=2).max(axis=1)
-    # a power of two, so that it rounds nothing
-    radius = np.exp2(np.ceil(np.log2(np.where(radius > 0, radius, 1.0))))
-    return origin, radius, doubtful(y / radius[:, None, None], degree)
+    radius = power_of_two_above(np.linalg.norm(y, axis=2).max(axis=1))
+    return origin, radius, maybe_rank_deficient(y / radius[:, None, None], degree)

@@ -10,7 +10,7 @@ from fieldrecon._numerics.weighted_least_squares import by_elimination
 from fieldrecon.polynomials import EPS, exponents, monomials
 
 
-def doubtful(y: np.ndarray, degree: int) -> np.ndarray:
+def maybe_rank_deficient(y: np.ndarray, degree: int) -> np.ndarray:
     """Where (p,) the sites (p, k, d) may not determine the polynomials, or only just."""
     basis = monomials(y, degree)
     if not basis.shape[2]:
@@ -26,7 +26,7 @@ def ranks(y: np.ndarray, degree: int) -> np.ndarray:
     return (sigma > _tolerance(y, degree) * sigma[:, :1]).sum(axis=1)
 
 
-def told_apart(y: np.ndarray, degree: int) -> np.ndarray | None:
+def determined_basis(y: np.ndarray, degree: int) -> np.ndarray | None:
     """Matrix (q, q) that makes those that the sites (k, d) tell apart, of all; None if it is all.
 
     They are the least in Bombieri's norm, and columns of zeros follow them.

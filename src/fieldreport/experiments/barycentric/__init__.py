@@ -1,1 +1,1 @@
-"""barycentric."""
+"""Barycentric coordinates of polygons and polyhedra, and of Voronoi cells."""

@@ -10,9 +10,9 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from fieldrecon.coupling.rigid_motions import net_force_and_moment
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Transfer, applied
-from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.rbf import RBF
 from fieldreport.experiments.coupling.wing import ElasticWing
 

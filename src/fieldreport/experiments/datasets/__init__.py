@@ -1,1 +1,1 @@
-"""datasets."""
+"""A real terrain, reconstructed from points on its isolines."""

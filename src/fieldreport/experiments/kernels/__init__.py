@@ -1,1 +1,1 @@
-"""kernels."""
+"""Kernels of radial basis functions: conditional positive definiteness, errors, conditioning."""

@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.datasets.synthetic import halton, uniform
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.rbf import RBF
 from fieldreport.experiments.methods.high_dimensions_cases import FIELDS, METHODS, methods
 from fieldreport.experiments.methods.high_dimensions_figures import (

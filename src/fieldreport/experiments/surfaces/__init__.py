@@ -1,1 +1,1 @@
-"""surfaces."""
+"""Surfaces from points: implicit functions, variational implicits, polygon soups."""

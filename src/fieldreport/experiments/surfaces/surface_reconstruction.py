@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from fieldrecon.datasets.synthetic import terrain
-from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.solids.constructive import Solid, blend, morph, transform
 from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface

@@ -1,1 +1,1 @@
-"""triangles."""
+"""Errors of triangle meshes: planted, found, told apart, and repaired."""

@@ -1,1 +1,1 @@
-"""velocity."""
+"""Velocities and gradients on meshes, and vertices that one ring does not determine."""

@@ -15,11 +15,11 @@ from pathlib import Path
 import fieldrecon
 import fieldreport
 from fieldreport import experiments
-from fieldreport.build.document import Document
 from fieldreport.build.lock import only_build_in
 from fieldreport.build.manifest import machine
-from fieldreport.build.pins import pins
-from fieldreport.build.steps import Steps, content_digest, digest
+from fieldreport.build.pinned_kernels import pins
+from fieldreport.build.step_records import Steps, content_digest, digest
+from fieldreport.build.typesetting import Document
 
 STEP = "build"
 HIDDEN = {".state", ".lock"}

@@ -21,6 +21,7 @@ from pathlib import Path
 from fieldrecon._core.atomic_files import write_atomically
 
 PACKAGES = ("fieldrecon", "fieldreport")
+_distributions = cache(packages_distributions)
 
 
 @dataclass(frozen=True)
@@ -238,4 +239,4 @@ def _version(package: str) -> str:
     try:
         return version(package)
     except PackageNotFoundError:  # imported under another name than it is installed under
-        return version(packages_distributions()[package][0])
+        return version(_distributions()[package][0])

@@ -18,10 +18,10 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.blas_threads import one_blas_thread
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport import experiments
-from fieldreport.build.failure import BuildError
-from fieldreport.build.pins import pins
-from fieldreport.build.sources import code_behind
-from fieldreport.build.steps import Steps, content_digest, digest, digests
+from fieldreport.build.code_dependencies import code_behind
+from fieldreport.build.errors import BuildError
+from fieldreport.build.pinned_kernels import pins
+from fieldreport.build.step_records import Steps, content_digest, digest, digests
 from fieldreport.build.workers import workers
 from fieldreport.framework.experiment import Experiment, Result
 from fieldreport.framework.result_files import read_result, write_result

@@ -14,11 +14,11 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from fieldreport.build.failure import BuildError
+from fieldrecon._core.simd_dispatch import blas_cores, dispatch, dispatched
+from fieldreport.build.errors import BuildError
 
 X86_64_V3 = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"}
 """What the Haswell kernels and NumPy's X86_V3 need, as ``/proc/cpuinfo`` names it."""
@@ -36,15 +36,6 @@ NUMERICAL = ("GLIBC_TUNABLES", "GOTO", "NPY_", "OMP_", "OPENBLAS_", "SCIPY_")
 def pins() -> dict[str, str]:
     """Return the environment variables that the workers get; none where nothing is pinned."""
     return _haswell() if has_x86_64_v3() else {}
-
-
-def dispatch() -> list[str]:
-    """Name the levels, or features, of processors for which NumPy has code of their own."""
-    return list(_numpy_core().__cpu_dispatch__)
-
-
-def _numpy_core() -> Any:
-    return import_module("numpy._core._multiarray_umath")
 
 
 def _haswell() -> dict[str, str]:
@@ -102,9 +93,9 @@ def run_pinned(pinned: Mapping[str, str], work: Callable, /, *args: Any, **kwarg
 
 def require(pinned: Mapping[str, str]) -> None:
     """Refuse libraries that do not run what the pins say."""
-    wrong = {
-        name: core for name, core in cores().items() if core != pinned["OPENBLAS_CORETYPE"]
-    } | {name: "on" for name in pinned["NPY_DISABLE_CPU_FEATURES"].split() if _dispatched(name)}
+    core, off = pinned["OPENBLAS_CORETYPE"], pinned["NPY_DISABLE_CPU_FEATURES"].split()
+    wrong = {f"{name}'s OpenBLAS": x for name, x in blas_cores().items() if x != core}
+    wrong |= dict.fromkeys((name for name in dispatched() if name in off), "on")
     if wrong:
         found = ", ".join(f"{name}: {x}" for name, x in wrong.items())
         wanted = ", ".join(f"{name}={x}" for name, x in pinned.items())
@@ -112,19 +103,3 @@ def require(pinned: Mapping[str, str]) -> None:
 
 
 REMEDY = "use the NumPy and SciPy of requirements.lock"
-
-
-def cores() -> dict[str, str]:
-    """Return the core whose kernels each BLAS of this process uses, by the library's file name."""
-    import scipy.linalg  # noqa: F401  (loads SciPy's BLAS; NumPy's is loaded with it)
-    from threadpoolctl import threadpool_info
-
-    return {
-        Path(library["filepath"]).name: library.get("architecture", library["internal_api"])
-        for library in threadpool_info()
-        if library["user_api"] == "blas"
-    }
-
-
-def _dispatched(name: str) -> bool:
-    return bool(_numpy_core().__cpu_features__[name])

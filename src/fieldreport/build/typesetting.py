@@ -15,12 +15,14 @@ from pathlib import Path
 from typing import Any, Final, cast
 
 from fieldrecon._core.atomic_files import write_atomically
-from fieldreport.build.failure import BuildError
+from fieldreport.build.code_dependencies import code_behind
+from fieldreport.build.errors import BuildError
 from fieldreport.build.manifest import versions
-from fieldreport.build.sources import code_behind
-from fieldreport.build.steps import Steps, digest
+from fieldreport.build.step_records import Steps, digest
 
 PDF_STANDARD: Final = "ua-1"
+OUTPUTS: Final = ("html5", "typst-citations")
+"""What pandoc writes. Citations are text by then, and Typst is not to make them again."""
 NO_DATE = 0
 """Seconds since 1970 that Typst writes as the time of creation, were the document to show one."""
 
@@ -85,25 +87,26 @@ class Document:
         told = {**metadata, **{key: str(path.resolve()) for key, path in places.items()}}
         document = self._read(told)
         with ThreadPoolExecutor(2) as both:
-            page, print_ = (both.submit(self._written, to, document) for to in ("html5", "typst"))
+            page, print_ = (both.submit(self._written, to, document) for to in OUTPUTS)
             problems = _all_lines(page.exception(), print_.exception())
         if problems:
             raise BuildError("\n".join(problems))
         return page.result(), print_.result()
 
     def _read(self, metadata: Mapping[str, str]) -> str:
-        """Return the chapters with their numbers as JSON of pandoc, made once for both outputs."""
+        """Return the chapters with numbers and citations as JSON of pandoc, for both outputs."""
         return self._pandoc(
             "--from=markdown",
             "--to=json",
             "--metadata-file=metadata.yaml",
             *(f"--metadata={key}:{value}" for key, value in metadata.items()),
             "--lua-filter=filters/report.lua",
+            "--bibliography=references.bib",
             *(str(path.relative_to(self.source)) for path in self.chapters),
         )
 
     def _written(self, to: str, document: str) -> str:
-        suffix = "typ" if to == "typst" else "html"
+        suffix = "html" if to == "html5" else "typ"
         return self._pandoc(
             "--from=json",
             f"--to={to}",
@@ -111,8 +114,6 @@ class Document:
             "--wrap=none",
             f"--template=template.{suffix}",
             "--lua-filter=filters/output.lua",
-            "--citeproc",
-            "--bibliography=references.bib",
             "--toc",
             "--toc-depth=3",
             "--section-divs",
