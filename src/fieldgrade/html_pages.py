@@ -6,7 +6,7 @@ import base64
 import json
 import re
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from html import escape
 from pathlib import Path
 from string import Template
@@ -30,6 +30,22 @@ def page(title: str, subtitle: str, body: str) -> str:
     """Return a page; title and subtitle are text, the body is HTML."""
     form = Template(TEMPLATE.read_text(encoding="utf-8"))
     return form.substitute(title=escape(title), subtitle=escape(subtitle), body=body)
+
+
+def table(
+    columns: Sequence[str], rows: Iterable[Sequence[str]], numbers: Collection[int] = ()
+) -> str:
+    """Return a table of HTML cells under plain titles; columns in `numbers` are right-aligned."""
+
+    def line(tag: str, cells: Sequence[str]) -> str:
+        kinds = (' class="number"' if k in numbers else "" for k in range(len(cells)))
+        inside = (f"<{tag}{kind}>{c}</{tag}>" for kind, c in zip(kinds, cells, strict=True))
+        return f"<tr>{''.join(inside)}</tr>"
+
+    body = "".join(line("td", row) for row in rows)
+    return (
+        f'<div class="scroll"><table>{line("th", list(map(escape, columns)))}{body}</table></div>'
+    )
 
 
 def picture(svg: str, alt: str) -> str:

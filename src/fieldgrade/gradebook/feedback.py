@@ -19,7 +19,7 @@ from fieldgrade.authoring.known_answers import public_calls
 from fieldgrade.checking.results import Record
 from fieldgrade.class_folder.csv_tables import short
 from fieldgrade.gradebook.grade_sheets import NOT_YET, GradeLine, GradeSheet
-from fieldgrade.html_pages import page, picture
+from fieldgrade.html_pages import page, picture, table
 
 LARGEST = 1e6
 """Values that exceed the right ones by this factor are not drawn."""
@@ -62,11 +62,11 @@ def feedback(sheets: Sequence[GradeSheet], titles: Mapping[str, str] | None = No
 
 def _sum(sheets: Sequence[GradeSheet]) -> str:
     points, possible = sum(s.points for s in sheets), sum(s.possible for s in sheets)
-    told = f"{short(points)} of {short(possible)} points"
+    text = f"{short(points)} of {short(possible)} points"
     waiting = sum(line.how == "open" for sheet in sheets for line in sheet.lines)
     if not waiting:
-        return told
-    return f"{told}; {'one answer is' if waiting == 1 else f'{waiting} answers are'} not graded yet"
+        return text
+    return f"{text}; {'one answer is' if waiting == 1 else f'{waiting} answers are'} not graded yet"
 
 
 def _unreadable(record: Record) -> str:
@@ -78,26 +78,24 @@ def _unreadable(record: Record) -> str:
 
 
 def _overview(sheets: Sequence[GradeSheet], titles: Mapping[str, str]) -> str:
-    head = (
-        '<tr><th>Notebook</th><th class="number">Points</th><th class="number">of</th>'
-        "<th>Questions</th></tr>"
-    )
-    rows = "".join(
-        f'<tr><td><a href="#n{s.notebook}">{_title(s.notebook, titles.get(s.notebook, ""))}</a>'
-        "</td>"
-        f'<td class="number">{short(s.points)}</td><td class="number">{short(s.possible)}</td>'
-        f"<td>{_at_a_glance(s)}</td></tr>"
+    rows = [
+        (
+            f'<a href="#n{s.notebook}">{_title(s.notebook, titles.get(s.notebook, ""))}</a>',
+            short(s.points),
+            short(s.possible),
+            _at_a_glance(s),
+        )
         for s in sheets
-    )
-    return f'<div class="scroll"><table>{head}{rows}</table></div>'
+    ]
+    return table(("Notebook", "Points", "of", "Questions"), rows, numbers=(1, 2))
 
 
 def _at_a_glance(sheet: GradeSheet) -> str:
     """Return a square for each question, filled according to its points."""
     if sheet.record is None:
         return "not submitted"
-    told = "".join(_square(line) for line in sheet.lines)
-    return f'<span class="squares">{told}</span>'
+    squares = "".join(_square(line) for line in sheet.lines)
+    return f'<span class="squares">{squares}</span>'
 
 
 def _square(line: GradeLine) -> str:
@@ -129,13 +127,13 @@ def _about(sheet: GradeSheet) -> list[str]:
     record = sheet.record
     if record is None:
         return []
-    told = [f"{short(sheet.points)} of {short(sheet.possible)} points."]
+    sentences = [f"{short(sheet.points)} of {short(sheet.possible)} points."]
     if record.status in STATUS:
-        told.append(STATUS[record.status])
+        sentences.append(STATUS[record.status])
     if sheet.late_penalty:
-        told.append(f"Late submission: {short(sheet.late_penalty)} points less.")
-    told += [n for n in record.notes if any(known in n for known in FOR_STUDENTS)]
-    return told
+        sentences.append(f"Late submission: {short(sheet.late_penalty)} points less.")
+    sentences += [n for n in record.notes if any(known in n for known in FOR_STUDENTS)]
+    return sentences
 
 
 def _answer(line: GradeLine) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldgrade.class_folder.csv_tables import to_csv
 from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet
-from fieldgrade.html_pages import page
+from fieldgrade.html_pages import page, table
 
 FEWEST = 3
 """Smallest number of submissions for a correlation."""
@@ -22,6 +22,7 @@ LITTLE = 0.2
 BAR = 7.0
 """Length of the bar of a question that everybody fails, in em."""
 
+COLUMNS = ("Question", "Answers", "Failed", "Mean", "Discrimination", "Most common mistakes")
 EXPLAINED = (
     "Failed: the share of answers without full points. Mean: the mean share of the points. "
     "Discrimination: the correlation of a question's points with those of the other questions of "
@@ -161,26 +162,19 @@ def analysis_page(
     body = [f"<p>{escape(EXPLAINED)}</p>"]
     for notebook, its in groupby(found, key=lambda item: item.question.partition(".")[0]):
         title = f"{notebook} {titles.get(notebook, '')}".strip()
-        body.append(f"<h2>{escape(title)}</h2>{_table(list(its))}")
+        body.append(f"<h2>{escape(title)}</h2>{table(COLUMNS, map(_row, its), numbers=(1, 3, 4))}")
     return page("Statistics of the questions", subtitle, "\n".join(body))
 
 
-def _table(its: Sequence[ItemStatistics]) -> str:
-    head = (
-        '<tr><th>Question</th><th class="number">Answers</th><th>Failed</th>'
-        '<th class="number">Mean</th><th class="number">Discrimination</th>'
-        "<th>Most common mistakes</th></tr>"
-    )
-    return f'<div class="scroll"><table>{head}{"".join(map(_row, its))}</table></div>'
-
-
-def _row(item: ItemStatistics) -> str:
-    mistakes = "<br>".join(f"{escape(name)} ({count})" for name, count in item.mistakes)
+def _row(item: ItemStatistics) -> tuple[str, ...]:
     bar = f'<span class="bar" style="width:{BAR * item.failed:.2f}em"></span>'
     return (
-        f'<tr><td>{escape(item.question)}</td><td class="number">{item.answers}</td>'
-        f'<td class="bars">{bar} {item.failed:.0%}</td><td class="number">{item.mean:.0%}</td>'
-        f'<td class="number">{_discrimination(item)}</td><td>{mistakes}</td></tr>'
+        escape(item.question),
+        str(item.answers),
+        f'<span class="bars">{bar} {item.failed:.0%}</span>',
+        f"{item.mean:.0%}",
+        _discrimination(item),
+        "<br>".join(f"{escape(name)} ({count})" for name, count in item.mistakes),
     )
 
 

@@ -22,7 +22,7 @@ from html import escape
 from itertools import combinations
 
 from fieldgrade.class_folder.csv_tables import to_csv
-from fieldgrade.html_pages import page
+from fieldgrade.html_pages import page, table
 from fieldgrade.submissions.definitions import is_stub
 
 K, WINDOW = 12, 8
@@ -279,14 +279,12 @@ def similarity_page(title: str, pairs: Sequence[Pair], compared: int) -> str:
     compared : int
         The number of notebooks.
     """
-    head = "<tr><th>Pair</th><th class='number'>Shared</th><th>In</th></tr>"
-    rows = "".join(
-        f'<tr><td><a href="#p{n}">{_names(p)}</a></td><td class="number">{p.part:.0%}</td>'
-        f"<td>{escape(_shared_functions(p))}</td></tr>"
+    rows = [
+        (f'<a href="#p{n}">{_names(p)}</a>', f"{p.part:.0%}", escape(_shared_functions(p)))
         for n, p in enumerate(pairs[:MOST_PAIRS])
-    )
-    table = f'<div class="scroll"><table>{head}{rows}</table></div>' if pairs else ""
-    body = [f"<p>{escape(CAUTION)}</p>", table]
+    ]
+    overview = table(("Pair", "Shared", "In"), rows, numbers=(1,)) if pairs else ""
+    body = [f"<p>{escape(CAUTION)}</p>", overview]
     body += [line for n, p in enumerate(pairs[:MOST_PAIRS]) for line in _pair(n, p)]
     if not pairs:
         body.append("<p>No two of them share code that few others have.</p>")

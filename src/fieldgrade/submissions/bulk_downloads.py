@@ -145,8 +145,8 @@ def _time(text: str) -> str:
     zone = re.search(r"([+-]\d\d):?(\d\d)$", text)
     if found is None or not (text.endswith(("Z", "UTC")) or zone):
         return ""
-    told = f"{found[1]}T{found[2]}{f'{zone[1]}:{zone[2]}' if zone else '+00:00'}"
+    time = f"{found[1]}T{found[2]}{f'{zone[1]}:{zone[2]}' if zone else '+00:00'}"
     try:
-        return datetime.fromisoformat(told).astimezone(UTC).isoformat()
+        return datetime.fromisoformat(time).astimezone(UTC).isoformat()
     except (ValueError, OverflowError):
         return ""

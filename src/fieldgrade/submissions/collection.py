@@ -169,7 +169,7 @@ class Collection:
 
     def _described(self, items: Sequence[InputFile]) -> tuple[list[InputFile], Metadata]:
         """Separate Gradescope's files of metadata from the other files."""
-        told: dict[str, FileOrigin] = {}
+        origins: dict[str, FileOrigin] = {}
         for item in items:
             if item.parts == (METADATA,):
                 kept = self._kept(ReceivedFile("", item.name), item, _Left())
@@ -177,8 +177,8 @@ class Collection:
                     self.strays.append(f"{item.name}: {kept.problem}")
                 else:
                     content = self.archive.read(kept.digest, MOST_FILE)
-                    told |= gradescope_metadata(content.decode("utf-8", "replace"))
-        return [item for item in items if item.parts != (METADATA,)], told
+                    origins |= gradescope_metadata(content.decode("utf-8", "replace"))
+        return [item for item in items if item.parts != (METADATA,)], origins
 
     # Unpack what a student submitted.
 

@@ -96,7 +96,7 @@ def is_stub(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     body = function.body[1:] if ast.get_docstring(function) is not None else function.body
     idle = all(isinstance(node, ast.Pass | ast.Raise) or _is_constant(node) for node in body)
     raised = (ast.dump(node) for node in body if isinstance(node, ast.Raise))
-    return idle or any("NotImplementedError" in told for told in raised)
+    return idle or any("NotImplementedError" in text for text in raised)
 
 
 def _tree(code: str) -> ast.Module | None:
