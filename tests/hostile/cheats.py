@@ -4,7 +4,7 @@ import json
 
 from fieldcheck.answers import public_answers
 from fieldcheck.questions import questions
-from fieldgrade.authoring.known import public_calls
+from fieldgrade.authoring.known_answers import public_calls
 from hostile.case import ALL, EVERYTHING, NO_ANSWERS, WALLS, Case
 
 
