@@ -20,7 +20,7 @@ from benchmarks import graders
 from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
 from benchmarks.measure import Comparison, Outcome, Table, Track
 from fieldgrade.grading.run import chosen_tier
-from fieldgrade.isolation.isolation import Server
+from fieldgrade.isolation.server import Server
 
 COMMAND = "import sys; from fieldrecon.cli.main import main; sys.exit(main())"
 AT_MOST = {(SMALL, "nbgrader"): 1 / 15, (SMALL, "otter"): 1 / 30}
