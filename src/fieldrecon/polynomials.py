@@ -14,7 +14,7 @@ from fieldrecon._core.blas_threads import blas_threads_for
 
 EPS = float(np.finfo(np.float64).eps)
 LARGE_BASIS = 500
-"""Members of a basis beyond which fewer sites are refused without looking at it."""
+"""Size of a basis beyond which fewer sites are refused before the basis is computed."""
 
 
 def dimension(d: int, degree: int) -> int:
@@ -45,7 +45,7 @@ def exponents(d: int, degree: int) -> np.ndarray:
 
 @lru_cache(maxsize=256)
 def _factors(d: int, degree: int) -> list[tuple[int, int]]:
-    """For each monomial after the first: its first variable, and the monomial left without it."""
+    """For each monomial but the first: its first variable, and the index of the quotient by it."""
     index = {tuple(alpha): i for i, alpha in enumerate(exponents(d, degree))}
     steps = []
     for alpha in exponents(d, degree)[1:]:
@@ -224,7 +224,7 @@ def resolution(points: np.ndarray) -> float:
     """
     extent = np.ptp(points / 2, axis=0)
     reach = np.abs(points / 2).max(axis=0)
-    # an axis whose extent is itself rounding has no size to compare with
+    # an axis whose extent is itself rounding gives no scale
     known = extent > 4 * EPS * reach
     return EPS * float(np.max(reach[known] / extent[known], initial=1.0))
 
@@ -232,7 +232,7 @@ def resolution(points: np.ndarray) -> float:
 def undetermined(
     d: int, degree: int, rank: int, who: str = "the points do"
 ) -> np.linalg.LinAlgError:
-    """The error for sites that leave a polynomial undetermined, in the subject's words."""
+    """The error for sites that do not determine a polynomial."""
     variables = "1 variable" if d == 1 else f"{d} variables"
     return np.linalg.LinAlgError(
         f"{who} not determine a polynomial of degree {degree} in {variables}: "
@@ -241,10 +241,10 @@ def undetermined(
 
 
 def refuse_too_few(points: np.ndarray, degree: int) -> None:
-    """Refuse fewer sites than a large basis has members, before it is made.
+    """Refuse fewer sites than a large basis has members, before the basis is computed.
 
-    Of a small basis the rank tells more; a large one, such as that of degree 10 in 20 variables,
-    may not fit into memory.
+    The rank of a small basis is more informative; a large basis, such as that of degree 10 in 20
+    variables, may not fit into memory.
 
     Raises
     ------

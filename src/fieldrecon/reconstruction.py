@@ -1,6 +1,7 @@
-"""The one idea: a method is its weights, s(x) = sum_i w_i(x) f_i, and they need the sites only.
+"""Reconstructions that are linear in the data, s(x) = sum_i w_i(x) f_i, and their fields.
 
-A reconstructed field: data on a method, called at points.
+A method is determined by its weights w_i(x), which depend on the sites only. A field combines a
+method with data; it is called at points.
 """
 
 from __future__ import annotations
@@ -29,16 +30,18 @@ Weights: TypeAlias = np.ndarray | sparse.csr_array
 
 
 class Reconstruction(ABC):
-    """A method on fixed sites, linear in the data: sites first, data second, then call.
+    """A method on fixed sites that is linear in the data.
+
+    Construct it from the sites, fit data with `field`, and call the field at points.
 
     Attributes
     ----------
     points : (n, d) ndarray
         The sites.
     degree : int
-        Highest total degree of polynomials that come back exactly; -1 for none.
+        Highest total degree of polynomials that are reproduced exactly; -1 for none.
     interpolates : bool
-        Whether the data come back at the sites.
+        Whether the field takes the data at the sites.
     """
 
     points: np.ndarray
@@ -132,7 +135,7 @@ class Reconstruction(ABC):
         """
         queries = self._queries(x).reshape(-1, self.points.shape[1])
         f = valid.as_values(f, len(queries), name="f", of="query")
-        columns = f.reshape(len(f), math.prod(f.shape[1:]))  # of no queries too
+        columns = f.reshape(len(f), math.prod(f.shape[1:]))  # also for no queries
         result = valid.quiet_evaluate(self._adjoint, queries, columns)
         return valid.check_finite(result, self.points).reshape((len(self.points), *f.shape[1:]))
 
@@ -161,7 +164,7 @@ class Reconstruction(ABC):
         """Gradient weights at the queries, d matrices (m, n)."""
 
     def _prepare(self, values: np.ndarray) -> Any:
-        """What evaluation needs of the data (n, v): coefficients, or the data themselves."""
+        """Coefficients for the data (n, v), from which values follow; by default the data."""
         return values
 
     def _value_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
@@ -172,12 +175,12 @@ class Reconstruction(ABC):
         """Gradients (m, v, d)."""
         return np.stack([g @ prepared for g in self._gradient_weight_rows(x)], axis=-1)
 
-    def _order(self, x: np.ndarray) -> np.ndarray | None:  # noqa: ARG002 - by default as they come
-        """Order of the queries (m, d) in which neighbours are evaluated together; None as is."""
+    def _order(self, x: np.ndarray) -> np.ndarray | None:  # noqa: ARG002 - for subclasses
+        """Order in which neighbouring queries (m, d) are evaluated together; None for their own."""
         return None
 
     def _chunk_rows(self, columns: int) -> int:
-        """Queries of one chunk, for data of so many columns."""
+        """Number of queries of one chunk, for data with this number of columns."""
         return rows_of(8 * (columns + len(self.points)) * (self.points.shape[1] + 1))
 
     def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
@@ -252,9 +255,9 @@ def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None
 
 
 class Field:
-    """A reconstructed field: call it at points, or ask for its gradient.
+    """A reconstructed field: callable at points, with a gradient.
 
-    Made by `Reconstruction.field`. Many queries are evaluated in chunks, so that the memory beside
+    Made by `Reconstruction.field`. Many queries are evaluated in chunks, so that the memory beyond
     inputs and outputs stays bounded.
 
     Parameters
@@ -264,8 +267,8 @@ class Field:
     values : (n, ...) ndarray
         The data.
     prepare : callable, optional
-        Takes the data (n, v) and returns what evaluation needs of them; the method's own routine
-        by default.
+        Takes the data (n, v) to the coefficients for evaluation; the method's own routine by
+        default.
 
     Attributes
     ----------
@@ -310,7 +313,7 @@ class Field:
         x : (..., d) array_like
             Queries.
         executor : concurrent.futures.Executor, optional
-            Where the chunks run; this machine's threads by default.
+            Runs the chunks; this machine's threads by default.
         progress : callable, optional
             Called as progress(done, total) with numbers of queries.
 
@@ -333,21 +336,21 @@ class Field:
     def gradient(
         self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
     ) -> np.ndarray:
-        """Exact gradient of the field as it is.
+        """Exact gradient of the field.
 
         Parameters
         ----------
         x : (..., d) array_like
             Queries.
         executor : concurrent.futures.Executor, optional
-            Where the chunks run; this machine's threads by default.
+            Runs the chunks; this machine's threads by default.
         progress : callable, optional
             Called as progress(done, total) with numbers of queries.
 
         Returns
         -------
         (..., *v, d) ndarray
-            The derivative by each variable, last.
+            The derivatives by each variable on the last axis.
 
         Raises
         ------

@@ -185,7 +185,7 @@ for name in [n for n in sys.modules if n.startswith("fieldrecon")]:
         answers={
             "fit": """
 def fit(points, values):
-    from fieldrecon.least_squares import LeastSquares
+    from fieldrecon.methods.least_squares import LeastSquares
     return LeastSquares(points).coefficients(values)
 """
         },

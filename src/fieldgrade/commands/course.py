@@ -37,8 +37,8 @@ from fieldgrade.grader_validation.rounding_errors import (
     changes_of_draws,
     rounding_test,
 )
-from fieldrecon.cli.console import print_table
-from fieldrecon.cli.terminal import print_files, progress
+from fieldrecon.cli.console import print_files, print_table
+from fieldrecon.cli.progress import progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

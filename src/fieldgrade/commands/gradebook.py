@@ -22,8 +22,8 @@ from fieldgrade.gradebook.grade_sheets import by_student
 from fieldgrade.gradebook.graded_class import DEFAULT_FOLDER, GradedClass
 from fieldgrade.submissions.submission import Submission, Unreadable
 from fieldgrade.submissions.written_answers import written_answers
-from fieldrecon.cli.console import print_table
-from fieldrecon.cli.terminal import print_files, progress
+from fieldrecon.cli.console import print_files, print_table
+from fieldrecon.cli.progress import progress
 
 PLATFORMS = {"canvas": exports.canvas_csv, "moodle": exports.moodle_csv}
 

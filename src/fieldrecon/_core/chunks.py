@@ -1,4 +1,4 @@
-"""Many queries in chunks: bounded memory, threads by default, the same result on any machine."""
+"""Evaluation in chunks: bounded memory, threads by default, the same result on any machine."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Result = TypeVar("Result")
 CHUNK_BYTES = 2**24
 """Working memory of one chunk, in bytes; it never depends on the number of cores."""
 
-_AHEAD = 8  # chunks that wait or run at once: bounds the memory for any executor
+_AHEAD = 8  # chunks submitted at once: bounds the memory for any executor
 
 
 def rows_of(bytes_per_row: float) -> int:
@@ -41,8 +41,8 @@ def chunked(
     """Yield each slice of rows of `x` with work(x[slice]), in order.
 
     The chunks run on `executor` (a pool of threads if None); `progress(done, total)` is called
-    after each. An exception or an interrupt cancels what has not begun. Processes of a pool read
-    `work`, which may hold millions of sites, once, and not with every chunk.
+    after each. An exception or an interrupt cancels the chunks that have not begun. `work` may
+    hold millions of sites: processes of a pool read it once, not with every chunk.
     """
     slices = [slice(i, min(i + rows, len(x))) for i in range(0, len(x), rows)]
     pool: AbstractContextManager[Executor] = (
@@ -81,7 +81,7 @@ def _pass_progress(
 
 
 def _on_one_thread(work: Callable[[np.ndarray], Result], x: np.ndarray) -> Result:
-    """Work on a chunk, in whichever process; the chunks share the cores, not the BLAS below."""
+    """Work on a chunk with one BLAS thread: the chunks already share the cores."""
     with one_blas_thread():
         return work(x)
 
@@ -119,7 +119,7 @@ def _read(file: Path) -> Callable[[np.ndarray], Any]:
 
 
 class Inline(Executor):
-    """Runs at once, in the calling thread: one worker needs no pool."""
+    """An executor that runs each call at once in the calling thread."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         future: Future[Any] = Future()

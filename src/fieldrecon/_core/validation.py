@@ -1,4 +1,4 @@
-"""Arrays come in with a known shape and finite, and go out finite, or an error says why not."""
+"""Checks of arguments and results: shapes, types, and finite numbers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-MOST_TOLD = 6
+MAX_SHOWN = 6
 """Coordinates of a format_point that an error spells out."""
 
 
@@ -65,7 +65,7 @@ def as_degree(degree: int, lowest: int = 0) -> int:
 def as_count(
     count: int, name: str, lowest: int = 1, highest: float = math.inf, wanted: str = ""
 ) -> int:
-    """An integer from `lowest` to `highest`; `wanted` says so in the words of the subject."""
+    """An integer from `lowest` to `highest`; `wanted` describes it in the error message."""
     known = isinstance(count, int | np.integer) and not isinstance(count, bool)
     if not known or not lowest <= count <= highest:
         wanted = wanted or f"an integer, {lowest} or more"
@@ -106,7 +106,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def finite(what: str) -> Callable[[Function], Function]:
-    """Decorator of functions whose arrays come out finite, or an error names `what` does not."""
+    """Decorator that raises an OverflowError about `what` if a function's result is not finite."""
 
     def decorated(function: Function) -> Function:
         @wraps(function)
@@ -127,20 +127,20 @@ def finite(what: str) -> Callable[[Function], Function]:
 
 
 def quiet_evaluate(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Result of a computation whose overflows are found in the result, by `check_finite`."""
+    """Result of a computation without warnings of overflow, which `check_finite` finds in it."""
     with np.errstate(all="ignore"):
         return function(*arguments)
 
 
 def format_point(x: np.ndarray) -> str:
-    """A point in words: its coordinates, or the first few of many."""
-    few = x if len(x) <= MOST_TOLD else x[: MOST_TOLD // 2]
-    told = ", ".join(f"{c:.6g}" for c in few)
-    return told if len(few) == len(x) else f"{told}, … of {len(x)} coordinates"
+    """Coordinates of a point for an error message, the first few of many."""
+    few = x if len(x) <= MAX_SHOWN else x[: MAX_SHOWN // 2]
+    shown = ", ".join(f"{c:.6g}" for c in few)
+    return shown if len(few) == len(x) else f"{shown}, … of {len(x)} coordinates"
 
 
 def check_finite(result: Any, x: np.ndarray) -> Any:
-    """The result, one row for each point x, refused in words where it is not finite."""
+    """The result, one row for each point x, if it is finite; the error names a point if not."""
     entries = result.data if sparse.issparse(result) else result
     if not np.isfinite(entries).all():
         wrong = ~np.isfinite(result.toarray() if sparse.issparse(result) else result)

@@ -199,7 +199,7 @@ def _by_qr(b: np.ndarray, w: np.ndarray) -> np.ndarray:
         _swap(j, heaviest, r, v, rows, rounding)
         v[:, j:, j] = _reflector(r[:, j:, j])
         _reflect(r[:, j:, j:], v[:, j:, j])
-        # What is left of a redundant row is rounding, and may outweigh all lighter rows.
+        # The remainder of a redundant row is rounding, and may outweigh all lighter rows.
         rest = r[:, j + 1 :, j + 1 :]
         rest[np.abs(rest) < rounding[:, j + 1 :, None]] = 0.0
     thin_q = np.zeros((m, k, q))

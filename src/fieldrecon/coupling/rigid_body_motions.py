@@ -1,4 +1,4 @@
-"""Rigid motions of points, and what loads do to them: total force and total moment."""
+"""Rigid motions of points, and the total force and moment of loads, their work in them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from fieldrecon._core import validation as valid
 
 
 def rigid_motions(points: ArrayLike, about: ArrayLike | None = None) -> np.ndarray:
-    """Displacements of points in each small rigid motion: d translations, then the rotations.
+    """Displacements of points in each infinitesimal rigid motion: translations, then rotations.
 
-    e_k, and e_i (p - a)_j - e_j (p - a)_i for the planes of the axes; in space these are
-    e_k and e_k × (p - a), in the plane the third is the quarter turn (-(p - a)_2, (p - a)_1).
+    The translations are e_k, the rotations e_i (p - a)_j - e_j (p - a)_i for the planes of two
+    axes. In space the rotations are e_k × (p - a), in the plane (-(p - a)_2, (p - a)_1).
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def rigid_motions(points: ArrayLike, about: ArrayLike | None = None) -> np.ndarr
     Returns
     -------
     (n, d, r) ndarray
-        The r = d (d + 1) / 2 motions last.
+        The r = d (d + 1) / 2 motions along the last axis.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def net_force_and_moment(
     Parameters
     ----------
     points : (n, d) array_like
-        Where the loads act.
+        The points at which the loads act.
     loads : (n, d, ...) array_like
         The loads.
     about : (d,) array_like, optional
@@ -62,7 +62,7 @@ def net_force_and_moment(
     Returns
     -------
     (r, ...) ndarray
-        The d components of sum f_i, then the moments; in space those of sum (p_i - a) × f_i.
+        The d components of the force sum f_i, then the moment; in space sum (p_i - a) × f_i.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def net_force_and_moment(
 
 
 def as_vectors(values: ArrayLike, points: np.ndarray, name: str) -> np.ndarray:
-    """One vector of d components, or several, for each of the points (n, d): (n, d, ...)."""
+    """Validate one or several vectors of d components for each of the points: (n, d, ...)."""
     n, d = points.shape
     v = valid.as_values(values, n, name)
     if v.ndim < 2 or v.shape[1] != d:
@@ -85,7 +85,7 @@ def as_vectors(values: ArrayLike, points: np.ndarray, name: str) -> np.ndarray:
 
 
 def _planes(d: int) -> list[tuple[int, int]]:
-    """Pairs of axes; in space those across x, y and z, in the sense of the right hand."""
+    """Pairs of axes; in space those normal to x, y and z, right-handed."""
     return [(1, 2), (2, 0), (0, 1)] if d == 3 else list(combinations(range(d), 2))
 
 

@@ -1,4 +1,4 @@
-"""Points to sample at and fields to sample: sets of points in [0, 1]^d, functions, a terrain."""
+"""Sets of points in [0, 1]^d, and test functions with their gradients."""
 
 from __future__ import annotations
 
@@ -9,19 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core.validation import as_count, as_queries
-from fieldrecon.datasets.elevation import Terrain, terrain
-
-__all__ = [
-    "AnalyticField",
-    "Terrain",
-    "clustered",
-    "franke",
-    "halton",
-    "jittered_grid",
-    "power_of_sum",
-    "terrain",
-    "uniform",
-]
 
 Seed = int | np.random.Generator
 
@@ -34,7 +21,7 @@ def uniform(n: int, d: int, seed: Seed) -> np.ndarray:
     n, d : int
         Number of points and of coordinates.
     seed : int or numpy.random.Generator
-        What the draw is made from; the same seed gives the same points.
+        Source of the random numbers; the same seed gives the same points.
 
     Returns
     -------
@@ -46,15 +33,15 @@ def uniform(n: int, d: int, seed: Seed) -> np.ndarray:
 def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
     """Return the first n points of the Halton sequence in [0, 1]^d.
 
-    Coordinate k of point i is the radical inverse of i in the k-th prime: its digits mirrored
-    at the point. The first point is the origin.
+    Coordinate k of point i is the radical inverse of i in the k-th prime: its digits are mirrored
+    at the radix point. The first point is the origin.
 
     Parameters
     ----------
     n, d : int
         Number of points and of coordinates.
     seed : int or numpy.random.Generator, optional
-        Permutes the digits at random (Owen's scrambling) where given.
+        If given, the digits are permuted at random (Owen's scrambling).
 
     Returns
     -------
@@ -78,17 +65,17 @@ def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
 
 
 def jittered_grid(side: int, d: int, jitter: float, seed: Seed) -> np.ndarray:
-    """Return one point in each of side^d equal cells of [0, 1]^d, off the middle by chance.
+    """Return one random point in each of side^d equal cells of [0, 1]^d.
 
     Parameters
     ----------
     side, d : int
         Cells along each axis, and number of axes.
     jitter : float
-        The part of its cell, from 0 to 1, that a point may lie in: 0 gives the middles of the
-        cells, 1 any place in them.
+        Relative size, from 0 to 1, of the part of its cell in which a point lies: 0 gives the
+        centres of the cells, 1 any point in them.
     seed : int or numpy.random.Generator
-        What the draw is made from.
+        Source of the random numbers.
 
     Returns
     -------
@@ -107,10 +94,10 @@ def jittered_grid(side: int, d: int, jitter: float, seed: Seed) -> np.ndarray:
 
 
 def clustered(n: int, d: int, clusters: int, spread: float, seed: Seed) -> np.ndarray:
-    """Draw n points of [0, 1]^d that crowd around a few centres.
+    """Draw n points of [0, 1]^d that cluster around a few centres.
 
-    Each point is normally distributed about a centre chosen at random; what falls outside is
-    mirrored at the faces of the cube, so that no two points come to coincide there.
+    Each point is normally distributed about a centre chosen at random; points outside are
+    reflected at the faces of the cube, so that they do not coincide there.
 
     Parameters
     ----------
@@ -119,7 +106,7 @@ def clustered(n: int, d: int, clusters: int, spread: float, seed: Seed) -> np.nd
     spread : float
         Standard deviation of each coordinate about its centre, positive.
     seed : int or numpy.random.Generator
-        What the draw is made from.
+        Source of the random numbers.
 
     Returns
     -------
@@ -141,7 +128,7 @@ class AnalyticField:
     Parameters
     ----------
     name : str
-        What it is called.
+        Name of the function.
     values : callable
         Takes points (..., d) to values (...).
     gradient : callable

@@ -1,16 +1,15 @@
-"""Fitted fields in files: what a field was made of, from which it is made again.
+"""Fitted fields in files: the method, its arguments, the sites and the data.
 
 A file is an NPZ archive of plain arrays, no pickles:
 
 - ``header``: JSON in UTF-8 as bytes, an object of ``format`` ("fieldrecon field"), ``version`` (1),
-  ``method`` and ``names`` (of the columns the data came from, or empty);
+  ``method`` and ``names`` (of the columns of the data, or empty);
 - ``points`` (n, d) and ``values`` (n, ...): the sites and the data.
 
-``method`` is an object of ``name`` (the class) and the arguments it was made with besides the
-points; a kernel is an object of ``name`` and its parameters in turn, and the method within
-`OnGlobe` is one of the arguments. To load is to fit again: the same arithmetic on the same numbers,
-so the values are the same bit for bit with the same versions of NumPy and SciPy on the same kind of
-processor, and to rounding elsewhere.
+``method`` is an object of ``name`` (the class) and the other arguments of its constructor; a kernel
+is an object of ``name`` and its parameters, and the method within `OnGlobe` is an argument. A
+loaded field is fitted again. Its values are identical with the same versions of NumPy and SciPy
+on the same kind of processor, and equal up to rounding elsewhere.
 """
 
 from __future__ import annotations
@@ -54,16 +53,16 @@ _KERNELS: Mapping[str, type[Radial]] = {
 
 
 def save(path: str | Path, field: Field, names: Sequence[str] = ()) -> None:
-    """Write a field to a file, from which `load` makes it again; the whole file or none.
+    """Write a field to a file, which `load` reads. The file is written completely or not at all.
 
     Parameters
     ----------
     path : str or pathlib.Path
-        Written under exactly this name; .npz is usual.
+        Name of the file, usually with the suffix .npz.
     field : Field
-        Of one of the library's methods.
+        A field of one of the library's methods.
     names : sequence of str
-        What coordinates and data are called, for whoever reads the file.
+        Names of the coordinates and of the data.
 
     Raises
     ------
@@ -97,13 +96,13 @@ def load(path: str | Path) -> Field:
     Returns
     -------
     Field
-        With the same values: bit for bit where NumPy, SciPy and processor are the same, otherwise
-        to rounding.
+        With the same values: identical with the same NumPy, SciPy and processor, otherwise up to
+        rounding.
 
     Raises
     ------
     ValueError
-        If the file is not such a field, or of a later version: with its path.
+        If the file does not hold a field, or one of a later version: with its path.
     FileNotFoundError
         If there is no such file.
     """
@@ -117,7 +116,7 @@ def load_with_names(path: str | Path) -> tuple[Field, list[str]]:
         method = _method(header["method"], points)
         return method.field(values), [str(name) for name in header["names"]]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise ValueError(f"{path} holds no field that can be made again: {error}") from None
+        raise ValueError(f"{path} holds no field that can be fitted again: {error}") from None
 
 
 def _content(path: str | Path) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:

@@ -61,7 +61,7 @@ class Radial(ABC):
 
     @abstractmethod
     def of_squared(self, s: np.ndarray) -> np.ndarray:
-        """Values phi(r) for s = r^2: what evaluation calls, since r^2 needs no square root."""
+        """Values phi(r) for s = r^2; evaluation calls it, since r^2 needs no square root."""
 
     def slope(self, r: ArrayLike) -> np.ndarray:
         """Values phi'(r)/r, so that the gradient of phi(|x|) is slope(|x|) x.
@@ -81,7 +81,7 @@ class Radial(ABC):
 
 
 def length_in_units(length: float, h: float) -> float:
-    """Length / h, kept a number: beyond these bounds a length makes no difference."""
+    """Length / h, within bounds beyond which a length makes no difference."""
     return min(max(length / h, 1e-300), 1e300)
 
 

@@ -24,7 +24,7 @@ class thin_plate_spline(Radial):
 
     References
     ----------
-    Erleben, Field Reconstruction, p. 11 (there called w).
+    Erleben, Field Reconstruction, p. 11 (called w there).
 
     Examples
     --------

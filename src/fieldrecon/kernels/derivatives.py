@@ -22,7 +22,7 @@ from fieldrecon.kernels.weights import inverse_square
 
 
 def smoothness(kernel: Radial) -> float:
-    """How many continuous derivatives phi(|x|) has at the origin."""
+    """Number of continuous derivatives of phi(|x|) at the origin."""
     match kernel:
         case thin_plate_spline():
             return 1

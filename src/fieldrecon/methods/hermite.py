@@ -1,4 +1,4 @@
-"""Radial basis functions through data of any kind: values, derivatives, Laplacians."""
+"""Hermite interpolation by radial basis functions: values, derivatives and Laplacians as data."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class HermiteRBF(Reconstruction):
     Parameters
     ----------
     functionals : Functionals or sequence of them
-        What is known: `values_at`, `derivatives_at`, `laplacians_at`. The data come in this order.
+        From `values_at`, `derivatives_at` and `laplacians_at`. The data follow this order.
     kernel : Radial
         With twice as many continuous derivatives as the functionals have.
     degree : int, optional
@@ -47,7 +47,7 @@ class HermiteRBF(Reconstruction):
     Attributes
     ----------
     functionals : Functionals
-        All of them; `points` are theirs.
+        All functionals; `points` are their points.
 
     Raises
     ------
@@ -107,7 +107,7 @@ class HermiteRBF(Reconstruction):
         Returns
         -------
         HermiteField
-            Callable at any points, with a gradient, and open to other functionals.
+            Callable at any points, with a gradient and other functionals.
         """
         return HermiteField(self, valid.as_values(values, len(self.points)))
 
@@ -117,7 +117,7 @@ class HermiteRBF(Reconstruction):
         Parameters
         ----------
         functionals : Functionals or sequence of them
-            m of them.
+            m functionals.
 
         Returns
         -------
@@ -129,7 +129,7 @@ class HermiteRBF(Reconstruction):
         MemoryError
             If the matrix would exceed DENSE_LIMIT_BYTES.
         ValueError
-            If the field has not so many derivatives.
+            If the field does not have the derivatives.
         """
         asked = self._as_asked(functionals)
         self._refuse_if_too_large(len(asked))
@@ -218,17 +218,17 @@ class HermiteField(Field):
         Parameters
         ----------
         functionals : Functionals or sequence of them
-            m of them, of no more derivatives than the field has.
+            m functionals, of no higher order than the field has derivatives.
 
         Returns
         -------
         (m, *v) ndarray
-            One for each.
+            One value for each functional.
 
         Raises
         ------
         ValueError
-            If the field has not so many derivatives.
+            If the field does not have the derivatives.
         """
         asked = self.method._as_asked(functionals)
         result = np.empty((len(asked), *self._shape), dtype=self._dtype)
@@ -250,7 +250,7 @@ def _refuse_a_rough_kernel(kernel: Radial, order: int) -> None:
 
 
 def _refuse_dependent(local: Functionals) -> None:
-    """Functionals at one point that say the same, or of which one follows from the others."""
+    """Refuse linearly dependent functionals at one point."""
     rows = np.column_stack([local.value, local.gradient, local.laplacian])
     group = coincidence_labels(local.points)
     order = np.argsort(group, kind="stable")

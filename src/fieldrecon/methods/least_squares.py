@@ -41,7 +41,7 @@ class LeastSquares(Reconstruction):
     Raises
     ------
     ValueError
-        If the points are no finite (n, d) array, or the degree is no integer >= 0.
+        If the points are not a finite (n, d) array, or the degree is not an integer >= 0.
     numpy.linalg.LinAlgError
         If the points do not determine a polynomial of this degree.
 
@@ -146,7 +146,7 @@ class LeastSquares(Reconstruction):
         return b.T @ b
 
     def leverages(self) -> np.ndarray:
-        """Diagonal (n,) of the hat matrix H(X): how much each datum decides its own value."""
+        """Leverages: the diagonal (n,) of the hat matrix H(X)."""
         return np.einsum("ij,ij->i", self._q, self._q)
 
     def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:  # noqa: ARG002
@@ -213,7 +213,7 @@ def normal_equations(points: ArrayLike, values: ArrayLike, degree: int = 1) -> n
     """Coefficients c of B^T B c = B^T V: the textbook form of least squares, for comparison.
 
     It works in the monomials of the coordinates as they are, and squares the condition number of B:
-    at an offset of 1e6 nothing is left. Use `LeastSquares`.
+    at an offset of 1e6 no digit is left. Use `LeastSquares`.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def normal_equations(points: ArrayLike, values: ArrayLike, degree: int = 1) -> n
     except np.linalg.LinAlgError:
         raise np.linalg.LinAlgError(
             "BᵀB is singular in floating-point numbers: the points do not determine the "
-            "polynomial, or lie too far from the origin; LeastSquares tells which"
+            "polynomial, or lie too far from the origin; LeastSquares shows which"
         ) from None
     return c.reshape((len(c), *values.shape[1:]))
 

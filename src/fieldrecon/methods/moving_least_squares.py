@@ -47,7 +47,8 @@ from fieldrecon.reconstruction import Reconstruction, Weights
 class MovingLeastSquares(Reconstruction):
     """Moving least squares, c(x) = argmin 1/2 |W(x) (B c - V)|^2 and f(x) = b(x)^T c(x).
 
-    The weights enter squared, as on the slides: with w = 1/(r^2 + epsilon^2) a site counts by w^2.
+    The weights enter squared, as on the slides: a squared residual has the weight w^2, for instance
+    with w = 1/(r^2 + epsilon^2).
     Each query is solved in its own frame, shifted to x and scaled to the neighbourhood. The
     gradient is that of the field as it is, derivative of the weights included.
 
@@ -100,7 +101,7 @@ class MovingLeastSquares(Reconstruction):
             self.points, monomials(frame.local(self.points), self.degree), self.degree
         )
         # Lengths in a unit of the cloud's size: no square of a distance overflows. Coordinates are
-        # not shifted here, which would round close points together; differences are local anyway.
+        # not shifted, which would round close points together; differences are local anyway.
         self.unit = frame.scale
         self.sites = self.points / self.unit
         self.search = self._searched()
@@ -112,7 +113,7 @@ class MovingLeastSquares(Reconstruction):
         n, d = self.points.shape
         infinite = isinstance(self.weight, inverse_square) and self.weight.epsilon == 0
         exact = (self.neighbors or n) == dimension(d, self.degree)
-        # where sites coincide, their data cannot all come back
+        # the data of coincident sites cannot all be interpolated
         return (infinite or exact) and not self.coincident
 
     def _searched(self) -> Search:
@@ -194,7 +195,7 @@ class MovingLeastSquares(Reconstruction):
         return psi / (fit.weight**2).sum(axis=1)[:, None] if normalized else psi
 
     def in_units(self, x: np.ndarray) -> np.ndarray:
-        """Queries (m, d) in units of the cloud's size, no farther than squares of distances go."""
+        """Queries (m, d) in units of the cloud's size, refused if squares of distances overflow."""
         local = x / self.unit
         far = np.flatnonzero(~(np.abs(local).max(axis=1, initial=0.0) < 1e150))
         if len(far):
@@ -208,7 +209,7 @@ class MovingLeastSquares(Reconstruction):
     def _true_weights(self, near: Neighborhood) -> np.ndarray:
         """Weights w(r) in the points' own unit of length."""
         if near.reach is not None:
-            # where all of them coincide with the query, so does the one that sets the scale
+            # the scale is zero if all of them coincide with the query
             return self.weight(near.distance / np.where(near.reach > 0, near.reach, 1.0)[:, None])
         r = np.where(near.missing, 0.0, near.distance) * self.unit
         return np.where(near.missing, 0.0, self.weight(r))
@@ -249,7 +250,7 @@ class MovingLeastSquares(Reconstruction):
         return np.einsum("mk,mkv->mv", weights, values[fit.near.index])
 
     def own_weights(self) -> np.ndarray:
-        """Diagonal (n,) of H(X): how much each datum decides the value at its own site."""
+        """Diagonal (n,) of H(X): the weight of each datum in the value at its own site."""
         result = np.empty(len(self.points))
         rows = self._chunk_rows(1)
         for start in range(0, len(result), rows):
@@ -340,14 +341,14 @@ class LocalFit:
         self.weight = relative_weights(self.scaled_weight, self.r, there)
 
     def _scaled(self, near: Neighborhood, distance: np.ndarray) -> tuple[Radial, np.ndarray]:
-        """The weight, and the distances as it sees them."""
+        """The weight function, and the distances (m, k) in its unit."""
         if near.reach is not None:
             reach = np.where(near.reach > 0, near.reach, 1.0)
             return self.method.weight, distance / reach[:, None]
         return self.method.weight.in_units(self.method.unit), distance
 
     def coefficient_weights(self, rows: int) -> np.ndarray:
-        """C (m, rows, k): C f are the first local coefficients, and the very first is the value."""
+        """C (m, rows, k): C f are the first local coefficients, of which c_0 is the value."""
         try:
             if self.method.coincident:
                 return self._shared_weights(rows)
@@ -360,9 +361,9 @@ class LocalFit:
             raise undetermined(d, degree, error.rank, who) from None
 
     def _shared_weights(self, rows: int) -> np.ndarray:
-        """C where sites coincide: one counts for all in the fit, and all share its weights.
+        """C where sites coincide: one site of each group enters the fit, and all share its weights.
 
-        Alike rows are redundant, and the rounding in them may outweigh all lighter rows.
+        Equal rows are redundant, and the rounding in them may outweigh all lighter rows.
         """
         k = self.weight.shape[1]
         nowhere = len(self.method.points) + np.arange(k)
@@ -402,6 +403,6 @@ class LocalFit:
         return -slope * (offset - self.r[..., None] ** 2 * to_reach) / rho**2
 
     def _tolerance(self) -> np.ndarray:
-        """Rounding of the offsets relative to their size, (m,): below it a rank means nothing."""
+        """Rounding (m,) of the offsets relative to their size; smaller singular values are zero."""
         reach = np.abs(self.x).max(axis=1) / (self.size[:, 0] * self.method.unit)
         return 4 * EPS * (max(self.basis.shape[1:]) + max(self.method.degree, 1) * (1 + reach))

@@ -156,8 +156,8 @@ class RBF(Reconstruction):
         shape = values.shape[1:]
         if self.degree < 0:
             return lam.reshape((len(lam), *shape)), np.zeros((0, *shape))
-        # What the kernels leave of the data is the polynomial; a change of unit of r^2 log r adds
-        # to it, so it is found here anew.
+        # The data minus the kernels is the polynomial; a change of unit of r^2 log r adds
+        # to it, so it is computed here again.
         rest = columns - self._kernel_sum(lam) - self.smoothing * lam
         c = LeastSquares(self.points, self.degree).coefficients(rest)
         return lam.reshape((len(lam), *shape)), c.reshape((len(c), *shape))

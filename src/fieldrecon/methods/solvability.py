@@ -1,4 +1,4 @@
-"""What makes a system of radial basis functions solvable; where it is missing, words say so."""
+"""Conditions under which a system of radial basis functions is solvable; errors if they fail."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TOLERATED_MISS = 1e-2
 
 
 def as_kernel(kernel: Radial, d: int) -> Radial:
-    """A radial function that is conditionally positive definite in d variables."""
+    """Require a radial function that is conditionally positive definite in d variables."""
     if not isinstance(kernel, Radial):
         raise ValueError(
             f"kernel must be a radial function such as thin_plate_spline(); got {kernel!r}"
@@ -30,14 +30,14 @@ def as_kernel(kernel: Radial, d: int) -> Radial:
 
 
 def as_finite(kernel: Radial) -> Radial:
-    """The kernel, finite where sites meet themselves."""
+    """Require a kernel that is finite at distance zero."""
     if not np.abs(kernel(0.0)) < 1e100:
         raise ValueError(f"kernel must be finite at r = 0; {kernel!r} is not")
     return kernel
 
 
 def within_range(entries: np.ndarray, what: str) -> np.ndarray:
-    """Entries of the system, far enough from the end of the numbers to compute with."""
+    """Require entries of the system whose products do not overflow."""
     if not np.abs(entries).max(initial=0.0) < 1e150:
         raise OverflowError(
             f"{what} exceed 1e150 in units of the cloud's size, too large to compute with; choose "
@@ -47,7 +47,7 @@ def within_range(entries: np.ndarray, what: str) -> np.ndarray:
 
 
 def as_augmentation(degree: int | None, kernel: Radial) -> int:
-    """Degree of the polynomial: `kernel.order - 1` by default, and no less."""
+    """Degree of the polynomial: `kernel.order - 1` by default, and not less."""
     least = kernel.order - 1
     if degree is None:
         return least
@@ -68,7 +68,7 @@ def refuse_duplicates(
 
 
 def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
-    """A matrix of n^2 numbers, or a sparse factor of so many, that memory cannot hold."""
+    """Refuse a matrix of n^2 numbers, or a sparse factor of `entries`, that memory cannot hold."""
     needed = 8 * n * n if entries is None else 12 * entries
     available = memory_limit()
     form = "matrix" if entries is None else "sparse factor"
@@ -81,7 +81,7 @@ def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
 
 
 def refuse_sites(kernel: Radial, x: np.ndarray, sites: cKDTree) -> None:
-    """Queries at which a field of this kernel has no gradient."""
+    """Refuse queries at sites, where a field of this kernel has no gradient."""
     distance, _ = sites.query(x)
     if (distance == 0).any():
         where = valid.format_point(x[int(np.argmin(distance))])
@@ -89,10 +89,10 @@ def refuse_sites(kernel: Radial, x: np.ndarray, sites: cKDTree) -> None:
 
 
 def refuse_a_miss(lam: np.ndarray, phi: np.ndarray, values: np.ndarray) -> None:
-    """Coefficients (n, v) so large that rounding in their field exceeds the data (n, v).
+    """Refuse coefficients (n, v) so large that rounding in their field exceeds the data (n, v).
 
-    In s(p) = sum_j lambda_j phi(|p - p_j|) it is about eps |lambda| max |phi|, as in a sum of
-    random signs, and that is by how much the field misses its data.
+    In s(p) = sum_j lambda_j phi(|p - p_j|) the rounding is about eps |lambda| max |phi|, as in a
+    sum of random signs. The field has this error at its data.
     """
     size = np.abs(values).max(axis=0)
     relative = lam / np.where(size > 0, size, 1.0)  # squares of the data need not be numbers

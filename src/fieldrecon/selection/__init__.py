@@ -1,4 +1,4 @@
-"""The choice of a method by the data, and the error of a reconstructed field.
+"""Selection of a method by the data, and the error of a reconstructed field.
 
 Leave-one-out and cross-validation errors, prediction intervals, and points that are extrapolated.
 """

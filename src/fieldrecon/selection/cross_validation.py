@@ -1,8 +1,8 @@
 """Cross-validation: the errors of models at samples that were held out.
 
-Up to some thousands of samples, each is left out in turn. Of more, a model is evaluated at samples
-in the midst of blocks of neighbours, drawn at random. A block has the density and the noise of the
-whole cloud, and suffices for any method whose value depends only on the samples near by. A
+Up to some thousands of samples, each is left out in turn. With more, a model is evaluated at
+samples in the midst of blocks of neighbours, drawn at random. A block has the density and the noise
+of the whole cloud, and suffices for any method whose value depends only on the samples near by. A
 polynomial for the whole domain is fitted to the blocks and to others drawn at random from all.
 """
 

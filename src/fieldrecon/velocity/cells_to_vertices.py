@@ -1,4 +1,4 @@
-"""From the circumcentres of the cells to the vertices: Voronoi coordinates of x_i itself."""
+"""Vertex velocities from cell velocities, by the Voronoi coordinates of the vertices."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def vertex_velocities_from_cells(
 ) -> np.ndarray:
     """Velocities at vertices from those at the circumcentres of the cells.
 
-    The mean of `circumcenter_weights`. Affine fields come back exactly.
+    The weighted mean by `circumcenter_weights`. Affine fields are reproduced exactly.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def vertex_velocities_from_cells(
     u : (c, ..., d) array_like
         One velocity, or several, for each cell, at its circumcentre.
     vertices : (m,) array_like of int, optional
-        Where; at all points by default.
+        Vertices; all points by default.
 
     Returns
     -------
@@ -86,7 +86,7 @@ def circumcenter_weights(mesh: SimplexMesh, vertices: ArrayLike | None = None) -
     mesh : SimplexMesh
         The mesh.
     vertices : (m,) array_like of int, optional
-        Where; at all points by default.
+        Vertices; all points by default.
 
     Returns
     -------
@@ -113,17 +113,17 @@ def circumcenter_weights(mesh: SimplexMesh, vertices: ArrayLike | None = None) -
     """
     vertices = as_vertices(mesh, vertices)
     open_ = mesh.boundary_vertices[vertices]
-    # rows by place in `vertices`: the closed cells first, then the open ones
+    # the vertices with closed cells first, then those with open ones
     closed = voronoi_weights(mesh, vertices[~open_], mesh.points[vertices[~open_]])
     found = MatrixOfWeights(1, (int(open_.sum()), len(mesh.cells)))
-    what = ("circumcentres", "an affine field at it")
-    fit_on_rings(mesh, None, vertices[open_], _AffineFit(mesh), found, what)
-    place = np.argsort(np.concatenate([np.flatnonzero(~open_), np.flatnonzero(open_)]))
-    return sparse.csr_array(sparse.vstack([closed, *found.matrices()], format="csr")[place])
+    names = ("circumcentres", "an affine field at it")
+    fit_on_rings(mesh, None, vertices[open_], _AffineFit(mesh), found, names)
+    order = np.argsort(np.concatenate([np.flatnonzero(~open_), np.flatnonzero(open_)]))
+    return sparse.csr_array(sparse.vstack([closed, *found.matrices()], format="csr")[order])
 
 
 class _AffineFit:
-    """The fits of affine functions to values at the circumcentres about vertices."""
+    """Fits of affine functions to values at the circumcentres about vertices."""
 
     def __init__(self, mesh: SimplexMesh) -> None:
         self.mesh = mesh

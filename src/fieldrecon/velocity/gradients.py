@@ -1,8 +1,7 @@
 """Gradients at the vertices of a mesh from values at its cells, such as those of a pressure.
 
-Gradients at a point from the sites about it, by the three methods, for many points at once.
-
-Each is a callable that makes weights of the data in the gradient from the sites.
+Each of the three methods is a callable that takes the sites about many vertices to the weights of
+the data in the gradients.
 """
 
 from __future__ import annotations
@@ -34,8 +33,8 @@ from fieldrecon.velocity.stencils import (
     weights_at,
 )
 
-# A site this many times farther than the middle one is no neighbour: the circumcentres of flat
-# cells on the boundary lie anywhere.
+# A site farther than this multiple of the median distance is ignored: the circumcentres of flat
+# cells on the boundary may be anywhere.
 _FAR = 10.0
 
 
@@ -49,7 +48,7 @@ def vertex_gradients(
     """Gradients at vertices from values at the cells.
 
     About each vertex a field is fitted to the values of the cells of one, two, ... rings, as many
-    as determine an affine function, and differentiated at the vertex. Affine fields come back
+    as determine an affine function, and differentiated at the vertex. Affine fields are reproduced
     exactly. In general the error falls like the size of the cells, and like its square where they
     lie symmetrically about the vertex.
 
@@ -63,10 +62,10 @@ def vertex_gradients(
         `local_least_squares()`, the default, `local_moving_least_squares(weight)` or
         `local_rbf()`.
     sites : (c, d) array_like, optional
-        Where the values belong; at the circumcentres by default. For cell averages give
+        Points to which the values belong; the circumcentres by default. For cell averages give
         `mesh.cell_centers`.
     vertices : (m,) array_like of int, optional
-        Where; at all points by default.
+        Vertices; all points by default.
 
     Returns
     -------
@@ -78,8 +77,7 @@ def vertex_gradients(
     ValueError
         If there is not a finite value for each cell.
     numpy.linalg.LinAlgError
-        If all the cells there are do not determine an affine function; if a point belongs to no
-        cell.
+        If all cells together do not determine an affine function; if a point belongs to no cell.
 
     References
     ----------
@@ -106,74 +104,6 @@ def vertex_gradients(
     found = ValuesOfWeights(d, len(vertices), values.reshape(len(values), -1))
     fit_on_rings(mesh, None, vertices, fit, found, ("cells", "a gradient at it"))
     return found.values.reshape(len(vertices), *values.shape[1:], d)
-
-
-def _as_sites(mesh: SimplexMesh, sites: ArrayLike | None) -> np.ndarray:
-    if sites is None:
-        return mesh.circumcenters
-    p = valid.as_points(sites)
-    wanted = (len(mesh.cells), mesh.points.shape[1])
-    if p.shape != wanted:
-        raise ValueError(f"sites must be one point for each cell, shape {wanted}; got {p.shape}")
-    return p
-
-
-class _LocalGradients:
-    """The fits of a method to the values of the cells about vertices."""
-
-    def __init__(self, mesh: SimplexMesh, method: LocalGradient, sites: np.ndarray) -> None:
-        self.mesh, self.method, self.sites = mesh, method, sites
-        self.unit = Frame.around(mesh.points).scale
-
-    def __call__(self, stencils: Stencils) -> LocalWeights:
-        """Weights of the cells in the gradient at each vertex."""
-        offset = self.sites[stencils.index] - self.mesh.points[stencils.vertices][:, None]
-        w = weights_at(self.method.weight, self.unit, offset, stencils.there)
-        distance, typical = _distances(offset, w > 0)
-        counted = number_that_count(w)
-        w = np.where(distance <= _FAR * typical[:, None], w, 0.0)
-        length = power_of_two_above(np.where(np.isfinite(typical), typical, 1.0))
-        y = offset / length[:, None, None] * (w > 0)[..., None]
-        affine = estimable_weights(monomials(y, 1), (w > 0).astype(float), y.shape[2] + 1)
-        size = amplification(affine[:, 1:])
-        weights = np.full(affine[:, 1:].shape, np.nan)
-        ok = np.flatnonzero(np.isfinite(size))
-        batch = CellStencils(y[ok], w[ok], affine[ok], length[ok] / self.unit, self.unit)
-        weights[ok] = self.method(batch) / length[ok, None, None]
-        return LocalWeights(weights, size, counted)
-
-
-def _distances(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distances (m, k) of the sites, infinite where there is none, and their medians (m,)."""
-    distance = np.where(there, np.linalg.norm(offset, axis=2), np.inf)
-    middle = np.maximum(np.count_nonzero(there, axis=1) - 1, 0) // 2
-    typical = np.take_along_axis(np.sort(distance, axis=1), middle[:, None], axis=1)[:, 0]
-    return distance, typical
-
-
-@dataclass(frozen=True)
-class CellStencils:
-    """Sites about a batch of m vertices, in units of their own; they determine affine functions.
-
-    Attributes
-    ----------
-    y : (m, k, d) ndarray
-        Sites from the vertex.
-    w : (m, k) ndarray
-        Weights, the largest of each vertex one; zero where there is no site.
-    affine : (m, d + 1, k) ndarray
-        Weights of the data in value and gradient of the affine least-squares fit.
-    length : (m,) ndarray
-        Unit of y, a typical distance, in units of `unit`.
-    unit : float
-        Size of the mesh.
-    """
-
-    y: np.ndarray
-    w: np.ndarray
-    affine: np.ndarray
-    length: np.ndarray
-    unit: float
 
 
 @dataclass(frozen=True)
@@ -233,9 +163,9 @@ class local_moving_least_squares:
 class local_rbf:
     """Gradient of radial functions with an affine part, fitted to the cells about a vertex.
 
-    Circumcentres come as close as they like, and coincide where cells share their circle, as in
-    the two triangles of a rectangle. So the fit interpolates but for a smoothing that shows only
-    where sites are much closer than most: there their mean counts.
+    Circumcentres may be arbitrarily close, and coincide if cells share their circle, as do the
+    two triangles of a rectangle. So the fit has a small smoothing, which has an effect only where
+    sites are much closer than most: there their mean counts.
 
     Parameters
     ----------
@@ -294,3 +224,71 @@ class local_rbf:
 
 
 LocalGradient = local_least_squares | local_moving_least_squares | local_rbf
+
+
+@dataclass(frozen=True)
+class CellStencils:
+    """Sites about a batch of m vertices, in local units; they determine affine functions.
+
+    Attributes
+    ----------
+    y : (m, k, d) ndarray
+        Sites relative to the vertex.
+    w : (m, k) ndarray
+        Weights, the largest of each vertex one; zero where there is no site.
+    affine : (m, d + 1, k) ndarray
+        Weights of the data in value and gradient of the affine least-squares fit.
+    length : (m,) ndarray
+        Unit of y, a typical distance, in units of `unit`.
+    unit : float
+        Size of the mesh.
+    """
+
+    y: np.ndarray
+    w: np.ndarray
+    affine: np.ndarray
+    length: np.ndarray
+    unit: float
+
+
+class _LocalGradients:
+    """Fits of a method to the values of the cells about vertices."""
+
+    def __init__(self, mesh: SimplexMesh, method: LocalGradient, sites: np.ndarray) -> None:
+        self.mesh, self.method, self.sites = mesh, method, sites
+        self.unit = Frame.around(mesh.points).scale
+
+    def __call__(self, stencils: Stencils) -> LocalWeights:
+        """Weights of the cells in the gradient at each vertex."""
+        offset = self.sites[stencils.index] - self.mesh.points[stencils.vertices][:, None]
+        w = weights_at(self.method.weight, self.unit, offset, stencils.there)
+        distance, typical = _distances(offset, w > 0)
+        counted = number_that_count(w)
+        w = np.where(distance <= _FAR * typical[:, None], w, 0.0)
+        length = power_of_two_above(np.where(np.isfinite(typical), typical, 1.0))
+        y = offset / length[:, None, None] * (w > 0)[..., None]
+        affine = estimable_weights(monomials(y, 1), (w > 0).astype(float), y.shape[2] + 1)
+        size = amplification(affine[:, 1:])
+        weights = np.full(affine[:, 1:].shape, np.nan)
+        ok = np.flatnonzero(np.isfinite(size))
+        batch = CellStencils(y[ok], w[ok], affine[ok], length[ok] / self.unit, self.unit)
+        weights[ok] = self.method(batch) / length[ok, None, None]
+        return LocalWeights(weights, size, counted)
+
+
+def _as_sites(mesh: SimplexMesh, sites: ArrayLike | None) -> np.ndarray:
+    if sites is None:
+        return mesh.circumcenters
+    p = valid.as_points(sites)
+    wanted = (len(mesh.cells), mesh.points.shape[1])
+    if p.shape != wanted:
+        raise ValueError(f"sites must be one point for each cell, shape {wanted}; got {p.shape}")
+    return p
+
+
+def _distances(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distances (m, k) of the sites, infinite for missing ones, and their medians (m,)."""
+    distance = np.where(there, np.linalg.norm(offset, axis=2), np.inf)
+    middle = np.maximum(np.count_nonzero(there, axis=1) - 1, 0) // 2
+    typical = np.take_along_axis(np.sort(distance, axis=1), middle[:, None], axis=1)[:, 0]
+    return distance, typical

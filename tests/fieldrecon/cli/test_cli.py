@@ -202,7 +202,7 @@ class Page(HTMLParser):
 
 
 def test_the_page_is_whole_in_itself(tmp_path, survey):
-    """Picture, error, methods, parameters and remarks, and nothing fetched; names are escaped."""
+    """Picture, error, methods, parameters and warnings, and nothing fetched; names are escaped."""
     table = survey.read_text().replace("depth [m]", "<script>&")
     survey.write_text(table + "1,2,?\n")
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11", "--method", "pu") == 0
@@ -218,7 +218,7 @@ def test_the_page_is_whole_in_itself(tmp_path, survey):
         "polyharmonic",
         "13 × 11",
         "survey.csv",
-        "1 row left out",
+        "1 row skipped",
         "95 of 100",
         "GB of memory",
         "patches of r⁵, blended",
@@ -370,7 +370,7 @@ def test_what_is_wrong_with_the_samples_is_told(tmp_path, capsys, survey):
     survey.write_text(survey.read_text() + f"{easting},{northing},0\n1,two,3\n")
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "5x5", "--method", "ls1") == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "1 row left out, by line: 63: northing must be a finite number; got 'two'." in shown
+    assert "1 row skipped, by line: 63: northing must be a finite number; got 'two'." in shown
     assert "1 row repeats a point" in shown
     assert "differ at 1 point" in shown
     assert reconstruct(survey, tmp_path / "b.csv", "--strict") == 2
@@ -394,7 +394,7 @@ def test_an_error_that_cannot_be_had_is_told(tmp_path, capsys):
     save(tmp_path / "f.npz", plane)
     out = ["--out", str(tmp_path / "a.csv"), "--grid", "3x3"]
     assert main(["reconstruct", "--load", str(tmp_path / "f.npz"), *out]) == 0
-    assert "How far the field may be off is not known: without" in " ".join(
+    assert "The error of the field is not known: without" in " ".join(
         capsys.readouterr().out.split()
     )
     assert {row["error"] for row in read_csv(tmp_path / "a.csv")} == {"nan"}
@@ -447,7 +447,7 @@ def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
         (["reconstruct", "--load", "SURVEY"], "is not a file of a field"),
         (["reconstruct", "SURVEY", "--grid", "2x2x2"], "a grid in 2 variables has 2 sides"),
         (["reconstruct", "SURVEY", "--at", "nowhere"], "nowhere: no such file or directory"),
-        (["reconstruct", "SURVEY", "--lonlat"], "are no degrees of longitude and latitude"),
+        (["reconstruct", "SURVEY", "--lonlat"], "are not degrees of longitude and latitude"),
     ],
 )
 def test_mistakes_are_told_in_a_sentence(capsys, survey, arguments, words):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 from scipy.stats import qmc
 
-from fieldrecon.datasets import synthetic as datasets
+from fieldrecon import datasets
 from fieldrecon.datasets.synthetic import (
     clustered,
     franke,

@@ -312,7 +312,7 @@ def test_sites_that_coincide_are_told():
         PartitionOfUnityRBF(x)
     assert not PartitionOfUnityRBF(x, smoothing=1e-6).interpolates
     crowd = np.concatenate([X, np.repeat(X[:1], 99, axis=0)])
-    with pytest.raises(ValueError, match="must not coincide in numbers above 40"):
+    with pytest.raises(ValueError, match="at most 40 points, the sites of a patch, may coincide"):
         PartitionOfUnityRBF(crowd, smoothing=1e-6)
 
 

@@ -23,7 +23,7 @@ def field_of(points, values):
 
 
 def winner(points, values):
-    return best(trials(points, values), field_of(points, values))[0].candidate
+    return best(trials(points, values), field_of(points, values))[0].model
 
 
 def test_each_kind_of_data_has_its_method():

@@ -37,9 +37,9 @@ from fieldrecon.polynomials import Frame, dimension
 from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 Coefficients: TypeAlias = Sequence[Sequence[np.ndarray]]
-"""Of each level, of each of its systems: (p, k + q, v)."""
-CROWDED = 2
-"""So many times more patches than usual reach the queries of a chunk, at the most."""
+"""For each level and each of its groups of systems: (p, k + q, v)."""
+MAX_CROWDING = 2
+"""Factor by which the patches that reach a query may exceed their mean, for the size of chunks."""
 
 
 class PartitionOfUnityRBF(Reconstruction):
@@ -48,8 +48,9 @@ class PartitionOfUnityRBF(Reconstruction):
     Each patch is a ball that holds the `patch_size` sites nearest to its centre and no others, and
     s_j is the augmented `RBF` of these; so s interpolates, and reproduces what every s_j does. The
     weights w_j are twice continuously differentiable and vanish outside their balls. Where no ball
-    reaches, in gaps and outside, patches of fewer and fewer sites take over, the last of which
-    reaches everywhere. Cost grows as n log n, and a value depends on the sites near it only.
+    reaches, in gaps and outside, patches on coarser and coarser subsets of the sites take over, the
+    last of which reaches everywhere. The cost is O(n log n), and a value depends only on sites near
+    the query.
 
     Parameters
     ----------
@@ -65,17 +66,16 @@ class PartitionOfUnityRBF(Reconstruction):
     smoothing : float
         Added to the diagonal, as in `RBF`. In units of the kernel.
     progress : callable, optional
-        Called as progress(done, total) with numbers of sites, while the patches are made.
+        Called as progress(done, total) with numbers of sites, while the patches are set up.
 
     Attributes
     ----------
     patch_sizes : (p,) ndarray
-        Sites of each patch; more than `patch_size` where it took these to determine its
-        polynomials.
+        Sites of each patch; more than `patch_size` if it needs them to determine its polynomials.
     reduced : int
         Number of patches whose sites do not determine a polynomial of the degree, not even with
         four times as many: sites on a line or in a plane, say. They use the polynomials that their
-        sites tell apart, constant across that line or plane, and `degree` is what is left.
+        sites determine, constant across that line or plane, and `degree` is lower.
 
     Notes
     -----
@@ -84,7 +84,8 @@ class PartitionOfUnityRBF(Reconstruction):
     of degree 3 is as accurate as with linear ones and the plate of least energy, while r^5 and r^7
     amplify noise, and degree 4 overshoots in gaps. Larger patches cost little more, since there
     are fewer of them. In more than about six variables a site lies in dozens of patches, and the
-    field of all sites at once, `RBF`, is better where it can be had (experiment `high_dimensions`).
+    field of all sites at once, `RBF`, is better if it fits into memory (experiment
+    `high_dimensions`).
 
     Raises
     ------
@@ -158,7 +159,7 @@ class PartitionOfUnityRBF(Reconstruction):
         values : (n, ...) array_like
             One real or complex scalar, vector or array for each site.
         executor : concurrent.futures.Executor, optional
-            Where the patches are solved; this machine's threads by default.
+            Runs the chunks of patches; this machine's threads by default.
         progress : callable, optional
             Called as progress(done, total) with numbers of patches.
 
@@ -185,12 +186,14 @@ class PartitionOfUnityRBF(Reconstruction):
         for number, systems in enumerate(level.systems):
             patches = np.flatnonzero(level.group == number)
             work = partial(systems.leave_one_out, values[level.sites])
-            told = progress and partial(_told, progress, done, len(level.patches))
+            own_progress = progress and partial(_level_progress, progress, done, len(level.patches))
             done += len(systems)
             every = np.arange(len(systems))
-            for part, (rest, tell) in chunked(work, every, systems.rows(), progress=told):
+            for part, (rest, valid_sites) in chunked(
+                work, every, systems.rows(), progress=own_progress
+            ):
                 own = systems.sites[part]
-                weight = level.patches.weights(patches[part], systems.points[own]) * tell
+                weight = level.patches.weights(patches[part], systems.points[own]) * valid_sites
                 np.add.at(weights, level.sites[own], weight)
                 np.add.at(total, level.sites[own], weight[..., None] * rest)
         if not weights.all():
@@ -213,8 +216,8 @@ class PartitionOfUnityRBF(Reconstruction):
         for level in self._levels:
             own = []
             for systems in level.systems:
-                told = progress and partial(_told, progress, done, total)
-                own.append(systems.fitted(values[level.sites], executor, told))
+                own_progress = progress and partial(_level_progress, progress, done, total)
+                own.append(systems.fitted(values[level.sites], executor, own_progress))
                 done += len(systems)
             found.append(own)
         return found
@@ -258,7 +261,7 @@ class PartitionOfUnityRBF(Reconstruction):
     def _in_chunks(
         self, rows_of_weights: Callable[..., list[Weights]], x: np.ndarray
     ) -> list[Weights]:
-        """Matrices of weights, made in the order in which queries share their patches."""
+        """Matrices of weights, computed in the order in which queries share their patches."""
         order = self._order(x)
         work = partial(rows_of_weights, self._levels, len(self.points))
         parts = chunked(work, self._frame.local(x[order]), self._chunk_rows(COLUMNS))
@@ -280,23 +283,23 @@ class PartitionOfUnityRBF(Reconstruction):
 
     def _chunk_rows(self, columns: int) -> int:
         systems, d = self._levels[0].systems[0], self.points.shape[1]
-        overlap = CROWDED * self.patch_sizes.sum() / len(self.points)
+        overlap = MAX_CROWDING * self.patch_sizes.sum() / len(self.points)
         return rows_of(8 * overlap * (systems.size * (d + 3) + columns * (d + 2)))
 
 
-def _told(progress: Progress, before: int, total: int, done: int, _: int) -> None:
+def _level_progress(progress: Progress, before: int, total: int, done: int, _: int) -> None:
     progress(before + done, total)
 
 
 def usual_degree(d: int) -> int:
-    """Degree of polynomials in d variables that pays, by measurement."""
+    """Default degree of polynomials in d variables, by measurement."""
     if d <= 3:
         return 3
     return 2 if d <= 5 else 1
 
 
 def _as_patch_size(size: int | None, d: int, degree: int) -> int:
-    """Sites of a patch: more than there are polynomials."""
+    """Number of sites of a patch, larger than the dimension of the polynomials."""
     q = dimension(d, degree)
     if size is None:
         return max(4 * q, 12 * d)

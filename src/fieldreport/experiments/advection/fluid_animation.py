@@ -154,7 +154,7 @@ def next_frame(params: Params, way: Way, k: int, now: Frame) -> Frame:
     goes = departure_points(rim, flow, 0.0, -dt) if len(rim) else rim
     mesh = box_mesh(partial(near_rim, params.spacing, params.finest, goes), seed=k)
     carried = now.field(way.method, now.carried)
-    met = walled(mesh, carried_normal_velocities(flow, mesh, 0.0, dt, carried))
+    met = walled(mesh, carried_normal_velocities(mesh, flow, 0.0, dt, carried))
     v = divergence_free(mesh, met) if way.pressure else met
     feet = departure_points(mesh.points, flow, 0.0, dt)
     ink = way.method(now.mesh.points).field(now.ink)(feet)

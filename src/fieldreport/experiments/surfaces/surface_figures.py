@@ -110,7 +110,7 @@ def _surface(panel: Axes, result: Result, name: str, pixels: int, *, edges: bool
 
 
 def _draw(panel: Axes, picture: Picture, *, edges: bool) -> None:
-    picture.rim &= edges
+    picture.near_edge &= edges
     panel.imshow(picture.image(), interpolation="antialiased")
     panel.set_axis_off()
 

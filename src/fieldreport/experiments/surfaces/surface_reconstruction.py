@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
-from fieldrecon.datasets.synthetic import terrain
+from fieldrecon.datasets.elevation import terrain
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.solids.constructive import Solid, blend, morph, transform
