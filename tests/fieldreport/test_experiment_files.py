@@ -19,7 +19,7 @@ from fieldreport.framework.experiment import (
     order_of_magnitude,
     require_at_least,
 )
-from fieldreport.framework.settings import with_settings
+from fieldreport.framework.parameters import with_settings
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 CELLS = st.one_of(st.integers(), FINITE, st.text(alphabet="abc,;\" '\n%é", max_size=8))

@@ -25,7 +25,7 @@ from fieldreport.build.step_records import Steps, content_digest, digest, digest
 from fieldreport.build.workers import workers
 from fieldreport.framework.experiment import Experiment, Result
 from fieldreport.framework.result_files import read_result, write_result
-from fieldreport.framework.settings import with_settings
+from fieldreport.framework.parameters import with_settings
 
 RUN_NAMES = ("DIGITS", "Params", "run")
 FORMAT = "svg"

@@ -68,7 +68,7 @@ def _print_experiment(experiment: Experiment) -> None:
 def _run(options: argparse.Namespace) -> None:
     from fieldrecon.cli.terminal import print_files, progress
     from fieldreport.framework import result_files as files
-    from fieldreport.framework.settings import with_settings
+    from fieldreport.framework.parameters import with_settings
 
     experiment = get(options.name)
     settings = dict(map(_setting, options.set)) | ({"seed": options.seed} if options.seed else {})

@@ -65,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """Build as the options say; tell in a sentence what went wrong, and return the exit status."""
-    from fieldreport.build import reproducible
+    from fieldreport.build import reproducibility
 
     require("matplotlib", "fontTools", "pypandoc", "typst")
     try:

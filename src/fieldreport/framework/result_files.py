@@ -17,7 +17,7 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.io.tables import csv_bytes
 from fieldrecon.plotting.figure_files import FIGURE_FORMATS, write_figure
 from fieldreport.framework.experiment import Experiment, Result, Table, cell_from_text
-from fieldreport.framework.settings import with_settings
+from fieldreport.framework.parameters import with_settings
 
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 

@@ -7,7 +7,7 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport import experiments
-from fieldreport.experiments.meshes.meshed_flows import abc_flow, jittered_cube, taylor_green
+from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
 from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.velocity import cell_velocity, triangle_velocity
 from fieldreport.experiments.velocity.cell_velocity import GRADIENTS, PLACES

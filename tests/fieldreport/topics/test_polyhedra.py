@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
 from fieldreport.experiments.barycentric import polyhedra
-from fieldreport.experiments.barycentric.convex_shapes import (
+from fieldreport.experiments.barycentric.polytopes import (
     OUTSIDE,
     POLYHEDRA,
     Planes,

@@ -7,7 +7,7 @@ from fieldrecon.kernels.radial import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.velocity.gradients import local_moving_least_squares, vertex_gradients
 from fieldreport import experiments
-from fieldreport.experiments.meshes.meshed_flows import equilateral_mesh, jittered_cube
+from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
 from fieldreport.experiments.methods.convergence import order, rms
 from fieldreport.experiments.velocity import pressure_gradients
 from fieldreport.experiments.velocity.pressure_gradients import (

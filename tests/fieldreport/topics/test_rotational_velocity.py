@@ -9,15 +9,15 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import monomials
 from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport import experiments
-from fieldreport.experiments.meshes.meshed_flows import (
+from fieldreport.experiments.meshes.reference_flows import (
     jittered_cube,
     random_square,
     rotation,
     taylor_green,
 )
-from fieldreport.experiments.velocity import normal_fits
+from fieldreport.experiments.velocity import normal_matrix
 from fieldreport.experiments.velocity import rotational_velocity as module
-from fieldreport.experiments.velocity.normal_fits import (
+from fieldreport.experiments.velocity.normal_matrix import (
     conics_through,
     error_by_conics,
     field_along,

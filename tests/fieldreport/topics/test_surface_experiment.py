@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fieldrecon.solids.shapes import Ball
-from fieldreport.experiments.surfaces import scanned_bodies
+from fieldreport.experiments.surfaces import synthetic_scans
 from fieldreport.experiments.surfaces import surface_reconstruction as experiment
 
 

@@ -10,7 +10,7 @@ from scipy.interpolate import LinearNDInterpolator
 
 from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldreport import experiments
-from fieldreport.experiments.datasets import surfaces
+from fieldreport.experiments.datasets import terrain_methods
 from fieldreport.experiments.datasets.landforms import (
     HOLLOW,
     SLOPE,
@@ -21,7 +21,7 @@ from fieldreport.experiments.datasets.landforms import (
     phase,
     relief_told,
 )
-from fieldreport.experiments.datasets.surfaces import GUARDED, THIN_PLATE, methods
+from fieldreport.experiments.datasets.terrain_methods import GUARDED, THIN_PLATE, methods
 from fieldreport.experiments.datasets.terrain import QUICK, Params, run, study
 from fieldreport.experiments.datasets.terrain_errors import NONE, Problem, measured, part, windowed
 from fieldreport.experiments.datasets.terrain_weights import on_one_isoline

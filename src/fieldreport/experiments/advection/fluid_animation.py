@@ -36,7 +36,7 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, figure, line
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
-from fieldreport.experiments.meshes.frame_meshes import box_mesh, near_rim
+from fieldreport.experiments.meshes.graded_meshes import box_mesh, near_rim
 from fieldreport.experiments.methods.convergence import rms
 from fieldreport.framework.experiment import (
     Cell,

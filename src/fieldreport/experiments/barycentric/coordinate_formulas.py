@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from fieldreport.experiments.barycentric.convex_shapes import Planes
+from fieldreport.experiments.barycentric.polytopes import Planes
 
 
 def affine(corners: np.ndarray, x: np.ndarray) -> np.ndarray:

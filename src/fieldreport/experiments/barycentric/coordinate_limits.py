@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
-from fieldreport.experiments.barycentric.convex_shapes import GOLDEN, Planes, regular
+from fieldreport.experiments.barycentric.polytopes import GOLDEN, Planes, regular
 
 
 def errors_beside(distances: np.ndarray, turn: float) -> np.ndarray:

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon.barycentric.voronoi import VoronoiCell
 from fieldreport.experiments.barycentric.hexagon_spiral_figures import draw_errors, draw_stars
-from fieldreport.experiments.barycentric.stars import (
+from fieldreport.experiments.barycentric.vertex_stars import (
     Star,
     at_random,
     from_areas,

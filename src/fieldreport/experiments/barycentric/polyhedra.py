@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
-from fieldreport.experiments.barycentric.convex_shapes import (
+from fieldreport.experiments.barycentric.polytopes import (
     OUTSIDE,
     POLYHEDRA,
     Planes,

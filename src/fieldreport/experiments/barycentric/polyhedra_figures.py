@@ -15,7 +15,7 @@ from matplotlib.ticker import NullLocator
 from matplotlib.tri import Triangulation
 
 from fieldrecon.plotting.style import DIVERGING, SEQUENTIAL, figure, shades
-from fieldreport.experiments.barycentric.convex_shapes import POLYHEDRA, Planes
+from fieldreport.experiments.barycentric.polytopes import POLYHEDRA, Planes
 from fieldreport.experiments.barycentric.coordinate_formulas import split
 from fieldreport.framework.experiment import Result
 

@@ -29,8 +29,8 @@ from fieldreport.experiments.coupling.elastic_wing_figures import (
 )
 from fieldreport.experiments.coupling.pointwise_loads import compared
 from fieldreport.experiments.coupling.standard_atmosphere import TOP, standard_atmosphere
-from fieldreport.experiments.coupling.swept_wings import Plan, built_incidences, elastic, skin
-from fieldreport.experiments.coupling.wing import ElasticWing
+from fieldreport.experiments.coupling.wing_models import Plan, built_incidences, elastic, skin
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
 
 __all__ = ["QUICK", "Params", "plot", "plot_section", "plot_span", "plot_turns", "run"]

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 from fieldrecon.coupling.flat_structures import FlatCoupling
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldreport.experiments.coupling.plate import Plate, isotropic_rigidity
-from fieldreport.experiments.coupling.swept_wings import flat
+from fieldreport.experiments.coupling.wing_models import flat
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
-from fieldreport.experiments.coupling.wing import ElasticWing
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 
 
 class Check(NamedTuple):

@@ -14,7 +14,7 @@ from fieldrecon.coupling.rigid_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Transfer, applied
 from fieldrecon.kernels.radial import thin_plate_spline
 from fieldrecon.methods.rbf import RBF
-from fieldreport.experiments.coupling.wing import ElasticWing
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 
 Matrix: TypeAlias = np.ndarray | sparse.sparray
 

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldreport.experiments.datasets.landforms import LANDFORMS, phase
-from fieldreport.experiments.datasets.surfaces import (
+from fieldreport.experiments.datasets.terrain_methods import (
     GUARDED,
     THIN_PLATE,
     TRIANGLES,

@@ -19,7 +19,7 @@ from fieldreport.experiments.datasets.landforms import (
     phase,
     relief_told,
 )
-from fieldreport.experiments.datasets.surfaces import Surface
+from fieldreport.experiments.datasets.terrain_methods import Surface
 from fieldreport.framework.experiment import Cell
 
 NEAR = 0.05

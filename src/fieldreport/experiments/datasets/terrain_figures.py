@@ -13,7 +13,7 @@ from matplotlib.ticker import MultipleLocator
 
 from fieldrecon.plotting.maps import SHADE, hillshade, map_axes
 from fieldrecon.plotting.style import DIVERGING, FULL_WIDTH, figure, line, shades
-from fieldreport.experiments.datasets.surfaces import GUARDED, THIN_PLATE, family, key
+from fieldreport.experiments.datasets.terrain_methods import GUARDED, THIN_PLATE, family, key
 from fieldreport.framework.experiment import Result
 
 EXAGGERATION = 2.0

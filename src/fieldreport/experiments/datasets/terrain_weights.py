@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fieldreport.experiments.datasets.surfaces import WEIGHT, Surface
+from fieldreport.experiments.datasets.terrain_methods import WEIGHT, Surface
 from fieldreport.experiments.datasets.terrain_errors import Problem, rms_or_none
 from fieldreport.framework.experiment import Cell
 

@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
-from fieldreport.experiments.meshes.meshed_flows import jittered_cube
+from fieldreport.experiments.meshes.reference_flows import jittered_cube
 from fieldreport.framework.experiment import (
     Cell,
     Map,

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import figure
 from fieldreport.framework.experiment import Map, Result, input_file, parameter, require_at_least
-from fieldreport.framework.measurements import measured, selected, tables
+from fieldreport.framework.benchmark_results import measured, selected, tables
 
 USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
 RIVAL = "ferreus_rbf, thin plate"

@@ -21,7 +21,7 @@ from fieldreport.framework.experiment import (
     parameter,
     require_at_least,
 )
-from fieldreport.framework.measurements import measured, tables
+from fieldreport.framework.benchmark_results import measured, tables
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from fieldreport.framework.experiment import (
     parameter,
     require_at_least,
 )
-from fieldreport.framework.measurements import measured, selected, tables
+from fieldreport.framework.benchmark_results import measured, selected, tables
 
 
 @dataclass(frozen=True)

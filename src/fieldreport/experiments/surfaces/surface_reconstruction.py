@@ -30,7 +30,7 @@ from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
 from fieldrecon.solids.shapes import Ball, Box, Torus, sample_surface
 from fieldrecon.surfaces.implicit_surfaces import implicit_surface
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.experiments.surfaces.scanned_bodies import Scan, damaged, machine_part, spheroid
+from fieldreport.experiments.surfaces.synthetic_scans import Scan, damaged, machine_part, spheroid
 from fieldreport.experiments.surfaces.surface_figures import (
     draw_cloud_and_surface,
     plot_bodies,

@@ -24,7 +24,7 @@ from fieldrecon.triangles.bounding_volumes import BoxTree, overlapping
 from fieldrecon.triangles.intersections import close_pairs
 from fieldrecon.triangles.predicates import orient2d
 from fieldrecon.triangles.repair import MeshRepair, repair_mesh
-from fieldreport.experiments.triangles.damaged_bodies import damaged
+from fieldreport.experiments.triangles.damaged_meshes import damaged
 from fieldreport.experiments.triangles.mesh_errors_figures import (
     draw_gallery,
     plot_repair,

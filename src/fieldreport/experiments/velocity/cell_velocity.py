@@ -23,7 +23,7 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.velocity.cells import cell_velocities, raviart_thomas
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import normal_velocities
-from fieldreport.experiments.meshes.meshed_flows import abc_flow, jittered_cube, taylor_green
+from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
 from fieldreport.experiments.methods.convergence import middle, order, rms
 from fieldreport.experiments.velocity.cell_velocity_figures import (
     draw_fields,

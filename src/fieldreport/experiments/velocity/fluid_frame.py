@@ -24,7 +24,7 @@ from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
 from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.experiments.velocity.flow_past_ball import (
+from fieldreport.experiments.velocity.potential_flow import (
     ball_mesh,
     disc_mesh,
     mean_normal_velocities,

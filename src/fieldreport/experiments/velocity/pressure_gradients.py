@@ -30,9 +30,9 @@ from fieldrecon.velocity.gradients import (
     local_rbf,
     vertex_gradients,
 )
-from fieldreport.experiments.meshes.meshed_flows import equilateral_mesh, jittered_cube
+from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
 from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.experiments.velocity.gradients_by_others import gradients_by_others
+from fieldreport.experiments.velocity.reference_gradients import gradients_by_others
 from fieldreport.framework.experiment import (
     Cell,
     Map,

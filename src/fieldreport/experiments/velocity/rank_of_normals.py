@@ -24,8 +24,8 @@ from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldreport.experiments.velocity.normal_configurations import Configuration, configurations
-from fieldreport.experiments.velocity.normal_fits import normal_matrix, one_ring, rank
+from fieldreport.experiments.velocity.rank_deficient_normals import Configuration, configurations
+from fieldreport.experiments.velocity.normal_matrix import normal_matrix, one_ring, rank
 from fieldreport.experiments.velocity.rank_figures import draw_approach, draw_configurations
 from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
 

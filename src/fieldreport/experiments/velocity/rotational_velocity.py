@@ -28,14 +28,14 @@ from fieldrecon.velocity.vertices import (
     velocity_weights,
     vertex_velocities,
 )
-from fieldreport.experiments.meshes.meshed_flows import (
+from fieldreport.experiments.meshes.reference_flows import (
     abc_flow,
     jittered_cube,
     random_square,
     rotation,
     taylor_green,
 )
-from fieldreport.experiments.velocity.normal_fits import conics_through, one_ring, vertices_around
+from fieldreport.experiments.velocity.normal_matrix import conics_through, one_ring, vertices_around
 from fieldreport.experiments.velocity.vertex_counts import (
     SPACE,
     VALENCES,

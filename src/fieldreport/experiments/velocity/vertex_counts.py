@@ -8,8 +8,8 @@ import numpy as np
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.velocity.vertices import normal_velocities, vertex_velocities
-from fieldreport.experiments.meshes.meshed_flows import rotation
-from fieldreport.experiments.velocity.normal_fits import (
+from fieldreport.experiments.meshes.reference_flows import rotation
+from fieldreport.experiments.velocity.normal_matrix import (
     VANISHES,
     conics_through,
     error_by_conics,

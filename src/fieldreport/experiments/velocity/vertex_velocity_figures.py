@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
 from fieldrecon.polynomials import monomials
-from fieldreport.experiments.velocity.normal_fits import field_along
+from fieldreport.experiments.velocity.normal_matrix import field_along
 from fieldreport.framework.experiment import Result
 
 EDGES: dict[str, Any] = {"color": "0.72", "linewidth": 0.5, "zorder": 1}
