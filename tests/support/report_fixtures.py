@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldreport.framework.experiment import Result, Table, parameter
+from fieldreport.framework.experiment import Result, ResultTable, parameter
 from fieldrecon.plotting.style import figure, line
 
 SCALE = 1.0
@@ -46,7 +46,7 @@ def run(params, each=map):
     rows = tuple((k, SCALE * params.epsilon * 10.0**-k, "yes") for k in range(3))
     return Result(
         params,
-        {{"errors": Table(("k", "error [m]", "exact"), rows)}},
+        {{"errors": ResultTable(("k", "error [m]", "exact"), rows)}},
         dict(small=params.epsilon, ratio=-2.5, count=12345, rounding=1e-16, word="fine"),
         {{"x": x}},
     )

@@ -17,7 +17,7 @@ from fieldreport.build.code_dependencies import code_behind, keeping
 from fieldreport.build.errors import BuildError
 from fieldreport.build.lock import only_build_in
 from fieldreport.build.manifest import manifest, versions
-from fieldreport.build.rerun import Job, compute, jobs_of
+from fieldreport.build.rerun import ExperimentJob, compute, jobs_of
 from fieldreport.build.step_records import Steps, content_digest, digest, digests
 from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.framework.result_files import read_result
@@ -44,7 +44,7 @@ def build(arguments: argparse.Namespace) -> None:
             up_to_date.record(steps, key, read)
 
 
-def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) -> None:
+def _finish(document: Document, jobs: list[ExperimentJob], steps: Steps, progress: Bar) -> None:
     """Compile the text and write the manifest."""
     values = {job.name: _values(job) for job in jobs}
     made = [*_results(jobs), document.out / "report.html", document.out / "report.pdf"]
@@ -70,7 +70,7 @@ def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) ->
     progress.say(f"{made[-2]} and {made[-1]} are up to date")
 
 
-def _values(job: Job) -> dict[str, Any]:
+def _values(job: ExperimentJob) -> dict[str, Any]:
     """Return what the text may take from an experiment."""
     result = read_result(job.folder, job.experiment)
     meanings = job.experiment.meanings
@@ -87,7 +87,7 @@ def _values(job: Job) -> dict[str, Any]:
     }
 
 
-def _results(jobs: list[Job]) -> list[Path]:
+def _results(jobs: list[ExperimentJob]) -> list[Path]:
     return [
         path
         for job in jobs
@@ -109,7 +109,7 @@ def _settings(path: Path) -> dict[str, dict[str, Any]]:
         raise BuildError(f"{path}: {error}") from error
 
 
-def _chosen(jobs: list[Job], only: list[str]) -> list[Job]:
+def _chosen(jobs: list[ExperimentJob], only: list[str]) -> list[ExperimentJob]:
     unknown = set(only) - {job.name for job in jobs}
     if unknown:
         known = ", ".join(experiments.names())
@@ -125,7 +125,7 @@ def _sweep(out: Path) -> None:
                 path.unlink()
 
 
-def _remove_others(jobs: list[Job], folder: Path) -> None:
+def _remove_others(jobs: list[ExperimentJob], folder: Path) -> None:
     """Remove the results of experiments that are no more."""
     for stale in set(folder.iterdir()) - {job.folder for job in jobs}:
         for file in stale.iterdir():

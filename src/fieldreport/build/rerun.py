@@ -24,8 +24,8 @@ from fieldreport.build.pinned_kernels import pins
 from fieldreport.build.step_records import Steps, content_digest, digest, digests
 from fieldreport.build.workers import workers
 from fieldreport.framework.experiment import Experiment, Result
-from fieldreport.framework.result_files import read_result, write_result
 from fieldreport.framework.parameters import with_settings
+from fieldreport.framework.result_files import read_result, write_result
 
 RUN_NAMES = ("DIGITS", "Params", "run")
 FORMAT = "svg"
@@ -34,7 +34,7 @@ Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Job:
+class ExperimentJob:
     """One experiment of the report with the parameters it is to be run with."""
 
     experiment: Experiment
@@ -73,7 +73,7 @@ class Job:
         return self.folder / f"{figure}.{FORMAT}"
 
 
-def jobs_of(settings: Mapping[str, Mapping[str, Any]], folder: Path) -> list[Job]:
+def jobs_of(settings: Mapping[str, Mapping[str, Any]], folder: Path) -> list[ExperimentJob]:
     """List the experiments of the report, in the order of the settings, then by name.
 
     Raises
@@ -89,21 +89,21 @@ def jobs_of(settings: Mapping[str, Mapping[str, Any]], folder: Path) -> list[Job
     return [_job(name, settings.get(name, {}), folder) for name in order]
 
 
-def _job(name: str, changes: Mapping[str, Any], folder: Path) -> Job:
+def _job(name: str, changes: Mapping[str, Any], folder: Path) -> ExperimentJob:
     experiment = experiments.get(name)
     try:
         params = with_settings(experiment.defaults, changes)
     except ValueError as error:
         raise BuildError(f"experiments.toml, [{name}]: {error}") from error
-    return Job(experiment, params, folder / name)
+    return ExperimentJob(experiment, params, folder / name)
 
 
-def compute(jobs: list[Job], steps: Steps, processes: int, progress: Any) -> None:
+def compute(jobs: list[ExperimentJob], steps: Steps, processes: int, progress: Any) -> None:
     """Bring results and figures of all jobs up to date.
 
     Parameters
     ----------
-    jobs : list of Job
+    jobs : list of ExperimentJob
         Started in this order.
     steps : Steps
         What is done already.
@@ -122,7 +122,7 @@ def compute(jobs: list[Job], steps: Steps, processes: int, progress: Any) -> Non
                 work |= work.pop(future)(future)
 
 
-def _start(job: Job, steps: Steps, pool: Executor, progress: Any) -> dict:
+def _start(job: ExperimentJob, steps: Steps, pool: Executor, progress: Any) -> dict:
     """Submit the run of a job, or, where that is done, its figures."""
     key = job.run_key()
     if steps.done(f"run-{job.name}", key):
@@ -139,7 +139,7 @@ def _start(job: Job, steps: Steps, pool: Executor, progress: Any) -> dict:
     return {pool.submit(_run, job.name, job.params): finish}
 
 
-def _start_figures(job: Job, steps: Steps, pool: Executor, progress: Any) -> dict:
+def _start_figures(job: ExperimentJob, steps: Steps, pool: Executor, progress: Any) -> dict:
     """Submit the figures of a job that changed, and remove those that it no longer draws."""
     work = {}
     current = {job.figure_file(figure) for figure in job.experiment.plots}
@@ -154,7 +154,9 @@ def _start_figures(job: Job, steps: Steps, pool: Executor, progress: Any) -> dic
     return work
 
 
-def _finish_figure(job: Job, figure: str, key: str, steps: Steps, progress: Any) -> Callable:
+def _finish_figure(
+    job: ExperimentJob, figure: str, key: str, steps: Steps, progress: Any
+) -> Callable:
     def finish(future: Future) -> dict:
         path = job.figure_file(figure)
         write_atomically(path, _outcome(future, f"figure {figure}"))

@@ -70,13 +70,13 @@ def main(arguments: argparse.Namespace) -> int:
     require("matplotlib", "fontTools", "pypandoc", "typst")
     try:
         if arguments.check_reproducible:
-            return reproducible.check(arguments)
+            return reproducibility.check(arguments)
         if arguments.only or not up_to_date.told(arguments):
             from fieldreport.build.build import build
 
             build(arguments)
         if arguments.against:
-            return reproducible.compare_facts(arguments)
+            return reproducibility.compare_facts(arguments)
     except BuildError as error:
         return _fail(error)
     except OSError as error:

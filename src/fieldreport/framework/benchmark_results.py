@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from fieldreport.framework.experiment import Table, in_checkout
+from fieldreport.framework.experiment import ResultTable, in_checkout
 
 
 def measured(file: str) -> dict[str, Any]:
@@ -28,12 +28,14 @@ def measured(file: str) -> dict[str, Any]:
     return found
 
 
-def tables(result: Mapping[str, Any]) -> list[Table]:
+def tables(result: Mapping[str, Any]) -> list[ResultTable]:
     """Return the tables of a result."""
-    return [Table(tuple(t["columns"]), tuple(map(tuple, t["rows"]))) for t in result["tables"]]
+    return [
+        ResultTable(tuple(t["columns"]), tuple(map(tuple, t["rows"]))) for t in result["tables"]
+    ]
 
 
-def selected(table: Table, columns: tuple[str, ...]) -> Table:
+def selected(table: ResultTable, columns: tuple[str, ...]) -> ResultTable:
     """Return some columns of a table, in the order asked for."""
     wanted = [table.columns.index(name) for name in columns]
-    return Table(columns, tuple(tuple(row[k] for k in wanted) for row in table.rows))
+    return ResultTable(columns, tuple(tuple(row[k] for k in wanted) for row in table.rows))

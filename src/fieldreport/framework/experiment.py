@@ -118,7 +118,7 @@ def cell_from_text(text: str) -> Cell:
 
 
 @dataclass(frozen=True)
-class Table:
+class ResultTable:
     """Named columns and rows of numbers and texts.
 
     Floats are kept to nine significant digits, so that a table read back is the table written.
@@ -132,7 +132,7 @@ class Table:
 
     Examples
     --------
-    >>> Table(("n", "error"), ((1, 1 / 3), (2, 0.25))).column("error")
+    >>> ResultTable(("n", "error"), ((1, 1 / 3), (2, 0.25))).column("error")
     (0.333333333, 0.25)
     """
 
@@ -172,7 +172,7 @@ class Result:
     ----------
     params : dataclass
         The parameters of the run.
-    tables : mapping of str to Table
+    tables : mapping of str to ResultTable
         Tables by name; each becomes a file of that name.
     facts : mapping of str to int, float or str
         The numbers that text may quote. Floats are finite and kept to nine significant digits.
@@ -181,7 +181,7 @@ class Result:
     """
 
     params: Any
-    tables: Mapping[str, Table]
+    tables: Mapping[str, ResultTable]
     facts: Mapping[str, Cell]
     arrays: Mapping[str, np.ndarray] = field(default_factory=dict)
 

@@ -16,7 +16,7 @@ import numpy as np
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.io.tables import csv_bytes
 from fieldrecon.plotting.figure_files import FIGURE_FORMATS, write_figure
-from fieldreport.framework.experiment import Experiment, Result, Table, cell_from_text
+from fieldreport.framework.experiment import Experiment, Result, ResultTable, cell_from_text
 from fieldreport.framework.parameters import with_settings
 
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -84,7 +84,7 @@ def _read_json(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"))
 
 
-def _read_table(path: Path) -> Table:
+def _read_table(path: Path) -> ResultTable:
     with path.open(encoding="utf-8", newline="") as file:
         columns, *rows = csv.reader(file)
-    return Table(tuple(columns), tuple(tuple(map(cell_from_text, row)) for row in rows))
+    return ResultTable(tuple(columns), tuple(tuple(map(cell_from_text, row)) for row in rows))

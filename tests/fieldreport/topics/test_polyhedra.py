@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
 from fieldreport.experiments.barycentric import polyhedra
+from fieldreport.experiments.barycentric.coordinate_limits import Outside
 from fieldreport.experiments.barycentric.polytopes import (
     OUTSIDE,
     POLYHEDRA,
@@ -17,7 +18,6 @@ from fieldreport.experiments.barycentric.polytopes import (
     mesh_of,
     regular,
 )
-from fieldreport.experiments.barycentric.coordinate_limits import Outside
 
 ROUNDING = 1e-14
 CROWDED = ("octahedron", "square pyramid", "rhombic dodecahedron")

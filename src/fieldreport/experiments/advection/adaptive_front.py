@@ -1,8 +1,8 @@
-"""A front in a swirling flow, on sites that follow it and on sites that stay.
+"""Adaptive sites for a steep front in a swirling flow.
 
-A steep round front is drawn out by a flow that reverses, so that it should come back. Sites come
-where leaving one out shows that they are needed, and go where it does not; the error at the end
-is compared with that of as many sites, and more, that stay.
+A flow that reverses stretches a steep circular front and should return it to its initial position.
+Sites are inserted where the leave-one-out residual is large and removed where it is small. The
+final error is compared with the errors on fixed sets of sites, of equal and of larger size.
 
 References
 ----------
@@ -26,7 +26,14 @@ from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldreport.experiments.advection.advection import DISC, RADIUS, deforming, method_on
 from fieldreport.experiments.methods.convergence import rms
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 FRAMES = 4
 NOISE = 1e-6  # of the bound for coarsening: residuals below are rounding, and say nothing of order
@@ -98,7 +105,7 @@ def run(params: Params, each: Map = map) -> Result:
     arrays = {f"sites_{k}": x for k, x in enumerate(frames)}
     return Result(
         params=params,
-        tables={"errors": Table(("sites", "number", "rms error"), tuple(rows))},
+        tables={"errors": ResultTable(("sites", "number", "rms error"), tuple(rows))},
         facts=facts,
         arrays=arrays | {"counts": counts},
     )

@@ -1,9 +1,9 @@
-"""Shapes carried by a flow on scattered sites, turned round once, or deformed and back.
+"""Semi-Lagrangian advection on scattered sites: a rotation, and a deformation that reverses.
 
-A cone, a smooth hump and a slotted disc turn with the plane, and are drawn out by a flow that
-reverses, so that in both cases the end is the beginning. Errors, extrema and mass are recorded,
-with and without bounds and mass being kept; orders in the step and in the spacing are measured,
-and the powers of the matrix of one step.
+A cone, a smooth hump and a slotted disc rotate with the plane, and are deformed by a flow that
+reverses, so that in both cases the exact final state is the initial state. The experiment records
+errors, extrema and mass, with and without a limiter that keeps bounds and mass. It measures the
+orders in the time step and in the spacing, and the norms of the powers of the matrix of one step.
 
 References
 ----------
@@ -12,10 +12,12 @@ Wendland, Scattered Data Approximation (2005), section 1.3; Zalesak (1979); LeVe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.advection.characteristics import SCHEMES, Velocity, departure_points
@@ -23,16 +25,16 @@ from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.radial import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldreport.experiments.advection.advection_figures import (
-    draw_turn,
-    plot_deformation,
-    plot_history,
-    plot_orders,
-)
+from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
-
-__all__ = ["QUICK", "Params", "plot", "plot_deformation", "plot_history", "plot_orders", "run"]
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 DISC, CONE, HUMP = np.array([[0.5, 0.75], [0.5, 0.25], [0.25, 0.5]])
 RADIUS = 0.15
@@ -214,14 +216,14 @@ def norms_of_powers(params: Params) -> tuple[np.ndarray, np.ndarray]:
     return norms, radii
 
 
-def _table(told: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> Table:
+def _table(told: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> ResultTable:
     columns = ("rms error", "mean error", "least", "most", "mass")
     rows = [
         (flow, shape, variant, *history[-1, k])
         for (flow, variant), (history, _) in told.items()
         for k, shape in enumerate(("slotted disc", "cone", "hump"))
     ]
-    return Table(("flow", "shape", "variant", *columns), tuple(rows))
+    return ResultTable(("flow", "shape", "variant", *columns), tuple(rows))
 
 
 def _facts(
@@ -255,6 +257,95 @@ def _facts(
     return facts
 
 
+VARIANT_STYLES = ("RBF", "LS", "MLS")
+VARIANT_NAMES = ("free", "bounded", "bounded, with its mass")
+
+
 def plot(result: Result) -> Figure:
     """The shapes at the beginning, and after one turn without and with bounds and mass."""
-    return draw_turn(result)
+    free, kept = result.arrays["turn_0_frames"], result.arrays["turn_2_frames"]
+    return _maps(
+        result, (free[0], free[-1], kept[-1]), ("beginning", "one turn, free", "one turn, kept")
+    )
+
+
+def plot_deformation(result: Result) -> Figure:
+    """The shapes in the flow that reverses: beginning, half way, and back."""
+    frames = result.arrays["deformation_2_frames"]
+    return _maps(result, frames, ("beginning", "half way", "back"))
+
+
+def _maps(
+    result: Result, frames: np.ndarray | Sequence[np.ndarray], titles: tuple[str, ...]
+) -> Figure:
+    x = result.arrays["x"]
+    levels = np.arange(0.1, 1.0, 0.2)
+    with figure(FULL_WIDTH, height=2.25, columns=3, sharey=True) as (page, axes):
+        for panel, frame, title in zip(axes, frames, titles, strict=True):
+            _shaded(panel, x, frame)
+            panel.contour(x, x, frame, levels, colors="black", linewidths=0.4)
+            panel.set(title=title, aspect="equal", xticks=[0, 0.5, 1], yticks=[0, 0.5, 1])
+            panel.grid(visible=False)
+        bar = page.colorbar(axes[0].images[0], ax=axes, shrink=0.85, aspect=30)
+        bar.set_ticks([-0.2, 0, 0.5, 1, 1.2])
+    return page
+
+
+def _shaded(panel: Axes, x: np.ndarray, frame: np.ndarray) -> None:
+    panel.imshow(
+        frame,
+        cmap=SEQUENTIAL,
+        vmin=-0.2,
+        vmax=1.2,
+        origin="lower",
+        extent=(0, 1, 0, 1),
+        interpolation="nearest",
+    )
+    panel.set(xlim=(x[0], x[-1]), ylim=(x[0], x[-1]))
+
+
+def plot_history(result: Result) -> Figure:
+    """Extrema and mass of the slotted disc over one turn."""
+    with figure(FULL_WIDTH, height=2.6, columns=2) as (page, axes):
+        for k, (name, style) in enumerate(zip(VARIANT_NAMES, VARIANT_STYLES, strict=True)):
+            history = result.arrays[f"turn_{k}_history"][:, 0]
+            turn = np.linspace(0, 1, len(history))
+            look = line(style, label=name, marker="")
+            axes[0].plot(turn, history[:, 3], **look)
+            axes[0].plot(turn, history[:, 2], **look | {"label": None})
+            axes[1].plot(turn, history[:, 4], **look)
+        axes[0].set(xlabel="turns", title="least and greatest value")
+        axes[1].set(xlabel="turns", title="mass, relative")
+        axes[1].ticklabel_format(useOffset=False)
+        page.legend(*axes[1].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    return page
+
+
+def plot_orders(result: Result) -> Figure:
+    """Errors of the feet against the step, of a hill against the spacing, and norms of powers."""
+    p = result.params
+    styles = ("LS", "MLS", "PU", "RBF")
+    with figure(FULL_WIDTH, height=2.7, columns=3) as (page, axes):
+        for name, style, row in zip(
+            ("Euler", "midpoint", "Heun", "RK4"), styles, result.arrays["in_time"], strict=True
+        ):
+            axes[0].plot(1 / np.array(p.divisions), row, **line(style, label=name))
+        axes[0].set(xlabel="step, in turns", title="feet", xscale="log", yscale="log")
+        axes[0].set_xticks(1 / np.array(p.divisions), [f"1/{k}" for k in p.divisions])
+        h = np.array(p.counts) ** -0.5
+        axes[1].plot(h, result.arrays["in_space"], **line("PU", label=None))
+        axes[1].set(xlabel="spacing $n^{-1/2}$", title="a smooth hill", xscale="log", yscale="log")
+        axes[1].set_xticks(h, [f"{x:.3f}" for x in h], rotation=45)
+        k = 2.0 ** np.arange(result.arrays["norms"].shape[1])
+        for name, style, row in zip(
+            ("disc", "square"), ("MLS", "LS"), result.arrays["norms"], strict=True
+        ):
+            axes[2].plot(k, row, **line(style, label=name))
+        axes[2].set(xlabel="power $k$", title=r"$\|H^k\|$", xscale="log", yscale="log")
+        axes[2].set_ylim(1, 1e7)
+        axes[2].legend()
+        for panel in axes[:2]:
+            panel.minorticks_off()
+        axes[0].set_ylim(1e-10, None)
+        axes[0].legend(loc="lower right")
+    return page

@@ -1,10 +1,11 @@
-"""A fluid on a mesh that is another in each frame: velocities carried over and made to balance.
+"""Fluid animation on dynamic meshes: velocity transfer and pressure projection.
 
-A vortex in a box keeps turning, and a drop of ink in it is drawn out. Each frame has a mesh of its
-own, fine where the rim of the ink is. All that is known of the flow are normal velocities of faces:
-from these come velocities of vertices, from these the normal velocities of the next mesh, a step
-ago along the characteristics; then the pressure takes out what does not balance. The vortex is a
-steady flow of an ideal fluid, so its energy and its velocities are known at all times.
+A steady vortex in a box stretches a drop of ink. Each frame has a new mesh, which is refined at the
+boundary of the ink. The flow is represented by the normal velocities of the faces only. They
+determine the velocities of the vertices; these give the normal velocities of the next mesh, one
+time step earlier along the characteristics; a pressure projection then removes their divergence.
+The vortex is a steady flow of an ideal fluid, so its energy and its velocities are known at all
+times.
 
 References
 ----------
@@ -42,7 +43,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -106,7 +107,7 @@ WAYS = (
 
 
 @dataclass(frozen=True)
-class Frame:
+class AnimationFrame:
     """A mesh, its normal velocities (f,), those that it hands on (f,), and ink at vertices (n,)."""
 
     mesh: SimplexMesh
@@ -130,7 +131,7 @@ def walled(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
     return np.where(mesh.face_cells[:, 1] < 0, 0.0, v)
 
 
-def first(params: Params) -> Frame:
+def first(params: Params) -> AnimationFrame:
     """The exact fluxes of the vortex, on a mesh that is fine at the rim of the drop."""
     mesh = box_mesh(partial(near_rim, params.spacing, params.finest, None), seed=0)
     for _ in range(2):
@@ -143,10 +144,10 @@ def first(params: Params) -> Frame:
     turned = np.sign((across * mesh.face_normals).sum(axis=1))
     v = turned * (psi[end] - psi[start]) / mesh.face_measures
     away = np.linalg.norm(mesh.points - INK, axis=1) - RADIUS
-    return Frame(mesh, v, v, np.clip(0.5 - away / (2 * params.finest), 0, 1))
+    return AnimationFrame(mesh, v, v, np.clip(0.5 - away / (2 * params.finest), 0, 1))
 
 
-def next_frame(params: Params, way: Way, k: int, now: Frame) -> Frame:
+def next_frame(params: Params, way: Way, k: int, now: AnimationFrame) -> AnimationFrame:
     """What the flow brings in half a step to a mesh that is fine where the rim goes."""
     dt = params.time / params.steps / 2
     flow = now.field(way.method, now.v)
@@ -159,10 +160,10 @@ def next_frame(params: Params, way: Way, k: int, now: Frame) -> Frame:
     feet = departure_points(mesh.points, flow, 0.0, dt)
     ink = way.method(now.mesh.points).field(now.ink)(feet)
     reflect = way.reflected and k % 2 == 1
-    return Frame(mesh, v, 2 * v - met if reflect else v, np.clip(ink, 0, 1))
+    return AnimationFrame(mesh, v, 2 * v - met if reflect else v, np.clip(ink, 0, 1))
 
 
-def animated(params: Params, way: Way) -> tuple[np.ndarray, list[Frame]]:
+def animated(params: Params, way: Way) -> tuple[np.ndarray, list[AnimationFrame]]:
     """Energy, error and divergence (steps + 1, 3) at the end of each step, and the frames then."""
     frames, now = [first(params)], first(params)
     for k in range(1, 2 * params.steps + 1):
@@ -172,7 +173,7 @@ def animated(params: Params, way: Way) -> tuple[np.ndarray, list[Frame]]:
     return np.array([judged(frame) for frame in frames]), frames
 
 
-def judged(frame: Frame) -> tuple[float, float, float]:
+def judged(frame: AnimationFrame) -> tuple[float, float, float]:
     """Energy, root mean square error of the velocities of vertices, largest divergence."""
     u = vertex_velocities(frame.mesh, frame.v, inverse_square(EPSILON)).values
     outflow = np.abs(divergence(frame.mesh, frame.v)).max()
@@ -216,7 +217,7 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "ways": Table(
+            "ways": ResultTable(
                 ("frames", "energy left", "error", "divergence"),
                 tuple((name, e, error, max(d, 1e-12)) for name, e, error, d in rows),
             )

@@ -1,8 +1,8 @@
-"""The slotted disc after one turn, against a published table.
+"""Slotted disc after one revolution, compared with published finite-element errors.
 
-The disc is the set where a field is negative, at first the signed distance to its rim, as in level
-set methods. It turns once on scattered sites, as many as the finite elements had unknowns whose
-errors are published, and both are measured in the same way.
+As in level set methods, the disc is the set where a field is negative; initially the field is the
+signed distance to the boundary. The disc makes one revolution on scattered sites, as many as the
+published finite-element computation had unknowns, and the errors are measured in the same way.
 
 References
 ----------
@@ -30,7 +30,14 @@ from fieldreport.experiments.advection.advection import (
     turning,
 )
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 UNKNOWNS = 72314
 """Unknowns of the finest published mesh; the step of each coarser one is twice as long."""
@@ -111,7 +118,7 @@ def run(params: Params, each: Map = map) -> Result:
     frames = {f"frame_{k}": frame for k, (_, _, frame) in enumerate(found)}
     return Result(
         params=params,
-        tables={"errors": Table(names, tuple(rows))},
+        tables={"errors": ResultTable(names, tuple(rows))},
         facts=facts,
         arrays=frames | {"rim": rim(2000)},
     )

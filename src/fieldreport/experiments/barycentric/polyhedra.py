@@ -1,10 +1,11 @@
-"""Barycentric coordinates of convex polygons and polyhedra, against independent ways to them.
+"""Barycentric coordinates of convex polygons and polyhedra against independent formulas.
 
-The coordinates of triangles, squares, other polygons, and of six polyhedra are compared with closed
-forms and with volumes of the polar dual from a hull. Where four faces meet they are compared with
-those of polyhedra whose faces were moved apart, ever less. Beside an edge and a corner the quotient
-of the slides loses its digits; the products do not. Outside of a polygon the coordinates have
-poles, on the curve through the points where its edges would cross.
+The coordinates of triangles, squares, other polygons and six polyhedra are compared with closed
+forms, and with volumes of the polar dual that are computed from a convex hull. Where four faces
+meet they are compared with the coordinates of polyhedra whose faces were shifted apart, by
+decreasing distances. Near an edge and near a corner the quotient form of the slides loses digits;
+the product form does not. Outside a polygon the coordinates have poles, on the curve through the
+intersections of its extended edges.
 
 References
 ----------
@@ -24,13 +25,6 @@ from matplotlib.figure import Figure
 
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
-from fieldreport.experiments.barycentric.polytopes import (
-    OUTSIDE,
-    POLYHEDRA,
-    Planes,
-    mesh_of,
-    polygons,
-)
 from fieldreport.experiments.barycentric.coordinate_limits import Outside, errors_beside
 from fieldreport.experiments.barycentric.polyhedra_figures import (
     FROM_THE_RIGHT,
@@ -41,11 +35,18 @@ from fieldreport.experiments.barycentric.polyhedra_figures import (
     plot_polygons,
     plot_splitting,
 )
+from fieldreport.experiments.barycentric.polytopes import (
+    OUTSIDE,
+    POLYHEDRA,
+    Planes,
+    mesh_of,
+    polygons,
+)
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -193,7 +194,7 @@ def _told(error: float) -> float:
     return order_of_magnitude(error) if error < EXACT else error
 
 
-def _table(shapes: dict[str, np.ndarray], compared: dict[str, dict[str, float]]) -> Table:
+def _table(shapes: dict[str, np.ndarray], compared: dict[str, dict[str, float]]) -> ResultTable:
     rows = []
     for name, corners in shapes.items():
         planes, found = Planes.of(corners), compared[name]
@@ -205,13 +206,13 @@ def _table(shapes: dict[str, np.ndarray], compared: dict[str, dict[str, float]])
         rows.append((name, *counts, "yes" if planes.simple else "no", *errors, *closed))
     counts_named = ("D", "corners", "faces", "faces at a corner, most", "simple")
     errors_named = ("positions", "polar dual", "positions, D faces", "closed form", "difference")
-    return Table(("polytope", *counts_named, *errors_named), tuple(rows))
+    return ResultTable(("polytope", *counts_named, *errors_named), tuple(rows))
 
 
-def _split_table(params: Params, split: dict[str, np.ndarray]) -> Table:
+def _split_table(params: Params, split: dict[str, np.ndarray]) -> ResultTable:
     names = [f"{name}, {what}" for name in split for what in ("least", "most")]
     columns = [f(errors, axis=0) for errors in split.values() for f in (np.min, np.max)]
-    return Table(("delta", *names), tuple(zip(shifts(params), *columns, strict=True)))
+    return ResultTable(("delta", *names), tuple(zip(shifts(params), *columns, strict=True)))
 
 
 def _facts(compared: dict[str, dict[str, float]]) -> dict[str, Cell]:

@@ -15,8 +15,8 @@ from matplotlib.ticker import NullLocator
 from matplotlib.tri import Triangulation
 
 from fieldrecon.plotting.style import DIVERGING, SEQUENTIAL, figure, shades
-from fieldreport.experiments.barycentric.polytopes import POLYHEDRA, Planes
 from fieldreport.experiments.barycentric.coordinate_formulas import split
+from fieldreport.experiments.barycentric.polytopes import POLYHEDRA, Planes
 from fieldreport.framework.experiment import Result
 
 LEVELS = np.linspace(0, 1, 11)

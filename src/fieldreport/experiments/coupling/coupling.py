@@ -1,9 +1,10 @@
-"""Loads from a wing's skin to its structure: by interpolation, and by the transpose.
+"""Load transfer from the skin of a wing to its structure: interpolation and transpose.
 
-A pressure with a known lift acts on the skin of a wing. It is handed to the nodes of a few spars,
-which neither match the skin nor reach its edges, in ways that look reasonable. Lift, moments, and
-the deflection of the tip of a uniform cantilever under the loads that arrive are compared with
-their closed forms; then it is shown where the load of one point of the skin goes.
+A pressure with known lift acts on the skin of a wing. Its forces are transferred, in several
+plausible ways, to the nodes of a few spars, which neither match the skin nor reach its edges. Lift,
+moments and the tip deflection of a uniform cantilever under the transferred loads are compared with
+closed forms. The experiment also shows to which nodes the load of one point of the skin is
+distributed.
 
 References
 ----------
@@ -28,7 +29,14 @@ from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.coupling.precice_mappings import integrated, separate
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 THICKNESS = 0.12  # of the profile, as a part of the chord
 SPARS = (0.2, 0.45, 0.7)  # places along the chord
@@ -168,8 +176,8 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "errors": Table(("way", *QUANTITIES), tuple(rows)),
-            "mappings": Table(
+            "errors": ResultTable(("way", *QUANTITIES), tuple(rows)),
+            "mappings": ResultTable(
                 ("polynomial", "displacements", "loads", *QUANTITIES[:3]),
                 tuple(maps),
             ),

@@ -9,8 +9,8 @@ import numpy as np
 from fieldrecon.coupling.flat_structures import FlatCoupling
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldreport.experiments.coupling.plate import Plate, isotropic_rigidity
-from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
+from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 
 BENT_MOST = 0.4  # part of the chord at which the mean line is highest
 

@@ -27,7 +27,7 @@ NEAR = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class TerrainProblem:
     """A land to be made again from points on its isolines.
 
     Parameters
@@ -106,7 +106,7 @@ def rms_or_none(errors: np.ndarray) -> Cell:
     return rms(errors) if errors.size else NONE
 
 
-def measured(problem: Problem, surface: Surface) -> dict[str, Cell]:
+def measured(problem: TerrainProblem, surface: Surface) -> dict[str, Cell]:
     """Return the errors of a surface in metres: wherever it is defined, and by the points' hull."""
     known = np.isfinite(surface.heights)
     errors = surface.heights - problem.truth
@@ -118,7 +118,7 @@ def measured(problem: Problem, surface: Surface) -> dict[str, Cell]:
     }
 
 
-def by_landform(problem: Problem, surface: Surface) -> dict[str, Cell]:
+def by_landform(problem: TerrainProblem, surface: Surface) -> dict[str, Cell]:
     """Return errors on tops, slopes and in hollows, and how much of tops and hollows is told."""
     known = np.isfinite(surface.heights)
     result: dict[str, Cell] = {}
@@ -135,7 +135,7 @@ def by_landform(problem: Problem, surface: Surface) -> dict[str, Cell]:
     return result | {"terrace_percent": terrace_percent(surface.heights[known], problem.spacing)}
 
 
-def by_distance(problem: Problem, surface: Surface, edges: np.ndarray) -> list[Cell]:
+def by_distance(problem: TerrainProblem, surface: Surface, edges: np.ndarray) -> list[Cell]:
     """Return the rms error of cells by their distance from the nearest point."""
     errors = surface.heights - problem.truth
     place = np.digitize(problem.distance, edges) - 1
@@ -147,13 +147,13 @@ def terrace_percent(heights: np.ndarray, spacing: int) -> float:
     return 100 * float(np.mean(np.abs(phase(heights, spacing)) < NEAR))
 
 
-def correlation(problem: Problem, surface: Surface) -> float:
+def correlation(problem: TerrainProblem, surface: Surface) -> float:
     """Return the correlation of the size of the error with the distance from the nearest point."""
     sizes = np.abs(surface.heights - problem.truth)
     return float(np.corrcoef(sizes, problem.distance)[0, 1])
 
 
-def worst_place(problem: Problem, surface: Surface) -> dict[str, float]:
+def worst_place(problem: TerrainProblem, surface: Surface) -> dict[str, float]:
     """Return the heights where the error is largest, and how far the nearest point is."""
     worst = np.abs(surface.heights - problem.truth).argmax()
     return {

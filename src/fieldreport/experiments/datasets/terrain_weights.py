@@ -7,13 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldreport.experiments.datasets.terrain_errors import TerrainProblem, rms_or_none
 from fieldreport.experiments.datasets.terrain_methods import WEIGHT, Surface
-from fieldreport.experiments.datasets.terrain_errors import Problem, rms_or_none
 from fieldreport.framework.experiment import Cell
 
 
 def facts_of_weights(
-    bound: float, problem: Problem, found: Mapping[str, Surface]
+    bound: float, problem: TerrainProblem, found: Mapping[str, Surface]
 ) -> dict[str, Cell]:
     """Return how errors go with neighbourhoods of one height, and with large weights.
 
@@ -21,7 +21,7 @@ def facts_of_weights(
     ----------
     bound : float
         Sum of the sizes of the weights above which a place counts as unsafe.
-    problem : Problem
+    problem : TerrainProblem
     found : mapping of str to Surface
         With those of moving least squares of degree 1 and 2.
     """
@@ -48,7 +48,7 @@ def facts_of_weights(
     }
 
 
-def on_one_isoline(problem: Problem, neighbors: int) -> np.ndarray:
+def on_one_isoline(problem: TerrainProblem, neighbors: int) -> np.ndarray:
     """Tell the cells whose nearest points all have the same height."""
     points, heights = problem.isolines
     nearest = cKDTree(points).query(problem.land.points, neighbors)[1]

@@ -1,9 +1,10 @@
-"""Conditionally positive definite kernels: each condition of the theory, and what fails without.
+"""Conditionally positive definite kernels: conditions of the theory and counterexamples.
 
-For every kernel the least eigenvalue of the quadratic form is taken on the coefficients that
-annihilate the polynomials of its order, and on those of one degree less; and the inertia of the
-bordered system. An even power of the distance, points on a line, points of too many dimensions and
-a kernel without its polynomial show what each premise is for.
+For every kernel the experiment computes the smallest eigenvalue of the quadratic form on the
+coefficients that annihilate the polynomials of its order, the same for polynomials of one degree
+less, and the inertia of the saddle-point system. Each of the counterexamples violates one premise:
+an even power of the distance, collinear points, points in too many dimensions, and a kernel without
+its polynomial.
 
 References
 ----------
@@ -31,7 +32,7 @@ from fieldrecon.polynomials import dimension, monomials
 from fieldreport.framework.experiment import (
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -84,7 +85,7 @@ def run(params: Params, each: Map = map) -> Result:
     x = 3 * uniform(params.points, 2, params.seed)
     known = kernels(params)
     rows = list(each(partial(conditions, x), known.values()))
-    table = Table(
+    table = ResultTable(
         ("kernel", "order", "least with", "least below", "positive", "negative", "zero"),
         tuple((name, *row) for name, row in zip(known, rows, strict=True)),
     )
@@ -167,7 +168,7 @@ def two_fields() -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def _facts(
-    params: Params, x: np.ndarray, table: Table, apart: float
+    params: Params, x: np.ndarray, table: ResultTable, apart: float
 ) -> dict[str, float | int | str]:
     line_x, _ = on_the_diagonal()
     h = system(thin_plate_spline(), line_x)

@@ -1,9 +1,9 @@
 """Kernels of radial basis functions on Franke's function: error, conditioning, augmentation.
 
-Each kernel interpolates Franke's function at more and more points; the smoother the
-kernel, the faster the error falls and the condition number of the system grows. A second part shows
-what the polynomial added to the kernels is for: affine data come back exactly, and far from the
-data the field grows as a polynomial does and not as the kernel.
+Each kernel interpolates Franke's function at increasing numbers of points. The smoother the kernel,
+the faster the error decreases and the condition number of the system grows. A second part shows the
+purpose of the polynomial that augments the kernels: affine data are reproduced exactly, and far
+from the data the field grows like a polynomial and not like the kernel.
 
 References
 ----------
@@ -34,7 +34,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -102,7 +102,7 @@ def run(params: Params, each: Map = map) -> Result:
         params=params,
         tables={
             "kernels": _kernel_table(params, error, condition),
-            "affine": Table(
+            "affine": ResultTable(
                 ("kernel", "order", "degree", "error", "error with degree 1"),
                 tuple(_affine_rows(params)),
             ),
@@ -140,7 +140,7 @@ def affine(x: np.ndarray) -> np.ndarray:
     return 1 + x @ np.array([2.0, 3.0])
 
 
-def _kernel_table(params: Params, error: np.ndarray, condition: np.ndarray) -> Table:
+def _kernel_table(params: Params, error: np.ndarray, condition: np.ndarray) -> ResultTable:
     columns = (f"{what}, n = {n}" for what in ("error", "condition") for n in params.sizes)
     rows = (
         (
@@ -151,7 +151,7 @@ def _kernel_table(params: Params, error: np.ndarray, condition: np.ndarray) -> T
         )
         for k, (name, kernel) in enumerate(params.kernels.items())
     )
-    return Table(("kernel", "order", *columns), tuple(rows))
+    return ResultTable(("kernel", "order", *columns), tuple(rows))
 
 
 def _told_error(error: float, condition: float) -> Cell:

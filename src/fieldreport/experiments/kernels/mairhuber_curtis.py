@@ -1,10 +1,10 @@
-"""Two points change places: why functions chosen before the points cannot always interpolate.
+"""Mairhuber-Curtis theorem: a determinant that vanishes while two points exchange places.
 
-Three points interpolate in the span of 1, x and y if the determinant of the functions at the points
-is not zero. Two of them are exchanged along paths that meet neither each other nor the third. Rows
-change places, so the determinant ends as it began with the other sign, and vanishes on the way; the
-same happens to six points and quadratics. Functions that travel with the points, radial ones, keep
-a determinant whose sign is fixed.
+Three points admit interpolation in the span of 1, x and y if and only if the determinant of these
+functions at the points is not zero. Two of the points are exchanged along paths that meet neither
+each other nor the third point. Two rows are then exchanged, so the determinant ends with the
+opposite sign, and vanishes on the way; the same happens to six points and quadratics. Radial basis
+functions, whose centres move with the points, keep a determinant of fixed sign.
 
 References
 ----------
@@ -30,7 +30,7 @@ from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import METHOD_COLORS, figure, line
 from fieldrecon.polynomials import monomials
-from fieldreport.framework.experiment import Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
 
 TIMES = np.linspace(0.0, 1.0, 241)
 THIRD = np.array([[0.55, 0.75]])
@@ -98,7 +98,7 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "determinants": Table(
+            "determinants": ResultTable(
                 ("functions", "first", "last", "smallest", "largest"),
                 tuple(
                     (name, d[0], d[-1], d.min(), d.max())

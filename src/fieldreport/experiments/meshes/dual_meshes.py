@@ -1,9 +1,9 @@
-"""Three dual meshes: circumcentric of a Delaunay mesh and of another, and barycentric.
+"""Circumcentric and barycentric dual meshes, with and without the Delaunay property.
 
-The same points are cut into cells twice: by Delaunay, and by Delaunay after they were stretched in
-one direction, which gives a mesh that is not Delaunay. Then it is counted how often dual edges run
-backwards and cross, and measured how far they are from perpendicular to the faces of the mesh; and
-the same in space, where dual edges pass each other and it is the dual cells that overlap.
+The same points are triangulated twice: by Delaunay, and by Delaunay after they were stretched in
+one direction, which gives a mesh that is not Delaunay. The experiment counts reversed and crossing
+dual edges, and measures the angles between dual edges and face normals. It repeats this in space,
+where dual edges do not cross and the dual cells overlap instead.
 
 References
 ----------
@@ -30,7 +30,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -84,7 +84,7 @@ def run(params: Params, each: Map = map) -> Result:
     by_case = {f"{case}_{d}d": found for (d, case, _), found in zip(jobs, measured, strict=True)}
     return Result(
         params=params,
-        tables={"duals": Table(("dimension", "mesh", "dual", *measured[0]), tuple(rows))},
+        tables={"duals": ResultTable(("dimension", "mesh", "dual", *measured[0]), tuple(rows))},
         facts=_facts(by_case),
         arrays=_drawn({case: mesh for d, case, mesh in jobs if d == 2}),
     )

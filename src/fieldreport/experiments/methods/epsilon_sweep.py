@@ -1,9 +1,9 @@
-"""Which ε suits moving least squares, and what tells it without the truth.
+"""Choice of ε for moving least squares: errors and three criteria from the data alone.
 
-The weight 1/(r² + ε²) has one parameter. A sweep over six decades shows the error of value and
-gradient, with exact and with noisy data, and three criteria that need the data alone: the
-minimised objective ψ, ψ divided by the sum of the squared weights, and the leave-one-out error.
-The regret of a criterion is how many times larger the error is at its ε than at the best ε.
+The weight 1/(r² + ε²) has one parameter. A sweep over six decades shows the errors of value and
+gradient, with exact and with noisy data, and three criteria that need only the data: the minimised
+objective ψ, ψ divided by the sum of the squared weights, and the leave-one-out error. The regret of
+a criterion is the error at its ε divided by the error at the best ε.
 
 References
 ----------
@@ -26,7 +26,14 @@ from fieldrecon.kernels.radial import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")
 CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "leave_one_out"}
@@ -131,13 +138,13 @@ def _rms(errors: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean(errors**2, axis=0))
 
 
-def _sweep_table(params: Params, means: np.ndarray) -> Table:
+def _sweep_table(params: Params, means: np.ndarray) -> ResultTable:
     rows = np.column_stack([params.epsilons, *means])
-    return Table(("epsilon", *MEASURES), tuple(map(tuple, rows)))
+    return ResultTable(("epsilon", *MEASURES), tuple(map(tuple, rows)))
 
 
-def _choice_table(params: Params, sweeps: np.ndarray) -> Table:
-    return Table(
+def _choice_table(params: Params, sweeps: np.ndarray) -> ResultTable:
+    return ResultTable(
         (
             "noise",
             "best epsilon",

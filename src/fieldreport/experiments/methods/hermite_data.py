@@ -1,10 +1,10 @@
-"""Data that are no values: a closed curve from normals, and Poisson's equation from Laplacians.
+"""Hermite data: a closed curve from normals, and Poisson's equation by collocation.
 
-A closed curve is found from points and normals alone, as the zeros of the field with the values
-zero and the normal derivatives minus one, and from points beside it as the book has it. Poisson's
-equation in the unit square is solved by collocation: Laplacians are given inside and values on the
-edge. Errors are taken on ever more points, against a known solution; and the torsion of the square
-is compared with its series.
+A closed curve is reconstructed from points and normals alone, as the zero set of the field with
+value zero and normal derivative minus one; and, as in the book, from additional points beside the
+curve. Poisson's equation in the unit square is solved by collocation: Laplacians are given in the
+interior and values on the boundary. Errors are measured against a known solution for increasing
+numbers of points, and the torsion function of the square is compared with its series.
 
 References
 ----------
@@ -32,7 +32,7 @@ from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
 
 KERNELS: dict[str, Radial] = {
     "r⁵": polyharmonic(5),
@@ -83,14 +83,14 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "curve": Table(
+            "curve": ResultTable(
                 ("data", "number", "missed by"),
                 (
                     ("values and normals", 2 * len(p), missed["normals"]),
                     ("values and points beside", 3 * len(p), missed["beside"]),
                 ),
             ),
-            "poisson": Table(
+            "poisson": ResultTable(
                 ("edge", *KERNELS),
                 tuple((n, *e) for n, e in zip(params.sizes, errors.T, strict=True)),
             ),

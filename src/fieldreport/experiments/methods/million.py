@@ -1,6 +1,6 @@
-"""The largest clouds once more, with the machine to themselves.
+"""The largest clouds, measured on an idle machine.
 
-Nothing is timed here: the numbers are those of ``make bench ONLY=million``.
+The experiment does no timing: it reads what ``make bench ONLY=million`` measured.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import figure
-from fieldreport.framework.experiment import Map, Result, input_file, parameter, require_at_least
 from fieldreport.framework.benchmark_results import measured, selected, tables
+from fieldreport.framework.experiment import Map, Result, input_file, parameter, require_at_least
 
 USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
 RIVAL = "ferreus_rbf, thin plate"

@@ -1,9 +1,10 @@
-"""Natural cubic splines: of least energy, linear outside, and local.
+"""Natural cubic splines: minimal energy, linear extrapolation, locality.
 
 Data of sin(k x) at scattered sites on [0, 1] are interpolated by the natural cubic spline, by other
-splines with the same sites, and by the polynomial; their energies are compared with that of the
-function, which has a closed form. On ever more sites the errors inside and at the ends are taken,
-and the decay of the influence of one datum is compared with the root of a recurrence.
+splines with the same sites, and by the polynomial. Their energies are compared with that of the
+function, which has a closed form. For increasing numbers of sites the errors are measured in the
+interior and near the ends, and the decay of the influence of one datum is compared with the root of
+a recurrence.
 
 References
 ----------
@@ -34,7 +35,7 @@ from fieldreport.experiments.methods.convergence import order
 from fieldreport.framework.experiment import (
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -82,8 +83,8 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "energies": Table(("curve", "energy"), tuple(energies.items())),
-            "errors": Table(
+            "energies": ResultTable(("curve", "energy"), tuple(energies.items())),
+            "errors": ResultTable(
                 ("sites", "middle", "ends"),
                 tuple((n, *row) for n, row in zip(params.sizes, errors, strict=True)),
             ),

@@ -1,9 +1,9 @@
-"""What the normal equations lose: the condition number squared, and the digits at an offset.
+"""Normal equations: squared condition number and lost digits.
 
-An affine field is sampled on a regular grid in a unit square that lies ever farther from the
+An affine field is sampled on a regular grid in a unit square, at increasing distances from the
 origin. The same least-squares problem is solved by the normal equations BᵀB c = BᵀV and by
-orthogonal factorization of B, both in the coordinates as they are, and by `LeastSquares`, which
-factors B in a local frame.
+orthogonal factorization of B, both in the given coordinates, and by `LeastSquares`, which factors B
+in a local frame.
 
 References
 ----------
@@ -25,7 +25,7 @@ from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.framework.experiment import (
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -124,13 +124,13 @@ def exact_condition(side: int, offset: float) -> float:
     return float(largest / min(v, v / largest))
 
 
-def _table(offsets: np.ndarray, conditions: np.ndarray, errors: np.ndarray) -> Table:
+def _table(offsets: np.ndarray, conditions: np.ndarray, errors: np.ndarray) -> ResultTable:
     columns = ("offset", "cond B", "cond BᵀB", *(f"error, {solver}" for solver in SOLVERS))
     rows = (
         (offset, *map(_told, condition), *map(_told_order, np.maximum(error, ROUNDING)))
         for offset, condition, error in zip(offsets, conditions, errors, strict=True)
     )
-    return Table(columns, tuple(rows))
+    return ResultTable(columns, tuple(rows))
 
 
 def _facts(

@@ -1,8 +1,9 @@
-"""Which kernel, degree and patch size: blended patches on smooth, steep, noisy and rough data.
+"""Partition-of-unity RBF: error and operation count by kernel, degree and patch size.
 
-Radial basis functions on overlapping patches, the same sites and queries for every choice. Nothing
-is timed: the cost is a count, that of the multiplications to factor the systems of the patches and
-to evaluate the field once for each site.
+Smooth, steep, noisy and rough data are reconstructed by radial basis functions on overlapping
+patches, with the same sites and queries for every choice. The experiment does no timing: the cost
+is the number of multiplications needed to factor the systems of the patches and to evaluate the
+field once for each site.
 
 References
 ----------
@@ -30,7 +31,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -80,7 +81,7 @@ TITLES = {
 }
 
 
-class Samples(NamedTuple):
+class SampledData(NamedTuple):
     """Data (n, v) at sites (n, 2), and the truth (m, v) at queries (m, 2)."""
 
     sites: np.ndarray
@@ -101,7 +102,7 @@ def run(params: Params, each: Map = map) -> Result:
     columns = ("choice", "sites of a patch", "multiplications per site", *TITLES.values())
     return Result(
         params=params,
-        tables={"choices": Table(columns, tuple(rows))},
+        tables={"choices": ResultTable(columns, tuple(rows))},
         facts=_facts(params, found)
         | {"difference_from_scipy": order_of_magnitude(_difference(params))},
         arrays={"cost": found[..., 0], "error": found[..., 1:]},
@@ -123,12 +124,12 @@ def cost_and_errors(params: Params, case: tuple[str, int]) -> list[float]:
     return [float(cost), *errors]
 
 
-def square(params: Params) -> Samples:
+def square(params: Params) -> SampledData:
     """Franke's function, a front, and noise whose truth is zero, side by side."""
     rng = np.random.default_rng(params.seed)
     x, q = uniform(params.sites, 2, rng), uniform(params.queries, 2, rng)
     data = np.stack([franke(x), front(params, x), rng.standard_normal(len(x))], axis=1)
-    return Samples(x, data, q, np.stack([franke(q), front(params, q), 0 * q[:, 0]], axis=1))
+    return SampledData(x, data, q, np.stack([franke(q), front(params, q), 0 * q[:, 0]], axis=1))
 
 
 def front(params: Params, x: np.ndarray) -> np.ndarray:
@@ -136,13 +137,13 @@ def front(params: Params, x: np.ndarray) -> np.ndarray:
     return np.tanh(params.steepness * (x[:, 1] - 0.5 - 0.2 * np.sin(4 * x[:, 0])))
 
 
-def land(params: Params) -> Samples:
+def land(params: Params) -> SampledData:
     """Heights at some nodes of the terrain, to be told at others; its longer side is one."""
     whole = terrain()
     x, height = whole.points / whole.points.max(), whole.height.reshape(-1, 1)
     drawn = np.random.default_rng(params.seed).permutation(len(x))
     known, asked = np.split(drawn[: params.sites + params.queries], [params.sites])
-    return Samples(x[known], height[known], x[asked], height[asked])
+    return SampledData(x[known], height[known], x[asked], height[asked])
 
 
 def _facts(params: Params, found: np.ndarray) -> dict[str, Cell]:

@@ -1,6 +1,6 @@
-"""Kernel, degree, patch size and overlap of blended patches, by the clock, and growth.
+"""Partition-of-unity RBF: measured time by kernel, degree, patch size, overlap and sites.
 
-Nothing is timed here: the numbers are those of ``make bench``, read from the file that it wrote.
+The experiment does no timing: it reads what ``make bench`` measured.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
+from fieldreport.framework.benchmark_results import measured, tables
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     input_file,
     parameter,
     require_at_least,
 )
-from fieldreport.framework.benchmark_results import measured, tables
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     """Read what was measured."""
     result = measured(params.results)
     choices, overlap, growth = tables(result)
-    grown = Table(growth.columns, tuple(r for r in growth.rows if isinstance(r[0], int)))
+    grown = ResultTable(growth.columns, tuple(r for r in growth.rows if isinstance(r[0], int)))
     return Result(
         params,
         {"choices": choices, "overlap": overlap, "growth": grown},
@@ -79,7 +79,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     )
 
 
-def _told(params: Params, choices: Table) -> dict[str, Cell]:
+def _told(params: Params, choices: ResultTable) -> dict[str, Cell]:
     """Return seconds and errors of the default and of some others, by name."""
     usual = (params.kernel, params.degree, params.patch)
     facts: dict[str, Cell] = {}
@@ -91,7 +91,7 @@ def _told(params: Params, choices: Table) -> dict[str, Cell]:
     return facts | {"few_patch": TOLD["few"][2]}
 
 
-def _of_growth(growth: Table) -> Iterator[tuple[str, Cell]]:
+def _of_growth(growth: ResultTable) -> Iterator[tuple[str, Cell]]:
     """Yield exponents p of seconds C n^p in the plane, and what the largest cloud takes."""
     plane = [r for r in growth.rows if r[1] == 2]
     sites, steps = np.array([r[0] for r in plane]), np.array([r[2:5] for r in plane])

@@ -1,8 +1,8 @@
-"""Least squares against moving least squares on powers of the sum of the coordinates.
+"""Least squares and moving least squares on powers of the sum of the coordinates.
 
-The field (x₁ + x₂)ⁿ is sampled at random points of the unit square and reconstructed at a few
-other random places, with polynomials of degree one. One draw says little about which method is
-better, and less about how much: the draw is repeated, and the errors are told with their spread.
+The field (x₁ + x₂)ⁿ is sampled at random points of the unit square and reconstructed at a few other
+random points with polynomials of degree one. A single draw does not show which method is better,
+and by how much, so the draw is repeated and the errors are reported with their spread.
 
 References
 ----------
@@ -26,7 +26,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -119,7 +119,7 @@ def _drawn(params: Params, seed: tuple[int, ...]) -> tuple[np.ndarray, ...]:
     return x, queries, values, truth
 
 
-def _table(params: Params, measured: dict[str, np.ndarray]) -> Table:
+def _table(params: Params, measured: dict[str, np.ndarray]) -> ResultTable:
     columns = (
         f"{method} {measure}{part}"
         for measure in MEASURES
@@ -129,7 +129,7 @@ def _table(params: Params, measured: dict[str, np.ndarray]) -> Table:
     rows = (
         _row(n, {m: measured[m][:, :, k] for m in MEASURES}) for k, n in enumerate(params.powers)
     )
-    return Table(("n", *columns, "LS/MLS rms", "MLS better, % of draws"), tuple(rows))
+    return ResultTable(("n", *columns, "LS/MLS rms", "MLS better, % of draws"), tuple(rows))
 
 
 def _row(n: int, measured: dict[str, np.ndarray]) -> tuple[Cell, ...]:
@@ -145,10 +145,10 @@ def _row(n: int, measured: dict[str, np.ndarray]) -> tuple[Cell, ...]:
     return n, *cells, float(_geometric_mean(ls / mls)), float(100 * np.mean(mls < ls))
 
 
-def _limits(params: Params, all_draws: np.ndarray, best: np.ndarray) -> Table:
+def _limits(params: Params, all_draws: np.ndarray, best: np.ndarray) -> ResultTable:
     columns = ("n", "LS rms over all draws", "best linear fit rms, exact")
     rows = zip(params.powers, map(_told, all_draws), best, strict=True)
-    return Table(columns, tuple(rows))
+    return ResultTable(columns, tuple(rows))
 
 
 def _facts(params: Params, rms: np.ndarray) -> dict[str, Cell]:

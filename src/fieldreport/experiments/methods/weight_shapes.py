@@ -1,10 +1,10 @@
-"""Bumps and dimples of moving least squares: where they occur and where they do not.
+"""Bumps and dimples of moving least squares, and their dependence on ε.
 
 The slides warn of bumps and dimples unless ε is substantially larger than the spacing of the
-points. With constant polynomials that is so: as ε falls, the field flattens at every point, to a
-staircase in one variable and to terraces in two, since its slope there is of the order of ε⁴. With
-linear polynomials most of the slope stays, and ripples are left of the terraces. Both follow the
-slope best with ε near the spacing; beyond it they blur.
+points. With constant polynomials this is confirmed: as ε decreases, the field becomes flat at every
+point, a staircase in one variable and terraces in two, since its slope there is of the order of ε⁴.
+With linear polynomials most of the slope remains, and the terraces become ripples. Both follow the
+slope best with ε near the spacing; a larger ε blurs.
 
 References
 ----------
@@ -28,7 +28,14 @@ from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.maps import SHADE, hillshade
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 DEGREES = {0: "constant", 1: "linear"}
 
@@ -65,7 +72,7 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "sweep": Table(
+            "sweep": ResultTable(
                 ("epsilon/h", *columns), tuple(map(tuple, np.column_stack([ratios, *kept, *error])))
             )
         },

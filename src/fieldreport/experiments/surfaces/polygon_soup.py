@@ -1,10 +1,11 @@
-"""Polygon soup: a closed surface from loose polygons, that goes through them or around them.
+"""Polygon soup: closed implicit surfaces that interpolate or approximate loose polygons.
 
-Segments that leave gaps and cross, and triangles torn from a ring, become the zero level of
-implicit moving least squares: weights are integrated over each polygon, and data are functions.
-Without smoothing the level goes through the polygons; with it, it bulges, and is put back around
-the corners by moving each polygon. On a cube the distance of the level is followed as the smoothing
-goes to zero, and the integrals in closed form are compared with quadrature.
+Segments with gaps and crossings, and triangles torn from a ring, define the zero level set of
+implicit moving least squares, in which weights are integrated over each polygon and the data are
+functions. Without smoothing the level set passes through the polygons. With smoothing it bulges,
+and is corrected around the corners by moving each polygon. On a cube the distance of the level set
+is measured as the smoothing tends to zero, and the integrals in closed form are compared with
+quadrature.
 
 References
 ----------
@@ -28,7 +29,7 @@ from fieldrecon.surfaces.polygon_soup import PolygonSoup
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_triangles
 from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.triangles.triangle_shapes import Surface, cube, torus
-from fieldreport.framework.experiment import Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
 
 OUTLINE = np.array(
     [
@@ -108,18 +109,18 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "corners": Table(
+            "corners": ResultTable(
                 ("level", "least F", "largest F"),
                 tuple(
                     (name, f.min(), f.max())
                     for name, f in zip(("through", "smoothed", "around"), at_ends, strict=True)
                 ),
             ),
-            "cube": Table(
+            "cube": ResultTable(
                 ("epsilon", "on faces", "on edges"),
                 tuple(zip(params.epsilons, inner, edges, strict=True)),
             ),
-            "quadrature": Table(
+            "quadrature": ResultTable(
                 ("height", *(f"{n} x {n}" for n in params.rules)),
                 tuple((h, *e) for h, e in zip(params.heights, errors.T, strict=True)),
             ),

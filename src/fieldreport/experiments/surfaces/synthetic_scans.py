@@ -18,7 +18,7 @@ HOLE = 0.26
 
 
 @dataclass(frozen=True, eq=False)
-class Scan:
+class SyntheticScan:
     """Points of a body (n, 3), and the body to compare with."""
 
     points: np.ndarray
@@ -38,7 +38,7 @@ def wheel() -> Solid:
     return Torus(0.8, 0.22) | Cylinder(0.25, 0.5) | Box([1.5, 0.2, 0.2])
 
 
-def damaged(count: int, noise: float, seed: int) -> dict[str, Scan]:
+def damaged(count: int, noise: float, seed: int) -> dict[str, SyntheticScan]:
     """Return the points of a wheel, in their names' states.
 
     Parameters
@@ -63,13 +63,15 @@ def damaged(count: int, noise: float, seed: int) -> dict[str, Scan]:
     more, _ = sample_surface(other, count // 5, seed)
     sheet = Box([1.4, 1.4, 2.2 * np.sqrt(2 * 1.4**2 / count)])
     return {
-        "as drawn": Scan(points, body),
-        "with noise": Scan(rough, body),
-        "with holes": Scan(points[~missing], body),
-        "in shadow": Scan(points[scanned(body, points, normals, EYES)], body),
-        "with strays and copies": Scan(np.vstack([points, strays, points[: count // 10]]), body),
-        "two bodies": Scan(np.vstack([points, more]), body | other),
-        "thin sheet": Scan(sample_surface(sheet, count, seed)[0], sheet),
+        "as drawn": SyntheticScan(points, body),
+        "with noise": SyntheticScan(rough, body),
+        "with holes": SyntheticScan(points[~missing], body),
+        "in shadow": SyntheticScan(points[scanned(body, points, normals, EYES)], body),
+        "with strays and copies": SyntheticScan(
+            np.vstack([points, strays, points[: count // 10]]), body
+        ),
+        "two bodies": SyntheticScan(np.vstack([points, more]), body | other),
+        "thin sheet": SyntheticScan(sample_surface(sheet, count, seed)[0], sheet),
     }
 
 

@@ -1,10 +1,11 @@
-"""Variational implicit functions: surfaces of least energy, and shapes that turn into others.
+"""Variational implicit surfaces: minimal energy and shape transformation.
 
-A closed surface is the zero level of the field of least energy that vanishes at points and falls
-along their normals. The normals are told as slopes, or as Turk and O'Brien do, by the value of an
-offset at points a little inside. Both are measured on an ellipsoid, by the distance of the zero
-level and by the volume that it encloses. Then two shapes become slices of one field of one variable
-more: a star turns into two discs, and a ring into a ball, through shapes that nobody gave.
+A closed surface is the zero level set of the field of minimal energy that vanishes at points and
+decreases along their normals. The normals are given as derivatives or, as by Turk and O'Brien, as
+the value of an offset at points slightly inside. Both are tested on an ellipsoid, by the distance
+of the zero level set and by the volume that it encloses. Then two shapes become slices of one field
+of one more variable: a star is transformed into two discs, and a ring into a ball; the shapes
+between them are not given.
 
 References
 ----------
@@ -27,7 +28,7 @@ from fieldrecon.reconstruction import Field
 from fieldrecon.solids.ray_tracing import View, ray_traced
 from fieldrecon.surfaces.variational_implicits import ShapeTransformation, variational_implicit
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
 
 AXES = np.array([1.5, 1.0, 0.7])
 """Half axes of the ellipsoid."""
@@ -92,11 +93,11 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "ellipsoid": Table(
+            "ellipsoid": ResultTable(
                 ("points", *ways_named),
                 tuple((n, *e) for n, e in zip(params.sizes, missed.T, strict=True)),
             ),
-            "slices": Table(
+            "slices": ResultTable(
                 ("time", "parts", "area"), tuple(zip(times, parts, areas, strict=True))
             ),
         },

@@ -1,9 +1,9 @@
-"""Errors of triangle meshes: planted, found, told apart, and repaired.
+"""Errors of triangle meshes: detection, classification and repair.
 
-Each kind of error is planted into a mesh without any. The audit finds it, and nothing else; what a
-soup of triangles, as in STL files, can tell of it is found again there. A body with many errors at
-once is repaired. The signs that decide are compared with exact ones where rounding could change
-them, and the pairs of triangles that the search for self-intersections looks at are counted.
+Each kind of error is planted into a valid mesh. The audit finds this error and no other, and the
+experiment shows which errors can still be found in a triangle soup, as in STL files. A mesh with
+many errors at once is repaired. Orientation signs are compared with exact ones where rounding could
+change them, and the pairs of triangles that the search for self-intersections examines are counted.
 
 References
 ----------
@@ -16,26 +16,29 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from fieldrecon.plotting.mesh_pictures import CONCERN_OF, Marks, marks
+from fieldrecon.plotting.mesh_pictures import COLORS, CONCERN_OF, MARKERS, Marks, draw, marks
+from fieldrecon.plotting.style import figure, shades
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh, in_words
 from fieldrecon.triangles.bounding_volumes import BoxTree, overlapping
 from fieldrecon.triangles.intersections import close_pairs
 from fieldrecon.triangles.predicates import orient2d
 from fieldrecon.triangles.repair import MeshRepair, repair_mesh
 from fieldreport.experiments.triangles.damaged_meshes import damaged
-from fieldreport.experiments.triangles.mesh_errors_figures import (
-    draw_gallery,
-    plot_repair,
-    plot_search,
-    plot_signs,
-)
-from fieldreport.experiments.triangles.planted_errors import Planted, planted_errors
+from fieldreport.experiments.triangles.planted_errors import TOWARD, Planted, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import Surface, bumpy, cube
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
-
-__all__ = ["QUICK", "Params", "plot", "plot_repair", "plot_search", "plot_signs", "run"]
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 LINE = np.array([[12.0, 12.0], [24.0, 24.0]])
 """Two points on the diagonal; beside it, near (½, ½), rounding decides about the side."""
@@ -76,7 +79,7 @@ def run(params: Params, each: Map = map) -> Result:
         tables={
             "errors": _error_table(planted, audits, soups, repairs),
             "repair": _repair_table(repaired),
-            "search": Table(("triangles", "all pairs", "boxes", "planes"), tuple(counts)),
+            "search": ResultTable(("triangles", "all pairs", "boxes", "planes"), tuple(counts)),
         },
         facts=_example_facts()
         | _planted_facts(planted, audits)
@@ -154,7 +157,7 @@ def _error_table(
     audits: dict[str, MeshAudit],
     soups: dict[str, MeshAudit],
     repairs: dict[str, MeshRepair],
-) -> Table:
+) -> ResultTable:
     rows = tuple(
         (
             name,
@@ -166,17 +169,17 @@ def _error_table(
         )
         for name, p in planted.items()
     )
-    return Table(("error", "concerns", "found", "in a soup", "done", "left"), rows)
+    return ResultTable(("error", "concerns", "found", "in a soup", "done", "left"), rows)
 
 
-def _repair_table(repaired: MeshRepair) -> Table:
+def _repair_table(repaired: MeshRepair) -> ResultTable:
     after = repaired.after.counts
     rows = tuple(
         (concern, kind.replace("_", " "), n, after[concern][kind])
         for concern, kinds in repaired.before.counts.items()
         for kind, n in kinds.items()
     )
-    return Table(("concerns", "kind", "before", "after"), rows)
+    return ResultTable(("concerns", "kind", "before", "after"), rows)
 
 
 def _example_facts() -> dict[str, Cell]:
@@ -224,6 +227,98 @@ def _search_facts(counts: list[tuple[int, int, int, int]]) -> dict[str, Cell]:
     }
 
 
+FROM_THE_SIDE = np.array([0.9, -0.05, 0.65])
+"""Whence the errors are seen, so that what sticks out is seen to."""
+WHOLE = ("one side", "inside out", "overlap")
+"""Errors that are seen in the picture of the whole body only."""
+_THREE = ListedColormap(["#0072b2", "#f2f2f2", "#d55e00"])
+
+
 def plot(result: Result) -> Figure:
-    """Each planted error, marked by the audit."""
-    return draw_gallery(result)
+    """Draw each planted error from near, and a key to what concerns what."""
+    names = result.arrays["names"].tolist()
+    columns = 4
+    rows = -(-(len(names) + 1) // columns)
+    with figure(height=1.62 * rows, rows=rows, columns=columns) as (page, axes):
+        panels = axes.ravel()
+        for panel, name in zip(panels, names, strict=False):
+            panel.set_title(name, loc="center", fontsize=8)
+            toward = TOWARD if name in WHOLE else FROM_THE_SIDE
+            _draw(panel, result, name, toward, near=name not in WHOLE)
+        _key(panels[len(names)])
+        for panel in panels[len(names) + 1 :]:
+            panel.remove()
+    return page
+
+
+def plot_repair(result: Result) -> Figure:
+    """A body with many errors, before and after its repair."""
+    with figure(height=2.75, columns=2) as (page, axes):
+        for panel, name in zip(axes, ("before", "after"), strict=True):
+            panel.set_title(name, loc="center")
+            _draw(panel, result, name, np.array([0.8, -0.7, 0.6]), near=False, pixels=700)
+    return page
+
+
+def plot_signs(result: Result) -> Figure:
+    """On which side of the diagonal points are, as rounded arithmetic has it, and exactly."""
+    with figure(height=2.6, columns=2, sharey=True) as (page, axes):
+        for panel, name in zip(axes, ("rounded", "exact"), strict=True):
+            signs = result.arrays[name]
+            panel.imshow(signs, cmap=_THREE, vmin=-1, vmax=1)
+            panel.plot([-0.5, len(signs) - 0.5], [-0.5, len(signs) - 0.5], "k", linewidth=0.6)
+            panel.set_title(f"{name} sign", loc="center")
+            panel.set(xlabel="(x − ½) · 2⁵³", aspect="equal")
+            panel.grid(visible=False)
+        axes[0].set_ylabel("(y − ½) · 2⁵³")
+        swatches = [
+            Line2D([], [], marker="s", linestyle="", color=_THREE(k), markersize=6, label=label)
+            for k, label in enumerate(("right", "on the line", "left"))
+        ]
+        page.legend(handles=swatches, loc="outside lower center", ncols=3)
+    return page
+
+
+def plot_search(result: Result) -> Figure:
+    """How many pairs of triangles are looked at, and how."""
+    table = result.tables["search"]
+    m = np.array(table.column("triangles"), dtype=float)
+    labels = {
+        "all pairs": "all pairs",
+        "boxes": "pairs whose boxes overlap",
+    }
+    with figure(height=2.4) as (page, panel):
+        for (column, label), look in zip(labels.items(), shades("truth", 2), strict=True):
+            panel.loglog(m, np.array(table.column(column), dtype=float), **look, label=label)
+        panel.set(xlabel="triangles", ylabel="pairs")
+        panel.legend()
+    return page
+
+
+def _draw(
+    panel: Axes, result: Result, name: str, toward: np.ndarray, *, near: bool, pixels: int = 330
+) -> None:
+    key, found = name.replace(" ", "_"), _marks(result, name)
+    points, triangles = (result.arrays[f"{key}:{what}"] for what in ("points", "triangles"))
+    draw(panel, points, triangles, found, toward, pixels, near=near)
+
+
+def _marks(result: Result, name: str) -> dict[str, Marks]:
+    key = name.replace(" ", "_")
+    kinds = {k.split(":")[1] for k in result.arrays if k.startswith(f"{key}:") and k.count(":") > 1}
+    return {
+        kind: Marks(
+            *(result.arrays[f"{key}:{kind}:{what}"] for what in ("triangles", "edges", "vertices"))
+        )
+        for kind in sorted(kinds)
+    }
+
+
+def _key(panel: Axes) -> None:
+    """Draw what the colours mean."""
+    handles = [
+        Line2D([], [], color=color, marker=MARKERS[concern], markersize=4, label=concern)
+        for concern, color in COLORS.items()
+    ]
+    panel.legend(handles=handles, loc="center", fontsize=7.5, handlelength=2, borderaxespad=0)
+    panel.set_axis_off()

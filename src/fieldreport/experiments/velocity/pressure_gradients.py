@@ -1,10 +1,10 @@
-"""Pressure gradients at vertices from the pressure at circumcentres, by the three methods.
+"""Pressure gradients at vertices from the pressure at circumcentres, by three methods.
 
 A smooth pressure is known at the circumcentres of the cells. Least squares, moving least squares
-and radial basis functions on the cells round a vertex give its gradient there, inside and on the
-boundary, in the plane and in space; the order of the errors is measured. Then the derivative of
-the weights is left out of moving least squares, and means over cells are taken for values at
-circumcentres.
+and radial basis functions on the cells around a vertex give its gradient there, in the interior and
+on the boundary, in the plane and in space; the orders of the errors are measured. Two common errors
+are measured as well: moving least squares without the derivative of the weights, and cell averages
+taken for values at circumcentres.
 
 References
 ----------
@@ -37,7 +37,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -94,7 +94,7 @@ def run(params: Params, each: Map = map) -> Result:
         params=params,
         tables={
             "orders": _order_table(errors, orders),
-            "sweep": Table(
+            "sweep": ResultTable(
                 ("epsilon/h", "full derivative", "diffuse derivative", "difference"),
                 tuple(map(tuple, np.column_stack([ratios, sweep]))),
             ),
@@ -200,14 +200,14 @@ def _orders(params: Params, mesh: str, errors: np.ndarray) -> np.ndarray:
     return np.array([order(h, e) for e in flat]).reshape(errors.shape[1:])
 
 
-def _order_table(errors: dict[str, np.ndarray], orders: dict[str, np.ndarray]) -> Table:
+def _order_table(errors: dict[str, np.ndarray], orders: dict[str, np.ndarray]) -> ResultTable:
     columns = (f"{method}{what}" for method in METHODS for what in ("", ", order"))
     rows = (
         (mesh, where, *np.stack([errors[mesh][-1, :3, k], orders[mesh][:3, k]], axis=1).ravel())
         for mesh in MESHES
         for k, where in enumerate(WHERE)
     )
-    return Table(("mesh", "where", *columns), tuple(rows))
+    return ResultTable(("mesh", "where", *columns), tuple(rows))
 
 
 def _facts(

@@ -9,7 +9,7 @@ import numpy as np
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.velocity.vertices import normal_velocities, vertex_velocities
 from fieldreport.experiments.meshes.reference_flows import rotation
-from fieldreport.experiments.velocity.normal_matrix import (
+from fieldreport.experiments.velocity.normal_matrix_rank import (
     VANISHES,
     conics_through,
     error_by_conics,

@@ -5,13 +5,13 @@ import os
 import pytest
 
 from fieldreport import experiments
-from fieldreport.build import pinned_kernels, reproducible, rerun
+from fieldreport.build import pinned_kernels, reproducibility, rerun
 from fieldreport.build.errors import BuildError
 from fieldreport.build.workers import workers
 from fieldreport.framework.result_files import npz_bytes
 
 NAME = "normal_equations"
-FIRST, SECOND = reproducible.callers()
+FIRST, SECOND = reproducibility.callers()
 
 
 def in_a_worker(work, *arguments, caller):
