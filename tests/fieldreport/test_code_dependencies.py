@@ -11,7 +11,7 @@ import pytest
 
 from fieldreport import experiments
 from fieldreport.build import code_dependencies
-from fieldreport.build.code_dependencies import PACKAGES, _defined, code_behind
+from fieldreport.build.code_dependencies import PACKAGES, _defined, code_digests
 from fieldreport.build.rerun import RUN_NAMES
 
 
@@ -92,10 +92,10 @@ def test_the_code_found_is_that_of_the_definition(name, names, kept, tmp_path):
     """The same modules, each in the same form, and the versions of the same packages."""
     module = f"{experiments.__name__}.{name}"
     if kept:
-        with code_dependencies.keeping(tmp_path / "code.json"):
-            code_behind(module, names)
-    with code_dependencies.keeping(tmp_path / "code.json"):
-        fast, slow = code_behind(module, names), literally(module, names)
+        with code_dependencies.statement_cache(tmp_path / "code.json"):
+            code_digests(module, names)
+    with code_dependencies.statement_cache(tmp_path / "code.json"):
+        fast, slow = code_digests(module, names), literally(module, names)
     assert set(fast) == set(slow)
     assert {m: fast[m] for m, form in slow.items() if form} == {m: f for m, f in slow.items() if f}
     assert fast["numpy"] == version("numpy")
@@ -112,12 +112,12 @@ def test_each_module_is_parsed_once(monkeypatch):
 
     found = set()
     modules = [experiments.module_of(name) for name in ("power_sampling", "terrain", "peers")]
-    code_dependencies.forget()
+    code_dependencies.clear_caches()
     with monkeypatch.context() as during:
         during.setattr(ast, "parse", parse)
         for module in modules:
             for names in (RUN_NAMES, ("plot",), ("run",)):
-                found |= set(code_behind(module, names))
+                found |= set(code_digests(module, names))
     assert len(parsed_trees) == len([name for name in found if name.startswith(PACKAGES)])
 
 
@@ -135,8 +135,8 @@ def test_a_module_that_was_kept_is_parsed_when_it_changed(tmp_path, monkeypatch)
     found = []
     for text in ("import math\nx = 1\n", "import math\nx = 1\n", "import numpy\nx = 2\n"):
         file.write_text(text)
-        with code_dependencies.keeping(kept):
-            found.append(code_behind(module))
+        with code_dependencies.statement_cache(kept):
+            found.append(code_digests(module))
     assert found[0] == found[1] != found[2]
     assert set(found[2]) == {module, "numpy"}
     assert parsed_texts == ["import math\nx = 1\n", "import numpy\nx = 2\n"]

@@ -19,7 +19,7 @@ from fieldreport.framework.experiment import (
     order_of_magnitude,
     require_at_least,
 )
-from fieldreport.framework.parameters import with_settings
+from fieldreport.framework.parameters import replace_parameters
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 CELLS = st.one_of(st.integers(), FINITE, st.text(alphabet="abc,;\" '\n%é", max_size=8))
@@ -128,7 +128,7 @@ def test_cells_read_as_what_they_are():
 )
 def test_settings_are_read_by_the_type_of_their_field(settings, wanted):
     """Typed texts and values of a settings file give the same parameters, of the same types."""
-    params = with_settings(Params(), settings)
+    params = replace_parameters(Params(), settings)
     assert params == wanted
     assert all(type(getattr(params, n)) is type(getattr(Params(), n)) for n in settings)
 
@@ -151,7 +151,7 @@ def test_settings_are_read_by_the_type_of_their_field(settings, wanted):
 def test_a_wrong_setting_is_told_in_words(settings, words):
     """The message names the parameter, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
-        with_settings(Params(), settings)
+        replace_parameters(Params(), settings)
 
 
 def test_parameters_have_least_values():

@@ -190,7 +190,7 @@ def once(tmp_path_factory):
 
 
 def nothing_changed(report):
-    return up_to_date.told(report.options())
+    return up_to_date.is_up_to_date(report.options())
 
 
 class TestNothingChanged:

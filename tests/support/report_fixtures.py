@@ -121,7 +121,7 @@ class SmallReport:
         """Build as a new process would, and return the exit status."""
         for name in [n for n in sys.modules if n.startswith("fieldreport.experiments.topic")]:
             del sys.modules[name]
-        code_dependencies.forget()
+        code_dependencies.clear_caches()
         importlib.invalidate_caches()
         return main(self.options(*options))
 

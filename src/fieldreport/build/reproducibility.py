@@ -1,6 +1,6 @@
-"""Is the report reproducible? The same bytes on one kind of machine, the same facts on all.
+"""Reproducibility checks: equal bytes on one kind of machine, equal facts on all.
 
-With equal versions of Python, NumPy and SciPy, x86-64 Linux with AVX2 is one kind of machine.
+With equal versions of Python, NumPy and SciPy, all x86-64 Linux machines with AVX2 are of one kind.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from fieldreport.build.pinned_kernels import pins
 from fieldreport.build.step_records import digests
 
 LEVEL_OF_ROUNDING = 1e-8
-"""A power of ten below it is the order of magnitude of a rounding error."""
+"""Orders of magnitude below this are rounding errors."""
 
 NEGLIGIBLE = 1e-17
-"""An error of zero counts as this: on another machine it may be one rounding error."""
+"""Zero errors are replaced by this: on another machine they may be one rounding error."""
 
 SURROUNDINGS: tuple[Mapping[str, str], Mapping[str, str]] = (
     {
@@ -48,7 +48,7 @@ SURROUNDINGS: tuple[Mapping[str, str], Mapping[str, str]] = (
 
 
 def callers() -> tuple[dict[str, str], dict[str, str]]:
-    """Return two environments which, without the pins, would give different bytes."""
+    """Return two environments that would give different bytes without the pins."""
     first, second = map(dict, SURROUNDINGS)
     if pins():
         first |= {
@@ -60,7 +60,7 @@ def callers() -> tuple[dict[str, str], dict[str, str]]:
 
 
 def check(arguments: argparse.Namespace) -> int:
-    """Build in two new folders, with other surroundings each time, and compare all bytes."""
+    """Build in two new folders, in different environments, and compare all bytes."""
     with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
         built = [
             _build(
@@ -81,13 +81,13 @@ def check(arguments: argparse.Namespace) -> int:
 
 
 def different(first: Path, second: Path) -> list[str]:
-    """List the outputs of two builds that are not the same bytes, or that only one has."""
+    """List the outputs that differ between two builds or exist in only one."""
     a, b = (digests(_outputs(folder), folder) for folder in (first, second))
     return sorted(name for name in a.keys() | b.keys() if a.get(name) != b.get(name))
 
 
 def compare_facts(arguments: argparse.Namespace) -> int:
-    """Compare the facts of the build with those of another manifest, to the digits stated."""
+    """Compare the facts of the build with those of another manifest, to the stated digits."""
     out = arguments.out or arguments.source / "build"
     ours, theirs = (
         json.loads(path.read_text(encoding="utf-8"))
@@ -113,8 +113,8 @@ def deviations(
 ) -> Iterator[str]:
     """Yield a line for each parameter or fact in which two manifests differ.
 
-    Whole numbers and texts must be equal. Other numbers must agree to one unit of the last of the
-    digits that are kept of them; `digits_of` returns their number by experiment, then by fact.
+    Integers and texts must be equal. Other numbers must agree to one unit in their last digit;
+    `digits_of` returns the number of digits by experiment, then by fact.
     """
     mine, other = ours["experiments"], theirs["experiments"]
     for name in sorted(mine.keys() | other.keys()):
@@ -131,9 +131,9 @@ def deviations(
 
 
 def agree(x: Any, y: Any, digits: int) -> bool:
-    """Tell whether two facts differ by at most one unit of the last of their digits.
+    """Whether two facts differ by at most one unit in their last digit.
 
-    Two orders of magnitude may differ by a factor of ten, since both may lie near a boundary.
+    Two orders of magnitude may differ by a factor of ten, since both values may be near a boundary.
 
     Examples
     --------
@@ -162,14 +162,14 @@ def _decades(x: float, y: float) -> float:
 def _build(
     arguments: argparse.Namespace, place: Path, surroundings: Mapping[str, str], jobs: int
 ) -> Path:
-    """Build a copy of the text in a place of its own, in a process of its own."""
+    """Build a copy of the text in a separate folder and process."""
     shutil.copytree(arguments.source, place, ignore=shutil.ignore_patterns("build"))
     command = [sys.executable, "-m", "fieldreport", f"--jobs={jobs}"]
     if arguments.experiments:
         command += ["--experiments", str(arguments.experiments.resolve())]
     run = subprocess.run(command, cwd=place.parent, env={**os.environ, **surroundings}, check=False)
     if run.returncode:
-        raise BuildError("the build to be compared failed")
+        raise BuildError("one of the two builds to be compared failed")
     return place / "build"
 
 

@@ -1,4 +1,4 @@
-"""What ``make bench`` measured, read from the file that it wrote."""
+"""Measured times and errors: read what ``make bench`` wrote."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 from fieldreport.framework.experiment import ResultTable, in_checkout
 
 
-def measured(file: str) -> dict[str, Any]:
-    """Return the result of a benchmark, from a file that is named from the root of the checkout.
+def read_benchmark(file: str) -> dict[str, Any]:
+    """Return the result of a benchmark from a file, named relative to the root of the checkout.
 
     Raises
     ------
     FileNotFoundError
-        If it is not there, as outside of a checkout.
+        If the file does not exist, as outside of a checkout.
     """
     path = in_checkout(file)
     if not path.is_file():
@@ -29,13 +29,13 @@ def measured(file: str) -> dict[str, Any]:
 
 
 def tables(result: Mapping[str, Any]) -> list[ResultTable]:
-    """Return the tables of a result."""
+    """Return the tables of a benchmark's result."""
     return [
         ResultTable(tuple(t["columns"]), tuple(map(tuple, t["rows"]))) for t in result["tables"]
     ]
 
 
-def selected(table: ResultTable, columns: tuple[str, ...]) -> ResultTable:
-    """Return some columns of a table, in the order asked for."""
+def select_columns(table: ResultTable, columns: tuple[str, ...]) -> ResultTable:
+    """Return some columns of a table, in the given order."""
     wanted = [table.columns.index(name) for name in columns]
     return ResultTable(columns, tuple(tuple(row[k] for k in wanted) for row in table.rows))

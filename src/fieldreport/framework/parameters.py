@@ -1,4 +1,4 @@
-"""Parameters from words: what a user types, or a settings file holds, becomes a ``Params``."""
+"""Parameter values given as text: by the command line, or by a settings file."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ _WORDS = {
 }
 
 
-def with_settings(params: Any, settings: Mapping[str, Any]) -> Any:
-    """Return the parameters with some fields replaced, each checked against its declared type.
+def replace_parameters(params: Any, settings: Mapping[str, Any]) -> Any:
+    """Return the parameters with some fields replaced; values are checked against declared types.
 
     Parameters
     ----------
     params : dataclass
         Fields are of type int, float, bool, str, or ``tuple[T, ...]`` of one of those.
     settings : mapping of str
-        New values by field: a text as it was typed (``"0.1"``; a tuple is a list with commas,
-        ``"1,2,4"``), or a value of the type itself, as a settings file gives it.
+        New values by field: a text from the command line (``"0.1"``; a tuple is a list with commas,
+        ``"1,2,4"``), or a value of the declared type from a settings file.
 
     Raises
     ------
     ValueError
-        For a field that does not exist, naming those that do; for a value of another type.
+        If a field does not exist, or a value has another type.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def with_settings(params: Any, settings: Mapping[str, Any]) -> Any:
     ... class Params:
     ...     powers: tuple[int, ...] = (1, 2)
     ...     epsilon: float = 1.0
-    >>> with_settings(Params(), {"powers": "1,3", "epsilon": 2})
+    >>> replace_parameters(Params(), {"powers": "1,3", "epsilon": 2})
     Params(powers=(1, 3), epsilon=2.0)
     """
     types = typing.get_type_hints(type(params))
@@ -67,7 +67,7 @@ def _tuple_of(name: str, kind: Any, x: Any) -> tuple:
 
 
 def _read(kind: type, text: str) -> Any:
-    """Return the value that a text spells, or None."""
+    """Return the value that a text represents, or None."""
     if kind is str:
         return text
     if kind is bool:
@@ -79,7 +79,7 @@ def _read(kind: type, text: str) -> Any:
 
 
 def _as(kind: type, x: Any) -> Any:
-    """Return the value as that type, or None; a whole number is a number, a truth value is not."""
+    """Return the value as that type, or None; an integer is accepted as a float, a bool is not."""
     if kind is float and isinstance(x, int | float) and not isinstance(x, bool):
         return float(x) if math.isfinite(x) else None
     return x if type(x) is kind else None

@@ -421,7 +421,10 @@ def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
     [
         (["experiments", "run", "power"], "there is no experiment 'power'; there are"),
         (["experiments", "show", "power"], "there is no experiment 'power'; there are"),
-        (["experiments", "run", "power_sampling", "--set", "n"], "--set wants KEY=VALUE; got 'n'"),
+        (
+            ["experiments", "run", "power_sampling", "--set", "n"],
+            "--set must be KEY=VALUE; got 'n'",
+        ),
         (
             ["experiments", "run", "power_sampling", "--set", "n=3"],
             "there is no parameter 'n'; there are powers, points",

@@ -12,7 +12,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import figure
-from fieldreport.framework.benchmark_results import measured, selected, tables
+from fieldreport.framework.benchmark_results import read_benchmark, select_columns, tables
 from fieldreport.framework.experiment import Map, Result, input_file, parameter, require_at_least
 
 USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
@@ -49,9 +49,9 @@ QUICK = Params(wanted=5.0)
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
     """Read what was measured."""
-    result = measured(params.results)
+    result = read_benchmark(params.results)
     (table,) = tables(result)
-    runs = selected(table, COLUMNS)
+    runs = select_columns(table, COLUMNS)
     found = [dict(zip(COLUMNS, row, strict=True)) for row in runs.rows]
     facts: dict[str, float | int | str] = {"repeats": result["parameters"]["repeats"]}
     for comparison in result["comparisons"]:

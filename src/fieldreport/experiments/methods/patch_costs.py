@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
-from fieldreport.framework.benchmark_results import measured, tables
+from fieldreport.framework.benchmark_results import read_benchmark, tables
 from fieldreport.framework.experiment import (
     Cell,
     Map,
@@ -65,7 +65,7 @@ MARKERS = {1: "o", 2: "s", 3: "D", 4: "^"}
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
     """Read what was measured."""
-    result = measured(params.results)
+    result = read_benchmark(params.results)
     choices, overlap, growth = tables(result)
     grown = ResultTable(growth.columns, tuple(r for r in growth.rows if isinstance(r[0], int)))
     return Result(

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
-from fieldreport.framework.benchmark_results import measured, selected, tables
+from fieldreport.framework.benchmark_results import read_benchmark, select_columns, tables
 from fieldreport.framework.experiment import (
     Map,
     Result,
@@ -122,9 +122,9 @@ LOST = (
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
     """Read what was measured."""
-    result = measured(params.results)
+    result = read_benchmark(params.results)
     (table,) = tables(result)
-    runs = [MethodRun._make(row) for row in selected(table, COLUMNS).rows]
+    runs = [MethodRun._make(row) for row in select_columns(table, COLUMNS).rows]
     ratios = {(c["what"], c["peer"]): c for c in result["comparisons"]}
     machine, patience = result["machine"], result["parameters"]["patience in seconds"]
     lost = uncovered(runs)
