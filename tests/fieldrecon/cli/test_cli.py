@@ -85,7 +85,7 @@ def test_list_names_every_experiment(capsys):
     assert main(["experiments", "list"]) == 0
     shown = capsys.readouterr().out
     assert all(name in shown for name in experiments.names())
-    assert "Least squares against moving" in shown
+    assert "Least squares and moving" in shown
 
 
 @pytest.mark.parametrize("name", experiments.names())

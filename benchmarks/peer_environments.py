@@ -1,7 +1,8 @@
-"""A peer in an environment of its own, kept running, and asked over its standard input.
+"""Other libraries in separate environments: worker processes that answer over standard input.
 
-Some packages do not go into the environment of the benchmarks: for their licence, their size or
-what they depend on. uv makes them one, and a worker in it does the work when told to.
+Some packages cannot be installed into the environment of the benchmarks, because of their licence,
+their size or their dependencies. uv creates an environment for them, and a worker process in it
+does the work on request.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pathlib import Path
 
 
 class Peer:
-    """A worker script in an environment with some packages, asked for one thing after the other.
+    """A worker script in an environment with some packages; it answers one request after the other.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ class Peer:
         self.ready = self._started()
 
     def ask(self, what: str, patience: float | None = None) -> dict | None:
-        """Answer of the worker; if after so many seconds there is none, None, and a new worker."""
+        """The answer of the worker; after a timeout None, and a new worker is started."""
         end = threading.Timer(patience or threading.TIMEOUT_MAX, self._end)
         end.start()
         self._process.stdin.write(what + "\n")

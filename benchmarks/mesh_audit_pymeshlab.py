@@ -1,4 +1,4 @@
-"""PyMeshLab asked for what is wrong with a mesh; runs in an environment of its own."""
+"""PyMeshLab in a separate environment: measures of a triangle mesh."""
 
 import json
 import sys

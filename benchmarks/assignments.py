@@ -1,4 +1,4 @@
-"""What students hand in for a benchmark: one assignment for every grader, and answers to it."""
+"""Assignments for the grading benchmarks: a notebook for every grader, and submissions."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ VERSION = {"schema_version": 3, "task": False}
 
 
 @dataclass(frozen=True)
-class Assignment:
-    """A notebook with a test behind each question, as nbgrader wants it; the tests serve otter too.
+class BenchmarkAssignment:
+    """A notebook with a test after each question, in nbgrader's form; otter uses the same tests.
 
     The tests compare with the right answers to the public cases, to 1e-6.
     """
@@ -54,7 +54,7 @@ class Assignment:
         return {name: test(name, functions) for name in self.answers}
 
     def notebook(self, instead: Mapping[str, str]) -> bytes:
-        """The file, with other answers to some questions."""
+        """The notebook file, with other answers to some questions."""
         made = []
         for cell in self.cells:
             text = instead.get(cell.question, cell.text)
@@ -68,10 +68,10 @@ class Assignment:
         data = {"cells": made, "metadata": {"kernelspec": kernel}, "nbformat": 4}
         return json.dumps(data | {"nbformat_minor": 4}).encode()
 
-    def handed_in(self, number: int) -> tuple[bytes, set[str]]:
-        """A student's file, and the questions that are right: four of ten are, six in each way not.
+    def submission(self, number: int) -> tuple[bytes, set[str]]:
+        """A submission and its right questions: four of ten are right, six have different errors.
 
-        Three of the six have not written a question, the others return what is wrong.
+        Three of the six lack an answer, the others return wrong values.
         """
         names = list(self.answers)
         k = number % 10

@@ -1,4 +1,4 @@
-"""Scattered data to be interpolated: sites, values, and queries at which the truth is known."""
+"""Scattered data sets: sites, values, and queries at which the exact value is known."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Scattered:
 
 
 def smooth(n: int) -> Scattered:
-    """Franke's function at points of even chance."""
+    """Franke's function at uniformly distributed points."""
     return _sampled(franke, uniform(n, 2, seed=1), uniform(n, 2, seed=2))
 
 
@@ -31,14 +31,14 @@ def front(n: int) -> Scattered:
 
 
 def noisy(n: int) -> Scattered:
-    """Franke's function with errors of a hundredth; judged by the function without."""
+    """Franke's function with noise of deviation 0.01; errors refer to the exact function."""
     exact = smooth(n)
     errors = 0.01 * np.random.default_rng(3).standard_normal(n)
     return Scattered(exact.points, exact.values + errors, exact.x, exact.truth)
 
 
 def clusters(n: int) -> Scattered:
-    """Franke's function, half of the sites crowded about twelve places."""
+    """Franke's function, half of the sites in twelve clusters."""
     crowd = clustered(n - n // 2, 2, clusters=12, spread=0.01, seed=1)
     return _sampled(
         franke, np.concatenate([crowd, uniform(n // 2, 2, seed=4)]), uniform(n, 2, seed=2)
@@ -51,7 +51,7 @@ def cube(n: int) -> Scattered:
 
 
 def land(n: int) -> Scattered:
-    """Real heights in metres: nodes drawn by chance from a grid, judged at all others."""
+    """Real heights in metres: random nodes of a grid are the sites, all other nodes the queries."""
     grid = terrain()
     points, height = grid.points, grid.height.ravel().astype(float)
     chosen = np.zeros(len(points), dtype=bool)

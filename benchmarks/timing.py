@@ -1,4 +1,4 @@
-"""Times of several candidates in turn, and what is told of them."""
+"""Timing of several candidates in turn, and the parts of a result: comparisons, tables, charts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 from threadpoolctl import threadpool_limits
 
 Track = Callable[[Sequence[str], str], Iterable[str]]
-"""Goes through the items and shows a bar with a description, as rich's `Progress.track` does."""
+"""Iterates over items and shows a progress bar with a description, as rich's `Progress.track`."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Table:
-    """Further numbers, row by row."""
+    """A table of further numbers."""
 
     caption: str
     columns: Sequence[str]
@@ -54,7 +54,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Chart:
-    """Lines over a common x, or over one for each by its name, to be drawn on logarithmic axes."""
+    """Lines on logarithmic axes, over a common x, or over one x for each line by its name."""
 
     title: str
     x_label: str
@@ -64,8 +64,8 @@ class Chart:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What one benchmark found; `notes` say what a reader must know."""
+class BenchmarkResult:
+    """The result of one benchmark; `notes` are remarks for its readers."""
 
     comparisons: Sequence[Comparison] = ()
     tables: Sequence[Table] = ()
@@ -86,9 +86,9 @@ class Outcome:
 def in_turn(
     candidates: Mapping[str, Callable[[], object]], repeats: int, track: Track, what: str
 ) -> dict[str, list[float]]:
-    """Seconds of each candidate, A B C A B C ...; a first round is not counted.
+    """Seconds of each candidate, run in turn A B C A B C ...; a first round is not counted.
 
-    Neighbours in time see the same machine, so their ratio holds although the machine is shared.
+    Runs that follow each other see the same load, so their ratio is meaningful on a shared machine.
     """
     seconds: dict[str, list[float]] = {name: [] for name in candidates}
     for name in track([*candidates] * (repeats + 1), what):
@@ -105,7 +105,7 @@ def cores() -> int:
 
 @contextmanager
 def threads(number: int) -> Iterator[None]:
-    """At most so many BLAS threads and, where the system can be told, cores."""
+    """Limit the BLAS threads and, if the system supports it, the cores."""
     with threadpool_limits(number):
         if not hasattr(os, "sched_setaffinity"):
             yield

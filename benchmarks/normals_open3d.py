@@ -1,4 +1,4 @@
-"""Open3D, in an environment of its own: normals of a cloud, for each line that is read."""
+"""Open3D in a separate environment: normals of the point cloud named on each input line."""
 
 from __future__ import annotations
 
