@@ -49,17 +49,19 @@ VARIANTS: dict[str, dict[str, bool]] = {
 class Params:
     """Sites, in the unit square or its inner disc, and steps."""
 
-    sites: int = parameter(5000, "sites that turn, about")
-    steps: int = parameter(40, "steps of one turn")
+    sites: int = parameter(5000, "sites in the rotation, approximately")
+    steps: int = parameter(40, "time steps of one revolution")
     deformed_sites: int = parameter(3000, "sites in the flow that reverses")
-    deformed_steps: int = parameter(30, "steps there and back")
-    period: float = parameter(1.5, "time there and back")
-    counts: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "sites, for the order in h")
-    divisions: tuple[int, ...] = parameter(
-        (16, 32, 64, 128), "steps of a turn, for the order in dt"
+    deformed_steps: int = parameter(30, "time steps, until the flow has returned")
+    period: float = parameter(1.5, "period of the flow")
+    counts: tuple[int, ...] = parameter(
+        (500, 1000, 2000, 4000), "numbers of sites, for the order in h"
     )
-    powers: int = parameter(700, "sites whose matrix is raised to powers")
-    grid: int = parameter(120, "points of the pictures along a side")
+    divisions: tuple[int, ...] = parameter(
+        (16, 32, 64, 128), "time steps of a revolution, for the order in dt"
+    )
+    powers: int = parameter(700, "sites of the matrix whose powers are computed")
+    grid: int = parameter(120, "points along a side of the pictures")
 
     def __post_init__(self) -> None:
         least = {"sites": 100, "deformed_sites": 100, "counts": 100, "powers": 50}
@@ -79,13 +81,13 @@ QUICK = Params(
 
 
 def disc(n: int) -> np.ndarray:
-    """About n sites in the disc that touches the sides of the square, which turns into itself."""
+    """About n sites in the inscribed disc of the square, which the rotation maps to itself."""
     x = halton(round(4 / np.pi * n), 2)
     return x[np.linalg.norm(x - 0.5, axis=1) < 0.5]
 
 
 def turning(x: np.ndarray, _: float) -> np.ndarray:
-    """One turn about the middle of the square in the time one."""
+    """One revolution about the centre of the square in unit time."""
     return 2 * np.pi * (x - 0.5)[:, ::-1] * [-1, 1]
 
 
@@ -106,17 +108,17 @@ def shapes(x: np.ndarray) -> np.ndarray:
 
 
 def smooth(x: np.ndarray) -> np.ndarray:
-    """A hill that no site set resolves too badly, for the orders."""
+    """A smooth hill that all sets of sites resolve, for measuring orders."""
     return np.exp(-60 * ((x - HUMP) ** 2).sum(axis=1))
 
 
 def method_on(x: np.ndarray) -> PartitionOfUnityRBF:
-    """Cubes and linear polynomials on patches, which overshoot little."""
+    """The kernel r³ with linear polynomials on patches, which overshoots little."""
     return PartitionOfUnityRBF(x, polyharmonic(3), 1)
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Turn, deform, refine."""
+    """Rotate, deform, refine."""
     jobs = [(flow, variant) for flow in ("turn", "deformation") for variant in VARIANTS]
     told = dict(zip(jobs, each(partial(carried, params), jobs), strict=True))
     time_jobs = [(scheme, k) for scheme in SCHEMES for k in params.divisions]
@@ -138,10 +140,10 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def carried(params: Params, job: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
-    """History (step, shape, [rms error, mean error, least, most, mass]) and frames on a grid.
+    """History (step, shape, [rms error, mean error, minimum, maximum, mass]) and frames on a grid.
 
-    The errors are those against the beginning, which is right at the end only. The frames are the
-    beginning, the middle and the end of the three shapes together, (3, g, g).
+    Errors are relative to the initial field, so only the final ones are meaningful. The frames (3,
+    g, g) show the three shapes together at the beginning, in the middle and at the end.
     """
     flow, variant = job
     turn = flow == "turn"
@@ -176,7 +178,7 @@ def carried(params: Params, job: tuple[str, str]) -> tuple[np.ndarray, np.ndarra
 
 
 def time_error(job: tuple[str, int]) -> float:
-    """Error of the places after one turn, relative to the distance from the middle."""
+    """Error of the positions after one revolution, relative to the distance from the centre."""
     scheme, k = job
     x = halton(200, 2)
     y = x
@@ -186,7 +188,7 @@ def time_error(job: tuple[str, int]) -> float:
 
 
 def space_error(n: int) -> float:
-    """Error of the smooth hill after one turn in 20 steps whose feet are right to rounding."""
+    """Error of the smooth hill after one revolution in 20 steps with exact departure points."""
     x = disc(n)
     c, s = np.cos(2 * np.pi / 20), np.sin(2 * np.pi / 20)
     feet = 0.5 + (x - 0.5) @ np.array([[c, -s], [s, c]])
@@ -199,8 +201,8 @@ def space_error(n: int) -> float:
 def norms_of_powers(params: Params) -> tuple[np.ndarray, np.ndarray]:
     """Norms of H^k for k = 1, 2, 4, ... 1024 of one step, and spectral radii: disc, and square.
 
-    The corners of the square come from outside, where the field is continued; the disc turns into
-    itself. Norms beyond 1e9 are told as that.
+    The corners of the square come from outside, where the field is extrapolated; the disc is mapped
+    to itself. Norms above 1e9 are reported as 1e9.
     """
     norms, radii = np.full((2, 11), 1e9), np.empty(2)
     for k, x in enumerate((disc(params.powers), halton(params.powers, 2))):
@@ -262,7 +264,7 @@ VARIANT_NAMES = ("free", "bounded", "bounded, with its mass")
 
 
 def plot(result: Result) -> Figure:
-    """The shapes at the beginning, and after one turn without and with bounds and mass."""
+    """The initial shapes, and after one revolution without and with the limiter."""
     free, kept = result.arrays["turn_0_frames"], result.arrays["turn_2_frames"]
     return _maps(
         result, (free[0], free[-1], kept[-1]), ("beginning", "one turn, free", "one turn, kept")
@@ -270,7 +272,7 @@ def plot(result: Result) -> Figure:
 
 
 def plot_deformation(result: Result) -> Figure:
-    """The shapes in the flow that reverses: beginning, half way, and back."""
+    """The shapes in the flow that reverses: initially, half-way, and at the end."""
     frames = result.arrays["deformation_2_frames"]
     return _maps(result, frames, ("beginning", "half way", "back"))
 
@@ -305,7 +307,7 @@ def _shaded(panel: Axes, x: np.ndarray, frame: np.ndarray) -> None:
 
 
 def plot_history(result: Result) -> Figure:
-    """Extrema and mass of the slotted disc over one turn."""
+    """Extrema and mass of the slotted disc over one revolution."""
     with figure(FULL_WIDTH, height=2.6, columns=2) as (page, axes):
         for k, (name, style) in enumerate(zip(VARIANT_NAMES, VARIANT_STYLES, strict=True)):
             history = result.arrays[f"turn_{k}_history"][:, 0]
@@ -322,7 +324,7 @@ def plot_history(result: Result) -> Figure:
 
 
 def plot_orders(result: Result) -> Figure:
-    """Errors of the feet against the step, of a hill against the spacing, and norms of powers."""
+    """Errors of departure points and of a hill against step and spacing; norms of powers."""
     p = result.params
     styles = ("LS", "MLS", "PU", "RBF")
     with figure(FULL_WIDTH, height=2.7, columns=3) as (page, axes):

@@ -52,7 +52,7 @@ from fieldreport.framework.experiment import (
 INK = np.array([0.5, 0.72])
 RADIUS = 0.16
 FRAMES = 6
-ENERGY = 0.25  # of the vortex, for ever
+ENERGY = 0.25  # of the vortex, at all times
 EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 
 
@@ -60,10 +60,10 @@ EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 class Params:
     """Meshes and steps."""
 
-    spacing: float = parameter(0.06, "edges of the mesh away from the ink")
-    finest: float = parameter(0.025, "edges of the mesh at the rim of the ink")
-    steps: int = parameter(10, "steps, of two meshes each")
-    time: float = parameter(2.0, "time; the middle turns once in two")
+    spacing: float = parameter(0.06, "edge length of the mesh away from the ink")
+    finest: float = parameter(0.025, "edge length of the mesh at the boundary of the ink")
+    steps: int = parameter(10, "time steps, of two meshes each")
+    time: float = parameter(2.0, "final time; the centre rotates once in time 2")
 
     def __post_init__(self) -> None:
         require_at_least(self, spacing=0.005, finest=0.002, steps=FRAMES - 1)
@@ -73,7 +73,7 @@ QUICK = Params(spacing=0.2, finest=0.15, steps=5, time=0.5)
 
 
 def vortex(x: np.ndarray) -> np.ndarray:
-    """The steady vortex of Taylor and Green in the unit square, whose walls it does not cross."""
+    """The steady Taylor-Green vortex in the unit square, tangential at the boundary."""
     s, c = np.sin(np.pi * x), np.cos(np.pi * x)
     return np.stack([s[..., 0] * c[..., 1], -c[..., 0] * s[..., 1]], axis=-1)
 
@@ -90,7 +90,7 @@ def moving_planes(x: np.ndarray) -> Reconstruction:
 
 @dataclass(frozen=True)
 class Way:
-    """How velocities at vertices become a field; whether there is a pressure; is it reflected."""
+    """The interpolation of velocities; whether there is a pressure projection, and a reflection."""
 
     name: str
     method: Callable[[np.ndarray], Reconstruction]
@@ -108,7 +108,7 @@ WAYS = (
 
 @dataclass(frozen=True)
 class AnimationFrame:
-    """A mesh, its normal velocities (f,), those that it hands on (f,), and ink at vertices (n,)."""
+    """A mesh, its normal velocities (f,), those for the next frame (f,), and ink at vertices (n,)."""
 
     mesh: SimplexMesh
     v: np.ndarray
@@ -116,23 +116,23 @@ class AnimationFrame:
     ink: np.ndarray
 
     def field(self, method: Callable[[np.ndarray], Reconstruction], v: np.ndarray) -> Field:
-        """The field of velocities from normal ones."""
+        """The velocity field reconstructed from normal velocities."""
         u = vertex_velocities(self.mesh, v, inverse_square(EPSILON)).values
         return method(self.mesh.points).field(u)
 
     @property
     def energy(self) -> float:
-        """Kinetic energy at density one."""
+        """Kinetic energy for density one."""
         return float(self.v @ (flow_energy(self.mesh) @ self.v)) / 2
 
 
 def walled(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
-    """Nothing goes through the boundary."""
+    """Set the normal velocities of the boundary to zero."""
     return np.where(mesh.face_cells[:, 1] < 0, 0.0, v)
 
 
 def first(params: Params) -> AnimationFrame:
-    """The exact fluxes of the vortex, on a mesh that is fine at the rim of the drop."""
+    """The exact fluxes of the vortex, on a mesh refined at the boundary of the drop."""
     mesh = box_mesh(partial(near_rim, params.spacing, params.finest, None), seed=0)
     for _ in range(2):
         rim = np.abs(np.linalg.norm(mesh.points - INK, axis=1) - RADIUS) < params.finest
@@ -148,7 +148,7 @@ def first(params: Params) -> AnimationFrame:
 
 
 def next_frame(params: Params, way: Way, k: int, now: AnimationFrame) -> AnimationFrame:
-    """What the flow brings in half a step to a mesh that is fine where the rim goes."""
+    """Advance by half a step to a mesh that is refined at the new boundary of the ink."""
     dt = params.time / params.steps / 2
     flow = now.field(way.method, now.v)
     rim = now.mesh.points[(now.ink > 0.1) & (now.ink < 0.9)]
@@ -164,7 +164,7 @@ def next_frame(params: Params, way: Way, k: int, now: AnimationFrame) -> Animati
 
 
 def animated(params: Params, way: Way) -> tuple[np.ndarray, list[AnimationFrame]]:
-    """Energy, error and divergence (steps + 1, 3) at the end of each step, and the frames then."""
+    """Energy, error and divergence (steps + 1, 3) at the end of each step, and the frames."""
     frames, now = [first(params)], first(params)
     for k in range(1, 2 * params.steps + 1):
         now = next_frame(params, way, k, now)
@@ -181,7 +181,7 @@ def judged(frame: AnimationFrame) -> tuple[float, float, float]:
 
 
 def exact_rim(time: float, count: int = 400) -> np.ndarray:
-    """Points (count, 2) of the rim of the drop at a time, traced through the exact flow."""
+    """Points (count, 2) on the boundary of the drop at a given time, traced in the exact flow."""
     angle = np.linspace(0, 2 * np.pi, count)
     x = INK + RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     steps = max(1, round(time / 0.02))
@@ -191,7 +191,7 @@ def exact_rim(time: float, count: int = 400) -> np.ndarray:
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Animate in all ways, and keep some frames of the first."""
+    """Run all variants, and keep some frames of the first."""
     found = list(each(partial(animated, params), WAYS))
     history = np.array([h for h, _ in found])
     frames = found[0][1]
@@ -228,7 +228,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def plot(result: Result) -> Figure:
-    """Six frames: the mesh, the ink, and where its rim ought to be."""
+    """Six frames: the mesh, the ink, and its exact boundary."""
     with figure(FULL_WIDTH, height=4.1, rows=2, columns=3) as (page, axes):
         for k, (panel, t) in enumerate(zip(axes.flat, result.arrays["times"], strict=True)):
             drawn(panel, *(result.arrays[f"{name}_{k}"] for name in ("points", "cells", "ink")))
@@ -239,7 +239,7 @@ def plot(result: Result) -> Figure:
 
 
 def drawn(panel: Axes, points: np.ndarray, cells: np.ndarray, ink: np.ndarray) -> None:
-    """The ink in four shades, and the mesh as one broken line."""
+    """Draw the ink in four shades, and the mesh as one line with gaps."""
     x, y = points.T
     shades = [0.2, 0.4, 0.6, 0.8, 1.01]
     panel.tricontourf(Triangulation(x, y, cells), ink, shades, cmap="Blues", vmin=-0.4)
@@ -250,7 +250,7 @@ def drawn(panel: Axes, points: np.ndarray, cells: np.ndarray, ink: np.ndarray) -
 
 
 def plot_history(result: Result) -> Figure:
-    """Energy left and error of the velocities over time."""
+    """Remaining energy and error of the velocities over time."""
     history, params = result.arrays["history"], result.params
     t = np.linspace(0, params.time, params.steps + 1)
     styles = ("RBF", "MLS", "PU", "LS")

@@ -51,15 +51,15 @@ FORMS = ("quotient", "quotient, one height", "product")
 
 @dataclass(frozen=True)
 class Params:
-    """The spiral, the stars, and how near the edge of a cell is approached."""
+    """The spiral, the stars, and the distances from an edge of a cell."""
 
     steps: int = parameter(50, "points N of the spiral")
-    turn: float = parameter(20.0, "angle by which a hexagon is turned, in degrees")
-    center: tuple[float, ...] = parameter((-1.5, 0.5), "centre of the hexagon that is moved")
-    scattered: int = parameter(60, "points at random, in the unit square and in the unit cube")
+    turn: float = parameter(20.0, "angle by which a hexagon is rotated, in degrees")
+    center: tuple[float, ...] = parameter((-1.5, 0.5), "centre of the translated hexagon")
+    scattered: int = parameter(60, "random points, in the unit square and in the unit cube")
     nearest: int = parameter(16, "smallest distance from an edge, as a negative power of ten")
     places: int = parameter(200, "points along the edge at each distance")
-    seed: int = parameter(0, "seed of the points at random")
+    seed: int = parameter(0, "seed of the random points")
 
     def __post_init__(self) -> None:
         require_at_least(self, steps=7, scattered=40, nearest=2, places=2, seed=0)
@@ -120,13 +120,13 @@ def measure(steps: int, star: Star) -> dict[str, float]:
 
 
 def linear_error(w: np.ndarray, corners: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the error of the sum of coordinates at each query, over the data; 1 for no value."""
+    """Return the relative error of linear data at each query; 1 if there is no value."""
     error = np.abs(w @ corners.sum(axis=1) - x.sum(axis=1)) / np.abs(corners.sum(axis=1)).max()
     return np.where(np.isfinite(error), error, 1.0)
 
 
 def errors_near_an_edge(params: Params, distance: float) -> list[float]:
-    """Return the largest error of linear data, by the three forms, so near to an edge inside."""
+    """Return the largest error of linear data, by the three forms, at a distance from an edge."""
     star = hexagon(params.turn)
     cell, spoke = VoronoiCell(*star), star.spokes[0]
     a, b = cell.points[np.argsort(cell.points @ spoke)[-2:]]  # the ends of the edge
@@ -162,7 +162,7 @@ def _star_row(name: str, star: Star, m: dict[str, float]) -> tuple[Cell, ...]:
 
 
 def _spiral_table(steps: int) -> ResultTable:
-    """The exercise: each point, its smallest weight, and values beside the true ones."""
+    """The exercise: each point, its smallest weight, and values beside the exact ones."""
     star = hexagon()
     cell, s = VoronoiCell(*star), spiral(star, steps)
     smallest = cell.weights(s).min(axis=1)
@@ -228,10 +228,10 @@ def _drawn(params: Params) -> dict[str, np.ndarray]:
 
 
 VIEW = Rotation.from_euler("zyx", [200, 0, -70], degrees=True).as_matrix()
-"""To the right, upward, and toward the reader: rows."""
+"""Rows: directions to the right, upward, and toward the viewer."""
 
 FLOOR = 3e-17
-"""Where errors of zero are drawn."""
+"""The value at which zero errors are drawn."""
 
 
 def plot(result: Result) -> Figure:
@@ -292,7 +292,7 @@ def _draw_star(
 
 
 def _seen(points: np.ndarray) -> np.ndarray:
-    """Project from space along a fixed direction; what lies in the plane stays."""
+    """Project from space along a fixed direction; planar points stay."""
     return points if points.shape[-1] == 2 else points @ VIEW[:2].T
 
 
@@ -303,7 +303,7 @@ def _behind(pieces: np.ndarray) -> np.ndarray:
 
 
 def plot_errors(result: Result) -> Figure:
-    """Errors of linear data along the spiral that begins on an edge, and ever nearer to an edge."""
+    """Errors of linear data along the spiral from an edge, and against the distance from an edge."""
     arrays = result.arrays
     looks = dict(zip(FORMS, [line("LS"), shades("truth", 2)[1], line("MLS")], strict=True))
     with figure(FULL_WIDTH, height=2.6, columns=2, sharey=True) as (page, (left, right)):

@@ -71,25 +71,25 @@ CLOSED_FORMS: dict[str, tuple[str, Callable[[np.ndarray, np.ndarray], np.ndarray
 }
 EXACT = 1e-10
 SMALL = 0.02
-"""Shifts below it are fitted by a power: above, the next order of the difference is seen."""
+"""Only shifts below this are used for the power law: larger ones show the next order."""
 
 
 @dataclass(frozen=True)
 class Params:
-    """How many places are asked, how far faces are moved apart, how near an edge is approached."""
+    """Numbers of query points, shifts of the faces, and distances from edges."""
 
     corners: int = parameter(7, "corners of the random polygon")
-    queries: int = parameter(100, "random places in each polytope")
-    splits: int = parameter(6, "random ways in which the faces are moved apart")
-    largest_shift: float = parameter(0.1, "largest distance δ by which a face is moved")
+    queries: int = parameter(100, "random query points in each polytope")
+    splits: int = parameter(6, "random splittings, in which faces are shifted apart")
+    largest_shift: float = parameter(0.1, "largest distance δ by which a face is shifted")
     smallest_shift: float = parameter(1e-10, "smallest δ")
     shifts: int = parameter(10, "values of δ, in geometric progression")
-    turns: int = parameter(25, "random turns of the hexagon that is asked beside its edges")
-    nearest: float = parameter(1e-18, "least distance from an edge or corner; the size is 1")
+    turns: int = parameter(25, "random rotations of the hexagon for queries near its edges")
+    nearest: float = parameter(1e-18, "smallest distance from an edge or corner; the size is 1")
     distances: int = parameter(37, "distances from an edge or corner, in geometric progression")
-    poles: int = parameter(200, "directions in which poles are looked for outside")
-    rings: int = parameter(14, "fineness of the meshes that are drawn")
-    seed: int = parameter(4, "seed of polygons, places, shifts and turns")
+    poles: int = parameter(200, "directions in which poles are searched outside")
+    rings: int = parameter(14, "refinement of the meshes in the figures")
+    seed: int = parameter(4, "seed of polygons, query points, shifts and rotations")
 
     def __post_init__(self) -> None:
         require_at_least(self, corners=4, queries=1, splits=1, shifts=2, turns=1, distances=2)
@@ -102,7 +102,7 @@ DIGITS = {"difference_at_smallest_shift": 3, "quotient_digits_lost": 2}
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Compare, split, approach edges, and go outside."""
+    """Compare formulas, split corners, approach edges, and evaluate outside."""
     shapes = polygons(params.corners, params.seed) | POLYHEDRA
     compared = dict(zip(shapes, each(partial(comparison, params), shapes.items()), strict=True))
     crowded = {name: p for name, p in POLYHEDRA.items() if not Planes.of(p).simple}
@@ -145,7 +145,7 @@ def comparison(params: Params, shape: tuple[str, np.ndarray]) -> dict[str, float
 
 
 def splitting_errors(params: Params, corners: np.ndarray) -> np.ndarray:
-    """Return (split, shift) the largest difference from the weights of polyhedra split apart."""
+    """Return the largest difference (split, shift) from the weights of the split polyhedra."""
     planes, x = Planes.of(corners), 0.8 * _places(params, corners)
     w = BarycentricCoordinates(corners).weights(x)
     errors = np.empty((params.splits, params.shifts))
@@ -158,7 +158,7 @@ def splitting_errors(params: Params, corners: np.ndarray) -> np.ndarray:
 
 
 def gradient_error(params: Params) -> float:
-    """Return the largest error of the gradient of xyz in the cube, where it comes back exactly."""
+    """Return the largest error of the gradient of xyz in the cube, which should be zero."""
     corners = POLYHEDRA["cube"]
     x = _places(params, corners)
     gradient = BarycentricCoordinates(corners).field(corners.prod(axis=1)).gradient(x)
@@ -166,7 +166,7 @@ def gradient_error(params: Params) -> float:
 
 
 def ways_apart(params: Params, name: str) -> int:
-    """Return in how many ways the faces of a polyhedron came to meet, over all the splits."""
+    """Return the number of combinatorially different splittings of a polyhedron."""
     planes = Planes.of(POLYHEDRA[name])
     apart = (
         formulas.split(planes, params.smallest_shift * direction)[0]
@@ -176,7 +176,7 @@ def ways_apart(params: Params, name: str) -> int:
 
 
 def shifts(params: Params) -> np.ndarray:
-    """Return the distances δ by which faces are moved."""
+    """Return the distances δ by which faces are shifted."""
     return np.geomspace(params.largest_shift, params.smallest_shift, params.shifts)
 
 
@@ -289,5 +289,5 @@ def _pictures(params: Params, shapes: dict[str, np.ndarray]) -> dict[str, np.nda
 
 
 def plot(result: Result) -> Figure:
-    """The six polyhedra, with one coordinate on the faces that are seen."""
+    """The six polyhedra, with one coordinate on their visible faces."""
     return draw_solids(result)

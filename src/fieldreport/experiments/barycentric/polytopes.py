@@ -36,7 +36,7 @@ OUTSIDE = {
     5: np.array([[0.9, 0.4], [-0.1, 0.8], [-0.9, 0.3], [-0.7, -0.6], [0.6, -0.8]]),
     6: np.array([[1.0, 0], [-0.9, 0.5], [-0.7, -0.7], [-0.3, -1], [0.5, -0.9], [0.8, -0.5]]),
 }
-"""Polygons whose edges cross not far away, whichever two are taken."""
+"""Polygons of which any two edges, extended, intersect nearby."""
 
 
 def regular(n: int, turn: float = 0.0) -> np.ndarray:
@@ -46,13 +46,13 @@ def regular(n: int, turn: float = 0.0) -> np.ndarray:
 
 
 def irregular(n: int, seed: int) -> np.ndarray:
-    """Return the corners (n, 2) of a random convex polygon: on an ellipse, never close together."""
+    """Return the corners (n, 2) of a random convex polygon: on an ellipse, well separated."""
     angle = 2 * np.pi * (np.arange(n) + 0.4 * np.random.default_rng(seed).random(n)) / n
     return np.stack([np.cos(angle), 0.8 * np.sin(angle)], axis=1)
 
 
 def polygons(corners: int, seed: int) -> dict[str, np.ndarray]:
-    """Name the polygons, the last of them random with so many corners."""
+    """Return the polygons by name; the last is random, with the given number of corners."""
     return {
         "triangle": np.array([[-0.9, -0.8], [0.9, -0.5], [-0.2, 0.9]]),
         "square": 0.75 * _SQUARE,
@@ -64,7 +64,7 @@ def polygons(corners: int, seed: int) -> dict[str, np.ndarray]:
 
 @dataclass(frozen=True)
 class Planes:
-    """A convex polytope by its faces, n^T x <= b, found by Qhull alone.
+    """A convex polytope by its faces n^T x <= b, found by Qhull.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Planes:
 
     @classmethod
     def of(cls, corners: np.ndarray) -> Planes:
-        """Return the faces of the hull; the triangles that Qhull cuts a face into are one."""
+        """Return the faces of the hull; triangles in one plane are merged into one face."""
         hull = ConvexHull(corners)
         _, first = np.unique(hull.equations.round(9), axis=0, return_index=True)
         normals, offsets = hull.equations[first, :-1], -hull.equations[first, -1]
@@ -96,11 +96,11 @@ class Planes:
 
     @property
     def simple(self) -> bool:
-        """Whether as many faces meet at every corner as there are dimensions."""
+        """Whether d faces meet at every corner."""
         return bool((self.faces_at == self.normals.shape[1]).all())
 
     def around(self, face: int) -> np.ndarray:
-        """Return the corners of a face in space, in order round it, anticlockwise from outside."""
+        """Return the corners of a face in space, counter-clockwise when seen from outside."""
         members = np.flatnonzero(self.on[:, face])
         from_middle = self.corners[members] - self.corners[members].mean(axis=0)
         side = np.cross(self.normals[face], from_middle[0])
@@ -127,9 +127,9 @@ def mesh_of(corners: np.ndarray, rings: int) -> tuple[np.ndarray, np.ndarray]:
     Parameters
     ----------
     corners : (k, d) ndarray
-        In order round it.
+        In cyclic order.
     rings : int
-        Rings about the middle, and pieces of each edge.
+        Rings about the centre, and segments of each edge.
     """
     step = np.arange(rings)[:, None, None] / rings
     along = corners + step * (np.roll(corners, -1, axis=0) - corners)

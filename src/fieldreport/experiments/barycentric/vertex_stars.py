@@ -1,6 +1,7 @@
-"""Stars of cells round a vertex: where Voronoi coordinates are looked at, and the slides' weights.
+"""Vertex stars: the cells around a vertex, on which Voronoi coordinates are compared.
 
-A star is a Delaunay mesh with one of its vertices, whose Voronoi cell is closed.
+A star is a Delaunay mesh with one of its vertices, whose Voronoi cell is bounded. The module has
+the weights of the slides as well.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ GOLDEN = (1 + 5**0.5) / 2
 
 
 class Star(NamedTuple):
-    """The cells of a mesh round one of its vertices."""
+    """The cells of a mesh around one of its vertices."""
 
     mesh: SimplexMesh
     vertex: int
@@ -51,7 +52,7 @@ class Star(NamedTuple):
 
 
 def hexagon(turn: float = 0.0, center: tuple[float, ...] = (0.0, 0.0)) -> Star:
-    """Return a regular hexagon of radius 1, turned by degrees, with its centre.
+    """Return a regular hexagon of radius 1, rotated by an angle in degrees, with its centre.
 
     Examples
     --------
@@ -71,7 +72,7 @@ def icosahedron() -> Star:
 
 
 def at_random(n: int, d: int, seed: int) -> Star:
-    """Return the star of the vertex nearest to the middle, among points in the unit cube."""
+    """Return the star of the vertex nearest to the centre, for random points in the unit cube."""
     points = uniform(n, d, np.random.default_rng((seed, d)))
     return Star(SimplexMesh.delaunay(points), int(((points - 0.5) ** 2).sum(axis=1).argmin()))
 
@@ -79,8 +80,8 @@ def at_random(n: int, d: int, seed: int) -> Star:
 def spiral(star: Star, steps: int) -> np.ndarray:
     """Return the points x_i + (r/n) e_n, n = 1 ... N, r the distance from x_i to the nearest face.
 
-    In the plane e_n is at the angle 2πn/N. In space it goes once round the axis too, while it moves
-    from one pole to the other.
+    In the plane e_n has the angle 2πn/N. In space it also makes one revolution about the axis while
+    it moves from one pole to the other.
     """
     r = np.sqrt((star.spokes**2).sum(axis=1).min()) / 2
     n = np.arange(1, steps + 1)
@@ -92,7 +93,7 @@ def spiral(star: Star, steps: int) -> np.ndarray:
 
 
 def quotients(star: Star, x: np.ndarray, one_height: bool = False) -> np.ndarray:
-    """Return the slides' V_a / Π_b h_ab by their sum, at queries (m, d), for the star's cells a.
+    """Return V_a / Π_b h_ab of the slides over their sum, at queries (m, d), for the cells a.
 
     h_ab = (x_b − x_i)ᵀ(p_a − x) is computed at each corner a; with `one_height`, from the same
     ½ l_b² − (x_b − x_i)ᵀ(x − x_i) at all corners of face b. Where a height is zero there is no
@@ -112,7 +113,7 @@ def quotients(star: Star, x: np.ndarray, one_height: bool = False) -> np.ndarray
 
 
 def from_areas(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the weights of a convex polygon's corners, in order, from areas of triangles alone.
+    """Return the weights of the corners of a convex polygon from areas of triangles alone.
 
     w_a = area(p_a−1, p_a, p_a+1) / (area(x, p_a−1, p_a) area(x, p_a, p_a+1)): no mesh, no normals.
     """
