@@ -108,7 +108,7 @@ WAYS = (
 
 @dataclass(frozen=True)
 class AnimationFrame:
-    """A mesh, its normal velocities (f,), those for the next frame (f,), and ink at vertices (n,)."""
+    """A mesh, its normal velocities (f,), those for the next frame (f,), and vertex ink (n,)."""
 
     mesh: SimplexMesh
     v: np.ndarray

@@ -303,7 +303,7 @@ def _behind(pieces: np.ndarray) -> np.ndarray:
 
 
 def plot_errors(result: Result) -> Figure:
-    """Errors of linear data along the spiral from an edge, and against the distance from an edge."""
+    """Errors of linear data along the spiral from an edge, and near an edge."""
     arrays = result.arrays
     looks = dict(zip(FORMS, [line("LS"), shades("truth", 2)[1], line("MLS")], strict=True))
     with figure(FULL_WIDTH, height=2.6, columns=2, sharey=True) as (page, (left, right)):

@@ -40,10 +40,10 @@ from fieldreport.framework.experiment import (
 )
 
 RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
-SKIN = (16, 29)  # pieces of the skin that is drawn, along half its section and along the span
-SETTLED = 1e-8  # residual at which factors are observed, well above rounding
-NONE = 100  # times the flight's dynamic pressure: what diverges there only, does not
-ROUNDING = 1e-12  # errors below are rounding, and told as this
+SKIN = (16, 29)  # cells of the drawn skin, along half its section and along the span
+SETTLED = 1e-8  # residual at which convergence factors are measured, well above rounding
+NONE = 100  # multiples of the flight's dynamic pressure beyond which divergence is ignored
+ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 
 
 @dataclass(frozen=True)
@@ -55,28 +55,30 @@ class Params:
     height: float = parameter(10498.0, "height of the flight, m")
     half_span: float = parameter(29.0, "half span, m")
     root_chord: float = parameter(10.5, "chord at the root, m")
-    taper: float = parameter(0.25, "chord at the tip, as a part of that at the root")
+    taper: float = parameter(0.25, "chord at the tip, as a fraction of the root chord")
     sweep: float = parameter(30.0, "sweep of the quarter chords, degrees")
-    thickness: float = parameter(0.12, "thickness of the profile, as a part of the chord")
-    camber: float = parameter(0.02, "height of the mean line, as a part of the chord")
+    thickness: float = parameter(0.12, "thickness of the profile, as a fraction of the chord")
+    camber: float = parameter(0.02, "height of the mean line, as a fraction of the chord")
     incidence: tuple[float, ...] = parameter((4.5, 0.0), "incidence at root and tip, degrees")
-    skin: tuple[float, ...] = parameter((0.009, 0.003), "the skins at root and tip, m")
-    plate: tuple[float, ...] = parameter((0.03, 0.97), "the plate's edges, as parts of the chord")
+    skin: tuple[float, ...] = parameter((0.009, 0.003), "thickness of the skins at root and tip, m")
+    plate: tuple[float, ...] = parameter(
+        (0.03, 0.97), "edges of the plate, as fractions of the chord"
+    )
     young: float = parameter(70e9, "Young's modulus, Pa")
     poisson: float = parameter(0.33, "Poisson's ratio")
-    pieces: tuple[int, ...] = parameter((30, 120), "pieces of the plate along chord and span")
+    pieces: tuple[int, ...] = parameter((30, 120), "cells of the plate along chord and span")
     panels: tuple[int, ...] = parameter((12, 32), "panels of the lattice along chord and span")
-    section: float = parameter(0.77, "section shown, as a part of the half span")
+    section: float = parameter(0.77, "section shown, as a fraction of the half span")
     sweeps: tuple[float, ...] = parameter((30.0, 0.0, -20.0), "sweeps compared, degrees")
     pressures: tuple[float, ...] = parameter(
-        (0.5, 1.0, 1.5, 2.0, 2.5), "dynamic pressures compared, as parts of that of the flight"
+        (0.5, 1.0, 1.5, 2.0, 2.5), "dynamic pressures compared, as fractions of that of the flight"
     )
 
     def __post_init__(self) -> None:
         require_at_least(self, half_span=1, root_chord=0.1, pieces=2, panels=2, pressures=0.01)
 
     def plan(self, sweep: float) -> Plan:
-        """The wing with this sweep."""
+        """The wing model with a sweep."""
         named = {field.name: getattr(self, field.name) for field in fields(Plan)}
         return Plan(**named | {"sweep": sweep})
 
@@ -98,7 +100,7 @@ QUICK = Params(pieces=(4, 12), panels=(3, 6), sweeps=(30.0, -20.0), pressures=(0
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Let the wing settle and hand its loads over in all ways; sweep it; check the parts."""
+    """Compute the steady state and all transfers, vary the sweep, check the components."""
     jobs = (
         partial(flight, params),
         *(partial(swept, params, s) for s in params.sweeps),
@@ -125,16 +127,16 @@ def _done(job: partial) -> tuple:
 
 
 def checked(params: Params) -> tuple[tuple[Cell, ...], ...]:
-    """Rows of the parts against closed forms."""
+    """Rows of the components compared with closed forms."""
     found = checks(params.mach)
     return tuple((*c, abs(c.computed / c.closed_form - 1)) for c in found)
 
 
 def swept(params: Params, sweep: float) -> tuple[tuple[Cell, ...], np.ndarray]:
-    """The factor of a plain turn in flight; pressures in kPa; contraction at each pressure.
+    """The factor of unrelaxed iteration in flight; pressures in kPa; contraction at each pressure.
 
-    The pressures are those at which plain turns cease to contract, by the largest eigenvalue and as
-    observed, and at which the wing diverges.
+    The pressures are those at which unrelaxed iteration ceases to converge, by the largest
+    eigenvalue and as observed, and at which the wing diverges.
     """
     wing, incidences = params.wing(sweep), params.incidences(sweep)
     pressures = np.array(params.pressures) * params.pressure
@@ -148,7 +150,7 @@ def swept(params: Params, sweep: float) -> tuple[tuple[Cell, ...], np.ndarray]:
 
 
 def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tuple]:
-    """Facts, arrays and the table of ways, of the wing that flies."""
+    """Facts, arrays and the table of transfers for the wing in flight."""
     wing, incidences = params.wing(params.sweep), params.incidences(params.sweep)
     q, air = params.pressure, wing.lattice
     turns = {
@@ -190,14 +192,14 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
 
 
 def at_section(params: Params, wing: ElasticWing, panels: np.ndarray) -> np.ndarray:
-    """What is known of panels (a, b), between their middles at the section shown, (a,)."""
+    """Values (a,) at the shown section, interpolated from panels (a, b)."""
     y = wing.lattice.points.reshape(wing.lattice.shape[0] + 1, -1, 2)[0, :, 1]
     middles = (y[1:] + y[:-1]) / 2
     return np.array([np.interp(params.section * params.half_span, middles, row) for row in panels])
 
 
 def drawn(params: Params, wing: ElasticWing, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points of the skin before, and where the plate's deflections take them."""
+    """Points of the skin before and after the deflection of the plate."""
     before = skin(params.plan(params.sweep), *SKIN)
     points = before.reshape(-1, 3)
     moved = FlatCoupling(wing.coupling.structure, points).displacements(w[:, None] * [0, 0, 1.0])
@@ -235,7 +237,7 @@ def _flight_facts(
 
 
 def _divergence(params: Params, kilopascals: Cell) -> dict[str, Cell]:
-    """Height below which the wing of the last sweep diverges at the Mach number, and the speed."""
+    """Altitude below which the wing of the last sweep diverges, and the speed there."""
     facts: dict[str, Cell] = {"divergence_kpa": kilopascals}
     if isinstance(kilopascals, str):
         return facts
@@ -250,11 +252,11 @@ def _divergence(params: Params, kilopascals: Cell) -> dict[str, Cell]:
     return facts
 
 
-TURN, RISE = np.radians([155.0, 26.0])  # of the eye, about the vertical and above the horizon
+TURN, RISE = np.radians([155.0, 26.0])  # view direction: azimuth and elevation
 
 
 def seen(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Places (..., 2) in the picture, and how near the eye, (...), in parallel projection."""
+    """Positions (..., 2) in the picture, and depths (...), in parallel projection."""
     x, y, z = np.moveaxis(points, -1, 0)
     right = -np.sin(TURN) * x + np.cos(TURN) * y
     toward = np.cos(TURN) * x + np.sin(TURN) * y
@@ -263,7 +265,7 @@ def seen(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def plot(result: Result) -> Figure:
-    """The skin before, by its edges, and after, by how far it has risen."""
+    """The undeformed skin by its edges, and the deformed skin coloured by its rise."""
     before, after = result.arrays["before"], result.arrays["after"]
     with figure(FULL_WIDTH, height=1.8) as (page, panel):
         surface(panel, after, (after - before)[..., 2])
@@ -276,7 +278,7 @@ def plot(result: Result) -> Figure:
 
 
 def surface(panel: Axes, points: np.ndarray, values: np.ndarray) -> None:
-    """Pieces of a surface (u, v, 3), the farthest first, coloured by values and shaded."""
+    """Draw the cells of a surface (u, v, 3), the farthest first, coloured by values and shaded."""
     places, near = seen(points)
     corners = [places[:-1, :-1], places[1:, :-1], places[1:, 1:], places[:-1, 1:]]
     pieces = np.stack(corners, axis=2).reshape(-1, 4, 2)
@@ -323,7 +325,7 @@ def plot_span(result: Result) -> Figure:
 
 
 def looks() -> tuple[tuple[str, dict[str, Any]], ...]:
-    """Of the stiff and of the elastic wing."""
+    """Line styles of the rigid and of the elastic wing."""
     return (
         ("stiff", line("truth", linestyle=(0, (5, 2)), marker="")),
         ("elastic", line("MLS", marker="")),
@@ -331,7 +333,7 @@ def looks() -> tuple[tuple[str, dict[str, Any]], ...]:
 
 
 def plot_turns(result: Result) -> Figure:
-    """Left, the loop at the flight's pressure; right, contraction of plain turns against it."""
+    """Left, the iteration at the pressure of the flight; right, contraction against pressure."""
     params, rates = result.params, result.arrays["rates"]
     table = result.tables["sweeps"]
     with figure(FULL_WIDTH, height=2.6, columns=2) as (page, axes):

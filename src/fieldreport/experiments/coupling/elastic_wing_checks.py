@@ -1,4 +1,4 @@
-"""The parts of an elastic wing, each alone, against closed forms."""
+"""Components of the elastic wing, each compared with a closed form."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fieldreport.experiments.coupling.wing_models import flat
 
 
 class ClosedFormCheck(NamedTuple):
-    """A quantity, what was computed, and what a closed form says."""
+    """A quantity, its computed value, and the value of a closed form."""
 
     quantity: str
     computed: float
@@ -24,9 +24,9 @@ class ClosedFormCheck(NamedTuple):
 
 
 class Strips(VortexLattice):
-    """Each strip of the wing as if it were alone in the plane: lift slope times incidence.
+    """Strip theory: the lift of each strip of the wing is lift slope times incidence.
 
-    With one panel along the chord, whose vortex lies at a quarter of it.
+    There is one panel along the chord, whose vortex lies at a quarter of the chord.
     """
 
     lift_slope = 2 * np.pi
@@ -90,11 +90,11 @@ def long_wing(mach: float, length: float = 1000.0) -> ClosedFormCheck:
     x, y = np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, length, 11), indexing="ij")
     air = VortexLattice(np.stack([x, y], axis=-1), mach)
     gamma = air.circulations(np.ones(air.shape))
-    slope = float(2 * gamma[:, 0].sum())  # at the root, far from the tips
+    slope = float(2 * gamma[:, 0].sum())  # at the root, far from the tip
     closed = 2 * np.pi / np.sqrt(1 - mach**2)
     return ClosedFormCheck("lift slope of a long wing in such a stream", slope, closed)
 
 
 def checks(mach: float) -> list[ClosedFormCheck]:
-    """All of them, the last at this Mach number."""
+    """All checks, the last at this Mach number."""
     return [cantilever(), straight_wing(), elliptic_wing(), long_wing(mach)]

@@ -1,4 +1,4 @@
-"""Wings that bend in the air that they bend in: the steady state, and where there is none."""
+"""Static aeroelasticity of a wing: the steady state, and divergence."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from fieldreport.experiments.coupling.plate import Plate
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 
 REAL = 1e-6
-"""An eigenvalue whose imaginary part is smaller than this part of it counts as real."""
+"""An eigenvalue whose imaginary part is smaller than this fraction of it counts as real."""
 
 
 @dataclass(frozen=True, eq=False)
 class ElasticWing:
-    """A plate and a lattice of vortices in one plane, and the coupling between their nodes.
+    """A plate and a vortex lattice in one plane, and the coupling between their nodes.
 
     With deflections w of the plate, circulations γ of the lattice, and the dynamic pressure q,
 
@@ -31,7 +31,7 @@ class ElasticWing:
 
         γ = γ(θ) + q T γ.
 
-    As the wing is passed round, the part of γ in an eigenvector of T is multiplied by q λ. Where
+    In each iteration, the component of γ along an eigenvector of T is multiplied by q λ. Where
     q λ = 1 for some λ there is no steady state: the wing diverges.
 
     Parameters
@@ -70,7 +70,7 @@ class ElasticWing:
         return self.plate.deflections(self.coupling.loads(_upward(forces))[:, 2])
 
     def circulations(self, deflections: ArrayLike, incidences: ArrayLike) -> np.ndarray:
-        """Circulations (a, b) of the wing so deflected, if it was built with these incidences."""
+        """Circulations (a, b) of the deflected wing, for the given incidences as built."""
         bent = self.lattice.incidences(self.heights(deflections))
         return self.lattice.circulations(np.asarray(incidences) + bent)
 
@@ -81,7 +81,7 @@ class ElasticWing:
         relaxation: float | None = None,
         **options: Any,
     ) -> FixedPoint:
-        """Deflections (n,) in balance with the air, by turns of the air and the structure.
+        """Deflections (n,) in equilibrium with the flow, by fixed-point iteration.
 
         Parameters
         ----------
@@ -90,9 +90,9 @@ class ElasticWing:
         incidences : (a, b) array_like
             Incidences of the panels of the wing as it was built, in radians.
         relaxation : float, optional
-            1 for plain turns; Aitken's without.
+            1 for no relaxation; by default Aitken's relaxation.
         **options
-            Further ones of `fixed_point`.
+            Further options of `fixed_point`.
         """
 
         def turn(w: np.ndarray) -> np.ndarray:
@@ -118,7 +118,7 @@ class ElasticWing:
 
     @property
     def divergence_pressure(self) -> float:
-        """The least dynamic pressure without a steady state, 1 / λ; infinite if there is none.
+        """The smallest dynamic pressure without a steady state, 1 / λ; infinite if there is none.
 
         Eigenvalues far below the largest belong to the meshes rather than to the wing.
         """
@@ -127,7 +127,7 @@ class ElasticWing:
         return float(1 / size[real].max()) if real.any() else np.inf
 
     def contraction(self, pressure: float) -> float:
-        """Factor q max |λ| by which each plain turn brings the wing nearer its steady state."""
+        """Convergence factor q max |λ| of the iteration without relaxation."""
         return float(pressure * np.abs(self.eigenvalues[0]))
 
 

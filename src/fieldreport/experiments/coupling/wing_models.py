@@ -1,4 +1,4 @@
-"""Wings of one plan, swept back or forward: their skin, a plate that bears, and a lattice."""
+"""Swept wings of one plan: skin, plate and vortex lattice."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from fieldreport.experiments.coupling.plate import Plate, isotropic_rigidity
 from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 
-BENT_MOST = 0.4  # part of the chord at which the mean line is highest
+BENT_MOST = 0.4  # fraction of the chord at which the mean line is highest
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A tapered half wing, and what bears in it; lengths in m, angles in degrees."""
+    """A tapered half wing and its structure; lengths in m, angles in degrees."""
 
     half_span: float
     root_chord: float
@@ -36,24 +36,24 @@ class Plan:
         return self.root_chord * (1 - (1 - self.taper) * y / self.half_span)
 
     def at(self, part: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Points (..., 2) at parts of the chord; quarters of it lie on a line, swept."""
+        """Points (..., 2) at fractions of the chord; the quarter-chord line is swept."""
         part, y = np.broadcast_arrays(part, y)
         quarter = np.tan(np.radians(self.sweep)) * y + self.root_chord / 4
         return np.stack([quarter + (part - 0.25) * self.chord(y), y], axis=-1)
 
     def along(self, y: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
-        """What changes evenly from the root to the tip."""
+        """A value that varies linearly from the root to the tip."""
         return np.interp(y, [0, self.half_span], ends)
 
 
 def profile(part: np.ndarray) -> np.ndarray:
-    """Half thickness over full thickness of the NACA profiles of four digits, closed behind."""
+    """Half thickness over full thickness of NACA four-digit profiles with closed trailing edge."""
     c = part
     return 5 * (0.2969 * np.sqrt(c) - 0.126 * c - 0.3516 * c**2 + 0.2843 * c**3 - 0.1036 * c**4)
 
 
 def mean_line(part: np.ndarray) -> np.ndarray:
-    """Mean line of the NACA profiles of four digits, in chords, of camber one."""
+    """Mean line of NACA four-digit profiles, in chords, for camber one."""
     p = BENT_MOST
     front = (2 * p * part - part**2) / p**2
     rear = (1 - 2 * p + 2 * p * part - part**2) / (1 - p) ** 2
@@ -67,7 +67,7 @@ def mean_slope(part: np.ndarray) -> np.ndarray:
 
 
 def plate_mesh(plan: Plan, across: int, along: int) -> SimplexMesh:
-    """Triangles in the middle plane, almost from edge to edge."""
+    """Triangles in the middle plane, almost from leading to trailing edge."""
     part, y = np.linspace(*plan.plate, across + 1), np.linspace(0, plan.half_span, along + 1)
     points = plan.at(part[:, None], y)
     n = np.arange((across + 1) * (along + 1)).reshape(across + 1, along + 1)
@@ -77,7 +77,7 @@ def plate_mesh(plan: Plan, across: int, along: int) -> SimplexMesh:
 
 
 def skin_plate(plan: Plan, across: int, along: int) -> Plate:
-    """The upper and the lower skin, as far apart as the profile is thick, held at the root."""
+    """The upper and lower skins at the distance of the local thickness, clamped at the root."""
     mesh = plate_mesh(plan, across, along)
     x, y = mesh.cell_centers.T
     chord = plan.chord(y)
@@ -89,7 +89,7 @@ def skin_plate(plan: Plan, across: int, along: int) -> Plate:
 
 
 def lattice(plan: Plan, panels: tuple[int, ...], mach: float) -> VortexLattice:
-    """Even panels along the chord, and finer ones towards the tip."""
+    """Uniform panels along the chord, refined along the span towards the tip."""
     across, along = panels
     part = np.linspace(0, 1, across + 1)[:, None]
     y = plan.half_span * np.sin(np.linspace(0, np.pi / 2, along + 1))
@@ -99,13 +99,13 @@ def lattice(plan: Plan, panels: tuple[int, ...], mach: float) -> VortexLattice:
 def elastic(
     plan: Plan, pieces: tuple[int, ...], panels: tuple[int, ...], mach: float
 ) -> ElasticWing:
-    """The wing, its plate and its lattice coupled by thin plates on patches."""
+    """The elastic wing: plate and lattice coupled by thin-plate splines on patches."""
     plate, air = skin_plate(plan, *pieces), lattice(plan, panels, mach)
     return ElasticWing(plate, air, FlatCoupling(flat(plate.mesh.points), flat(air.points)))
 
 
 def built_incidences(plan: Plan, panels: tuple[int, ...], angle: float) -> np.ndarray:
-    """Incidences (a, b) of the panels: of the stream, the twist as built, and the camber."""
+    """Incidences (a, b) of the panels, from angle of attack, built-in twist and camber."""
     across, along = panels
     part = (np.arange(across) + 0.75) / across
     y = plan.half_span * np.sin(np.linspace(0, np.pi / 2, along + 1))
@@ -114,7 +114,7 @@ def built_incidences(plan: Plan, panels: tuple[int, ...], angle: float) -> np.nd
 
 
 def skin(plan: Plan, across: int, along: int) -> np.ndarray:
-    """Points (2 across + 1, along + 1, 3) from the rear edge over the top to the rear edge."""
+    """Points (2 across + 1, along + 1, 3), from the trailing edge over the top and back to it."""
     turn = np.linspace(0, 2 * np.pi, 2 * across + 1)[:, None]
     part = (1 + np.cos(turn)) / 2
     y = np.linspace(0, plan.half_span, along + 1)

@@ -59,7 +59,7 @@ from fieldreport.framework.experiment import (
 )
 
 PUBLISHED_SUMMIT = 1077
-"""Height of Cross Mountain in metres, by the gazetteer of the U.S. Geological Survey."""
+"""Height of Cross Mountain in metres, from the gazetteer of the U.S. Geological Survey."""
 
 PHASES = np.linspace(-0.5, 0.5, 26)
 DISTANCES = (0.0, 0.25, 0.5, 1.0, 2.0, np.inf)
@@ -74,8 +74,8 @@ class Params:
     """The isolines, the methods, and the window in which the isolines' spacing is varied."""
 
     spacing: int = parameter(100, "difference of height between isolines, m")
-    apart: float = parameter(300.0, "least distance of points on isolines of one height, m")
-    every: int = parameter(1, "take every so manyth row and column of the elevation model")
+    apart: float = parameter(300.0, "smallest distance of points on isolines of one height, m")
+    every: int = parameter(1, "stride of rows and columns of the elevation model")
     degrees: tuple[int, ...] = parameter((1, 2, 4, 8, 12, 16, 20), "degrees of least squares")
     shown_degree: int = parameter(12, "degree of least squares in maps, profiles and the window")
     per_coefficient: int = parameter(4, "points per coefficient in a neighbourhood of MLS")
@@ -100,7 +100,7 @@ class Params:
 
     @property
     def quoted(self) -> dict[str, str]:
-        """The methods of which facts are told, by what the facts' names begin with."""
+        """The methods with facts, by the prefix of the names of the facts."""
         told = ("ls", "mls_1", "mls_2", "mls_guarded", "thin_plate")
         return dict(zip(told, self.shown, strict=True)) | {
             "ls_highest": f"LS {max(self.degrees)}",
@@ -115,12 +115,12 @@ DIGITS = {"cubic_top_told_percent": 5, "thin_plate_behind_percent": 4, "differen
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Make the elevation model again from its isolines, and compare."""
+    """Reconstruct the elevation model from its isolines, and compare."""
     return study(params, part(terrain(), np.s_[:: params.every], np.s_[:: params.every]), each)
 
 
 def study(params: Params, land: Terrain, each: Map = map) -> Result:
-    """Make a land again from its isolines, and compare."""
+    """Reconstruct a terrain from its isolines, and compare."""
     whole = TerrainProblem(land, params.spacing, params.apart)
     window = windowed(land, params.window)
     windows = [TerrainProblem(window, spacing, params.apart) for spacing in params.spacings]
@@ -218,7 +218,7 @@ def _facts_of_land(problem: TerrainProblem) -> dict[str, Cell]:
 def _facts_of_methods(
     params: Params, problem: TerrainProblem, found: Mapping[str, Surface]
 ) -> dict[str, Cell]:
-    """Return what the tables have that sentences need, and which is best inside of the hull."""
+    """Return the facts from the tables, and which method is best inside the hull."""
     facts: dict[str, Cell] = {}
     for told, name in params.quoted.items():
         judged = measured(problem, found[name]) | by_landform(problem, found[name])
@@ -247,7 +247,7 @@ def _facts_of_methods(
 def _facts_of_window(
     params: Params, windows: list[TerrainProblem], in_window: Mapping[str, np.ndarray]
 ) -> dict[str, Cell]:
-    """Return the power of the spacing with which each error falls, and its ends."""
+    """Return the power of the spacing with which each error decreases, and its end values."""
     finest, coarsest = np.argmin(params.spacings), np.argmax(params.spacings)
     facts: dict[str, Cell] = {
         "window_finest_points": len(windows[finest].isolines[0]),
@@ -288,5 +288,5 @@ def _arrays(
 
 
 def plot(result: Result) -> Figure:
-    """The points, the surface that they give back, and the land."""
+    """The points, the reconstructed surface, and the terrain."""
     return draw_points_surface_land(result)

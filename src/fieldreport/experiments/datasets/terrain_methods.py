@@ -1,4 +1,4 @@
-"""From points with heights to a surface, by each method that the terrain tries."""
+"""Methods of the terrain experiment: from points with heights to a surface."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ THIN_PLATE = "thin plate"
 TRIANGLES = "triangles"
 
 WEIGHT = wendland(3, 1)
-"""Of moving least squares: twice differentiable, and zero from the first point not counted."""
+"""The weight of moving least squares: twice differentiable, zero at the first unused point."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class Surface:
     Parameters
     ----------
     heights : ndarray of shape (m,)
-        NaN where the method says nothing.
+        NaN where the method is undefined.
     amplification : ndarray of shape (m,)
-        The sum of the sizes of the weights, by which an error of the data can grow; empty where
-        nobody asked.
+        The sum of the absolute weights, by which an error of the data can grow; empty if not
+        computed.
     neighbors : int
-        How many points decide a height; 0 if all do.
+        The number of points that determine a height; 0 if all do.
     """
 
     heights: np.ndarray
@@ -55,7 +55,7 @@ def solved(job: tuple[Method, np.ndarray, np.ndarray, np.ndarray]) -> Surface:
 
 
 def methods(degrees: tuple[int, ...], per_coefficient: int, bound: float) -> dict[str, Method]:
-    """Name all methods, simplest first.
+    """Return all methods by name, simplest first.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def methods(degrees: tuple[int, ...], per_coefficient: int, bound: float) -> dic
 
 
 def key(name: str) -> str:
-    """Return the name of a method as that of an array."""
+    """Return the name of a method in the form of an array name."""
     return name.replace(" ", "_").lower()
 
 
@@ -118,8 +118,8 @@ def guarded(
 ) -> Surface:
     """Moving least squares of degree 2; of 1, at last of 0, where the weights grow too large.
 
-    The weights do not depend on the heights: where they are large, so may be the error, whatever
-    the land. Of degree 0 they are positive and sum to one, and the height is a mean.
+    The weights do not depend on the heights: where they are large, the error may be large on any
+    terrain. With degree 0 they are positive and sum to one, and the height is a mean.
     """
     result, sizes = np.empty(len(queries)), np.empty(len(queries))
     unsafe = np.arange(len(queries))
@@ -154,8 +154,8 @@ def local_weights(
 ) -> sparse.csr_array:
     """Return the weights (m, n) of moving least squares on the nearest points.
 
-    Where these lie on one line they determine no plane: as many points are taken, twice, four
-    times `neighbors` and so on, as determine the polynomial at every query.
+    Where these are collinear they do not determine a plane: the number of points is doubled until
+    they determine the polynomial at every query.
     """
     try:
         return MovingLeastSquares(points, WEIGHT, degree, neighbors).weights(queries)
@@ -164,7 +164,7 @@ def local_weights(
 
 
 def amplification(weights: sparse.csr_array) -> np.ndarray:
-    """Return the sum of the sizes of the weights of each query."""
+    """Return the sum of the absolute weights of each query."""
     return abs(weights).sum(axis=1)
 
 

@@ -47,12 +47,12 @@ SIDE = 61
 
 @dataclass(frozen=True)
 class Params:
-    """Which points, and how long the kernels are."""
+    """The points and the lengths of the kernels."""
 
     points: int = parameter(24, "random points in the square [0, 3]²")
-    scale: float = parameter(0.6, "length of the kernels that have one")
-    radius: float = parameter(1.5, "support of Wendland's function")
-    lattice: int = parameter(9, "points along the side of the lattice that (1 - r)₊ fails on")
+    scale: float = parameter(0.6, "scale of the kernels with a scale")
+    radius: float = parameter(1.5, "radius of Wendland's function")
+    lattice: int = parameter(9, "points along the side of the lattice on which (1 - r)₊ fails")
     step: float = parameter(0.7, "step of that lattice, in radii")
     seed: int = parameter(0, "seed of the points")
 
@@ -81,7 +81,7 @@ def kernels(params: Params) -> dict[str, Radial]:
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Show every condition, and what fails without it."""
+    """Test every condition, and its counterexample."""
     x = 3 * uniform(params.points, 2, params.seed)
     known = kernels(params)
     rows = list(each(partial(conditions, x), known.values()))
@@ -107,20 +107,20 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def conditions(x: np.ndarray, kernel: Radial) -> tuple[int, float, float | str, int, int, int]:
-    """Return the order, the least eigenvalues with and below it, and the inertia of the system."""
+    """Return the order, the smallest eigenvalues for it and one less, and the inertia."""
     below = least(kernel, x, kernel.order - 2) if kernel.order else ""
     return (kernel.order, least(kernel, x, kernel.order - 1), below, *inertia(system(kernel, x)))
 
 
 def least(kernel: Radial, x: np.ndarray, degree: int) -> float:
-    """Least eigenvalue of the form on what annihilates the polynomials of the degree."""
+    """Smallest eigenvalue of the form on the coefficients that annihilate the polynomials."""
     p = monomials(x / 3, degree)
     z = np.linalg.qr(p, mode="complete")[0][:, p.shape[1] :]
     return float(np.linalg.eigvalsh(z.T @ kernel(cdist(x, x)) @ z).min())
 
 
 def system(kernel: Radial, x: np.ndarray, degree: int | None = None) -> np.ndarray:
-    """The kernel bordered by polynomials of its order, or of the degree."""
+    """The kernel matrix bordered by polynomials of its order, or of the given degree."""
     p = monomials(x / 3, kernel.order - 1 if degree is None else degree)
     zero = np.zeros((p.shape[1], p.shape[1]))
     return np.block([[kernel(cdist(x, x)), p], [p.T, zero]])
@@ -152,9 +152,9 @@ def on_the_diagonal() -> tuple[np.ndarray, np.ndarray]:
 
 
 def two_fields() -> tuple[np.ndarray, np.ndarray, float]:
-    """Return two thin plates through the same data on a line, on a grid, and how far they differ.
+    """Return two thin-plate splines through the same collinear data, and their difference.
 
-    The second has a multiple of x - y more, which vanishes on the line.
+    The second differs by a multiple of x - y, which vanishes on the line.
     """
     x, f = on_the_diagonal()
     kernel, n = thin_plate_spline(), len(x)
@@ -211,7 +211,7 @@ def _facts(
 
 
 def refusal(x: np.ndarray) -> str:
-    """Return what the library says to points on a line."""
+    """Return the error message of the library for collinear points."""
     try:
         RBF(x, thin_plate_spline())
     except np.linalg.LinAlgError as error:
@@ -220,7 +220,7 @@ def refusal(x: np.ndarray) -> str:
 
 
 def plot(result: Result) -> Figure:
-    """Least eigenvalues with the order and below it; the transform of (1 - r)₊."""
+    """Smallest eigenvalues for the order and one less; the transform of (1 - r)₊."""
     a = result.arrays
     names = result.tables["conditions"].column("kernel")
     with figure(height=2.9, columns=2, width_ratios=[1.25, 1]) as (page, (left, right)):

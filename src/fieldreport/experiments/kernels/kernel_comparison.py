@@ -40,23 +40,23 @@ from fieldreport.framework.experiment import (
     require_at_least,
 )
 
-# A condition number beyond it is rounding, and so are the digits of what was solved with it.
+# Larger computed condition numbers are dominated by rounding, as are the solutions.
 CERTAIN = 1e13
 ROUNDING = 1e-16
 
 
 @dataclass(frozen=True)
 class Params:
-    """How many points, and the lengths of the kernels that have one."""
+    """The numbers of points, and the lengths of the kernels."""
 
     sizes: tuple[int, ...] = parameter((50, 100, 200, 400, 800), "numbers of points, increasing")
     scale: float = parameter(
         0.2, "scale of Gaussian, multiquadric and Matérn; the square has side 1"
     )
     radius: float = parameter(1.0, "radius of Wendland's function")
-    side: int = parameter(40, "places along a side of the square where the error is measured")
+    side: int = parameter(40, "evaluation points along a side of the square")
     few: int = parameter(100, "points of the part on augmentation")
-    farthest: float = parameter(1e3, "largest distance from the middle of the square")
+    farthest: float = parameter(1e3, "largest distance from the centre of the square")
 
     def __post_init__(self) -> None:
         require_at_least(self, sizes=4, few=4, scale=1e-3, radius=1e-3, side=2, farthest=10)
@@ -130,7 +130,7 @@ def error_and_condition(params: Params, case: tuple[Radial, int]) -> tuple[float
 
 
 def interpolation_matrix(kernel: Radial, x: np.ndarray) -> np.ndarray:
-    """Return the kernel matrix, bordered by the polynomials that its order asks for."""
+    """Return the kernel matrix, bordered by the polynomials that its order requires."""
     p = monomial_matrix(x, kernel.order - 1) if kernel.order else np.empty((len(x), 0))
     return np.block([[kernel(cdist(x, x)), p], [p.T, np.zeros((p.shape[1], p.shape[1]))]])
 
@@ -155,14 +155,14 @@ def _kernel_table(params: Params, error: np.ndarray, condition: np.ndarray) -> R
 
 
 def _told_error(error: float, condition: float) -> Cell:
-    """Tell an error of an ill-conditioned system by its order of magnitude only."""
+    """Report an error of an ill-conditioned system by its order of magnitude only."""
     if error == 0:
         return "refused"
     return float(error) if condition < CERTAIN else order_of_magnitude(error)
 
 
 def _told_condition(condition: float) -> Cell:
-    """Tell a condition number, or the bound beyond which double precision cannot."""
+    """Report a condition number, at most the largest that double precision can resolve."""
     return float(condition) if condition < CERTAIN else f"over {CERTAIN:.0e}"
 
 
@@ -178,12 +178,12 @@ def _affine_rows(params: Params) -> Iterator[tuple[Cell, ...]]:
 
 
 def _far_fields(params: Params, distances: np.ndarray) -> dict[str, np.ndarray]:
-    """Return fields along a ray from the middle of the square, with and without a polynomial."""
+    """Return fields along a ray from the centre of the square, with and without a polynomial."""
     x = halton(params.few, 2)
     values, bell, plate = franke(x), gaussian(params.scale), thin_plate_spline()
     ray = 0.5 + distances[:, None] * np.array([0.6, 0.8])
-    # What the library rightly refuses: the thin plate without its plane. Its matrix happens to be
-    # regular, but nothing holds the kernels together far away.
+    # The library refuses the thin plate without its plane. Its matrix happens to be regular     #
+    # here, but without the side conditions the field grows like the kernel.
     loose = plate(cdist(ray, x)) @ np.linalg.solve(plate(cdist(x, x)), values)
     return {
         "far_plate": RBF(x, plate).field(values)(ray),
@@ -217,7 +217,7 @@ def _far_facts(distances: np.ndarray, far: dict[str, np.ndarray]) -> dict[str, C
 
 
 def _difference(params: Params) -> float:
-    """Return how far the interpolants are, at most, from those of scipy.interpolate."""
+    """Return the largest difference of the interpolants from those of scipy.interpolate."""
     x, queries = halton(params.few, 2), halton(params.few + 100, 2)[params.few :]
     shared: dict[str, dict[str, Any]] = {
         "linear": {"kernel": "linear", "degree": 0},

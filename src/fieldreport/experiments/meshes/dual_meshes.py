@@ -51,13 +51,13 @@ CASES = {
 
 @dataclass(frozen=True)
 class Params:
-    """The points, and how they are stretched."""
+    """The points and their stretching."""
 
     side: int = parameter(5, "steps of the grid along the unit square")
     side_3d: int = parameter(6, "steps of the grid along the unit cube")
-    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
-    stretch: float = parameter(2.0, "by how much the first coordinate is stretched")
-    seed: int = parameter(1, "seed of the moves")
+    jitter: float = parameter(0.6, "range of the random displacement of a vertex, in steps")
+    stretch: float = parameter(2.0, "factor by which the first coordinate is stretched")
+    seed: int = parameter(1, "seed of the displacements")
 
     def __post_init__(self) -> None:
         require_at_least(self, side=3, side_3d=3, jitter=0, stretch=1, seed=0)
@@ -138,7 +138,7 @@ def dual_lengths(mesh: SimplexMesh) -> np.ndarray:
 
 
 def overlap(mesh: SimplexMesh, lengths: np.ndarray) -> float:
-    """Return how much more the diamonds over faces and dual edges measure than the mesh.
+    """Return the relative excess of the measure of the diamonds over that of the mesh.
 
     The signed ones measure Σ A_f l*_f / d, the volume of the mesh, since each cell is the sum of
     the pyramids from its circumcentre to its faces. Those of negative length lie on others.

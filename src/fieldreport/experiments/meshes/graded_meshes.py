@@ -1,4 +1,7 @@
-"""Meshes of the unit square with edges as long as is asked at each place, a new one each time."""
+"""Graded meshes of the unit square: edge lengths given by a function, for each frame anew.
+
+The edges are shortest at the boundary of the ink and grow with the distance from it.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +15,11 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 
 SMOOTHINGS = 3
 GROWTH = 0.35
-"""Edges grow by this part of the distance from where they are shortest."""
+"""Growth of the edge length per distance from where it is smallest."""
 
 
 def near_rim(wide: float, fine: float, rim: np.ndarray | None, x: np.ndarray) -> np.ndarray:
-    """Lengths of edges: `fine` at the points of a rim, growing to `wide` away from it."""
+    """Edge lengths: `fine` at the given points, growing to `wide` away from them."""
     if rim is None or not len(rim):
         return np.full(len(x), wide)
     away = cKDTree(rim).query(x)[0]
@@ -26,8 +29,8 @@ def near_rim(wide: float, fine: float, rim: np.ndarray | None, x: np.ndarray) ->
 def box_mesh(lengths: Callable[[np.ndarray], np.ndarray], seed: int) -> SimplexMesh:
     """Delaunay mesh of the unit square with edges of about these lengths.
 
-    Points are thrown in, each kept if no other is too near, and then moved to the mean of their
-    neighbours a few times.
+    Random points are accepted if no other point is too close, and then smoothed by moving them a
+    few times to the mean of their neighbours.
     """
     rim = boundary(lengths)
     shortest = float(lengths(halton(4000, 2)).min())
@@ -39,7 +42,7 @@ def box_mesh(lengths: Callable[[np.ndarray], np.ndarray], seed: int) -> SimplexM
 
 
 def boundary(lengths: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Points on the sides, in even parts of what the lengths ask for."""
+    """Points on the sides, spaced according to the edge lengths."""
     t = np.linspace(0, 1, 401)
     sides = []
     for corner, along in (((0, 0), (1, 0)), ((1, 0), (0, 1)), ((1, 1), (-1, 0)), ((0, 1), (0, -1))):
@@ -54,7 +57,7 @@ def boundary(lengths: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
 def thinned(
     rim: np.ndarray, tried: np.ndarray, lengths: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """Those of the points that are tried that are far enough from the rim and those before."""
+    """Select the candidates far enough from given points and from those selected before."""
     apart = 0.8 * lengths(tried)
     free = cKDTree(rim).query(tried)[0] > 0.75 * apart
     tried, apart = tried[free], apart[free]

@@ -1,4 +1,4 @@
-"""Meshes of the unit square and cube, and flows that are known everywhere on them."""
+"""Meshes of the unit square and cube, and reference flows in closed form."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def random_square(inside: int, side: int, seed: int | tuple[int, ...]) -> Simple
 def jittered_cube(side: int, d: int, jitter: float, seed: int) -> SimplexMesh:
     """Delaunay mesh of the unit cube in d dimensions, of edges about 1/side.
 
-    The points of a grid, moved at random by up to half of `jitter` times the spacing, those on the
-    boundary within it: no more than d + 1 of them lie on an empty sphere.
+    The points of a grid are displaced at random by up to half of `jitter` times the spacing,
+    boundary points within the boundary: at most d + 1 of them lie on an empty sphere.
     """
     grid = np.indices((side + 1,) * d).reshape(d, -1).T / side
     free = (grid > 0) & (grid < 1)
@@ -46,7 +46,7 @@ def equilateral_mesh(side: int) -> SimplexMesh:
     i, j = np.meshgrid(np.arange(side + 2), np.arange(rows + 1), indexing="ij")
     points = np.stack([i - j % 2 / 2, j * np.sqrt(0.75)], axis=-1).reshape(-1, 2) / side
     mesh = SimplexMesh.delaunay(points)
-    # the hull closes the notches of its left and right side with triangles that are longer
+    # remove the longer triangles with which the hull fills notches on the left and right
     longest = mesh.face_measures[mesh.cell_faces].max(axis=1)
     return SimplexMesh(points, mesh.cells[longest < 1.5 / side])
 

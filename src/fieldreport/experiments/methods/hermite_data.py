@@ -52,7 +52,7 @@ class Params:
     wave: float = parameter(0.3, "depth of the lobes, in radii")
     offset: float = parameter(0.1, "distance of the points beside the curve, in radii")
     sizes: tuple[int, ...] = parameter((8, 12, 16, 24, 32), "points along an edge of the square")
-    queries: int = parameter(500, "points at which the error in the square is taken")
+    queries: int = parameter(500, "points at which the error in the square is measured")
 
     def __post_init__(self) -> None:
         require_at_least(self, points=8, lobes=2, wave=0.0, offset=1e-6, sizes=4, queries=10)
@@ -63,7 +63,7 @@ DIGITS = {"order_r7": 4, "error_finest": 3, "torsion_percent": 2}
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Find the curve in both ways, and solve the equation on every grid."""
+    """Reconstruct the curve in both ways, and solve the equation on every grid."""
     p, normals = on_the_curve(params, np.arange(params.points) * 2 * np.pi / params.points)
     fields = {
         "normals": by_normals(p, normals),
@@ -143,7 +143,7 @@ def by_points_beside(p: np.ndarray, normals: np.ndarray, offset: float) -> Field
 
 
 def rms_distance(field: Field, dense: np.ndarray) -> float:
-    """Root mean square distance of the zero level from the curve, by one step of Newton."""
+    """Root mean square distance of the zero level from the curve, by one Newton step."""
     slope = np.linalg.norm(field.gradient(dense), axis=1)
     return float(np.sqrt(np.mean((field(dense) / slope) ** 2)))
 
@@ -193,7 +193,7 @@ def torsion(n: int) -> HermiteField:
 
 
 def torsion_series(terms: int = 400) -> float:
-    """Return the value in the middle by the double sine series.
+    """Return the value at the centre by the double sine series.
 
     >>> round(torsion_series(), 6)
     0.073671

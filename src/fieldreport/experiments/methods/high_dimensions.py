@@ -49,11 +49,11 @@ class Params:
 
     variables: tuple[int, ...] = parameter((3, 5, 10, 20, 50, 100), "numbers of variables")
     sites: int = parameter(1000, "sites, at random in the unit cube")
-    more: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "numbers of sites to compare")
-    at: int = parameter(10, "variables where numbers of sites are compared; of variables")
-    queries: int = parameter(150, "places where errors are measured, at random too")
-    large: int = parameter(20000, "places that tell mean and deviation of the functions")
-    seed: int = parameter(1, "of sites, queries and functions")
+    more: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "numbers of sites compared")
+    at: int = parameter(10, "number of variables for which numbers of sites are compared")
+    queries: int = parameter(150, "random points where errors are measured")
+    large: int = parameter(20000, "points for the mean and the deviation of the functions")
+    seed: int = parameter(1, "seed of sites, queries and functions")
 
     def __post_init__(self) -> None:
         require_at_least(self, variables=2, sites=20, more=20, queries=1, large=100)
@@ -95,10 +95,10 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def errors(params: Params, case: tuple[int, int, str]) -> np.ndarray:
-    """Return rms errors (methods, functions) in standard deviations; zero where there is none.
+    """Return rms errors (methods, functions) in standard deviations; zero where not computed.
 
-    Of sites that are not random only those of the cubic are wanted. In the last row is the cubic on
-    the two variables that matter, for the function of these.
+    For sites that are not random only the errors of the cubic are computed. The last row is the
+    cubic on the two relevant variables, for the function of two variables.
     """
     d, n, kind = case
     x, q = sites(n, d, kind, params.seed), uniform(params.queries, d, params.seed + 1)
@@ -112,7 +112,7 @@ def errors(params: Params, case: tuple[int, int, str]) -> np.ndarray:
     for name, make in methods(d, n).items():
         if kind != "random" and name != "cubic":
             continue
-        with suppress(np.linalg.LinAlgError):  # neighbours that do not determine a plane
+        with suppress(np.linalg.LinAlgError):  # the neighbours do not determine a plane
             error = make(x, data)(q) - truth
             found[METHODS.index(name)] = np.maximum(rms(error), ROUNDING)
     known = RBF(x[:, :2], polyharmonic(3)).field(data[:, 1])(q[:, :2]) - truth[:, 1]
@@ -187,7 +187,7 @@ def _facts(
 
 
 def _rates(params: Params, by_sites: np.ndarray) -> Iterator[tuple[str, float]]:
-    """Yield the exponents p of errors that fall as n^-p."""
+    """Yield the exponents p of errors that decrease as n^-p."""
     for name in ("nearest", "cubic"):
         errors_of = np.log(by_sites[:, METHODS.index(name)])
         rates = -np.polyfit(np.log(params.more), errors_of, 1)[0]
@@ -210,11 +210,11 @@ TITLES = (
     "wave across the diagonal",
 )
 LEAST, MOST = 8e-4, 12
-"""What is drawn, in standard deviations."""
+"""The range of errors in the figures, in standard deviations."""
 
 
 def _looks() -> dict[str, dict[str, Any]]:
-    """Label and look of each method, in the order of the arrays."""
+    """Label and line style of each method, in the order of the arrays."""
     straight, curved = shades("LS", 2)
     near, wide = shades("MLS", 2)
     cone, cubic = shades("RBF", 2)
@@ -257,7 +257,7 @@ def errors_drawn(numbers: Sequence[int], found: np.ndarray, what: str) -> Figure
 
 
 def plot_distances(result: Result) -> Figure:
-    """Distances concentrate; and the last two coordinates of Halton's points."""
+    """Concentration of distances; the last two coordinates of Halton points."""
     variables, distances = result.params.variables, result.arrays["distances"]
     with figure(height=2.6, columns=3, width_ratios=(1.6, 1, 1)) as (page, panels):
         middles = (np.arange(distances.shape[1]) + 0.5) * 2.5 / distances.shape[1]

@@ -38,7 +38,7 @@ class Params:
     """The measurements."""
 
     results: str = input_file("benchmarks/results/million.json", "file that make bench wrote")
-    wanted: float = parameter(10.0, "how many times as fast as ferreus_rbf was aimed at")
+    wanted: float = parameter(10.0, "target for the speed, in multiples of that of ferreus_rbf")
 
     def __post_init__(self) -> None:
         require_at_least(self, wanted=1.0)
@@ -48,7 +48,7 @@ QUICK = Params(wanted=5.0)
 
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
-    """Read what was measured."""
+    """Read the measurements."""
     result = read_benchmark(params.results)
     (table,) = tables(result)
     runs = select_columns(table, COLUMNS)
@@ -63,7 +63,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
 def _against(
     found: list[dict[str, Any]], comparison: Mapping[str, Any], wanted: float
 ) -> Iterator[tuple[str, float | int | str]]:
-    """Yield what is told of a cloud: times and errors of the rival over ours."""
+    """Yield the facts of a cloud: times and errors of ferreus_rbf relative to fieldrecon."""
     data = comparison["what"].partition(",")[0]
     here = {r["method"]: r for r in found if r["data"] == data}
     ours, theirs = here[USUAL], here[RIVAL]
@@ -102,6 +102,6 @@ def plot(result: Result) -> Figure:
             )
             panel.set(xlabel="seconds", title=f"{sites:,} points, {TITLES[data]}")
             panel.grid(visible=False, axis="y")
-        page.set_layout_engine("constrained", wspace=0.06)  # names stand between the panels
+        page.set_layout_engine("constrained", wspace=0.06)  # the names are between the panels
         axes[-1].legend(loc="upper right")  # where bars are short
     return page

@@ -51,14 +51,14 @@ ROUNDING = np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Params:
-    """Which function, and where its data lie."""
+    """The function and its sites."""
 
     sites: int = parameter(11, "scattered sites on [0, 1]")
     frequency: float = parameter(9.0, "k of the function sin(k x)")
     sizes: tuple[int, ...] = parameter(
         (17, 33, 65, 129, 257, 513), "numbers of equidistant sites of the convergence study"
     )
-    reach: float = parameter(0.3, "how far beyond the outer sites the figure looks, a length")
+    reach: float = parameter(0.3, "length beyond the outer sites that the figure shows")
     seed: int = parameter(4, "seed of the sites")
 
     def __post_init__(self) -> None:
@@ -118,7 +118,7 @@ def interpolants(x: np.ndarray, f: np.ndarray) -> dict[str, tuple[Curve, Curve]]
 
 
 def bend_of(spline: NaturalSpline, at: np.ndarray) -> np.ndarray:
-    """Second derivative between sites: of the parabolas of s' a difference quotient is exact."""
+    """Second derivative between sites: a difference quotient, exact for the quadratic s'."""
     h = 1e-6
     return (spline.gradient(at + h) - spline.gradient(at - h)) / (2 * h)
 
@@ -146,7 +146,7 @@ def errors_at(frequency: float, sites: int) -> np.ndarray:
 
 
 def influence(sites: int) -> np.ndarray:
-    """Return how a datum in the middle counts in the middles of the intervals to its right."""
+    """Return the influence of a central datum on the midpoints of the intervals to its right."""
     middle = sites // 2
     x = np.arange(sites, dtype=float)
     return NaturalCubicSpline(x).weights(x[middle] + 0.5 + np.arange(12))[:, middle]

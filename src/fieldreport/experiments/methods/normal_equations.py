@@ -32,20 +32,20 @@ from fieldreport.framework.experiment import (
 )
 
 SOLVERS = ("normal equations", "factorization, same coordinates", "factorization, local frame")
-CERTAIN = 1e13  # a computed condition number above it has lost its digits
+CERTAIN = 1e13  # larger computed condition numbers have no correct digits
 ROUNDING = np.finfo(float).eps
 
 
 @dataclass(frozen=True)
 class Params:
-    """Where the points lie."""
+    """The positions of the points."""
 
     side: int = parameter(10, "points along each side of the grid on which the field is sampled")
-    queries: int = parameter(100, "random places at which it is reconstructed")
+    queries: int = parameter(100, "random points at which it is reconstructed")
     decades: tuple[int, ...] = parameter(
         (0, 1, 2, 3, 4, 5, 6, 7, 8), "decimal logarithms of the offset of the square of side 1"
     )
-    seed: int = parameter(0, "seed of the places")
+    seed: int = parameter(0, "seed of the random points")
 
     def __post_init__(self) -> None:
         require_at_least(self, side=2, queries=1, decades=0, seed=0)

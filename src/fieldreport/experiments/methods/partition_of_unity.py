@@ -45,12 +45,12 @@ class Params:
     """The sites and the choices."""
 
     sites: int = parameter(6000, "number of sites, at random in the unit square and in the terrain")
-    queries: int = parameter(6000, "number of places where errors are measured")
+    queries: int = parameter(6000, "number of points where errors are measured")
     sizes: tuple[int, ...] = parameter((16, 24, 40, 64), "numbers of sites in a patch, increasing")
-    told: int = parameter(40, "that of them of which facts are told")
+    told: int = parameter(40, "the patch size for which facts are reported")
     radius: float = parameter(0.1, "radius of Wendland's function; the square has side 1")
     steepness: float = parameter(40.0, "1 / width of the steep front")
-    seed: int = parameter(1, "of sites, queries and noise")
+    seed: int = parameter(1, "seed of sites, queries and noise")
 
     def __post_init__(self) -> None:
         require_at_least(self, sites=200, queries=1, sizes=16, radius=1e-3)
@@ -82,7 +82,7 @@ TITLES = {
 
 
 class SampledData(NamedTuple):
-    """Data (n, v) at sites (n, 2), and the truth (m, v) at queries (m, 2)."""
+    """Data (n, v) at sites (n, 2), and exact values (m, v) at queries (m, 2)."""
 
     sites: np.ndarray
     data: np.ndarray
@@ -110,7 +110,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def cost_and_errors(params: Params, case: tuple[str, int]) -> list[float]:
-    """Return multiplications for each site, and the rms error in each of the sets of data."""
+    """Return the multiplications per site, and the rms error for each data set."""
     name, size = case
     _, kernel, degree = params.choices[name]
     errors: list[float] = []
@@ -125,7 +125,7 @@ def cost_and_errors(params: Params, case: tuple[str, int]) -> list[float]:
 
 
 def square(params: Params) -> SampledData:
-    """Franke's function, a front, and noise whose truth is zero, side by side."""
+    """Franke's function, a front, and noise around zero, as three components."""
     rng = np.random.default_rng(params.seed)
     x, q = uniform(params.sites, 2, rng), uniform(params.queries, 2, rng)
     data = np.stack([franke(x), front(params, x), rng.standard_normal(len(x))], axis=1)
@@ -138,7 +138,7 @@ def front(params: Params, x: np.ndarray) -> np.ndarray:
 
 
 def land(params: Params) -> SampledData:
-    """Heights at some nodes of the terrain, to be told at others; its longer side is one."""
+    """Heights at some nodes of the terrain, and at others as queries; its longer side is one."""
     whole = terrain()
     x, height = whole.points / whole.points.max(), whole.height.reshape(-1, 1)
     drawn = np.random.default_rng(params.seed).permutation(len(x))
@@ -156,7 +156,7 @@ def _facts(params: Params, found: np.ndarray) -> dict[str, Cell]:
 
 
 def _difference(params: Params) -> float:
-    """Return how far a single patch is, at most, from `scipy.interpolate`."""
+    """Return the largest difference of a single patch from `scipy.interpolate`."""
     x, q = halton(60, 2), uniform(200, 2, params.seed)
     ours = PartitionOfUnityRBF(x).field(franke(x))(q)
     theirs = RBFInterpolator(x, franke(x), kernel="cubic", degree=3)(q)

@@ -26,14 +26,14 @@ from fieldreport.framework.experiment import (
 
 @dataclass(frozen=True)
 class Params:
-    """The measurements, and the choice that the library makes."""
+    """The measurements, and the defaults of the library."""
 
     results: str = input_file("benchmarks/results/patch_sizes.json", "file that make bench wrote")
-    kernel: str = parameter("r³", "kernel that is taken by default")
-    degree: int = parameter(3, "degree of polynomials that is taken by default")
-    patch: int = parameter(40, "sites of a patch that are taken by default")
+    kernel: str = parameter("r³", "default kernel")
+    degree: int = parameter(3, "default degree of polynomials")
+    patch: int = parameter(40, "default number of sites in a patch")
 
-    most: float = parameter(1.15, "exponent of growth that is aimed at, or less")
+    most: float = parameter(1.15, "target for the exponent of growth, at most")
 
     def __post_init__(self) -> None:
         require_at_least(self, degree=-1, patch=1)
@@ -59,12 +59,12 @@ TOLD = {
     "septic": ("r⁷", 3, 40),
     "plate": ("r² log r", 1, 40),
 }
-"""Choices of which the text tells, besides the default."""
+"""Choices with facts, besides the default."""
 MARKERS = {1: "o", 2: "s", 3: "D", 4: "^"}
 
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
-    """Read what was measured."""
+    """Read the measurements."""
     result = read_benchmark(params.results)
     choices, overlap, growth = tables(result)
     grown = ResultTable(growth.columns, tuple(r for r in growth.rows if isinstance(r[0], int)))
@@ -80,7 +80,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
 
 
 def _told(params: Params, choices: ResultTable) -> dict[str, Cell]:
-    """Return seconds and errors of the default and of some others, by name."""
+    """Return seconds and errors of the default and of some other choices, by name."""
     usual = (params.kernel, params.degree, params.patch)
     facts: dict[str, Cell] = {}
     for name, choice in {"usual": usual, **TOLD}.items():
@@ -92,7 +92,7 @@ def _told(params: Params, choices: ResultTable) -> dict[str, Cell]:
 
 
 def _of_growth(growth: ResultTable) -> Iterator[tuple[str, Cell]]:
-    """Yield exponents p of seconds C n^p in the plane, and what the largest cloud takes."""
+    """Yield exponents p of seconds C n^p in the plane, and time and memory of the largest cloud."""
     plane = [r for r in growth.rows if r[1] == 2]
     sites, steps = np.array([r[0] for r in plane]), np.array([r[2:5] for r in plane])
     yield "most_sites", int(sites[-1])

@@ -33,8 +33,8 @@ class Params:
     """The measurements."""
 
     results: str = input_file("benchmarks/results/peers.json", "file that make bench wrote")
-    large: int = parameter(50_000, "number of sites from which on a cloud is called large")
-    small: int = parameter(1000, "number of sites up to which it is called small")
+    large: int = parameter(50_000, "smallest number of sites of a large cloud")
+    small: int = parameter(1000, "largest number of sites of a small cloud")
 
     def __post_init__(self) -> None:
         require_at_least(self, large=1, small=0)
@@ -66,11 +66,11 @@ TOLD = {
     "noisy_means": ("noisy", TOLD_SITES, f"fieldrecon patches, {MEANS} means"),
     "land_chosen": ("terrain", LAND, "fieldrecon patches, by leave-one-out"),
 }
-"""Runs of which the text tells seconds and error, by the names it has for them."""
+"""Runs with facts for seconds and error, by the prefix of the facts."""
 
 
 class MethodRun(NamedTuple):
-    """One method on one set of data: seconds of all, and of the parts; the error; memory in MiB."""
+    """One method on one data set: seconds in total and of the parts; the error; memory in MiB."""
 
     data: str
     sites: int
@@ -89,11 +89,11 @@ class MethodRun(NamedTuple):
         return self.method.startswith(OURS)
 
     def covers(self, other: MethodRun) -> bool:
-        """Whether it takes no longer and errs no more."""
+        """Whether neither its time nor its error is larger."""
         return self.total <= other.total and self.is_as_accurate_as(other)
 
     def is_as_accurate_as(self, other: MethodRun) -> bool:
-        """Whether it errs no more; the same interpolant by two libraries differs by rounding."""
+        """Whether its error is not larger, up to rounding, which differs between libraries."""
         return self.rms <= other.rms * (1 + ROUNDING)
 
 
@@ -121,7 +121,7 @@ LOST = (
 
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
-    """Read what was measured."""
+    """Read the measurements."""
     result = read_benchmark(params.results)
     (table,) = tables(result)
     runs = [MethodRun._make(row) for row in select_columns(table, COLUMNS).rows]
@@ -162,7 +162,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
 
 
 def uncovered(runs: Sequence[MethodRun]) -> list[MethodRun]:
-    """Peers' runs that none of ours on the same data covers."""
+    """Runs of other libraries that are not covered by one of ours on the same data."""
     return [
         peer
         for peer in runs
@@ -172,7 +172,7 @@ def uncovered(runs: Sequence[MethodRun]) -> list[MethodRun]:
 
 
 def _is_ahead(runs: Sequence[MethodRun], peer: MethodRun) -> bool:
-    """Whether a peer is both faster and more accurate than every one of ours on the same data."""
+    """Whether a run is both faster and more accurate than every run of ours on the same data."""
     mine = _ours(runs, peer.data, peer.sites)
     return not peer.ours and all(peer.total < r.total and peer.rms < r.rms for r in mine)
 
@@ -186,7 +186,7 @@ def _losses(runs: Sequence[MethodRun], lost: Iterable[MethodRun]) -> ResultTable
 
 
 def _loss(runs: Sequence[MethodRun], peer: MethodRun) -> tuple[str | int | float, ...]:
-    """Return what ours do in the peer's time, and how long they take to its error."""
+    """Return our error in the time of another run, and our time for its error."""
     mine = _ours(runs, peer.data, peer.sites)
     error = min((r.rms for r in mine if r.total <= peer.total), default=NONE)
     seconds = min((r.total for r in mine if r.is_as_accurate_as(peer)), default=NONE)
@@ -199,7 +199,7 @@ def _side_by_side(
     data: str,
     n: int,
 ) -> ResultTable:
-    """Every method on one set of data, in the order of its errors, times over our usual one's."""
+    """Every method on one data set, by increasing error, with times relative to our default."""
     rows = []
     for r in sorted((r for r in runs if (r.data, r.sites) == (data, n)), key=lambda r: r.rms):
         c = ratios.get((f"{data}, {n} sites: fit and evaluate", r.method))
@@ -220,12 +220,12 @@ def _side_by_side(
 
 
 def _times(ratio: float) -> str:
-    """Return a ratio turned round, with two digits or more."""
+    """Return the reciprocal of a ratio, with two digits or more."""
     return f"{1 / ratio:.2g}" if ratio > 0.1 else f"{1 / ratio:.0f}"
 
 
 def _numbers(runs: Sequence[MethodRun]) -> dict[str, float | str]:
-    """Return seconds and errors of the runs that are told of, and of the most accurate peers."""
+    """Return seconds and errors of the reported runs, and of the most accurate peers."""
     facts: dict[str, float | str] = {"told_sites": TOLD_SITES, "land_sites": LAND, "means": MEANS}
     for name, told in TOLD.items():
         (own,) = (r for r in runs if r[:3] == told)
@@ -247,7 +247,7 @@ def _targets(
     ratios: Mapping[tuple[str, str], Mapping[str, float]],
     patience: float,
 ) -> dict[str, float | str]:
-    """Return what was aimed at: the largest clouds against the fast multipole method."""
+    """Return the facts about the targets: the largest clouds against the fast multipole method."""
     facts: dict[str, float | str] = {}
     for data in ("smooth", "cube"):
         n = max(r.sites for r in runs if r.data == data)
@@ -283,11 +283,11 @@ LIBRARIES: Mapping[str, tuple[str, Any]] = {
 MARKERS = "oDs^vP*Xd"
 RANGE = 30.0
 HIGHEST = {"terrain": 10.0}
-"""Errors beyond which nothing is drawn, in metres: one peer would make the others a line."""
+"""Largest errors drawn, in metres: one peer would otherwise compress all other curves."""
 
 
 def looks(methods: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Return how each method is drawn: ours in thick lines and full marks, the others' open."""
+    """Return the line styles: ours thick with filled markers, the others with open markers."""
     seen: Counter[str] = Counter()
     drawn = {}
     for method in methods:

@@ -40,12 +40,12 @@ EXACT = 1e-12
 
 @dataclass(frozen=True)
 class Params:
-    """What is sampled, how often, and with what weight."""
+    """The fields, the samples, and the weight."""
 
     powers: tuple[int, ...] = parameter((1, 2, 3, 4, 5, 6, 7, 8), "powers n of the field")
     points: int = parameter(100, "random points at which the field is sampled")
-    queries: int = parameter(10, "random places at which it is reconstructed")
-    draws: int = parameter(1000, "how often points and places are drawn")
+    queries: int = parameter(10, "random points at which it is reconstructed")
+    draws: int = parameter(1000, "number of draws")
     epsilon: float = parameter(0.01, "ε of the weight 1/(r² + ε²); the square has side 1")
     seed: int = parameter(0, "seed of the draws")
 
@@ -59,7 +59,7 @@ QUICK = Params(powers=(1, 2, 3), draws=20)
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Draw, reconstruct and measure, many times over."""
+    """Draw, reconstruct and measure repeatedly."""
     seeds = [(params.seed, draw) for draw in range(params.draws)]
     errors = np.stack(list(each(partial(errors_of_draw, params), seeds)))
     rms = np.sqrt(np.mean(errors**2, axis=2))
@@ -90,11 +90,11 @@ def errors_of_draw(params: Params, seed: tuple[int, ...]) -> np.ndarray:
 
 
 def best_linear_rms(n: int) -> float:
-    """Return the rms distance of (x₁ + x₂)ⁿ, over the whole square, from its best linear fit.
+    """Return the rms distance of (x₁ + x₂)ⁿ from its best linear fit over the whole square.
 
     By symmetry the fit is a + b s with s = x₁ + x₂, so that the squared distance is
-    Var sⁿ − Cov(s, sⁿ)² / Var s, in which E sᵐ = 2 (2ᵐ⁺¹ − 1) / ((m + 1)(m + 2)). It is what
-    least squares tends to with ever more points.
+    Var sⁿ − Cov(s, sⁿ)² / Var s, in which E sᵐ = 2 (2ᵐ⁺¹ − 1) / ((m + 1)(m + 2)). Least squares
+    tends to it as the number of points increases.
 
     Examples
     --------
@@ -173,7 +173,7 @@ def _facts(params: Params, rms: np.ndarray) -> dict[str, Cell]:
 
 
 def _difference_from_lapack(params: Params) -> float:
-    """Return how far MLS is, relative to the field, from a weighted fit by numpy.linalg.lstsq."""
+    """Return the relative difference of MLS from a weighted fit by numpy.linalg.lstsq."""
     x, queries, values, truth = _drawn(params, (params.seed, 0))
     errors = errors_of_draw(params, (params.seed, 0))[1]
     differences = []

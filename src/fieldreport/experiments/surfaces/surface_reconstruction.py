@@ -50,27 +50,27 @@ from fieldreport.framework.experiment import (
 )
 
 FAR = 1e7
-"""Where the wheel is carried, in its own units, to see what rounding does."""
+"""The distance of the translated wheel from the origin, in its own units, for testing rounding."""
 INVENTED = 2.0
-"""Spacings from the points beyond which nobody knows where the surface is."""
+"""Vertices farther than this from all points, in spacings, count as invented surface."""
 TIMES = (0.25, 0.5, 0.75)
-"""Of the frames between two bodies."""
+"""Parameters of the frames of a deformation."""
 METHODS = ("rbf", "hermite")
 COLUMNS = ("scan", "points", "left out", "noise", "rms", "largest", "parts", "errors")
 
 
 @dataclass(frozen=True)
 class Params:
-    """How many points the clouds have, and how fine the surfaces are."""
+    """Numbers of points of the clouds, and resolutions of the surfaces."""
 
-    points: int = parameter(6000, "points of the part that becomes a body")
-    scanned: int = parameter(2000, "points of the wheel in each of its states")
-    noise: float = parameter(0.3, "standard deviation of the noise, in distances of the points")
-    sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the flattened ball")
+    points: int = parameter(6000, "points of the part")
+    scanned: int = parameter(2000, "points of the wheel in each scan")
+    noise: float = parameter(0.3, "standard deviation of the noise, in spacings of the points")
+    sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the spheroid")
     cells: tuple[int, ...] = parameter((4, 8, 16), "cells across the tube of a torus")
-    frame: float = parameter(0.09, "edge of the cells of bodies put together, in lengths")
+    frame: float = parameter(0.09, "edge of the cells for Boolean operations, as a length")
     isolines: int = parameter(40, "difference of height between isolines, in metres")
-    window: int = parameter(100, "nodes along each side of the terrain that is shown")
+    window: int = parameter(100, "nodes along each side of the terrain in the figure")
     seed: int = parameter(4, "seed of the points")
 
     def __post_init__(self) -> None:
@@ -94,7 +94,7 @@ DIGITS = {"far_change": 0}
 
 @dataclass(frozen=True)
 class Rebuilt:
-    """What came of a scan: its points, triangles, and numbers for the table."""
+    """The reconstruction of a scan: points, triangles, and the row of the table."""
 
     cloud: np.ndarray
     points: np.ndarray
@@ -103,7 +103,7 @@ class Rebuilt:
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Reconstruct all bodies, and compare them with what they should be."""
+    """Reconstruct all solids, and compare them with the exact ones."""
     scans = damaged(params.scanned, params.noise, params.seed)
     scans["part"] = SyntheticScan(
         sample_surface(machine_part(), params.points, params.seed)[0], machine_part()
@@ -143,7 +143,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def reconstructed(scan: SyntheticScan) -> Rebuilt:
-    """Make a body of a scan, and triangles of the body where there are points."""
+    """Reconstruct a solid from a scan, and its triangles where there are points."""
     body = implicit_surface(scan.points)
     surface = extract_surface(body)
     off = np.abs(scan.body(surface.points)) / surface.spacing
@@ -161,7 +161,7 @@ def reconstructed(scan: SyntheticScan) -> Rebuilt:
 
 
 def errors_of(n: int) -> tuple[float, ...]:
-    """Return the rms distances of a flattened ball from its n points' surface, by each method."""
+    """Return the rms distance of a spheroid from the surface through n points, by each method."""
     points, normals = spheroid(n)
     queries, _ = spheroid(1234)
     bodies = [implicit_surface(points, normals, method=m, smoothing=0.0) for m in METHODS]
@@ -169,7 +169,7 @@ def errors_of(n: int) -> tuple[float, ...]:
 
 
 def torus_errors(cells: int) -> tuple[float, float]:
-    """Return the relative errors of volume and area of a torus, its tube so many cells wide."""
+    """Return the relative errors of volume and area of a torus, by cells across its tube."""
     tube = 0.4
     surface = extract_surface(Torus(1.0, tube), 2 * tube / cells)
     volume, area = 2 * np.pi**2 * tube**2, 4 * np.pi**2 * tube
@@ -177,7 +177,7 @@ def torus_errors(cells: int) -> tuple[float, float]:
 
 
 def together(params: Params) -> dict[str, Solid]:
-    """Return two bodies made from points, put together in each way, and frames between two."""
+    """Return Boolean operations of two reconstructed solids, and the frames of a deformation."""
     n = params.scanned // 2
     ring, block, ball = (
         implicit_surface(sample_surface(s, n, params.seed)[0])
@@ -197,13 +197,13 @@ def together(params: Params) -> dict[str, Solid]:
 
 
 def framed(spacing: float, solid: Solid) -> tuple[np.ndarray, np.ndarray]:
-    """Return the triangles of a body."""
+    """Return the triangles of a solid."""
     surface = extract_surface(solid, spacing)
     return surface.points, surface.triangles
 
 
 def isolines(params: Params) -> dict[str, np.ndarray]:
-    """Return points on isolines of a piece of terrain, and the surface of thin plates there."""
+    """Return points on isolines of a part of the terrain, and the thin-plate surface there."""
     whole, side = terrain(), params.window
     row, column = np.array(whole.height.shape) // 2 - side // 2
     x, y = whole.x[column : column + side], whole.y[row : row + side]
@@ -225,7 +225,7 @@ def _far(scan: SyntheticScan) -> SyntheticScan:
 
 
 def _invented(surface: ExtractedSurface) -> np.ndarray:
-    """Vertices that are far from all points."""
+    """Select vertices that are far from all points."""
     near = surface.solid.near
     found = cKDTree(near).query(surface.points, distance_upper_bound=INVENTED * surface.spacing)
     return np.flatnonzero(np.isinf(found[0]))
@@ -244,7 +244,7 @@ def _orders(names: tuple[str, ...], steps: list[float], errors: np.ndarray) -> d
 
 
 def _facts(rebuilt: Mapping[str, Rebuilt]) -> dict[str, Cell]:
-    """Return what the text says of the scans."""
+    """Return the facts about the scans."""
     told = {name: dict(zip(COLUMNS[1:], one.row, strict=True)) for name, one in rebuilt.items()}
     near, far = (float(told[name]["rms"]) for name in ("as drawn", "far away"))
     return {
@@ -265,11 +265,11 @@ def _drawn(name: str, *arrays: np.ndarray) -> dict[str, np.ndarray]:
 
 
 TOWARD = np.array([0.55, -0.7, 0.55])
-"""Whence bodies are seen."""
+"""View direction of the solids."""
 SHOWN = ("with noise", "with holes", "in shadow", "with strays and copies")
 BODIES = ("union", "intersection", "difference", "blend")
 FROM_ABOVE = np.array([0.35, -0.75, 0.8])
-_HEIGHTS = 3.0  # times higher than true: the relief is flat
+_HEIGHTS = 3.0  # vertical exaggeration: the relief is flat
 
 
 def plot(result: Result) -> Figure:
@@ -281,7 +281,7 @@ def plot(result: Result) -> Figure:
 
 
 def plot_scans(result: Result) -> Figure:
-    """Clouds with something wrong, above, and what was made of them, below."""
+    """Clouds with defects, above, and their reconstructions, below."""
     with figure(height=2.7, rows=2, columns=len(SHOWN)) as (page, axes):
         for name, (above, below) in zip(SHOWN, axes.T, strict=True):
             above.set_title(name, loc="center", fontsize=8)
@@ -293,18 +293,18 @@ def plot_scans(result: Result) -> Figure:
 
 
 def plot_bodies(result: Result) -> Figure:
-    """Two bodies made from points, put together in four ways."""
+    """Two reconstructed solids, combined in four ways."""
     return _strip(result, BODIES, height=1.6)
 
 
 def plot_deformation(result: Result) -> Figure:
-    """A ball that becomes a ring."""
+    """The deformation of a ball into a ring."""
     frames = tuple(str(n) for n in result.arrays["frames"] if str(n).startswith("t ="))
     return _strip(result, frames, height=1.35)
 
 
 def plot_isolines(result: Result) -> Figure:
-    """Points on isolines, and the surface through them, both seen from above and aside."""
+    """Points on isolines, and the surface through them, both seen obliquely from above."""
     sites, x, y, z = (result.arrays[f"land:{k}"] for k in ("sites", "x", "y", "heights"))
     columns, rows = np.meshgrid(x, y)
     points = np.column_stack([columns.ravel(), rows.ravel(), _HEIGHTS * z.ravel()])
@@ -322,7 +322,7 @@ def plot_isolines(result: Result) -> Figure:
 
 
 def plot_convergence(result: Result) -> Figure:
-    """Errors against the number of points, and against the cells."""
+    """Errors against the number of points, and against the number of cells."""
     with figure(height=2.3, columns=2) as (page, (left, right)):
         table = result.tables["convergence"]
         n = np.array(table.column("points"), dtype=float)
@@ -370,7 +370,7 @@ def _draw(panel: Axes, picture: Picture, *, edges: bool) -> None:
 
 
 def _alike(panels: np.ndarray) -> None:
-    """Give panels windows of one shape, so that their titles are level."""
+    """Give panels axis limits of one aspect ratio, so that their titles are aligned."""
     sizes = [np.ptp([panel.get_xlim(), panel.get_ylim()], axis=1) for panel in panels]
     shape = max(height / width for width, height in sizes)
     for panel, (width, height) in zip(panels, sizes, strict=True):
@@ -380,7 +380,7 @@ def _alike(panels: np.ndarray) -> None:
 
 
 def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
-    """Draw points, those behind lighter."""
+    """Draw points; points at the back are lighter."""
     points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
     picture = Picture(points, triangles, TOWARD, 40)
     x, y, depth = (result.arrays[f"{name}:cloud"] @ picture.axes).T

@@ -1,4 +1,4 @@
-"""Bodies with sharp and thin parts, and what becomes of their points on the way to us."""
+"""Synthetic scans: solids with sharp and thin parts, and point clouds with defects."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, samp
 from fieldrecon.surfaces.off_surface import spacing_of
 
 EYES = np.array([[4.0, -4.0, 1.5], [-4.0, -3.0, 1.5], [0.0, 4.0, -2.0]])
-"""Where the scanner stood: twice above, once below, always aside; what lies deep it never saw."""
+"""Positions of the scanner: two above and one below, all to the side of the body."""
 HOLES = 0.8 * np.array([[0.87, -0.5, 0.25], [0.0, -1.0, 0.25], [-0.87, 0.5, 0.25], [0.5, 0.87, 0]])
-"""Where points are missing, on the rim of the wheel, and how far around."""
+"""Positions of the holes in the cloud, on the rim of the wheel, and their radius."""
 HOLE = 0.26
 
 
 @dataclass(frozen=True, eq=False)
 class SyntheticScan:
-    """Points of a body (n, 3), and the body to compare with."""
+    """Points (n, 3) of a solid, and the exact solid."""
 
     points: np.ndarray
     body: Solid
@@ -39,16 +39,16 @@ def wheel() -> Solid:
 
 
 def damaged(count: int, noise: float, seed: int) -> dict[str, SyntheticScan]:
-    """Return the points of a wheel, in their names' states.
+    """Return point clouds of a wheel by the name of their defect.
 
     Parameters
     ----------
     count : int
-        Points of the whole wheel.
+        Number of points of the whole wheel.
     noise : float
-        Standard deviation, in distances of the points.
+        Standard deviation, in units of the spacing of the points.
     seed : int
-        What the draws are made from.
+        Seed of the random numbers.
     """
     body = wheel()
     points, normals = sample_surface(body, count, seed)
@@ -76,7 +76,7 @@ def damaged(count: int, noise: float, seed: int) -> dict[str, SyntheticScan]:
 
 
 def spheroid(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return points (n, 3) evenly over a flattened ball, and its normals."""
+    """Return points (n, 3) evenly distributed on an oblate spheroid, and its normals."""
     z = 1 - (2 * np.arange(n) + 1) / n
     angle = np.pi * (1 + 5**0.5) * np.arange(n)
     ball = np.column_stack([np.cos(angle), np.sin(angle), z])

@@ -1,4 +1,4 @@
-"""A body with many errors at once, as files from elsewhere have them."""
+"""A triangle mesh with many errors at once."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from fieldreport.experiments.triangles.triangle_shapes import Surface, bumpy
 
 
 def damaged(level: int, each: int, seed: int) -> Surface:
-    """Return a bumpy sphere with so many errors of each kind that a repair can undo.
+    """Return a bumpy sphere with a number of errors of each kind that a repair can undo.
 
-    Holes, flipped triangles, copies, triangles cut on one side of an edge, points that nothing
-    uses, and all of it as a soup but for these points.
+    Holes, inverted triangles, duplicates, T-junctions and unused points; apart from these points,
+    the mesh is a triangle soup.
     """
     rng = np.random.default_rng(seed)
     points, triangles = bumpy(level)
@@ -37,7 +37,7 @@ def damaged(level: int, each: int, seed: int) -> Surface:
 
 
 def _far_apart(triangles: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Triangles of which no two share a vertex, nor have a neighbour in common."""
+    """Select triangles of which no two share a vertex or have a common neighbour."""
     near = np.zeros(triangles.max() + 1, dtype=bool)
     chosen = []
     for t in rng.permutation(len(triangles)):

@@ -41,18 +41,20 @@ from fieldreport.framework.experiment import (
 )
 
 LINE = np.array([[12.0, 12.0], [24.0, 24.0]])
-"""Two points on the diagonal; beside it, near (½, ½), rounding decides about the side."""
+"""Two points on the diagonal; near (½, ½), rounding affects the computed side."""
 
 
 @dataclass(frozen=True)
 class Params:
-    """How fine the meshes are, how much is damaged, how closely signs are looked at."""
+    """The refinement of the meshes, the number of errors, and the resolution of the sign map."""
 
-    level: int = parameter(2, "times the triangles of an icosahedron are cut, for each error")
-    body: int = parameter(4, "times they are cut for the body that is repaired")
-    damage: int = parameter(8, "errors of each kind in it")
+    level: int = parameter(2, "subdivisions of an icosahedron, for the single errors")
+    body: int = parameter(4, "subdivisions for the mesh that is repaired")
+    damage: int = parameter(8, "errors of each kind in the mesh that is repaired")
     side: int = parameter(200, "points along each side of the map of signs, 2⁻⁵³ apart")
-    levels: tuple[int, ...] = parameter((2, 3, 4, 5, 6), "cuts of the bodies that are searched")
+    levels: tuple[int, ...] = parameter(
+        (2, 3, 4, 5, 6), "subdivisions of the meshes that are searched for self-intersections"
+    )
     seed: int = parameter(6, "seed of the damage")
 
     def __post_init__(self) -> None:
@@ -95,7 +97,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def pair_counts(level: int) -> tuple[int, int, int, int]:
-    """Return how many triangles, pairs of them, pairs of boxes, and pairs left there are."""
+    """Return the numbers of triangles, pairs, pairs of boxes, and remaining pairs."""
     points, triangles = bumpy(level)
     corners = points[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -136,7 +138,7 @@ def _repair(surface: Surface) -> MeshRepair:
 
 
 def _drawn(name: str, surface: Surface, audit: MeshAudit) -> list[tuple[str, np.ndarray]]:
-    """Return what is drawn of a mesh: points, triangles, and where its errors are."""
+    """Return the arrays of a figure: points, triangles, and positions of errors."""
     key = name.replace(" ", "_")
     found = marks(audit, surface[1])
     arrays = [(f"{key}:points", surface[0]), (f"{key}:triangles", surface[1])]
@@ -148,7 +150,7 @@ def _drawn(name: str, surface: Surface, audit: MeshAudit) -> list[tuple[str, np.
 
 
 def _told(found: dict[str, int]) -> str:
-    """Spell what was found."""
+    """Return the findings as a text."""
     return ", ".join(in_words(kind, n) for kind, n in found.items()) or "nothing"
 
 
@@ -183,7 +185,7 @@ def _repair_table(repaired: MeshRepair) -> ResultTable:
 
 
 def _example_facts() -> dict[str, Cell]:
-    """Return what two common files do to the count of edges: a soup, and one triangle twice."""
+    """Return the edge counts of two common cases: a triangle soup, and a duplicate triangle."""
     points, triangles = cube(1)
     soup = points[triangles].reshape(-1, 3)
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
@@ -228,14 +230,14 @@ def _search_facts(counts: list[tuple[int, int, int, int]]) -> dict[str, Cell]:
 
 
 FROM_THE_SIDE = np.array([0.9, -0.05, 0.65])
-"""Whence the errors are seen, so that what sticks out is seen to."""
+"""The view direction, from which protruding errors are visible."""
 WHOLE = ("one side", "inside out", "overlap")
-"""Errors that are seen in the picture of the whole body only."""
+"""Errors that are visible only in the picture of the whole mesh."""
 _THREE = ListedColormap(["#0072b2", "#f2f2f2", "#d55e00"])
 
 
 def plot(result: Result) -> Figure:
-    """Draw each planted error from near, and a key to what concerns what."""
+    """Each planted error, marked by the audit, and a key to the colours."""
     names = result.arrays["names"].tolist()
     columns = 4
     rows = -(-(len(names) + 1) // columns)
@@ -252,7 +254,7 @@ def plot(result: Result) -> Figure:
 
 
 def plot_repair(result: Result) -> Figure:
-    """A body with many errors, before and after its repair."""
+    """A mesh with many errors, before and after its repair."""
     with figure(height=2.75, columns=2) as (page, axes):
         for panel, name in zip(axes, ("before", "after"), strict=True):
             panel.set_title(name, loc="center")
@@ -261,7 +263,7 @@ def plot_repair(result: Result) -> Figure:
 
 
 def plot_signs(result: Result) -> Figure:
-    """On which side of the diagonal points are, as rounded arithmetic has it, and exactly."""
+    """The side of the diagonal on which points are, in rounded arithmetic and exactly."""
     with figure(height=2.6, columns=2, sharey=True) as (page, axes):
         for panel, name in zip(axes, ("rounded", "exact"), strict=True):
             signs = result.arrays[name]
@@ -280,7 +282,7 @@ def plot_signs(result: Result) -> Figure:
 
 
 def plot_search(result: Result) -> Figure:
-    """How many pairs of triangles are looked at, and how."""
+    """The number of triangle pairs that each stage of the search examines."""
     table = result.tables["search"]
     m = np.array(table.column("triangles"), dtype=float)
     labels = {
@@ -315,7 +317,7 @@ def _marks(result: Result, name: str) -> dict[str, Marks]:
 
 
 def _key(panel: Axes) -> None:
-    """Draw what the colours mean."""
+    """Draw the key to the colours."""
     handles = [
         Line2D([], [], color=color, marker=MARKERS[concern], markersize=4, label=concern)
         for concern, color in COLORS.items()

@@ -59,7 +59,7 @@ GRADIENTS = {
         "strain": np.diag([1.0, 0.0, -1.0]),
     },
 }
-"""Of the affine fields u(x) = G (x - m), by dimension."""
+"""Gradients G of the affine fields u(x) = G (x - m), by dimension."""
 
 PLACES = ("circumcentre", "centroid", "vertices", "RT at circumcentre", "inner vertices")
 EXACT = 1e-12
@@ -67,17 +67,17 @@ EXACT = 1e-12
 
 @dataclass(frozen=True)
 class Params:
-    """Meshes, a triangle, and by how much the normal velocities are disturbed."""
+    """Meshes, a triangle, and the perturbation of the normal velocities."""
 
     sides: tuple[int, ...] = parameter((8, 16, 32, 64), "steps along a side of the unit square")
     sides_3d: tuple[int, ...] = parameter((4, 6, 9, 13), "steps along a side of the unit cube")
-    shown_side: int = parameter(4, "steps along a side of the mesh that is drawn")
-    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
+    shown_side: int = parameter(4, "steps along a side of the mesh in the figure")
+    jitter: float = parameter(0.6, "range of the random displacement of a vertex, in steps")
     triangle: tuple[float, ...] = parameter(
-        (0.0, 0.0, 4.0, 0.0, 1.0, 2.6), "coordinates of the corners of the triangle that is drawn"
+        (0.0, 0.0, 4.0, 0.0, 1.0, 2.6), "coordinates of the corners of the triangle in the figure"
     )
     strains: int = parameter(24, "axes of the strains of that triangle")
-    draws: int = parameter(100, "how often noise is drawn")
+    draws: int = parameter(100, "number of draws of the noise")
     disturbance: float = parameter(0.1, "standard deviation of the noise; a rotation has rate 1")
     seed: int = parameter(0, "seed of meshes and noise")
 
@@ -166,7 +166,7 @@ def _gap_from_closed_form(mesh: SimplexMesh, g: np.ndarray, v: np.ndarray) -> fl
 
 
 def _disturbed(params: Params, side: int, d: int) -> tuple[float, float, float]:
-    """Return the rms change of velocities by noise on the faces, that by numpy, and the defect."""
+    """Return the rms change of velocities by noise, its value by numpy, and the defect."""
     mesh = jittered_cube(side, d, params.jitter, params.seed)
     shape = (len(mesh.faces), params.draws)
     noise = np.random.default_rng(params.seed).normal(0, params.disturbance, shape)
@@ -262,7 +262,7 @@ TRUE, FOUND = "#b4b4b4", METHOD_COLORS["RBF"]
 
 
 def plot(result: Result) -> Figure:
-    """The velocities found, thin, over the true ones at the circumcentres, thick."""
+    """The reconstructed velocities, thin, over the exact ones at the circumcentres, thick."""
     arrays, names = result.arrays, tuple(GRADIENTS[2])
     triangles = Triangulation(arrays["points"][:, 0], arrays["points"][:, 1], arrays["cells"])
     with figure(FULL_WIDTH, height=2.35, columns=len(names)) as (page, axes):
@@ -282,7 +282,7 @@ def plot(result: Result) -> Figure:
 
 
 def plot_places(result: Result) -> Figure:
-    """A triangle with its centres, its nine-point circle and the places found."""
+    """A triangle with its centres, its nine-point circle, and the points of exact velocity."""
     arrays = result.arrays
     corners, places = arrays["corners"], arrays["places"]
     center, nine = arrays["center"], arrays["nine_point_center"]
@@ -310,7 +310,7 @@ def plot_places(result: Result) -> Figure:
 
 
 def plot_orders(result: Result) -> Figure:
-    """Errors of the curved flows, left in the plane, right in space."""
+    """Errors of the vortices against the size of the cells, left in the plane, right in space."""
     arrays, params = result.arrays, result.params
     looks = {
         "at the vertices": line("LS"),

@@ -57,7 +57,7 @@ MEASURES = (
     "pressure on surface",
 )
 LEFT = 3.3
-"""Where streamlines begin, left of the cylinder, in its radii."""
+"""Start of the streamlines, left of the cylinder, in radii."""
 
 
 @dataclass(frozen=True)
@@ -66,16 +66,16 @@ class Params:
 
     around: tuple[int, ...] = parameter((24, 48, 96, 192), "vertices on the cylinder, by mesh")
     outer: float = parameter(8.0, "radius of the mesh of the plane, in radii of the cylinder")
-    relaxations: int = parameter(30, "how often springs push the vertices of the mesh apart")
+    relaxations: int = parameter(30, "relaxation steps that push the vertices of the mesh apart")
     steps_3d: tuple[float, ...] = parameter(
         (0.5, 0.35, 0.25, 0.18), "distance of neighbours on the ball, by mesh, in radii"
     )
     outer_3d: float = parameter(4.0, "radius of the mesh in space, in radii of the ball")
     epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps on the surface")
-    shown: int = parameter(48, "vertices on the cylinder of the mesh that is drawn")
+    shown: int = parameter(48, "vertices on the cylinder, for the mesh in the figure")
     heights: tuple[float, ...] = parameter(
         (0.03, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0),
-        "heights far away of the streamlines, in radii",
+        "distances of the streamlines from the axis, far away, in radii",
     )
     arc: float = parameter(0.02, "step along a streamline, in radii")
     seed: int = parameter(0, "seed of the meshes")
@@ -97,7 +97,7 @@ QUICK = Params(
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Reconstruct the flow on each mesh, and trace it."""
+    """Reconstruct the flow on each mesh, and trace streamlines."""
     jobs: list[tuple[int, float]] = [(2, n) for n in params.around]
     jobs += [(3, step) for step in params.steps_3d]
     found = dict(zip(jobs, each(partial(errors_on_mesh, params), jobs), strict=True))
@@ -119,7 +119,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def errors_on_mesh(params: Params, job: tuple[int, float]) -> dict[str, np.ndarray]:
-    """Return the sizes of a mesh, its rms errors by MEASURES, and what the table tells besides."""
+    """Return the sizes of a mesh, its rms errors by MEASURES, and the rest of its table row."""
     d, size = job
     mesh = _disc(params, int(size)) if d == 2 else ball_mesh(size, params.outer_3d, params.seed)
     v = mean_normal_velocities(mesh)
@@ -152,19 +152,19 @@ def errors_on_mesh(params: Params, job: tuple[int, float]) -> dict[str, np.ndarr
 
 
 def _at_vertices(params: Params, mesh: SimplexMesh, v: np.ndarray, step: float) -> np.ndarray:
-    """Return velocities by moving least squares, its weight suited to the cells at the surface."""
+    """Return velocities by moving least squares, with ε in units of the cells at the surface."""
     return vertex_velocities(mesh, v, inverse_square(params.epsilon * step)).values
 
 
 def on_ball(mesh: SimplexMesh) -> np.ndarray:
-    """Tell which vertices lie on the cylinder or the ball."""
+    """Whether each vertex lies on the cylinder or the ball."""
     return np.linalg.norm(mesh.points, axis=1) < 1 + 1e-9
 
 
 def surface_pressure(mesh: SimplexMesh, u: np.ndarray) -> np.ndarray:
     """Return the angle from the stream, 1 − |u|² and its closed form, at the surface.
 
-    The angle goes full circle in the plane, and half of it in space.
+    The angle covers the full circle in the plane, and half of it in space.
     """
     at, d = mesh.points[on_ball(mesh)], mesh.points.shape[1]
     angle = np.arccos(np.clip(at[:, 0], -1, 1))
@@ -175,7 +175,7 @@ def surface_pressure(mesh: SimplexMesh, u: np.ndarray) -> np.ndarray:
 
 
 def drift_of_streamlines(params: Params, mesh: SimplexMesh, u: np.ndarray) -> float:
-    """Return by how much ψ departs from its first value along streamlines, root mean square."""
+    """Return the rms deviation of ψ from its initial value along streamlines."""
     psi = stream_function(_traced(params, mesh, u))
     return float(np.sqrt(np.mean((psi - psi[:, :1]) ** 2)))
 
@@ -265,7 +265,7 @@ def _facts(
 
 
 SPEED = LinearSegmentedColormap.from_list("speed", colormaps["YlGnBu"](np.linspace(0, 0.85, 64)))
-"""From light for slow to dark for fast, in grey too, and light enough for black lines."""
+"""From light (slow) to dark (fast), also in grey, and light enough for black lines."""
 
 WINDOW = (-3.1, 3.1, -2.15, 2.15)
 CLOSE = (-1.75, -0.25, 0.15, 1.65)

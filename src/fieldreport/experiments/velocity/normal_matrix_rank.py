@@ -1,7 +1,7 @@
-"""The fit B'c = V' as the slides write it, and what it cannot see, by singular values.
+"""The fit B'c = V' of the slides, and its rank and null space by singular values.
 
-The library asks whether the velocity at a vertex is determined, and by a bound on its weights.
-Here the rank itself is computed, and the kernel once more from the conics through the vertices.
+The library decides by a bound on the weights whether the velocity at a vertex is determined. Here
+the rank itself is computed, and the null space a second time from the conics through the vertices.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import monomials
 
 VANISHES = 1e-9
-"""Singular values below this part of the largest are zero, in a frame of size one."""
+"""Singular values below this fraction of the largest count as zero, in a frame of size one."""
 
 _CURL = np.array(
     [
@@ -38,7 +38,7 @@ def normal_matrix(p: np.ndarray, n: np.ndarray) -> np.ndarray:
 
 
 def rank(b: np.ndarray) -> int:
-    """How many singular values of a matrix do not vanish."""
+    """The number of nonzero singular values of a matrix."""
     s = np.linalg.svd(b, compute_uv=False)
     return int((s > VANISHES * s[0]).sum())
 
@@ -50,7 +50,7 @@ class OneRing:
     Attributes
     ----------
     values : (n, d) ndarray
-        Its value at the vertex, of the solution of least norm.
+        Velocity at the vertex, of the minimum-norm solution.
     rank : (n,) ndarray of int
         Rank of B'.
     determined : (n,) ndarray of bool
@@ -63,7 +63,7 @@ class OneRing:
 
 
 def one_ring(mesh: SimplexMesh, v: np.ndarray) -> OneRing:
-    """Fit an affine velocity to the faces of the cells round each vertex, whatever their rank."""
+    """Fit an affine velocity to the faces of the cells around each vertex, for any rank."""
     n, d = mesh.points.shape
     fit = OneRing(np.empty((n, d)), np.empty(n, dtype=int), np.empty(n, dtype=bool))
     for vertices, faces in _grouped(mesh):
@@ -77,14 +77,14 @@ def one_ring(mesh: SimplexMesh, v: np.ndarray) -> OneRing:
             "mrd,mr,mkr,mk->md", rows[..., :d], s_inverse, u, v[faces], optimize=True
         )
         fit.rank[vertices] = kept.sum(axis=1)
-        # what of the unit vectors of the value lies outside the row space
+        # components of the unit vectors of the value outside the row space
         left = np.eye(d, vt.shape[2]) - rows[..., :d].mT @ rows
         fit.determined[vertices] = np.abs(left).max(axis=(1, 2)) < 1e-7
     return fit
 
 
 def _grouped(mesh: SimplexMesh) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Vertices (m,) with equally many faces about them, and those faces (m, k)."""
+    """Vertices (m,) with equal numbers of faces around them, and those faces (m, k)."""
     around = mesh.faces_around(1)
     counts = np.diff(around.indptr)
     for k in np.unique(counts):
@@ -109,10 +109,10 @@ def field_along(conic: np.ndarray) -> np.ndarray:
 
 
 def error_by_conics(mesh: SimplexMesh, i: int, u: np.ndarray, g: np.ndarray) -> np.ndarray:
-    """Error of the solution of least norm at vertex i of the affine field u + g y, from conics.
+    """Error of the minimum-norm solution at vertex i for the affine field u + g y, from conics.
 
-    What the fit loses is the part of the field in the span of the fields along those conics, on
-    which all vertices about i lie; no normal enters.
+    The fit loses the component of the field in the span of the fields along the conics through all
+    vertices around i; the normals are not needed.
     """
     y = vertices_around(mesh, i)
     faces = mesh.faces_around(1, [i]).indices

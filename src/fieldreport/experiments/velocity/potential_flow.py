@@ -1,4 +1,4 @@
-"""Potential flow past the unit disc and the unit ball, and meshes of what lies around them.
+"""Potential flow past the unit disc and the unit ball, and meshes of the exterior.
 
 With e the direction of the stream, of speed 1, and r = |x|, in d = 2 or 3 dimensions,
 
@@ -21,7 +21,7 @@ from fieldrecon.datasets.synthetic import halton
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 
 SPREAD, PULL = 1.2, 0.2
-"""Springs of the mesh: their length at rest over the typical one, and the part of a step."""
+"""Springs of the mesh: rest length over typical length, and step size."""
 
 
 def velocity(x: np.ndarray) -> np.ndarray:
@@ -39,7 +39,7 @@ def velocity(x: np.ndarray) -> np.ndarray:
 
 
 def stream_function(x: np.ndarray) -> np.ndarray:
-    """Return ψ = y (1 − 1/r²) at x (..., 2): what flows between two points is its difference."""
+    """Return ψ = y (1 − 1/r²) at x (..., 2); its difference is the flux between two points."""
     return x[..., 1] * (1 - 1 / (x**2).sum(axis=-1))
 
 
@@ -55,9 +55,9 @@ def pressure_coefficient(cosine: np.ndarray, d: int) -> np.ndarray:
 
 
 def mean_normal_velocities(mesh: SimplexMesh) -> np.ndarray:
-    """Return what flows through each face, by its measure: by Stokes' theorem, round its edges.
+    """Return the flux through each face over its measure, by Stokes' theorem along its edges.
 
-    So nothing is lost or made in any cell, to rounding.
+    The divergence of every cell is therefore zero to rounding.
     """
     corners = mesh.points[mesh.faces]
     if mesh.points.shape[1] == 2:
@@ -86,7 +86,7 @@ def _along(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 def disc_mesh(around: int, outer: float, relaxations: int, seed: int) -> SimplexMesh:
     """Triangles between the unit circle and one of radius `outer`, growing with the distance.
 
-    Points at random in the plane of log z, pushed apart by springs there. That map keeps angles, so
+    Random points in the plane of log z are pushed apart by springs. The map is conformal, so
     triangles that are nearly equilateral there are so here.
 
     Parameters
@@ -96,7 +96,7 @@ def disc_mesh(around: int, outer: float, relaxations: int, seed: int) -> Simplex
     outer : float
         Radius of the outer circle.
     relaxations : int
-        How often the springs push.
+        Number of relaxation steps of the springs.
     seed : int
         Seed of the points.
     """
@@ -121,16 +121,16 @@ def disc_mesh(around: int, outer: float, relaxations: int, seed: int) -> Simplex
 def ball_mesh(step: float, outer: float, seed: int) -> SimplexMesh:
     """Tetrahedra between the unit sphere and one of radius `outer`, growing with the distance.
 
-    The points lie on spheres, on each on a spiral, turned at random.
+    The points lie on spheres, along a randomly rotated spiral on each.
 
     Parameters
     ----------
     step : float
-        Distance of neighbours, in radii.
+        Distance of neighbouring points, in radii.
     outer : float
         Radius of the outer sphere.
     seed : int
-        Seed of the turns.
+        Seed of the rotations.
     """
     shells = np.exp(np.linspace(0, np.log(outer), 1 + round(np.log(outer) / (0.8 * step))))
     count = round(4 * np.pi / (np.sqrt(0.75) * step**2))

@@ -1,4 +1,4 @@
-"""Points with normals that lose the rank of B', and a way to each of them."""
+"""Points with normals for which B' is rank deficient, each with a path that approaches it."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ Samples = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True)
 class Configuration:
-    """Samples that lose rank at t = 0.
+    """Samples that are rank deficient at t = 0.
 
     Attributes
     ----------
     name, title : str
-        For programs, and for readers.
+        An identifier, and a title for readers.
     rank : int
         The rank of B' at t = 0, known by theory.
     at : callable
-        From t to points and unit normals (n, d).
+        Maps t to points and unit normals (n, d).
     edges : (n, 2, d) ndarray
         Ends of the edges at t = 0, if the samples are edges of triangles; none otherwise.
     """
@@ -36,7 +36,7 @@ class Configuration:
 
 
 def configurations(samples: int, seed: int) -> list[Configuration]:
-    """All of them, in the plane and in space, the last of each with normals at random."""
+    """Return all configurations, in the plane and in space, the last ones with random normals."""
     rng = np.random.default_rng(seed)
     return [*_in_the_plane(samples, rng), *_in_space(2 * samples, rng)]
 
@@ -94,14 +94,14 @@ def _in_space(n: int, rng: np.random.Generator) -> list[Configuration]:
 def _turning(
     name: str, title: str, rank: int, p: np.ndarray, n: np.ndarray, rng: np.random.Generator
 ) -> Configuration:
-    """Samples whose normals turn by angles of the order of t."""
+    """Samples whose normals rotate by angles of the order of t."""
     away = rng.standard_normal(n.shape)
     away -= (away * n).sum(axis=1)[:, None] * n
     return Configuration(name, title, rank, lambda t: (p, _unit(n + t * away)))
 
 
 def _hyperbola(rng: np.random.Generator) -> Configuration:
-    """The edges of a star with its vertices on the hyperbola xy = 1/9, those moving by t."""
+    """The edges of a star with vertices on the hyperbola xy = 1/9, which move by t."""
     x = np.array([1.0, 2.6, 0.4, -0.45, -1.1, -2.4]) / 3
     vertices = np.column_stack([x, 1 / (9 * x)])
     order = 1 + np.argsort(np.arctan2(*(vertices[1:] - vertices[0]).T[::-1]))
@@ -119,7 +119,7 @@ def _hyperbola(rng: np.random.Generator) -> Configuration:
 
 
 def _five_in_line(rng: np.random.Generator) -> Configuration:
-    """Six samples, five of them on a line, which they leave by t; the normals do not matter."""
+    """Six samples, five of them at distances t from a line, with arbitrary normals."""
     p = np.array([-0.7, -0.2]) + np.linspace(0, 1.4, 6)[:, None] * np.array([1.0, 0.5])
     p[5] = [0.3, -0.6]
     n, away = _unit(rng.standard_normal((6, 2))), rng.standard_normal((6, 2))
@@ -127,7 +127,7 @@ def _five_in_line(rng: np.random.Generator) -> Configuration:
 
 
 def _turned(u: np.ndarray) -> np.ndarray:
-    """Vectors (n, 2) a quarter turn on."""
+    """Vectors (n, 2), rotated by 90 degrees."""
     return np.column_stack([-u[:, 1], u[:, 0]])
 
 

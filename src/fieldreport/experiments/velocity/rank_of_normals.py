@@ -40,23 +40,25 @@ from fieldreport.framework.experiment import (
 
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
 STEP = 1e-6
-"""Of the difference quotient by t."""
+"""Step of the difference quotient in t."""
 
 FULL = "full rank"
 
 NEARLY_CONSTANT = np.array([1.0, 0.5, 0.03, 0.02, -0.01, 0.04])
-"""Of the fields that are tangent to all samples the one nearest to this is drawn."""
+"""Among the fields that are tangent to all samples, the figure shows the one nearest to this."""
 
 
 @dataclass(frozen=True)
 class Params:
-    """How many samples, and how the bad configurations are approached."""
+    """Numbers of samples, and the approach to the rank-deficient configurations."""
 
     samples: int = parameter(12, "samples (p, n) in the plane; twice as many in space")
-    smallest: float = parameter(1e-6, "smallest t, the angle in radians by which normals turn")
+    smallest: float = parameter(1e-6, "smallest t, the angle in radians by which normals rotate")
     largest: float = parameter(1.0, "largest t")
     steps: int = parameter(13, "values of t, in geometric progression")
-    sets: int = parameter(400, "sets of points of a small grid, drawn for the rank at best")
+    sets: int = parameter(
+        400, "random sets of points of a small grid, for the largest possible rank"
+    )
     stars: int = parameter(100, "stars of tetrahedra drawn for each number of vertices")
     vertices: tuple[int, ...] = parameter((5, 6, 7, 8, 10, 14), "vertices of those stars")
     seed: int = parameter(3, "seed of points, normals and stars")
@@ -89,7 +91,7 @@ def run(params: Params, each: Map = map) -> Result:
     )
 
 
-# --- approached ---------------------------------------------------------------------------------
+# --- configurations ----------------------------------------------------------------------
 
 CONFIGURATIONS = (
     "configuration",
@@ -105,7 +107,7 @@ CONFIGURATIONS = (
 
 
 def smallest_singular_value(case: Configuration, t: float) -> float:
-    """Return that of B', the largest one being one."""
+    """Return the smallest singular value of B', relative to the largest."""
     s = np.linalg.svd(normal_matrix(*case.at(t)), compute_uv=False)
     return float(s[-1] / s[0])
 
@@ -146,7 +148,7 @@ def _facts(rows: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
 
 
 def _drawn(cases: list[Configuration]) -> dict[str, np.ndarray]:
-    """For those in the plane that lose rank: samples, and a field that is tangent to all."""
+    """For rank-deficient configurations in the plane: samples, and a field tangent to all."""
     arrays: dict[str, np.ndarray] = {}
     for case in cases:
         p, n = case.at(0.0)
@@ -162,13 +164,13 @@ def _drawn(cases: list[Configuration]) -> dict[str, np.ndarray]:
     return arrays
 
 
-# --- what the points allow ----------------------------------------------------------------------
+# --- largest possible rank ----------------------------------------------------------------------
 
 
 def best_rank(p: np.ndarray) -> int:
     """Return the rank of B' for almost all normals: min over sets S of n − |S| + 2 rank B(S).
 
-    It is enough to try the empty set, the points at one place, those on one line, and all.
+    It suffices to consider the empty set, coincident points, points on one line, and all points.
     """
     ones = np.column_stack([np.ones(len(p)), p])
     bounds = [len(p), 2 * rank(ones)]
@@ -210,7 +212,7 @@ STARS = (
 
 
 def ranks_of_stars(stars: int, job: tuple[int, int]) -> tuple[Cell, ...]:
-    """Return how many vertices, and the ranks of B' of random stars of so many."""
+    """Return the number of vertices, and the ranks of B' of random stars with this number."""
     seed, n = job
     return _star_row("at random", list(_random_stars(stars, n, np.random.default_rng((seed, n)))))
 
@@ -262,7 +264,7 @@ HALF_EDGE = 0.15
 
 
 def plot(result: Result) -> Figure:
-    """Draw each sample as a short edge, and the stream lines of the tangent field."""
+    """Draw each sample as a short edge, and the streamlines of the tangent field."""
     with figure(FULL_WIDTH, 2.75, rows=2, columns=COLUMNS) as (page, axes):
         for panel, (name, title) in zip(axes.ravel(), SHOWN.items(), strict=True):
             p, n, edges, c = (result.arrays[f"{name}_{k}"] for k in ("p", "n", "edges", "field"))

@@ -1,7 +1,7 @@
 """Gradients at vertices without the library: numpy.linalg.lstsq and scipy.interpolate.
 
-Least squares fits once; moving least squares and radial basis functions are fitted, evaluated close
-to the vertex, and differenced.
+Least squares is one fit; moving least squares and radial basis functions are evaluated near the
+vertex and differentiated by central differences.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ def gradients_by_others(
     Parameters
     ----------
     mesh : SimplexMesh
-        Of triangles.
+        A mesh of triangles.
     p : (c,) ndarray
         Values at the circumcentres.
     vertices : (m,) ndarray of int
-        Where.
+        Vertices at which the gradient is computed.
     epsilon : float
-        Of the weight 1/(r² + ε²) of moving least squares.
+        ε of the weight 1/(r² + ε²) of moving least squares.
     step : float
-        Of central differences.
+        Step of the central differences.
     """
     found: dict[str, list[np.ndarray]] = {"LS": [], "MLS": [], "RBF": []}
     for i in vertices:

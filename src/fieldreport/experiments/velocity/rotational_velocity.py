@@ -73,9 +73,13 @@ class Params:
 
     inside: int = parameter(110, "random vertices inside the square of a mesh")
     side: int = parameter(8, "edges along each side of the square")
-    meshes: int = parameter(20, "random meshes whose vertices are counted; the first is drawn")
+    meshes: int = parameter(
+        20, "random meshes whose vertices are counted; the first is in the figure"
+    )
     epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in lengths of an edge")
-    jitter: float = parameter(0.6, "part of its cell in which a point of a regular mesh may lie")
+    jitter: float = parameter(
+        0.6, "fraction of its cell in which a point of a jittered mesh is drawn"
+    )
     sides_2d: tuple[int, ...] = parameter(
         (8, 16, 32, 64, 128), "edges along a square, Taylor-Green"
     )
@@ -169,7 +173,7 @@ def _exercise(params: Params, mesh: SimplexMesh) -> tuple[dict[str, Cell], dict[
 
 
 def _stars(meshes: list[SimplexMesh]) -> dict[str, np.ndarray]:
-    """The roundest star of each kind that is not determined; and a cross, which is."""
+    """The roundest star of each kind that is not determined; and a cross, which is determined."""
     kinds = {"three": (False, 3), "four": (False, 4), "fan": (True, 3)}
     arrays: dict[str, np.ndarray] = {}
     for kind, (boundary, valence) in kinds.items():
@@ -198,11 +202,11 @@ def _star(kind: str, y: np.ndarray) -> dict[str, np.ndarray]:
     conics = conics_through(y)
     steepest = np.linalg.svd(conics[1:3])[2][0]
     conic = conics @ steepest
-    conic *= np.sign(conic[np.abs(conic).argmax()])  # a flow has no direction of its own
+    conic *= np.sign(conic[np.abs(conic).argmax()])  # the sign of the flow is arbitrary
     return {f"{kind}_points": y, f"{kind}_conic": conic}
 
 
-# --- refined ------------------------------------------------------------------------------------
+# --- refinement ----------------------------------------------------------------------
 
 ERRORS = (
     "h",
@@ -234,7 +238,7 @@ def errors_on_grid(params: Params, job: tuple[int, int]) -> np.ndarray:
 
 
 def _compared_weights(params: Params) -> Iterator[tuple[Cell, ...]]:
-    """Error of the flow, and rms velocity that noise of size one in the data makes."""
+    """Error of the flow, and rms velocity caused by unit noise in the data."""
     mesh = jittered_cube(params.weights_side, 2, params.jitter, params.seed)
     u = taylor_green(mesh.points)
     v = normal_velocities(mesh, u)
@@ -265,7 +269,7 @@ def _rms(lengths: np.ndarray) -> float:
 
 
 def _orders(convergence: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
-    """Orders over the last refinement, and what one ring leaves on the finest mesh."""
+    """Orders over the last refinement, and undetermined vertices on the finest mesh."""
     facts: dict[str, Cell] = {}
     for d in FLOWS:
         rows = np.array([row for row in convergence if row[0] == d], dtype=float)
@@ -292,7 +296,7 @@ KINDS = {
 
 
 def plot(result: Result) -> Figure:
-    """The mesh with the vertices that one ring does not determine, and what it gives there."""
+    """The mesh, the vertices that one ring does not determine, and their velocities by one ring."""
     a = result.arrays
     left, inside, cells = ~a["determined"], a["inside"], a["triangles"]
     kinds = (
@@ -365,7 +369,7 @@ def _draw_star(axes: Axes, y: np.ndarray, boundary: bool) -> None:
     """Draw the triangles round the first vertex, in the order of the angles of the others."""
     angle = np.arctan2(*y[1:].T[::-1])
     order = np.argsort(angle)
-    if boundary:  # begin after the widest gap, which is outside
+    if boundary:  # begin after the widest gap, which is the exterior
         turn = np.argmax(np.diff(angle[order], append=angle[order[0]] + 2 * np.pi))
         order = np.roll(order, -turn - 1)
     rim = y[1:][order]
