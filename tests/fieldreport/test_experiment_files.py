@@ -1,4 +1,4 @@
-"""Results, parameters and files: what goes in comes out, and what is wrong is told."""
+"""Results, parameters and files: values survive writing and reading, and errors are reported."""
 
 import json
 from dataclasses import dataclass

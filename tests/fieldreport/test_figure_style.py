@@ -1,4 +1,4 @@
-"""The look of figures: methods told apart by all eyes and in grey, in the width of the text."""
+"""The style of figures: methods are distinguishable with any colour vision and in grey."""
 
 import io
 import itertools

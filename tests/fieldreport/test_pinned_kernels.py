@@ -1,4 +1,4 @@
-"""The pins: the workers compute the same bytes whatever the caller's environment says."""
+"""Pinned kernels: the workers compute the same bytes in every environment of the caller."""
 
 import os
 

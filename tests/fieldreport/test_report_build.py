@@ -1,4 +1,4 @@
-"""The build: it does what is to be done, nothing else, and can be broken off at any moment."""
+"""The build: it repeats only what is out of date, and can be interrupted at any moment."""
 
 import errno
 import hashlib

@@ -1,4 +1,4 @@
-"""The benchmarks run, at the size of a toy, and say what they found; never how fast."""
+"""The benchmarks run at a very small size and report their results; speed is not tested."""
 
 import importlib
 import json

@@ -1,4 +1,4 @@
-"""What the documents say is so: commands, links, dependencies, and which way imports point."""
+"""The documents are correct: commands, links, dependencies, and the direction of imports."""
 
 import ast
 import os

@@ -1,4 +1,4 @@
-"""A small report for tests: two fake experiments, a fresh text, and builds within this process."""
+"""A small report for tests: two fake experiments, a new text, and builds within this process."""
 
 import argparse
 import importlib

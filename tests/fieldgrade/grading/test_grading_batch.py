@@ -23,7 +23,7 @@ from fieldgrade.grading.batch import as_they_come
 from fieldgrade.grading.engine import graded
 from fieldgrade.isolation.isolation import Limits
 from graded_class import ROOT, STUB, TIER, checkout, ledger, points, right, run
-from handed_in import lay, notebook
+from submission_files import lay, notebook
 
 
 @pytest.fixture(scope="module")

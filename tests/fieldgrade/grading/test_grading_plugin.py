@@ -18,7 +18,7 @@ from fieldgrade.grading import options
 from fieldgrade.grading.engine import graded
 from fieldrecon.cli import main as cli
 from graded_class import ROOT, TIER, checkout, class_files, points, right, run
-from handed_in import lay, notebook
+from submission_files import lay, notebook
 
 pytestmark = pytest.mark.slow  # each grades anew, and starts pytest inside of pytest
 

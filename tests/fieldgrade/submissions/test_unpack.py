@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fieldgrade.submissions import unpack
 from fieldgrade.submissions.archive import Archive, NotTaken
 from fieldgrade.submissions.unpack import NoZip, folder_items, zip_items
-from handed_in import lay, packed
+from submission_files import lay, packed
 
 
 def items_of(tmp_path, content):

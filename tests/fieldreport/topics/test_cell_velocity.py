@@ -1,4 +1,4 @@
-"""What the chapter on velocities of cells says of triangles, of tetrahedra and of noise."""
+"""The claims of the chapter on cell velocities: triangles, tetrahedra and noise."""
 
 import numpy as np
 import pytest

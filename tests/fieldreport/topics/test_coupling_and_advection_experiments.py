@@ -1,4 +1,4 @@
-"""What the experiments on coupling and advection compare with, by other means."""
+"""Reference values of the experiments on coupling and advection, computed in other ways."""
 
 from dataclasses import replace
 

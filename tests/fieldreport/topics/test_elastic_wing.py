@@ -1,4 +1,4 @@
-"""Wings that bend in the air: turns, their steady state, where there is none; and the air."""
+"""Static aeroelasticity: iteration, steady state, divergence, and the standard atmosphere."""
 
 from dataclasses import replace
 from functools import partial

@@ -1,4 +1,4 @@
-"""The flow past a cylinder and a ball: that it is one, its fluxes, its meshes and streamlines."""
+"""Flow past a cylinder and a ball: potential flow, fluxes, meshes and streamlines."""
 
 import re
 from functools import partial

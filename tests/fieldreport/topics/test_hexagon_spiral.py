@@ -1,4 +1,4 @@
-"""The spiral in the hexagon: what Voronoi coordinates give back, and where quotients fail."""
+"""The spiral in the hexagon: reproduction by Voronoi coordinates, and errors of quotients."""
 
 from dataclasses import replace
 from fractions import Fraction

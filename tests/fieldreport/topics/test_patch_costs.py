@@ -1,4 +1,4 @@
-"""What patches cost: what is quoted is what was measured, and exponents are of the plane alone."""
+"""Costs of patches: facts agree with the measurements, and exponents refer to the plane only."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""The comparison with other libraries: what is covered, what is lost, and how it is told."""
+"""The comparison with other libraries: covered runs, losses, and their presentation."""
 
 from dataclasses import replace
 

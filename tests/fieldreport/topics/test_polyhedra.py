@@ -1,4 +1,4 @@
-"""What the chapter on barycentric coordinates says of polygons and polyhedra, on a small run."""
+"""The claims of the chapter on barycentric coordinates, on a small run."""
 
 from dataclasses import replace
 

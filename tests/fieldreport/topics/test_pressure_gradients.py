@@ -1,4 +1,4 @@
-"""What the chapter on pressure gradients says of orders, of the boundary and of the weights."""
+"""The claims of the chapter on pressure gradients: orders, the boundary, and the weights."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""When B' loses rank: tangent fields, points in line, stars of few vertices."""
+"""Rank deficiency of B': tangent fields, collinear points, stars of few vertices."""
 
 from dataclasses import replace
 from itertools import product

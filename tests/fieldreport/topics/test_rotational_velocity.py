@@ -1,4 +1,4 @@
-"""Velocities at vertices from one ring and from more: ranks, errors and orders, as claimed."""
+"""Vertex velocities from one ring and from more: ranks, errors and orders."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What the chapter on surfaces says agrees with what is known beside it."""
+"""The claims of the chapter on surfaces, compared with known values."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Lands whose surface is known come back; what isolines leave unsaid is found where it is."""
+"""Terrain: known surfaces are reproduced; landforms beyond the last isolines are found."""
 
 from dataclasses import replace
 from functools import partial

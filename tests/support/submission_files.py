@@ -1,4 +1,4 @@
-"""Notebooks, scripts and zip files as students and learning platforms make them."""
+"""Submissions: notebooks, scripts and zip files as students and learning platforms make them."""
 
 import io
 import json

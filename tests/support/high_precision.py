@@ -1,4 +1,4 @@
-"""The slides' formulas, literally, in five hundred decimal digits: a witness for the accuracy.
+"""High-precision reference: the slides' formulas, literally, in five hundred decimal digits.
 
 Weights of 1e60 and steps of 1e-80 cost nothing here, so normal equations and difference quotients,
 which nobody should compute with in sixteen digits, are exact enough. Points and values are the

@@ -1,4 +1,4 @@
-"""What a coupling of two meshes must satisfy, each law a plain function of a coupling."""
+"""Laws that a coupling of two meshes must satisfy, each a plain function of a coupling."""
 
 import numpy as np
 
