@@ -1,4 +1,4 @@
-"""Moving least squares: against the slides' formulas done literally, and in five hundred high_precision."""
+"""Moving least squares: against the slides' formulas done literally, and in five hundred digits."""
 
 from dataclasses import dataclass
 

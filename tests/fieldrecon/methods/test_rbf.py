@@ -1,4 +1,4 @@
-"""Radial basis functions: SciPy as witness, the slides' matrix, energies, and 500 high_precision."""
+"""Radial basis functions: SciPy as witness, the slides' matrix, energies, and 500 digits."""
 
 import numpy as np
 import pytest
