@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from fieldcheck.questions import questions
-from fieldgrade.authoring.known import public_calls
+from fieldgrade.authoring.known_answers import public_calls
 from fieldgrade.authoring.notebooks import stub
 from fieldgrade.authoring.sources import Cell, Source
 

@@ -33,7 +33,7 @@ class Counting(Executor):
         self.held = self.there = self.back = 0
 
     @contextmanager
-    def holding(self, work: Any) -> Iterator[Any]:
+    def shared_work(self, work: Any) -> Iterator[Any]:
         """The work, which each worker would get once."""
         self.held += packed(work)
         yield work

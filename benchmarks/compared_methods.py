@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.pipelines.block_averages import block_means
 from fieldrecon.polynomials import dimension
 from fieldrecon.reconstruction import Field
-from fieldrecon.selection.cross_validation import Judge
+from fieldrecon.selection.cross_validation import CrossValidator
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldrecon.selection.models import Candidate
+from fieldrecon.selection.models import Model
 
 Interpolant = Callable[[np.ndarray], np.ndarray]
 Fit = Callable[[np.ndarray, np.ndarray], Interpolant]
@@ -51,10 +51,10 @@ def patches_of(power: int, degree: int, patch_size: int) -> Fit:
 def patches_by_leave_one_out(points: np.ndarray, values: np.ndarray) -> Field:
     """Kernel, degree and patch size of the smallest cross-validation error on a few blocks."""
     makers = [partial(_patches, *choice) for choice in CHOICES]
-    judge = Judge.of(points, values)
+    judge = CrossValidator.of(points, values)
     if judge.blocks is not None:
         judge = replace(judge, blocks=judge.blocks[:BLOCKS])
-    trial = judge.trial(Candidate("patches", "PU", "patches, blended", lambda _: makers))
+    trial = judge.evaluate(Model("patches", "PU", "patches, blended", lambda _: makers))
     return trial.maker(points).field(values)
 
 

@@ -20,7 +20,7 @@ from benchmarks import graders
 from benchmarks.assignments import LARGE, ROOT, SMALL, BenchmarkAssignment
 from benchmarks.timing import BenchmarkResult, Comparison, Table, Track
 from fieldgrade.grading.run import chosen_tier
-from fieldgrade.isolation.isolation import Server
+from fieldgrade.isolation.server import Server
 
 COMMAND = "import sys; from fieldrecon.cli.main import main; sys.exit(main())"
 AT_MOST = {(SMALL, "nbgrader"): 1 / 15, (SMALL, "otter"): 1 / 30}

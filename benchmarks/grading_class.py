@@ -67,22 +67,22 @@ def _told(size: Size) -> Iterator[str]:
 def grade_class(size: Size) -> None:
     """What the other process does: it prints a line after each third, and one on the grades."""
     sys.path.append(str(ROOT / "tests"))
-    from fieldgrade.checking import workplace
     from fieldgrade.grading.batch import Batch
-    from fieldgrade.grading.run import Run, chosen_tier
-    from fieldgrade.isolation.isolation import Server
+    from fieldgrade.grading.run import GradingRun, chosen_tier
+    from fieldgrade.isolation import worker_servers
+    from fieldgrade.isolation.server import Server
     from hostile.conftest import LIMITS
 
     tier, _ = chosen_tier()
     with TemporaryDirectory() as scratch:
         folder = Path(scratch)
         fair = dict(_class(folder / "in", size, list(_cases(tier))))
-        plan = Run(folder / "in", folder / "out", ROOT, tier=tier, jobs=WORKERS)
+        plan = GradingRun(folder / "in", folder / "out", ROOT, tier=tier, jobs=WORKERS)
         start, statuses, good, tamed, done = time.monotonic(), Counter[str](), 0, 0, 0
-        with workplace.opened(), workplace.workers(WORKERS) as executor:
+        with worker_servers.serving(), worker_servers.worker_pool(WORKERS) as executor:
             server, kept = Server(tier, LIMITS), (plan.archive, plan.cache, plan.ledger)
             batch = Batch(plan.course, server, *kept, executor, WORKERS)
-            for _, record in batch.records(plan.portions()):
+            for _, record in batch.records(plan.tasks()):
                 done, statuses[record.status] = done + 1, statuses[record.status] + 1
                 points = {grade.question: grade.points for grade in record.grades}
                 wanted, hostile = fair[record.student]

@@ -18,10 +18,10 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.assignments import LARGE, ROOT, SMALL, BenchmarkAssignment
 from benchmarks.timing import BenchmarkResult, Table, Track, threads
-from fieldgrade.checking import workplace
 from fieldgrade.grading.batch import Batch
-from fieldgrade.grading.run import Run, chosen_tier
-from fieldgrade.isolation.isolation import Server
+from fieldgrade.grading.run import GradingRun, chosen_tier
+from fieldgrade.isolation import worker_servers
+from fieldgrade.isolation.server import Server
 
 COLUMNS = ("assignment", "workers", "cores", "seconds", "least", "most", "speed-up", "range of it")
 SHAPES = ((1, 1), (1, 2), (2, 2))
@@ -68,16 +68,16 @@ def run(size: Size, track: Track) -> BenchmarkResult:
 def _seconds(folder: Path, tier: str, workers: int, cores: int) -> float:
     """Seconds for each submission of a class that is graded anew."""
     with TemporaryDirectory() as out:
-        plan = Run(folder / "in", Path(out), ROOT, tier=tier, jobs=workers)  # type: ignore[arg-type]
+        plan = GradingRun(folder / "in", Path(out), ROOT, tier=tier, jobs=workers)  # type: ignore[arg-type]
         with threads(cores), _batch(plan, workers) as batch:
-            ends = [time.perf_counter() for _ in batch.records(plan.portions())]
+            ends = [time.perf_counter() for _ in batch.records(plan.tasks())]
     return (ends[-1] - ends[WARM_UP - 1]) / (len(ends) - WARM_UP)
 
 
 @contextmanager
-def _batch(plan: Run, workers: int) -> Iterator[Batch]:
+def _batch(plan: GradingRun, workers: int) -> Iterator[Batch]:
     kept = (plan.archive, plan.cache, plan.ledger)
-    with workplace.opened(), workplace.workers(workers) as executor:
+    with worker_servers.serving(), worker_servers.worker_pool(workers) as executor:
         _ = [*executor.map(time.sleep, [1.0] * workers)]  # all processes have started then
         yield Batch(plan.course, Server(plan.tier), *kept, executor, workers)
 

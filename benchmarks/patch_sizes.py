@@ -24,8 +24,9 @@ import numpy as np
 from benchmarks.memory import largest_memory
 from benchmarks.scattered_data import DATA, Scattered
 from benchmarks.timing import BenchmarkResult, Chart, Table, Track
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import Radial, polyharmonic, thin_plate_spline
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 

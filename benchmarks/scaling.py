@@ -10,8 +10,8 @@ from functools import partial
 
 from benchmarks.timing import BenchmarkResult, Table, Track, in_turn, threads
 from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import thin_plate_spline
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.reconstruction import Field, Reconstruction

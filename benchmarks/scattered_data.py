@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldrecon.datasets.synthetic import clustered, franke, terrain, uniform
+from fieldrecon.datasets.elevation import terrain
+from fieldrecon.datasets.synthetic import clustered, franke, uniform
 
 
 @dataclass(frozen=True)

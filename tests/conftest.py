@@ -2,7 +2,7 @@
 
 from hypothesis import HealthCheck, settings
 
-from fieldgrade.isolation.isolation import TIERS
+from fieldgrade.isolation.server import TIERS
 from hostile.case import HERE
 
 # No test is timed: a busy machine would fail it. The same examples come on every run.

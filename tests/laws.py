@@ -442,7 +442,7 @@ def refused(words: str, error: type[Exception] = ValueError) -> Iterator[None]:
 def leaving_one_out_is_fitting_without_it(case: Case) -> None:
     """f_i - s_(-i)(p_i), with s_(-i) made anew from the other sites, patches where they were."""
     if not case.removable:
-        with refused("leave_one_out does not know ", TypeError):
+        with refused("is not made from points", TypeError):
             leave_one_out(case.method, case.data)
         return
     if case.n == len(all_monomials(case.sites[:1], max(case.method.degree, 0))[0]):

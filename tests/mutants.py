@@ -16,8 +16,9 @@ import laws
 from cases import Case, case
 from fieldrecon._core import validation as valid
 from fieldrecon._numerics.neighbor_search import Nearest
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
-from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity import method as partition_of_unity
@@ -481,7 +482,7 @@ class NothingOutside(OtherShares):
 class InSamplePatches(PartitionOfUnityRBF):
     """The residual of the fit with the datum itself."""
 
-    def left_out(self, values, progress=None):  # noqa: ARG002
+    def _leave_one_out(self, values, progress):  # noqa: ARG002
         return values - self.field(values)(self.points)
 
 
@@ -510,9 +511,9 @@ class InSampleMoving(MovingLeastSquares):
 class WithoutTheNext(MovingLeastSquares):
     """Leaves a site out of its neighbourhood and does not look for the next one."""
 
-    def left_out(self, values, sites=None, progress=None):
+    def predictions_from_others(self, values, sites, progress=None):
         fewer = MovingLeastSquares(self.points, self.weight, self.degree, self.neighbors - 1)
-        return fewer.left_out(values, sites, progress)
+        return fewer.predictions_from_others(values, sites, progress)
 
 
 class WrongDiagonal(RBF):

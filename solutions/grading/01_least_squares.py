@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("01.2", "It must hold in every dimension, and for other numbers of points than the shown.")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("02.1", "It must hold in every dimension, on the line too.")

@@ -5,7 +5,7 @@ import numpy as np
 from fieldcheck.calls import Call
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 from fieldcheck.questions.q04_rank_of_normals import directions, flow, hiding
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("04.1", "It must hold in every dimension, and for any number of samples.")

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from fieldcheck.calls import Call
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 def fan(random, number):

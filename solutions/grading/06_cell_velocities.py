@@ -4,7 +4,7 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q06_cell_velocities import normal_velocities
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 def right_angle(random, size):

@@ -11,7 +11,7 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
     star,
 )
 from fieldcheck.questions.q07_without_division import octagon
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("07.2", "It must hold far from the origin, and for flat triangles.")

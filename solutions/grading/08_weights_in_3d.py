@@ -6,7 +6,7 @@ from fieldcheck.calls import Call
 from fieldcheck.questions.q07_voronoi_coordinates import mirror_images
 from fieldcheck.questions.q07_without_division import octagon
 from fieldcheck.questions.q08_weights_in_3d import places_inside, star
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("08.2", "It must hold far from the origin.")

@@ -4,7 +4,7 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q03_radial_basis_functions import cloud
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("09.1", "The degree may be any, and there may be one point only.")

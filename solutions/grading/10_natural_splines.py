@@ -4,7 +4,7 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q10_natural_splines import line
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("10.1", "It must hold for any number of sites, in any order.")

@@ -13,7 +13,7 @@ from fieldcheck.questions.q11_point_clouds import (
     torus,
 )
 from fieldcheck.questions.q11_zero_levels import about, body, near_diagonals
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("11.1", "It must hold for any number of neighbours, in the plane and in space.")

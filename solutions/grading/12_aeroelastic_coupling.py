@@ -5,7 +5,7 @@ import numpy as np
 from fieldcheck.calls import Call
 from fieldcheck.questions.q12_aeroelastic_coupling import grid, transfer
 from fieldcheck.questions.q12_steady_state import section, wing
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("12.1", "It must hold far outside of the structure, and for nodes in space.")

@@ -4,7 +4,7 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q13_semi_lagrangian_advection import in_disc, in_square
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 def other_steps(name, seed):

@@ -16,7 +16,7 @@ from fieldcheck.questions.q14_mesh_errors import (
     without,
 )
 from fieldcheck.questions.q14_mesh_places import copies
-from fieldgrade.authoring.hidden import hidden
+from fieldgrade.authoring.hidden_cases import hidden
 
 
 @hidden("14.1", "It must hold in the plane as well, and for one point.")

@@ -1,6 +1,6 @@
-"""fieldcheck: tells a student whether an answer is right, and if not, what kind of mistake it is.
+"""Checks that tell a student whether an answer is right and, if not, what kind of mistake it is.
 
-It needs NumPy and matplotlib, and holds no solutions.
+The package needs NumPy and matplotlib, and contains no solutions.
 """
 
 from fieldcheck.drag import drag

@@ -1,7 +1,7 @@
-"""Known answers on fixed inputs: the right one, and those that known mistakes lead to.
+"""Known answers on fixed inputs: the right values, and the values of known mistakes.
 
-On the public cases the numbers lie in ``answers/``, so that a mistake is recognised by its
-fingerprint and no code that makes it, nor the code that is asked for, need be here.
+The values on the public cases are in ``answers/``. A mistake is recognised by its values, so that
+neither its code nor the code of a solution is in this package.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from fieldcheck.question import Question
 from fieldcheck.shapes import fitted
 
 DIGITS = 12
-"""Significant digits that are kept."""
+"""Significant digits of stored values."""
 
 
 @dataclass(frozen=True)
@@ -32,9 +32,9 @@ class Mistake:
     name : str
         A few words: ``"weights not squared"``.
     sentence : str
-        What the student is told.
+        The sentence for the student.
     outcomes : tuple of Outcome
-        What comes of the calls.
+        The outcomes of the calls.
     """
 
     name: str
@@ -52,7 +52,7 @@ class Answers:
     def recognise(
         self, question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]
     ) -> Mistake | None:
-        """Return the mistake whose numbers these are, within the tolerance, or None."""
+        """Return the mistake with the same values, within the tolerance, or None."""
         distances = [self.distance(question, calls, outcomes, m.outcomes) for m in self.mistakes]
         nearest = int(np.argmin(distances)) if distances else -1
         return self.mistakes[nearest] if distances and distances[nearest] <= 1 else None
@@ -64,10 +64,10 @@ class Answers:
         outcomes: Sequence[Outcome],
         others: Sequence[Outcome],
     ) -> float:
-        """Return how far two sets of outcomes lie apart, in units of the tolerance.
+        """Return the distance of two sets of outcomes, in units of the tolerance.
 
-        It is infinite where one returned and the other did not, or the shapes differ; and where no
-        call returned anything, since an exception alone tells too little to recognise a mistake by.
+        It is infinite if one returned and the other did not, if the shapes differ, or if no call
+        returned: an exception alone does not identify a mistake.
         """
         made = zip(calls, outcomes, others, self.right, strict=True)
         apart = [_distance(question, *each) for each in made]
@@ -95,7 +95,7 @@ def _distance(question: Question, call: Call, one: Outcome, other: Outcome, righ
 
 
 def _plain_distance(values: Values, known: Values, tolerance: float) -> float:
-    """Compare what has no normal form: wrong shapes, or numbers that are not finite."""
+    """Compare values without a normal form: wrong shapes, or values that are not finite."""
     same = (
         np.allclose(a, b, rtol=tolerance, atol=tolerance * _scale(b), equal_nan=True)
         for a, b in zip(values, known, strict=True)
@@ -109,7 +109,7 @@ def _scale(array: np.ndarray) -> float:
 
 
 def to_json(answers: Answers) -> dict[str, Any]:
-    """Return answers as what ``json`` can write."""
+    """Return answers as data for ``json``."""
     return {
         "right": [arrays_to_json(values) for values in answers.right],
         "mistakes": [
@@ -147,7 +147,7 @@ def _outcome(data: Mapping[str, Any]) -> Outcome:
 
 
 def arrays_to_json(values: Values) -> list[dict[str, Any]]:
-    """Return arrays of real numbers as what ``json`` can write, with twelve digits."""
+    """Return arrays of real numbers as data for ``json``, with twelve digits."""
     return [
         {"shape": list(v.shape), "numbers": [float(f"{x:.{DIGITS}g}") for x in v.ravel().tolist()]}
         for v in values

@@ -1,8 +1,7 @@
-"""Calls of a student's function, and what came of them: plain data on both sides.
+"""Calls of a student's function, and their outcomes, as plain data.
 
-A check never looks into the function. It makes calls, has them performed, and judges the
-outcomes. Who performs them does not matter: the notebook does it in its own process, a grader in
-another one.
+A check never inspects the function: it states calls and judges outcomes. A notebook performs the
+calls in its own process, a grader in another one.
 """
 
 from __future__ import annotations
@@ -27,20 +26,20 @@ Values = tuple[np.ndarray, ...]
 
 @dataclass(frozen=True)
 class Call:
-    """A call to be made: the function's name, its arguments, and what the call tries.
+    """A call: the name of the function, its arguments, and the case.
 
     Parameters
     ----------
     function : str
-        Name under which the student's function is found.
+        The name of the student's function.
     arguments : tuple
         Arrays and numbers, in order.
     case : str
-        What is tried, in words that can follow "for": ``"five points on a line"``.
+        The case, in words that can follow "for": ``"five points on a line"``.
     exact : tuple of int
         Positions of the arguments that are degenerate on purpose, such as a point exactly on an
-        edge, a tie, or points on one line. A change in their last digits makes another problem of
-        them, so the proof of the graders does not change them.
+        edge, a tie, or collinear points. The tests of the graders do not perturb them, since a
+        change in their last digits would change the problem.
     """
 
     function: str
@@ -51,26 +50,25 @@ class Call:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a call.
+    """The outcome of a call.
 
     Parameters
     ----------
     status : str
-        ``"returned"``, ``"raised"``, ``"unwritten"`` (NotImplementedError), ``"missing"`` (there is
-        no such function), ``"timed out"``.
+        ``"returned"``, ``"raised"``, ``"unwritten"`` (NotImplementedError), ``"missing"`` (no such
+        function), ``"timed out"``.
     values : tuple of ndarray, optional
-        What was returned, a tuple as several arrays, anything else as one; None for what is no
-        numbers.
+        The returned values: several arrays for a tuple, else one; None if they are not numeric.
     returned : str
-        What was returned instead of numbers or arrays of them, in words.
+        A description of the returned object, if it is not an array.
     error : str
         Type and message of the exception.
     line : str
-        The line of the student's own code in which it arose.
+        The line of the student's code that raised it.
     seconds : float
-        Time taken.
+        Run time.
     modified : tuple of int
-        Which arguments were changed by the call.
+        Positions of arguments that the call changed.
     """
 
     status: Status
@@ -87,9 +85,9 @@ class OutOfTime(BaseException):
 
 
 def perform(functions: dict[str, Any], calls: Sequence[Call], limit: float) -> tuple[Outcome, ...]:
-    """Make the calls, each with copies of its arguments and at most `limit` seconds.
+    """Make the calls, each with copies of its arguments and a time limit in seconds.
 
-    Once a call has run out of time, or there is nothing to call, the others are not tried.
+    After a time-out, or if the function does not exist, the other calls are skipped.
     """
     outcomes: list[Outcome] = []
     for call in calls:
@@ -129,7 +127,7 @@ def _perform_one(function: Callable[..., Any] | None, call: Call, limit: float) 
 
 
 def as_arrays(result: object) -> Values | None:
-    """Return what a function returned as arrays, or None if it does not consist of numbers.
+    """Return a result as arrays, or None if it is not numeric.
 
     Examples
     --------
@@ -158,7 +156,7 @@ def _kind(result: object) -> str:
         return "nothing (None), as a function without `return` does"
     if isinstance(result, list):
         ragged = as_arrays(result) is None
-        return "a list that is no rectangular array of numbers" if ragged else "a list"
+        return "a list that is not a rectangular array of numbers" if ragged else "a list"
     return f"an object of type {type(result).__name__}"
 
 
@@ -174,10 +172,10 @@ def _in_words(error: BaseException) -> str:
 
 
 def own_line(error: BaseException, function: Callable[..., Any]) -> str:
-    """Return the line of the student's code in which an error arose.
+    """Return the line of the student's code that raised an error.
 
-    The innermost frame counts whose code is in the file, or cell, of the function or of another
-    cell; frames of libraries do not.
+    It is the innermost frame in the file or cell of the function, or in another cell; frames of
+    libraries do not count.
     """
     code = getattr(function, "__code__", None)
     frames = traceback.extract_tb(error.__traceback__)
@@ -196,9 +194,10 @@ def _is_own(filename: str, code: CodeType | None) -> bool:
 
 @contextmanager
 def _deadline(limit: float) -> Iterator[None]:
-    """Interrupt what takes longer than `limit` seconds, where the system has such an alarm.
+    """Interrupt a call after `limit` seconds, if the system has timers.
 
-    Only the main thread can be interrupted, and not on Windows; elsewhere the time is merely told.
+    Only the main thread can be interrupted, and not on Windows; elsewhere the time is only
+    measured.
     """
     if not hasattr(signal, "setitimer") or threading.current_thread() != threading.main_thread():
         yield

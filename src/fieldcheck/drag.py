@@ -1,8 +1,8 @@
-"""A point that the reader drags about a cell, the weights of the corners going with it.
+"""An interactive picture: a point that the reader drags in a cell, and the weights of the corners.
 
-The weights are computed beforehand, on a lattice that covers the cell, and looked up on the way.
-The picture is an SVG by itself; where scripts run, in JupyterLab, Visual Studio Code and on the
-published page, one of a few lines brings it to life. It needs neither a network nor a kernel.
+The weights are computed in advance, on a lattice that covers the cell, and interpolated. The
+picture is an SVG; a short script makes it interactive where scripts run: in JupyterLab, in Visual
+Studio Code and on the published page. It needs neither a network nor a kernel.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fieldcheck.figures import BLUE, GREY, ORANGE, PURPLE, attempt, display
 NODES = 36
 """Nodes of the lattice along the longer side of the cell."""
 UNIT = 1e-4
-"""Weights are kept as multiples of this."""
+"""Weights are stored as multiples of this value."""
 SIDE, WIDTH, MARGIN = 300.0, 640, 48.0
 """The cell is drawn in a square of this side, in a picture of this width; in pixels."""
 
@@ -29,20 +29,20 @@ Weights = Callable[[np.ndarray], np.ndarray]
 
 
 def drag(corners: Any, values: Any, start: Any) -> Callable[[Weights], Weights]:
-    """Show the weights that a function gives to the corners of a cell, at a point to be dragged.
+    """Show the weights of the corners of a cell at a point that the reader can drag.
 
     Parameters
     ----------
     corners : (N, 2) array_like
         Corners of the cell, a convex polygon, in order.
     values : (N,) array_like
-        What is known at the corners.
+        Values at the corners.
     start : (2,) array_like
-        Where the point is at first, and in the static picture.
+        The initial point, which the static picture shows.
 
     Examples
     --------
-    The function below takes places, of shape (M, 2), and returns weights, of shape (M, N)::
+    The function takes points, of shape (M, 2), and returns weights, of shape (M, N)::
 
         @drag(corners, values, start=(0.2, 0.1))
         def weights(x):
@@ -68,11 +68,11 @@ class Dragged:
 
 
 def dragged(weights: Weights, corners: Any, values: Any, start: Any) -> Dragged:
-    """Return the picture of the weights that a function gives, and the script that moves it."""
+    """Return the picture of the weights, and the script that makes it interactive."""
     p, f = np.asarray(corners, dtype=float), np.asarray(values, dtype=float)
     x = np.asarray(start, dtype=float)
     here = np.asarray(weights(x[None]), dtype=float)[0]
-    told = lattice(weights, p) | {
+    parameters = lattice(weights, p) | {
         "corners": np.round(p, 6).tolist(),
         "values": np.round(f, 6).tolist(),
         "walls": np.round(walls(p), 6).tolist(),
@@ -81,7 +81,7 @@ def dragged(weights: Weights, corners: Any, values: Any, start: Any) -> Dragged:
     }
     text = _svg(p, f, x, here)
     image = base64.b64encode(text.encode("ascii")).decode()
-    data = json.dumps(told, separators=(",", ":"))
+    data = json.dumps(parameters, separators=(",", ":"))
     script = (files("fieldcheck") / "drag.js").read_text(encoding="utf-8")
     html = (
         '<div class="fieldcheck-drag" style="max-width:640px">'
@@ -95,12 +95,12 @@ def dragged(weights: Weights, corners: Any, values: Any, start: Any) -> Dragged:
 def lattice(weights: Weights, corners: np.ndarray) -> dict[str, Any]:
     """Return the weights on a lattice over the cell: origin, step, nodes in a row, the table.
 
-    Rows of the table are whole multiples of `UNIT`; it has a zero where a node is too far from the
-    cell to be of use, or the function gives no finite numbers.
+    Rows of the table are integer multiples of `UNIT`; a zero marks a node that is too far from the
+    cell, or whose weights are not finite.
     """
     low, high = corners.min(axis=0), corners.max(axis=0)
     step = float((high - low).max()) / (NODES - 3)
-    # No node on the middle lines, nor on edges along an axis, where quotients have no value.
+    # No node lies on the middle lines or on axis-parallel edges, where quotients are undefined.
     origin = low - 1.37 * step
     along = np.ceil((high - origin) / step).astype(int) + 2
     i, j = np.meshgrid(np.arange(along[0]), np.arange(along[1]))
@@ -124,7 +124,7 @@ def walls(corners: np.ndarray) -> np.ndarray:
 
 
 def _frame(corners: np.ndarray) -> np.ndarray:
-    """Return (s, u, v): a place (x, y) is drawn at (s x + u, v − s y)."""
+    """Return (s, u, v): a point (x, y) is drawn at (s x + u, v − s y)."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     scale = SIDE / float((high - low).max())
     middle = scale * (low + high) / 2
@@ -133,7 +133,7 @@ def _frame(corners: np.ndarray) -> np.ndarray:
 
 
 def _svg(p: np.ndarray, f: np.ndarray, x: np.ndarray, w: np.ndarray) -> str:
-    """Return the picture; what the script moves has a name in ``data-part``."""
+    """Return the picture; elements that the script moves have a ``data-part``."""
     scale, u, v = _frame(p)
     at = np.stack([scale * p[:, 0] + u, v - scale * p[:, 1]], axis=1)
     px, py = scale * x[0] + u, v - scale * x[1]

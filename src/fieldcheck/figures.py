@@ -1,4 +1,4 @@
-"""Pictures in a notebook: drawn with the student's functions, and drawn again as controls move."""
+"""Pictures in a notebook: drawn with the student's functions, and redrawn when sliders move."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 STATIC = "FIELDCHECK_STATIC"
-"""Environment variable: any value leaves the sliders out."""
+"""Environment variable: any value disables the sliders."""
 
 BLUE, ORANGE, PURPLE, GREEN, GREY = "#2a78bb", "#c48600", "#5f1049", "#2a6428", "#8a8a8a"
-"""Colours that are told apart by the colour-blind, and in grey by their lightness."""
+"""Colours that the colour-blind can distinguish, with different lightness in grey."""
 
 STYLE: Any = {
     "font.size": 10,
@@ -70,13 +70,13 @@ class Slider:
     Parameters
     ----------
     low, high : float
-        Between which.
+        The range.
     start : float
-        Where it stands at first, and in the static picture.
+        The initial value, which the static picture shows.
     label : str
-        What it is.
+        The label.
     steps : int
-        How many steps lie between.
+        The number of steps.
     logarithmic : bool
         Steps of equal ratio.
     whole : bool
@@ -93,9 +93,9 @@ class Slider:
 
 
 def draw(**sliders: Slider) -> Callable[[Callable[..., Figure]], Callable[..., Figure]]:
-    """Draw the picture that a function returns, now, and again when a slider moves.
+    """Draw the picture that a function returns, at once and whenever a slider moves.
 
-    As long as a function that the picture needs is not written, a line says so instead.
+    While a function that the picture needs is not written, a sentence replaces the picture.
 
     Examples
     --------
@@ -119,12 +119,12 @@ def draw(**sliders: Slider) -> Callable[[Callable[..., Figure]], Callable[..., F
 
 
 def _drawn(picture: Callable[..., Figure], values: dict[str, float]) -> Any:
-    """Return the picture, or the sentence that stands for it."""
+    """Return the picture, or the sentence that replaces it."""
     return attempt(lambda: Picture(svg(picture(**values))))
 
 
 def attempt(make: Callable[[], Any]) -> Any:
-    """Return what is made, or the sentence that stands for it while a function is not written."""
+    """Return the result of `make`, or a sentence if a function is not written or fails."""
     try:
         return make()
     except NotImplementedError:
@@ -135,7 +135,7 @@ def attempt(make: Callable[[], Any]) -> Any:
 
 
 def _asked() -> str:
-    """Return the name of the function that said it is not written."""
+    """Return the name of the function that is not written."""
     error = sys.exc_info()[1]
     frames = traceback.extract_tb(error.__traceback__) if error else []
     return frames[-1].name if frames else "a function"
@@ -153,7 +153,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Sentence:
-    """A line in place of a picture."""
+    """A sentence that replaces a picture."""
 
     text: str
 
@@ -162,7 +162,7 @@ class Sentence:
 
 
 def display(thing: Any) -> None:
-    """Show a thing below the cell, in a notebook; elsewhere do nothing."""
+    """Show an object below the cell of a notebook; elsewhere do nothing."""
     module = sys.modules.get("IPython")
     if module is None or module.get_ipython() is None:
         return
@@ -200,12 +200,12 @@ def _show_moving(picture: Callable[..., Figure], sliders: dict[str, Slider]) -> 
 
 
 def _embedded(text: str) -> str:
-    """Return an SVG as an image, which keeps its identifiers apart from those of other figures."""
+    """Return an SVG as an image, so that its identifiers do not clash with other figures."""
     return f'<img src="data:image/svg+xml;base64,{base64.b64encode(text.encode()).decode()}">'
 
 
 def _control(widgets: Any, slider: Slider) -> Any:
-    """Return the slider of ipywidgets; it tells its value when it is let go."""
+    """Return the slider of ipywidgets; it reports its value when it is released."""
     from math import log10
 
     look = {

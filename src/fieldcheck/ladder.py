@@ -1,6 +1,6 @@
-"""The judge: the rungs of the ladder in order, and the sentence at the first that fails.
+"""Judge outcomes: the rungs of the ladder in order, and the sentence of the first that fails.
 
-It sees calls and outcomes, arrays and words, and nothing of the function that was called.
+The judge sees calls and outcomes, and never the function itself.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from fieldcheck.question import LEAST_TOLERANCE, Question, scale
 from fieldcheck.shapes import fitted, in_words, shape_in_words
 from fieldcheck.verdict import LADDER, Rung, Verdict
 
-PATIENCE = 4.0
-"""A call is stopped after so many times the seconds it may take."""
+TIMEOUT_FACTOR = 4.0
+"""A call is stopped after this multiple of its time limit."""
 
 NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified")
 
@@ -27,23 +27,23 @@ def judge(
     outcomes: Sequence[Outcome],
     answers: Answers | None = None,
 ) -> Verdict:
-    """Return how far up the ladder the outcomes of the calls come.
+    """Return the verdict on the outcomes of calls.
 
     Parameters
     ----------
     question : Question
-        What was asked.
+        The question.
     calls : sequence of Call
         ``question.inputs(seed)``.
     outcomes : sequence of Outcome
-        What came of each.
+        Their outcomes.
     answers : Answers, optional
-        The known answers to these calls. Without them the laws of the question judge alone.
+        The known answers to these calls. Without them only the laws of the question are checked.
     """
-    faults = list(_faults(question, calls, outcomes, answers))
-    if not faults:
+    failures = list(_failures(question, calls, outcomes, answers))
+    if not failures:
         return Verdict(question.name, "right", _note(question, outcomes))
-    rung, sentence, call = min(faults, key=lambda fault: LADDER.index(fault[0]))
+    rung, sentence, call = min(failures, key=lambda failure: LADDER.index(failure[0]))
     if answers and rung not in NOT_RECOGNISABLE:
         mistake = answers.recognise(question, calls, outcomes)
         if mistake:
@@ -52,7 +52,7 @@ def judge(
 
 
 def _note(question: Question, outcomes: Sequence[Outcome]) -> str:
-    """Return what is worth saying of a right answer: that one cannot calculate with a list."""
+    """Return a hint on a right answer that is a list rather than an array."""
     if not any(outcome.returned for outcome in outcomes):
         return ""
     return (
@@ -61,16 +61,16 @@ def _note(question: Question, outcomes: Sequence[Outcome]) -> str:
     )
 
 
-Fault = tuple[Rung, str, int | None]
+Failure = tuple[Rung, str, int | None]
 
 
-def _faults(
+def _failures(
     question: Question,
     calls: Sequence[Call],
     outcomes: Sequence[Outcome],
     answers: Answers | None,
-) -> Iterator[Fault]:
-    """Yield what is wrong with the calls one by one, then what only all of them together show."""
+) -> Iterator[Failure]:
+    """Yield the failures of single calls, then those that only all calls together show."""
     found = False
     for index, (call, outcome) in enumerate(zip(calls, outcomes, strict=True)):
         for rung, sentence in _form(question, call, outcome):
@@ -88,7 +88,7 @@ def _faults(
 
 
 def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Rung, str]]:
-    """Yield what is wrong with an outcome before its numbers are looked at."""
+    """Yield the failures of an outcome that do not depend on its values."""
     name = question.function
     if outcome.status == "missing":
         yield "missing", f"There is no function {name}. Run the cell that defines it."
@@ -144,23 +144,27 @@ def _array_form(
 
 def _wrong(
     question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
-) -> Iterator[Fault]:
-    """Yield the first law that is broken, with the greatest difference from the right answer."""
-    place, told = _difference(question, calls, values, answers)
+) -> Iterator[Failure]:
+    """Yield the first violated law, with the largest difference from the right answer."""
+    index, difference = _difference(question, calls, values, answers)
     for law in question.laws:
         with np.errstate(all="ignore"):  # wrong values may be of any size
             deviation = float(law.deviation(calls, values))
         if not deviation <= law.tolerance:
-            yield "wrong", f"{law.sentence} {told or _off(deviation, law.tolerance)}".strip(), place
+            yield (
+                "wrong",
+                f"{law.sentence} {difference or _off(deviation, law.tolerance)}".strip(),
+                index,
+            )
             return
-    if told:
-        yield "wrong", told, place
+    if difference:
+        yield "wrong", difference, index
 
 
 def _difference(
     question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
 ) -> tuple[int | None, str]:
-    """Return the call with the greatest difference from the right answer, and it in words."""
+    """Return the call with the largest difference from the right answer, and a description."""
     if answers is None:
         return None, ""
     triples = zip(calls, values, answers.right, strict=True)
@@ -173,17 +177,17 @@ def _difference(
     call, wanted = calls[worst], answers.right[worst][part]
     tolerance = max(question.tolerance(call), LEAST_TOLERANCE) * scale(wanted)
     off = units.max() * tolerance
-    told = f"For {call.case}, {_entry(units, part, len(differences[worst]))} is off by {off:.2g}"
+    text = f"For {call.case}, {_entry(units, part, len(differences[worst]))} is off by {off:.2g}"
     if _whole(wanted):
-        return worst, f"{told}; all values here are whole numbers."
+        return worst, f"{text}; all values here are whole numbers."
     return worst, (
-        f"{told}, where the largest right value is {scale(wanted):.2g}; "
+        f"{text}, where the largest right value is {scale(wanted):.2g}; "
         f"rounding explains {tolerance:.0e}."
     )
 
 
 def _off(deviation: float, tolerance: float) -> str:
-    """Return by how much a law is broken, where that is a matter of more or less."""
+    """Return the size of the violation of a law, if it is not an integer or infinite."""
     if not np.isfinite(deviation) or deviation == round(deviation):
         return ""
     return f"It is off by {deviation:.2g}; rounding explains {tolerance:.0e}."

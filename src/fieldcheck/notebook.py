@@ -1,4 +1,4 @@
-"""What a notebook calls: `check` an answer, see the `progress`, get the `data`, `start_over`."""
+"""The functions that a notebook calls: `check`, `progress`, `data`, `start_over`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 from fieldcheck.answers import public_answers
 from fieldcheck.calls import perform
-from fieldcheck.ladder import PATIENCE, judge
+from fieldcheck.ladder import TIMEOUT_FACTOR, judge
 from fieldcheck.pictures import picture_of_difference
 from fieldcheck.question import Question
 from fieldcheck.questions import get, questions
@@ -19,21 +19,21 @@ from fieldcheck.seeds import EVERYBODY, seed, student
 from fieldcheck.verdict import CREDIT, Verdict
 
 RECORD = ".progress.json"
-"""The file beside the notebooks that remembers the verdicts."""
+"""The file beside the notebooks that stores the verdicts."""
 
 
 def check(name: str, functions: dict[str, Any] | None = None) -> Verdict:
-    """Try the answer to a question, and say what is wrong with it, if anything.
+    """Check the answer to a question, and report the first problem, if there is any.
 
-    It is called first with inputs that are the same for everybody, whose right answer is known,
-    then with inputs of your own, on which laws are checked that every right answer obeys.
+    Your function is called first with inputs that are the same for everybody, whose right answer is
+    known, then with your own inputs, for which laws are checked that every right answer satisfies.
 
     Parameters
     ----------
     name : str
         Such as ``"02.3"``.
     functions : dict, optional
-        Where to look for the function; by default the notebook.
+        The namespace of the function; by default that of the notebook.
     """
     question = get(name)
     functions = _notebook_namespace() if functions is None else functions
@@ -45,22 +45,22 @@ def check(name: str, functions: dict[str, Any] | None = None) -> Verdict:
 
 
 def try_public(question: Question, functions: dict[str, Any]) -> Verdict:
-    """Judge the outcomes of the fixed public cases."""
+    """Judge the outcomes of the public cases."""
     calls = question.inputs(seed(EVERYBODY, question.name))
-    outcomes = perform(functions, calls, PATIENCE * question.limit)
+    outcomes = perform(functions, calls, TIMEOUT_FACTOR * question.limit)
     answers = public_answers(question.notebook).get(question.name)
     verdict = judge(question, calls, outcomes, answers)
     return picture_of_difference(verdict, question, calls, outcomes, answers)
 
 
 def try_seed(question: Question, functions: dict[str, Any], number: int) -> Verdict:
-    """Judge the outcomes for the inputs of a seed by the laws alone."""
+    """Judge the outcomes for the inputs of a seed, by the laws alone."""
     calls = question.inputs(number)
-    return judge(question, calls, perform(functions, calls, PATIENCE * question.limit))
+    return judge(question, calls, perform(functions, calls, TIMEOUT_FACTOR * question.limit))
 
 
 def data(name: str) -> tuple[Any, ...]:
-    """Return your own inputs to a question: the arguments of the first call that tries it.
+    """Return your own inputs to a question: the arguments of its first call.
 
     They depend on the name in ``student.txt`` beside the notebooks.
     """
@@ -68,15 +68,14 @@ def data(name: str) -> tuple[Any, ...]:
 
 
 def progress() -> Progress:
-    """Return how far you are: the questions of the notebooks begun, with verdicts and points."""
+    """Return your progress: questions, verdicts and points of the notebooks that you began."""
     return Progress(_record())
 
 
 def start_over(name: str) -> None:
-    """Give the cell of a question back as it was handed out, as a new cell below.
+    """Insert the original cell of a question, as a new cell below.
 
-    It is not called ``reset``: without an import that is a command of IPython, which deletes all
-    variables.
+    It is not called ``reset``, since IPython has a command of this name that deletes all variables.
     """
     stub = stubs()[get(name).name]
     shell = _shell()
@@ -87,12 +86,12 @@ def start_over(name: str) -> None:
 
 
 def stubs() -> dict[str, str]:
-    """Return the cells as they are handed out, by question."""
+    """Return the original cells, by question."""
     return dict(json.loads((files("fieldcheck") / "stubs.json").read_text(encoding="utf-8")))
 
 
 class Progress:
-    """A table of the questions and how they stand; notebooks show it as one."""
+    """A table of questions and verdicts."""
 
     def __init__(self, record: dict[str, str]) -> None:
         begun = {name.partition(".")[0] for name in record}
@@ -113,13 +112,13 @@ class Progress:
         return sum(points for *_, points in self.rows)
 
     def __repr__(self) -> str:
-        lines = [f"{name}  {function:<32} {_told(rung)}" for name, function, rung, _ in self.rows]
+        lines = [f"{name}  {function:<32} {_symbol(rung)}" for name, function, rung, _ in self.rows]
         return "\n".join([*lines, f"{self.earned:g} of {self.possible} points"])
 
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{name}</td><td style='text-align:left'><code>{function}</code></td>"
-            f"<td style='text-align:left'>{html.escape(_told(rung))}</td><td>{points}</td></tr>"
+            f"<td style='text-align:left'>{html.escape(_symbol(rung))}</td><td>{points}</td></tr>"
             for name, function, rung, points in self.rows
         )
         head = "<tr><th></th><th style='text-align:left'>function</th><th></th><th>points</th></tr>"
@@ -127,7 +126,7 @@ class Progress:
         return f"<table>{head}{rows}</table>{total}"
 
 
-def _told(rung: str) -> str:
+def _symbol(rung: str) -> str:
     return {"right": "✓ right", "unwritten": "·", "missing": "·"}.get(rung, f"✗ {rung}")
 
 
@@ -144,7 +143,7 @@ def _remember(verdict: Verdict) -> None:
     try:
         (Path.cwd() / RECORD).write_text(json.dumps(record, sort_keys=True), encoding="utf-8")
     except OSError:
-        return  # a folder that cannot be written to only forgets
+        return  # in a read-only folder nothing is stored
 
 
 def _shell() -> Any:

@@ -1,4 +1,4 @@
-"""A small drawing of where an answer differs from the right one."""
+"""A picture of the difference between an answer and the right one."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from fieldcheck.shapes import fitted
 from fieldcheck.verdict import Verdict
 
 FEWEST = 4
-"""Fewer numbers than these need no picture."""
-FEWEST_PLACES = 8
-"""A field at fewer places is drawn entry by entry."""
+"""Smallest number of values for a picture."""
+FEWEST_POINTS = 8
+"""Smallest number of points for a picture of a field."""
 
 
 def picture_of_difference(
@@ -28,7 +28,7 @@ def picture_of_difference(
     outcomes: Sequence[Outcome],
     answers: Answers | None,
 ) -> Verdict:
-    """Return the verdict with a picture, where there are right numbers to show beside it."""
+    """Return the verdict with a picture, if the right values are known."""
     if answers is None or verdict.call is None or verdict.rung not in ("wrong", "misconception"):
         return verdict
     call, right = calls[verdict.call], answers.right[verdict.call]
@@ -43,9 +43,9 @@ def picture_of_difference(
 
 
 def _drawn(call: Call, values: np.ndarray, right: np.ndarray) -> str:
-    places = _places(call, right)
-    if places is not None:
-        return (_dots if right.ndim == 1 else _arrows)(places, values, right)
+    points = _points(call, right)
+    if points is not None:
+        return (_dots if right.ndim == 1 else _arrows)(points, values, right)
     if values.ndim == 2 and min(values.shape) > 1:
         return _matrices(values, right)
     with figure(4.2, 1.7) as page:
@@ -70,17 +70,17 @@ def _matrices(values: np.ndarray, right: np.ndarray) -> str:
     return svg(page)
 
 
-def _places(call: Call, right: np.ndarray) -> np.ndarray | None:
-    """Return the places in the plane at which a field is asked for, if that is what is returned."""
-    is_field = right.ndim == 1 and len(right) >= FEWEST_PLACES
+def _points(call: Call, right: np.ndarray) -> np.ndarray | None:
+    """Return the points in the plane at which a field is evaluated; None if it is not a field."""
+    is_field = right.ndim == 1 and len(right) >= FEWEST_POINTS
     if not is_field and right.shape[1:] != (2,):
         return None
     arrays = (a for a in call.arguments if isinstance(a, np.ndarray) and a.dtype.kind == "f")
     return next((a for a in arrays if a.shape == (len(right), 2)), None)
 
 
-def _dots(places: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
-    """Draw a field of numbers: at each place a dot whose colour is the value."""
+def _dots(points: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
+    """Draw a scalar field: a dot at each point, coloured by the value."""
     limit = float(max(np.abs(right).max(), np.abs(values).max())) or 1.0
     with figure(5.6, 1.9) as page:
         panels = page.subplots(1, 3, sharex=True, sharey=True)
@@ -88,7 +88,7 @@ def _dots(places: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
             panels, (values, right, values - right), ("yours", "right", "difference"), strict=True
         ):
             dots = axes.scatter(
-                *places.T,
+                *points.T,
                 c=field,
                 cmap="PuOr_r",
                 vmin=-limit,
@@ -103,18 +103,18 @@ def _dots(places: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
     return svg(page)
 
 
-def _arrows(places: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
-    """Draw a field of vectors: at each place an arrow, the student's over the right one."""
-    extent = float(np.ptp(places, axis=0).max()) or 1.0
+def _arrows(points: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
+    """Draw a vector field: at each point the right arrow and the student's."""
+    extent = float(np.ptp(points, axis=0).max()) or 1.0
     longest = float(np.hypot(*np.concatenate([right, values]).T).max()) or 1.0
     scale = 4 * longest / extent
     how: Any = {"angles": "xy", "scale_units": "xy", "scale": scale}
     with figure(4.4, 2.6) as page:
         axes = page.subplots()
-        axes.plot(*places.T, ".", color="#8a8a8a", markersize=3)
-        axes.quiver(*places.T, *right.T, color="black", label="right", width=0.014, **how)
-        axes.quiver(*places.T, *values.T, color="#d9622b", label="yours", width=0.007, **how)
-        axes.update_datalim(np.concatenate([places + right / scale, places + values / scale]))
+        axes.plot(*points.T, ".", color="#8a8a8a", markersize=3)
+        axes.quiver(*points.T, *right.T, color="black", label="right", width=0.014, **how)
+        axes.quiver(*points.T, *values.T, color="#d9622b", label="yours", width=0.007, **how)
+        axes.update_datalim(np.concatenate([points + right / scale, points + values / scale]))
         axes.set(xticks=[], yticks=[], aspect="equal")
         axes.margins(0.1)
         axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))

@@ -1,4 +1,4 @@
-"""A question: which function is asked for, what it is called with, and what must hold of it."""
+"""A question: the requested function, its inputs, and the laws that it must satisfy."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ import numpy as np
 from fieldcheck.calls import Call, Values
 
 LEAST_TOLERANCE = 1e-9
-"""No answer has to be better than this: reference numbers are kept with twelve digits."""
+"""Smallest tolerance: known answers are stored with twelve digits."""
 
 Shape = tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class Law:
-    """A statement that every right answer obeys, whatever the inputs: it needs no reference.
+    """A requirement that every right answer satisfies for all inputs; it needs no reference.
 
     Parameters
     ----------
     sentence : str
-        What must hold, and what it means that it does not.
+        What must hold, and the meaning of a violation.
     deviation : callable
-        ``deviation(calls, values) -> float``, relative; zero where the law holds exactly.
+        ``deviation(calls, values) -> float``, relative; zero if the law holds exactly.
     tolerance : float
         The largest deviation that rounding explains.
     """
@@ -47,7 +47,7 @@ def least_tolerance(_: Call) -> float:
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked, and how an answer is tried.
+    """A question, and how an answer is checked.
 
     Parameters
     ----------
@@ -56,24 +56,24 @@ class Question:
     function : str
         The function that the student writes.
     points : int
-        What a right answer earns.
+        The points of a right answer.
     inputs : callable
-        ``inputs(seed) -> calls``; calls of other seeds have the same cases with other numbers.
+        ``inputs(seed) -> calls``; calls of other seeds have the same cases with other values.
     shapes : callable
-        ``shapes(call)``: the shape of each array that is to be returned.
+        ``shapes(call)``: the shape of each array to be returned.
     laws : sequence of Law
-        What must hold for every input.
+        The laws.
     tolerance : callable
         ``tolerance(call)``: relative to the largest entry, from the condition of the problem.
     normal_form : callable
-        ``normal_form(call, values) -> values`` takes away what the question leaves open, such as a
+        ``normal_form(call, values) -> values`` removes what the question leaves open, such as a
         sign or an order, before answers are compared.
     fingerprint : callable, optional
         ``fingerprint(call, values) -> values``: the part of the values by which mistakes are
-        recognised, where the normal form of a mistake depends on rounding. The default is the
+        recognised, if the normal form of a mistake depends on rounding. The default is the
         normal form.
     limit : float
-        Seconds that one call may take.
+        Time limit of one call, in seconds.
     """
 
     name: str
@@ -102,8 +102,8 @@ class Question:
     ) -> list[np.ndarray]:
         """Return |values − others| by their fingerprints, in units of the tolerance.
 
-        The tolerance is relative to the right values, or to the others where these are larger: a
-        mistake that gives zero instead of them gives the rounding errors of zero.
+        The tolerance is relative to the right values, or to the others if these are larger: a
+        mistake that should return zero returns rounding errors.
         """
         form = self.fingerprint or self.normal_form
         triples = zip(*(form(call, v) for v in (values, others, right)), strict=True)
@@ -120,5 +120,5 @@ def scale(*arrays: np.ndarray) -> float:
 
 
 def relative(deviation: Any, reference: Any) -> float:
-    """Return the largest entry of `deviation` as a part of the largest of `reference`."""
+    """Return the largest entry of `deviation` relative to the largest of `reference`."""
     return float(np.abs(deviation).max(initial=0.0)) / scale(np.asarray(reference))

@@ -1,7 +1,7 @@
-"""Everybody's own inputs: seeds from the student, the question and a salt.
+"""Seeds of a student's own inputs, from the student, the question and a salt.
 
-The public salt is here, so that a student can check at home. The grader draws from a secret one,
-with which the same questions get inputs that nobody has seen.
+The public salt is here, so that students can check their answers. The grader uses a secret salt,
+which gives inputs that nobody has seen.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from pathlib import Path
 
 PUBLIC_SALT = "fieldrecon"
 EVERYBODY = ""
-"""The student in whose name the fixed public cases are drawn, which are the same for all."""
+"""The name from which the public cases are drawn, which are the same for everybody."""
 FILE = "student.txt"
 """The file beside the notebooks that holds the student's name or number."""
 
@@ -31,8 +31,8 @@ def seed(student: str, question: str, salt: str = PUBLIC_SALT) -> int:
 
 
 def student(folder: Path | None = None) -> str:
-    """Return the first line of ``student.txt`` that is no comment; empty if there is none."""
+    """Return the first line of ``student.txt`` that is not a comment; empty if there is none."""
     file = (Path.cwd() if folder is None else folder) / FILE
     lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
-    told = (line.strip() for line in lines)
-    return next((line for line in told if line and not line.startswith("#")), EVERYBODY)
+    stripped = (line.strip() for line in lines)
+    return next((line for line in stripped if line and not line.startswith("#")), EVERYBODY)

@@ -1,4 +1,4 @@
-"""What is returned, held against what was asked for; harmless differences are taken away."""
+"""Compare returned shapes with the expected ones; harmless differences are removed."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from fieldcheck.calls import Values
 
 
 def fitted(values: Values, shapes: Sequence[tuple[int, ...]]) -> Values:
-    """Return the values in the form that was asked for, where only the packing differs.
+    """Return the values in the expected shapes, if only the packing differs.
 
-    One array may come as a tuple of its rows, several as one stacked array, and a number as an
-    array of one entry. Complex numbers without imaginary part are real.
+    One array may be a tuple of its rows, several arrays may be stacked, and a number may be an
+    array with one entry. Complex numbers with zero imaginary part become real.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is said of an answer, on the screen of a notebook and in the files of a grader."""
+"""The verdict on an answer, in notebooks and in the grader."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ Rung = Literal[
 ]
 
 LADDER: tuple[Rung, ...] = get_args(Rung)
-"""The rungs in the order in which they are tried; the first that fails is told."""
+"""The rungs in the order in which they are checked; the first that fails is reported."""
 
 CREDIT = {"right": 1.0, "slow": 0.5}
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """How far up the ladder an answer came, and the sentence for it.
+    """The rung that an answer reached, and its sentence.
 
     Parameters
     ----------
     question : str
-        Its name.
+        The name of the question.
     rung : str
         The first rung that failed, or ``"right"``.
     sentence : str
-        What the student is told.
+        The sentence for the student.
     mistake : str
         Name of the recognised misconception.
     call : int, optional
-        Which of the calls shows it best.
+        The call with the largest error.
     picture : str
-        A small drawing of the difference, as SVG; may be empty.
+        A picture of the difference, as SVG; may be empty.
     """
 
     question: str
@@ -56,12 +56,12 @@ class Verdict:
 
     @property
     def credit(self) -> float:
-        """The part of the points that the answer earns."""
+        """The share of the points that the answer earns."""
         return CREDIT.get(self.rung, 0.0)
 
     @property
     def right(self) -> bool:
-        """Whether nothing is left to do."""
+        """Whether the answer is right."""
         return self.rung == "right"
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Pages that stand for themselves: no script, no network, light and dark, and fit to be printed."""
+"""Self-contained HTML pages without scripts and network, for screens (light and dark) and print."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import base64
 import json
 import re
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from html import escape
 from pathlib import Path
 from string import Template
@@ -17,13 +17,13 @@ from fieldreport.build.typesetting import pandoc
 TEMPLATE = Path(__file__).parent / "page.html"
 FORMULA = re.compile(r"(\$\$[^$]{1,2000}\$\$|\$(?!\s)[^$\n]{1,500}(?<!\s)\$)")
 HARD, HARD_BREAK = "\u2028", re.compile(r"\n(?=[ \t]*(?:[-*+|>#]|\d+[.)]|\n))|(?<=\n)\n")
-"""Ends of lines that stay: before what looks like a list, and around empty lines."""
+"""Line ends that are kept: before what looks like a list, and around empty lines."""
 BREAKS = {"\n": {"t": "SoftBreak"}, HARD: {"t": "LineBreak"}}
 API = [1, 23]
 """The version of pandoc's syntax tree."""
 CUT: Any = {"t": "RawBlock", "c": ["html", "<!-- next -->"]}
 LONGEST = 20.0
-"""Seconds that formulas may take."""
+"""Time limit for formulas, in seconds."""
 
 
 def page(title: str, subtitle: str, body: str) -> str:
@@ -32,28 +32,44 @@ def page(title: str, subtitle: str, body: str) -> str:
     return form.substitute(title=escape(title), subtitle=escape(subtitle), body=body)
 
 
+def table(
+    columns: Sequence[str], rows: Iterable[Sequence[str]], numbers: Collection[int] = ()
+) -> str:
+    """Return a table of HTML cells under plain titles; columns in `numbers` are right-aligned."""
+
+    def line(tag: str, cells: Sequence[str]) -> str:
+        kinds = (' class="number"' if k in numbers else "" for k in range(len(cells)))
+        inside = (f"<{tag}{kind}>{c}</{tag}>" for kind, c in zip(kinds, cells, strict=True))
+        return f"<tr>{''.join(inside)}</tr>"
+
+    body = "".join(line("td", row) for row in rows)
+    return (
+        f'<div class="scroll"><table>{line("th", list(map(escape, columns)))}{body}</table></div>'
+    )
+
+
 def picture(svg: str, alt: str) -> str:
-    """Return a drawing as an image: within an image nothing is run."""
+    """Return a drawing as an image, in which no script runs."""
     content = base64.b64encode(svg.encode()).decode()
     return f'<img src="data:image/svg+xml;base64,{content}" alt="{escape(alt)}">'
 
 
 def rendered(markdown: str) -> str:
-    """Return Markdown of the course's own as HTML, with its formulas; never that of a student.
+    """Return the course's own Markdown as HTML with formulas; not for students' text.
 
     Raises
     ------
     ValueError
-        Pandoc does not understand it.
+        Pandoc reports an error or a warning.
     """
     return _pandoc(markdown, "--from=markdown", "--fail-if-warnings")
 
 
 def with_formulas(texts: Sequence[str]) -> list[str]:
-    """Return what people typed as HTML, with its formulas set, and nothing else interpreted.
+    """Return typed text as HTML: formulas are typeset, and nothing else is interpreted.
 
-    Only words, ends of lines and formulas are given to pandoc, as a syntax tree, so that there can
-    be no markup, link or picture. What it cannot set is shown as it is.
+    Pandoc gets words, line ends and formulas as a syntax tree, so that there can be no markup, link
+    or picture. Text that it cannot typeset is shown unchanged.
     """
     blocks = [block for text in texts for block in (_paragraph(text), CUT)]
     tree = {"pandoc-api-version": API, "meta": {}, "blocks": blocks}

@@ -59,7 +59,7 @@ MOVED = {
     "read_surface": "fieldrecon.io.read_surface",
     "read_triangles": "fieldrecon.io.read_triangles",
     "resultants": "fieldrecon.coupling.net_force_and_moment",
-    "rigid_motions": "fieldrecon.coupling.rigid_motions",
+    "rigid_motions": "fieldrecon.coupling.rigid_body_motions",
     "shapes": "fieldrecon.solids.shapes",
     "sphere": "fieldrecon.methods.globe",
     "standard_atmosphere": f"{_WING}.standard_atmosphere.standard_atmosphere",

@@ -14,7 +14,7 @@ from fieldrecon._core.blas_threads import blas_threads_for
 
 EPS = float(np.finfo(np.float64).eps)
 LARGE_BASIS = 500
-"""Members of a basis beyond which fewer sites are refused without looking at it."""
+"""Size of a basis beyond which fewer sites are refused before the basis is computed."""
 
 
 def dimension(d: int, degree: int) -> int:
@@ -45,7 +45,7 @@ def exponents(d: int, degree: int) -> np.ndarray:
 
 @lru_cache(maxsize=256)
 def _factors(d: int, degree: int) -> list[tuple[int, int]]:
-    """For each monomial after the first: its first variable, and the monomial left without it."""
+    """For each monomial but the first: its first variable, and the index of the quotient by it."""
     index = {tuple(alpha): i for i, alpha in enumerate(exponents(d, degree))}
     steps = []
     for alpha in exponents(d, degree)[1:]:
@@ -153,7 +153,7 @@ class Frame:
         low, high = points.min(axis=0), points.max(axis=0)
         center = low / 2 + high / 2
         extent = float((high / 2 - low / 2).max())
-        return cls(center, power_of_two_above(extent))
+        return cls(center, float(power_of_two_above(extent)))
 
     def local(self, x: np.ndarray) -> np.ndarray:
         """Coordinates (..., d) in the frame."""
@@ -195,10 +195,18 @@ def powers_of_scale(scale: float, exponent: np.ndarray, what: str) -> np.ndarray
     return np.ldexp(1.0, bits)
 
 
-def power_of_two_above(length: float) -> float:
-    """The least power of two that is not below `length`, if any is; one for a length of zero."""
-    mantissa, exponent = math.frexp(length)
-    return math.ldexp(1.0, min(exponent - (mantissa == 0.5), 1023)) if length > 0 else 1.0
+def power_of_two_above(length: ArrayLike) -> np.ndarray:
+    """The least powers of two that are not below the lengths, if any is; one for a length of zero.
+
+    Scaling by a power of two rounds nothing.
+
+    >>> power_of_two_above([0.0, 0.7, 1.0, 3.0])
+    array([1., 1., 1., 4.])
+    """
+    length = np.asarray(length)
+    mantissa, exponent = np.frexp(length)
+    power = np.ldexp(1.0, np.minimum(exponent - (mantissa == 0.5), 1023))
+    return np.where(length > 0, power, 1.0)
 
 
 @lru_cache(maxsize=64)
@@ -216,7 +224,7 @@ def resolution(points: np.ndarray) -> float:
     """
     extent = np.ptp(points / 2, axis=0)
     reach = np.abs(points / 2).max(axis=0)
-    # an axis whose extent is itself rounding has no size to compare with
+    # an axis whose extent is itself rounding gives no scale
     known = extent > 4 * EPS * reach
     return EPS * float(np.max(reach[known] / extent[known], initial=1.0))
 
@@ -224,7 +232,7 @@ def resolution(points: np.ndarray) -> float:
 def undetermined(
     d: int, degree: int, rank: int, who: str = "the points do"
 ) -> np.linalg.LinAlgError:
-    """The error for sites that leave a polynomial undetermined, in the subject's words."""
+    """The error for sites that do not determine a polynomial."""
     variables = "1 variable" if d == 1 else f"{d} variables"
     return np.linalg.LinAlgError(
         f"{who} not determine a polynomial of degree {degree} in {variables}: "
@@ -233,10 +241,10 @@ def undetermined(
 
 
 def refuse_too_few(points: np.ndarray, degree: int) -> None:
-    """Refuse fewer sites than a large basis has members, before it is made.
+    """Refuse fewer sites than a large basis has members, before the basis is computed.
 
-    Of a small basis the rank tells more; a large one, such as that of degree 10 in 20 variables,
-    may not fit into memory.
+    The rank of a small basis is more informative; a large basis, such as that of degree 10 in 20
+    variables, may not fit into memory.
 
     Raises
     ------

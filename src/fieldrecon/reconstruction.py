@@ -1,6 +1,7 @@
-"""The one idea: a method is its weights, s(x) = sum_i w_i(x) f_i, and they need the sites only.
+"""Reconstructions that are linear in the data, s(x) = sum_i w_i(x) f_i, and their fields.
 
-A reconstructed field: data on a method, called at points.
+A method is determined by its weights w_i(x), which depend on the sites only. A field combines a
+method with data; it is called at points.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from inspect import signature
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,9 +20,6 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
-
-if TYPE_CHECKING:
-    pass
 
 DENSE_LIMIT_BYTES = 2**31
 """Largest dense weight matrix that is formed, in bytes."""
@@ -31,16 +30,18 @@ Weights: TypeAlias = np.ndarray | sparse.csr_array
 
 
 class Reconstruction(ABC):
-    """A method on fixed sites, linear in the data: sites first, data second, then call.
+    """A method on fixed sites that is linear in the data.
+
+    Construct it from the sites, fit data with `field`, and call the field at points.
 
     Attributes
     ----------
     points : (n, d) ndarray
         The sites.
     degree : int
-        Highest total degree of polynomials that come back exactly; -1 for none.
+        Highest total degree of polynomials that are reproduced exactly; -1 for none.
     interpolates : bool
-        Whether the data come back at the sites.
+        Whether the field takes the data at the sites.
     """
 
     points: np.ndarray
@@ -88,7 +89,7 @@ class Reconstruction(ABC):
             If a weight exceeds the range of floating-point numbers.
         """
         queries = self._queries(x).reshape(-1, self.points.shape[1])
-        return valid.finite_rows(valid.without_warnings(self._weight_rows, queries), queries)
+        return valid.check_finite(valid.quiet_evaluate(self._weight_rows, queries), queries)
 
     def gradient_weights(self, x: ArrayLike) -> tuple[Weights, ...]:
         """Weights of the data in each component of the gradient at x.
@@ -109,8 +110,8 @@ class Reconstruction(ABC):
             If the dense matrices would exceed DENSE_LIMIT_BYTES.
         """
         queries = self._queries(x).reshape(-1, self.points.shape[1])
-        matrices = valid.without_warnings(self._gradient_weight_rows, queries)
-        return tuple(valid.finite_rows(matrix, queries) for matrix in matrices)
+        matrices = valid.quiet_evaluate(self._gradient_weight_rows, queries)
+        return tuple(valid.check_finite(matrix, queries) for matrix in matrices)
 
     def adjoint(self, x: ArrayLike, f: ArrayLike) -> np.ndarray:
         """Adjoint H^T f of `weights`, without forming H where that can be avoided.
@@ -134,9 +135,9 @@ class Reconstruction(ABC):
         """
         queries = self._queries(x).reshape(-1, self.points.shape[1])
         f = valid.as_values(f, len(queries), name="f", of="query")
-        columns = f.reshape(len(f), math.prod(f.shape[1:]))  # of no queries too
-        result = valid.without_warnings(self._adjoint, queries, columns)
-        return valid.finite_rows(result, self.points).reshape((len(self.points), *f.shape[1:]))
+        columns = f.reshape(len(f), math.prod(f.shape[1:]))  # also for no queries
+        result = valid.quiet_evaluate(self._adjoint, queries, columns)
+        return valid.check_finite(result, self.points).reshape((len(self.points), *f.shape[1:]))
 
     def _queries(self, x: ArrayLike) -> np.ndarray:
         """Queries (..., d)."""
@@ -151,7 +152,8 @@ class Reconstruction(ABC):
                 "them, or a local method, whose weights are sparse"
             )
 
-    # A method is its weights: these two make one. The others are its faster routes.
+    # The two abstract methods define a method. The others have defaults, which a method overrides
+    # where it has a faster route.
 
     @abstractmethod
     def _weight_rows(self, x: np.ndarray) -> Weights:
@@ -162,7 +164,7 @@ class Reconstruction(ABC):
         """Gradient weights at the queries, d matrices (m, n)."""
 
     def _prepare(self, values: np.ndarray) -> Any:
-        """What evaluation needs of the data (n, v): coefficients, or the data themselves."""
+        """Coefficients for the data (n, v), from which values follow; by default the data."""
         return values
 
     def _value_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
@@ -173,13 +175,67 @@ class Reconstruction(ABC):
         """Gradients (m, v, d)."""
         return np.stack([g @ prepared for g in self._gradient_weight_rows(x)], axis=-1)
 
-    def _order(self, x: np.ndarray) -> np.ndarray | None:  # noqa: ARG002 - by default as they come
-        """Order of the queries (m, d) in which neighbours are evaluated together; None as is."""
+    def _order(self, x: np.ndarray) -> np.ndarray | None:  # noqa: ARG002 - for subclasses
+        """Order in which neighbouring queries (m, d) are evaluated together; None for their own."""
         return None
 
     def _chunk_rows(self, columns: int) -> int:
-        """Queries of one chunk, for data of so many columns."""
+        """Number of queries of one chunk, for data with this number of columns."""
         return rows_of(8 * (columns + len(self.points)) * (self.points.shape[1] + 1))
+
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
+        """Residuals (n, v) of the data (n, v), each against the field of the others: n refits."""
+        result = np.empty_like(values)
+        for i in range(len(values)):
+            result[i] = self._residual_without(i, values)
+            if progress is not None:
+                progress(i + 1, len(values))
+        return result
+
+    def _residual_without(self, i: int, values: np.ndarray) -> np.ndarray:
+        """Datum i (v,) less the value there of the field of all others."""
+        others = self._without(i)
+        prepared = others._prepare(np.delete(values, i, axis=0))
+        return values[i] - others._value_rows(self.points[i : i + 1], prepared)[0]
+
+    def _without(self, i: int) -> Reconstruction:
+        """The same method on the other sites."""
+        arguments = self._arguments()
+        reason = "there are none"
+        if len(self.points) > 1:
+            try:
+                return self._made(np.delete(self.points, i, axis=0), **arguments)
+            except np.linalg.LinAlgError as error:
+                reason = str(error)
+        raise np.linalg.LinAlgError(
+            f"without point {i}, ({valid.format_point(self.points[i])}), the others do not "
+            f"determine the field: {reason}"
+        )
+
+    @classmethod
+    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:
+        """The method on points (n, d), with all arguments of `_argument_names`."""
+        make: Callable[..., Reconstruction] = cls
+        return make(points, **arguments)
+
+    @classmethod
+    def _argument_names(cls) -> list[str]:
+        """Names of the constructor's arguments besides the points, without keyword-only ones."""
+        parameters = signature(cls).parameters.values()
+        names = [p.name for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD]
+        if names[:1] != ["points"]:
+            raise TypeError(f"{cls.__name__} is not made from points: its arguments are {names}")
+        return names[1:]
+
+    def _arguments(self) -> dict[str, Any]:
+        """Arguments with which this method is made again on points, from attributes so named."""
+        names = self._argument_names()
+        if missing := [name for name in names if not hasattr(self, name)]:
+            raise TypeError(
+                f"{type(self).__name__} keeps no attribute {missing[0]!r}, an argument with which "
+                "it is made; keep it, or override _arguments"
+            )
+        return {name: getattr(self, name) for name in names}
 
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
         rows = max(1, DENSE_LIMIT_BYTES // (64 * 8 * len(self.points)))
@@ -199,9 +255,9 @@ def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None
 
 
 class Field:
-    """A reconstructed field: call it at points, or ask for its gradient.
+    """A reconstructed field: callable at points, with a gradient.
 
-    Made by `Reconstruction.field`. Many queries are evaluated in chunks, so that the memory beside
+    Made by `Reconstruction.field`. Many queries are evaluated in chunks, so that the memory beyond
     inputs and outputs stays bounded.
 
     Parameters
@@ -211,8 +267,8 @@ class Field:
     values : (n, ...) ndarray
         The data.
     prepare : callable, optional
-        Takes the data (n, v) and returns what evaluation needs of them; the method's own routine
-        by default.
+        Takes the data (n, v) to the coefficients for evaluation; the method's own routine by
+        default.
 
     Attributes
     ----------
@@ -243,7 +299,7 @@ class Field:
         self.values.flags.writeable = False
         self._shape = values.shape[1:]
         self._dtype = values.dtype
-        self._prepared = valid.without_warnings(
+        self._prepared = valid.quiet_evaluate(
             prepare or method._prepare, self.values.reshape(len(values), -1)
         )
 
@@ -257,7 +313,7 @@ class Field:
         x : (..., d) array_like
             Queries.
         executor : concurrent.futures.Executor, optional
-            Where the chunks run; this machine's threads by default.
+            Runs the chunks; this machine's threads by default.
         progress : callable, optional
             Called as progress(done, total) with numbers of queries.
 
@@ -280,21 +336,21 @@ class Field:
     def gradient(
         self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
     ) -> np.ndarray:
-        """Exact gradient of the field as it is.
+        """Exact gradient of the field.
 
         Parameters
         ----------
         x : (..., d) array_like
             Queries.
         executor : concurrent.futures.Executor, optional
-            Where the chunks run; this machine's threads by default.
+            Runs the chunks; this machine's threads by default.
         progress : callable, optional
             Called as progress(done, total) with numbers of queries.
 
         Returns
         -------
         (..., *v, d) ndarray
-            The derivative by each variable, last.
+            The derivatives by each variable on the last axis.
 
         Raises
         ------
@@ -326,11 +382,11 @@ class Field:
         rows = self.method._chunk_rows(columns)
         for part, values in chunked(work, queries, rows, executor, progress):
             where = part if order is None else order[part]
-            result[where] = valid.finite_rows(values, queries[part])
+            result[where] = valid.check_finite(values, queries[part])
         return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
 
 
 def _evaluated(
     rows_of_result: Callable[[np.ndarray, Any], np.ndarray], prepared: Any, x: np.ndarray
 ) -> np.ndarray:
-    return valid.without_warnings(rows_of_result, x, prepared)
+    return valid.quiet_evaluate(rows_of_result, x, prepared)

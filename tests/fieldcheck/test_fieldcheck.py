@@ -83,7 +83,7 @@ def last_wrong(x):
         (raises, "exception", "twice stops with ValueError: no such thing. It arises in line"),
         (lambda _: None, "type", "nothing \\(None\\), as a function without `return` does"),
         (lambda _: "two", "type", "an object of type str"),
-        (lambda _: [[1], [1, 2]], "type", "no rectangular array"),
+        (lambda _: [[1], [1, 2]], "type", "not a rectangular array"),
         (lambda x: [2 * float(t) for t in x], "right", r"But twice returns a list\. "),
         (lambda x: 1j * x, "type", "complex"),
         (lambda x: x[:-1], "shape", r"of shape \(4,\)\. It should be an array of shape \(5,\)"),

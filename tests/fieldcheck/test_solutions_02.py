@@ -7,7 +7,7 @@ import pytest
 
 from checkout import ROOT
 from fieldgrade.authoring.sources import Source
-from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.selection.leaving_one_out import leave_one_out

@@ -19,7 +19,7 @@ from fieldcheck.questions.q11_point_clouds import (
 )
 from fieldcheck.questions.q11_zero_levels import about, body
 from fieldgrade.authoring.sources import Source
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, values_at
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.rbf import RBF

@@ -10,7 +10,7 @@ from fieldcheck.questions.q12_steady_state import section, wing
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, polyharmonic
 from fieldrecon.coupling.flat_structures import FlatCoupling
-from fieldrecon.coupling.rigid_motions import net_force_and_moment
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Coupling
 
 SOURCE = Source(ROOT / "solutions/12_aeroelastic_coupling.py")

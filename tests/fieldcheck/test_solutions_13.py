@@ -10,7 +10,7 @@ from fieldcheck.questions.q13_semi_lagrangian_advection import in_disc, in_squar
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, polyharmonic
 from fieldrecon.advection.characteristics import departure_points
-from fieldrecon.advection.mass_fixer import within
+from fieldrecon.advection.mass_fixer import project_to_bounds_and_mass
 from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 
 SOURCE = Source(ROOT / "solutions/13_semi_lagrangian_advection.py")
@@ -101,7 +101,7 @@ def test_mass_is_kept_as_in_the_library_and_the_change_is_the_least():
     total = float(m @ (0.3 * low + 0.7 * high))
     v = NOTEBOOK["with_mass"](u, low, high, m, total)
     columns = (a[:, None] for a in (u, low, high))
-    wanted = within(*columns, m, np.array([total]))[:, 0]
+    wanted = project_to_bounds_and_mass(*columns, m, np.array([total]))[:, 0]
     np.testing.assert_allclose(v, wanted, atol=ROUNDING)
     for _ in range(20):
         other = NOTEBOOK["with_mass"](u + 0.3 * random.normal(size=30), low, high, m, total)

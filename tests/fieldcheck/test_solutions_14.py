@@ -18,8 +18,8 @@ from fieldcheck.questions.q14_mesh_errors import (
 )
 from fieldgrade.authoring.sources import Source
 from fieldrecon.triangles.audit import audit_mesh
-from fieldrecon.triangles.duplicates import welded
-from fieldrecon.triangles.half_edges import Sheets
+from fieldrecon.triangles.duplicates import merged_vertices
+from fieldrecon.triangles.half_edges import HalfEdges
 from fieldrecon.triangles.repair import repair_mesh
 
 NOTEBOOK = Source(ROOT / "solutions/14_mesh_errors.py").functions()
@@ -47,20 +47,20 @@ def test_points_are_welded_as_in_the_library(random):
         place = random.integers(0, 40, (12, 3)).astype(float)
         points = np.repeat(place, 3, axis=0) + random.uniform(-0.05, 0.05, (36, 3))
         points = points[random.permutation(36)]
-        np.testing.assert_array_equal(NOTEBOOK["weld"](points, 0.2), welded(points, 0.2))
+        np.testing.assert_array_equal(NOTEBOOK["weld"](points, 0.2), merged_vertices(points, 0.2))
 
 
 @every_surface
 def test_edges_are_counted_as_in_the_library(random, surface):
     """Edges of one triangle, of more than two, and Euler's count."""
     points, triangles = shuffled(random, flipped(random, surface), 4)
-    sheets = Sheets(triangles, len(points))
+    half_edges = HalfEdges(triangles, len(points))
     count = NOTEBOOK["triangles_at_sides"](triangles)
-    np.testing.assert_array_equal(np.flatnonzero(count == 1), sheets.free_sides)
+    np.testing.assert_array_equal(np.flatnonzero(count == 1), half_edges.free_sides)
     ends = np.sort(NOTEBOOK["sides"](triangles)[count > 2], axis=1)
-    np.testing.assert_array_equal(np.unique(ends, axis=0), sheets.crowded_edges)
-    assert (1 / count).sum() == pytest.approx(len(sheets.edges))
-    chi = len(np.unique(triangles)) - len(sheets.edges) + len(triangles)
+    np.testing.assert_array_equal(np.unique(ends, axis=0), half_edges.nonmanifold_edges)
+    assert (1 / count).sum() == pytest.approx(len(half_edges.edges))
+    chi = len(np.unique(triangles)) - len(half_edges.edges) + len(triangles)
     assert NOTEBOOK["euler_characteristic"](triangles) == chi
 
 

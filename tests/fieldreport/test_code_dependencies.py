@@ -90,7 +90,7 @@ def literally(module, names):
 @pytest.mark.parametrize("kept", [False, True], ids=["parsed", "kept"])
 def test_the_code_found_is_that_of_the_definition(name, names, kept, tmp_path):
     """The same modules, each in the same form, and the versions of the same packages."""
-    module = f"{experiments.__name__}.{name}"
+    module = experiments.module_of(name)
     if kept:
         with code_dependencies.statement_cache(tmp_path / "code.json"):
             code_digests(module, names)

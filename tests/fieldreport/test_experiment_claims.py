@@ -5,7 +5,7 @@ import pytest
 
 from fieldrecon import RBF
 from fieldrecon.datasets.synthetic import halton, power_of_sum
-from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.kernels.weights import inverse_square
 from fieldreport import experiments
 from fieldreport.experiments.kernels import kernel_comparison
 from fieldreport.experiments.methods import (

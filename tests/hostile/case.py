@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldcheck.questions import questions
-from fieldgrade.isolation.isolation import tiers
+from fieldgrade.isolation.server import tiers
 
 ROOT = Path(__file__).parent.parent.parent
 ALL = frozenset({"bubblewrap", "landlock", "none"})

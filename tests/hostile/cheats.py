@@ -4,7 +4,7 @@ import json
 
 from fieldcheck.answers import public_answers
 from fieldcheck.questions import questions
-from fieldgrade.authoring.known import public_calls
+from fieldgrade.authoring.known_answers import public_calls
 from hostile.case import ALL, EVERYTHING, NO_ANSWERS, WALLS, Case
 
 
@@ -185,7 +185,7 @@ for name in [n for n in sys.modules if n.startswith("fieldrecon")]:
         answers={
             "fit": """
 def fit(points, values):
-    from fieldrecon.least_squares import LeastSquares
+    from fieldrecon.methods.least_squares import LeastSquares
     return LeastSquares(points).coefficients(values)
 """
         },

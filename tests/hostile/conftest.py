@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from fieldgrade.authoring.build import all_sources
-from fieldgrade.checking.trusted import Course
-from fieldgrade.isolation.isolation import MEBIBYTE, Limits, Server
+from fieldgrade.checking.course import Course
+from fieldgrade.isolation.server import MEBIBYTE, Limits, Server
 from fieldgrade.sandbox import landlock
 from hostile.case import ROOT
 

@@ -139,7 +139,7 @@ CASES = [
     ),
     unreadable("an empty file", lambda _: ("01.ipynb", b""), "empty"),
     unreadable("zeros", lambda _: ("01.ipynb", bytes(4096)), "no"),
-    unreadable("JSON that is no notebook", lambda _: ("01.ipynb", b"[]"), "no notebook"),
+    unreadable("JSON that is no notebook", lambda _: ("01.ipynb", b"[]"), "not a notebook"),
     unreadable("a notebook with null for cells", lambda _: ("01.ipynb", b'{"cells": null}'), "no"),
     unreadable("JSON a million deep", lambda _: ("01.ipynb", b'{"cells":' + b"[" * 10**6), "no"),
     unreadable(

@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 
-from fieldgrade.checking.examine import grade
+from fieldgrade.checking.grade_submission import grade
 from fieldgrade.submissions.archive import Archive
 from fieldgrade.submissions.intake import Intake
 from hostile.case import HERE, POINTS, as_file, notebook

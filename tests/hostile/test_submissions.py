@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fieldgrade.checking.examine import grade
+from fieldgrade.checking.grade_submission import grade
 from fieldgrade.submissions.submission import Submission
 from hostile import breakdowns, cheats, damage, oddities, trespass
 from hostile.case import HERE, POINTS, Case, as_file, notebook

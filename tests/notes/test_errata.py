@@ -16,7 +16,8 @@ import pytest
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldrecon.barycentric.voronoi import VoronoiCell
 from fieldrecon.datasets import synthetic as datasets
-from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.duals import circumcentric_dual
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.methods.least_squares import LeastSquares

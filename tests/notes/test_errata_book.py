@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, values_at
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.natural_splines import NaturalCubicSpline

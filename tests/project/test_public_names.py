@@ -1,14 +1,18 @@
 """Public names of the package: resolved on use, and not imported earlier."""
 
+import inspect
+import re
 import subprocess
 import sys
+import warnings
+from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
 import pytest
 
 import fieldrecon
-from fieldrecon import _public
+from fieldrecon import _deprecated, _public
 
 
 def test_the_package_has_the_public_names_and_tells_them():
@@ -19,11 +23,118 @@ def test_the_package_has_the_public_names_and_tells_them():
         assert getattr(fieldrecon, name) is getattr(_public, name), name
 
 
-def test_no_module_has_the_name_of_a_public_object():
+NAMESPACES = tuple(
+    import_module(f"fieldrecon.{room}")
+    for room in (
+        *("advection", "barycentric", "coupling", "datasets", "io", "kernels", "meshes", "methods"),
+        *("pipelines", "selection", "solids", "surfaces", "triangles", "velocity"),
+    )
+)
+
+
+@pytest.mark.parametrize("package", [fieldrecon, *NAMESPACES], ids=lambda p: p.__name__)
+def test_no_module_has_the_name_of_a_public_object(package):
     """An import of that module would put it in the place of the object."""
-    objects = [n for n in _public.__all__ if not isinstance(getattr(_public, n), ModuleType)]
-    assert [name for name in objects if find_spec(f"fieldrecon.{name}")] == []
+    objects = [n for n in package.__all__ if not isinstance(getattr(package, n), ModuleType)]
+    assert objects
+    assert [name for name in objects if find_spec(f"{package.__name__}.{name}")] == []
     assert find_spec("fieldrecon.methods.globe"), "else the line above finds nothing"
+
+
+def test_the_names_at_the_top_are_in_their_rooms_too():
+    """Under the same name, and in one room only."""
+    for name in _public.__all__:
+        rooms = [room for room in NAMESPACES if name in room.__all__]
+        if name not in ("Field", "Reconstruction"):
+            assert [getattr(room, name) for room in rooms] == [getattr(fieldrecon, name)], name
+
+
+def test_a_name_of_the_contract_does_not_warn():
+    """Also where a warning is an error, as in these tests."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for name in CONTRACT:
+            getattr(fieldrecon, name)
+
+
+CONTRACT = [
+    "Reconstruction",
+    "Field",
+    "LeastSquares",
+    "MovingLeastSquares",
+    "RBF",
+    "PartitionOfUnityRBF",
+    "inverse_square",
+    "thin_plate_spline",
+    "polyharmonic",
+    "gaussian",
+    "multiquadric",
+    "inverse_multiquadric",
+    "matern",
+    "wendland",
+    "BarycentricCoordinates",
+    "VoronoiCell",
+    "voronoi_weights",
+    "SimplexMesh",
+    "normal_velocities",
+    "divergence",
+    "vertex_velocities",
+    "cell_velocities",
+    "vertex_velocities_from_cells",
+    "vertex_gradients",
+    "velocity_weights",
+    "estimate_normals",
+    "orient_normals",
+    "off_surface_points",
+    "implicit_surface",
+    "extract_surface",
+    "union",
+    "intersection",
+    "difference",
+    "blend",
+    "Coupling",
+    "departure_points",
+    "semi_lagrangian",
+    "NaturalCubicSpline",
+    "audit_mesh",
+    "MeshAudit",
+    "repair_mesh",
+    "leave_one_out",
+    "save",
+    "load",
+]
+
+
+@pytest.mark.parametrize("name", sorted(_deprecated.MOVED))
+def test_an_old_name_warns_and_is_the_new_object(name):
+    """Throughout version 0.2; the warning names the new place."""
+    new = _deprecated.MOVED[name]
+    room, _, attribute = new.rpartition(".")
+    with pytest.warns(DeprecationWarning, match=f"fieldrecon.{name} is now {re.escape(new)}"):
+        found = getattr(fieldrecon, name)
+    assert found is getattr(import_module(room), attribute)
+
+
+def returned_types(function):
+    """The classes of this library that a function says it returns."""
+    words = re.findall(r"[\w.]+", str(inspect.signature(function).return_annotation))
+    module = inspect.getmodule(function)
+    found = [getattr(module, word.rpartition(".")[2], None) for word in words]
+    return [x for x in found if inspect.isclass(x) and x.__module__.startswith("fieldrecon.")]
+
+
+@pytest.mark.parametrize("room", NAMESPACES, ids=lambda p: p.__name__)
+def test_every_type_that_a_user_receives_can_be_imported(room):
+    """From some room, or from the top."""
+    public = {
+        getattr(package, n)
+        for package in (fieldrecon, *NAMESPACES)
+        for n in package.__all__
+        if inspect.isclass(getattr(package, n))
+    }
+    functions = [getattr(room, n) for n in room.__all__ if inspect.isfunction(getattr(room, n))]
+    received = {t for f in functions for t in returned_types(f)}
+    assert {t.__name__ for t in received if t not in public} == set()
 
 
 def test_an_unknown_name_is_an_attribute_error():

@@ -46,12 +46,13 @@ sys.exit(pytest.main([*options, *sys.argv[1:]]))
 ENVIRONMENT = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 """Text is ASCII unless the code says which encoding it has: stricter than a Windows code page."""
 QUICK = [
-    *(f"tests/test_{name}.py" for name in ("fieldcheck", "drag", "least_squares")),
-    *(f"tests/test_{name}.py" for name in ("sphere", "places", "field_files")),
-    "tests/test_cli.py::test_points_in_space",
-    "tests/test_audit_command.py::test_a_boundary_may_be_allowed",
+    *(f"tests/fieldcheck/test_{name}.py" for name in ("fieldcheck", "drag")),
+    *(f"tests/fieldrecon/methods/test_{name}.py" for name in ("least_squares", "globe")),
+    *(f"tests/fieldrecon/io/test_{name}.py" for name in ("targets", "saved_fields")),
+    "tests/fieldrecon/cli/test_cli.py::test_points_in_space",
+    "tests/fieldrecon/cli/test_audit_command.py::test_a_boundary_may_be_allowed",
 ]
-NEEDS_AN_ALARM = "tests/test_fieldcheck.py::test_slow_and_endless_answers"
+NEEDS_AN_ALARM = "tests/fieldcheck/test_fieldcheck.py::test_slow_and_endless_answers"
 
 
 def python(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:

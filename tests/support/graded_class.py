@@ -5,8 +5,8 @@ import shutil
 
 from checkout import ROOT
 from fieldgrade.authoring.build import all_sources
-from fieldgrade.grading.run import Choice, Run
-from fieldgrade.isolation.isolation import tiers
+from fieldgrade.grading.run import Choice, GradingRun
+from fieldgrade.isolation.server import tiers
 from submission_files import lay, notebook
 
 TIER = tiers()[0]
@@ -41,7 +41,7 @@ def class_files():
 def run(folder, files=None, root=ROOT, tables=None, jobs=1, **choice):
     """A run on files, in a folder of its own."""
     lay(folder / "in", class_files() if files is None else files)
-    return Run(folder / "in", folder / "out", root, tables, TIER, jobs, Choice(**choice))
+    return GradingRun(folder / "in", folder / "out", root, tables, TIER, jobs, Choice(**choice))
 
 
 def checkout(folder, *numbers):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fieldrecon.coupling.rigid_motions import net_force_and_moment, rigid_motions
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment, rigid_motions
 from fieldrecon.coupling.transfer import Transfer
 from laws import VISIBLE, assert_close
 

@@ -1,7 +1,7 @@
-"""The questions of the course, a module for each notebook, or two.
+"""The questions of the course: one or two modules for each notebook.
 
-A module holds ``QUESTIONS``. There is no solution here, nor anything near one: inputs, shapes, and
-laws that a right answer obeys.
+A module defines ``QUESTIONS``: inputs, shapes, and laws that a right answer satisfies. It contains
+no solution, and no code close to one.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ def get(name: str) -> Question:
     Raises
     ------
     ValueError
-        There is none of this name; the sentence names those of the notebook.
+        There is no such question; the message lists those of the notebook.
     """
     known = questions()
     if name not in known:
         notebook = str(name).partition(".")[0].zfill(2)
         there = [other for other in known if other.startswith(f"{notebook}.")] or list(known)
         raise ValueError(
-            f"no function is asked for in question {name!r}; there are {', '.join(there)}"
+            f"there is no function to write in question {name!r}; there are {', '.join(there)}"
         )
     return known[name]

@@ -1,8 +1,7 @@
-"""From the sources to all that is made of them, and back: whether that is up to date."""
+"""Build notebooks, known answers and stubs from the sources, if they are out of date."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
@@ -13,12 +12,14 @@ import nbformat
 from fieldcheck.questions import questions
 from fieldgrade.authoring.bundle import student_tree
 from fieldgrade.authoring.catalogue import entries
-from fieldgrade.authoring.hidden import hidden_cases
-from fieldgrade.authoring.known import answers_file, same_answers
+from fieldgrade.authoring.hidden_cases import hidden_cases
+from fieldgrade.authoring.known_answers import answers_file, same_answers
 from fieldgrade.authoring.leaks import code_leaks, long_numbers, number_leaks
 from fieldgrade.authoring.notebooks import execute, solved_notebook, stub, student_notebook, to_text
 from fieldgrade.authoring.sources import Source, sources
 from fieldgrade.authoring.trials import trials
+from fieldgrade.digests import bytes_digest, json_digest
+from fieldrecon._core.atomic_files import write_atomically
 
 Each = Callable[[Callable[[Source], None], list[Source]], Iterable[None]]
 NOTHING: Mapping[Path, str] = MappingProxyType({})
@@ -39,36 +40,36 @@ def all_sources(root: Path) -> list[Source]:
 
 
 def require_questions(source: Source) -> None:
-    """Raise ValueError if a source has cells for questions that nobody judges."""
+    """Raise ValueError if a source has cells for questions without a `Question`."""
     missing = [name for name in source.answer_cells() if name not in questions()]
     if missing:
         raise ValueError(
             f"{source.path.name} has a cell for {', '.join(missing)}, and no module "
-            f"src/fieldcheck/questions/q{source.name}.py says how it is tried"
+            f"src/fieldcheck/questions/q{source.name}.py defines these questions"
         )
 
 
 def build(root: Path, chosen: list[Source], each: Each = map) -> None:
-    """Write exercises, known answers, stubs, and the executed solutions that are out of date.
+    """Write exercises, known answers, stubs, and executed solutions that are out of date.
 
     Raises
     ------
     ValueError
-        Something of a solution would reach the students. No file has been written then.
+        A part of a solution would reach the students. No file is written.
     """
     files = {root / "src/fieldcheck/stubs.json": stubs_file(root)}
     for source in chosen:
         files |= student_files(root, source)
     problems = list(dict.fromkeys(leaks(root, "fieldrecon", files)))
     if problems:
-        raise ValueError("students would be told too much: " + "; ".join(problems))
+        raise ValueError("files for students would contain solutions: " + "; ".join(problems))
     for file, text in files.items():
         _write(file, text)
     list(each(lambda source: _solve(root, source), chosen))
 
 
 def student_files(root: Path, source: Source) -> dict[Path, str]:
-    """Return the files that a source makes for students, and what is in them."""
+    """Return the files for students that are built from a source, with their content."""
     known = root / "src/fieldcheck/answers" / f"{source.number}.json"
     return {
         root / "exercises" / f"{source.name}.ipynb": to_text(student_notebook(source)),
@@ -77,7 +78,7 @@ def student_files(root: Path, source: Source) -> dict[Path, str]:
 
 
 def _known_text(file: Path, fresh: str) -> str:
-    """Return the text that is there if only rounding errors of another machine changed."""
+    """Return the existing text if it differs only by rounding errors."""
     kept = file.read_text(encoding="utf-8") if file.is_file() else "{}"
     return kept if same_answers(kept, fresh) else fresh
 
@@ -93,12 +94,12 @@ def stubs_file(root: Path) -> str:
 
 
 def solved_file(root: Path, source: Source) -> Path:
-    """Return the place of the executed solution."""
+    """Return the path of the executed solution."""
     return root / "solutions" / f"{source.name}.ipynb"
 
 
 def is_solved(root: Path, source: Source) -> bool:
-    """Whether the executed solution on disk was made of what is there now."""
+    """Whether the executed solution is up to date with its source and the checks."""
     file = solved_file(root, source)
     if not file.is_file():
         return False
@@ -107,16 +108,13 @@ def is_solved(root: Path, source: Source) -> bool:
 
 
 def ingredients(root: Path, source: Source) -> str:
-    """Return a digest of what an executed solution depends on: source, checks, and the maker."""
+    """Return a digest of all that an executed solution depends on."""
     package = root / "src/fieldcheck"
     files = [*sorted(package.glob("*.py")), *sorted(package.glob("*.js"))]
     files += [package / "answers" / f"{source.number}.json"]
     files += sorted((package / "questions").glob(f"q{source.number}_*.py"))
     files += [Path(__file__).with_name("notebooks.py")]
-    digest = hashlib.sha256()
-    for file in [source.path, *files]:
-        digest.update(hashlib.sha256(file.read_bytes()).digest())
-    return digest.hexdigest()
+    return json_digest(*(bytes_digest(file.read_bytes()) for file in [source.path, *files]))
 
 
 def solve(root: Path, source: Source) -> str:
@@ -132,16 +130,16 @@ def _solve(root: Path, source: Source) -> None:
 
 
 def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator[str]:
-    """Yield what students would be told too much.
+    """Yield parts of solutions and hidden cases in files for students.
 
     Parameters
     ----------
     root : Path
         The checkout.
     salt : str
-        What hidden inputs are drawn from.
+        The seed of the hidden inputs.
     made : mapping
-        Files that are not written yet, and what will be in them.
+        Files that are not written yet, with their content.
     """
     there = (path for _, path in student_tree(root) if path.is_file() and path not in made)
     texts = {path: path.read_text(encoding="utf-8") for path in there} | dict(made)
@@ -159,9 +157,6 @@ def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator
 
 
 def _write(file: Path, text: str) -> None:
-    if file.is_file() and file.read_text(encoding="utf-8") == text:
-        return
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(file.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    part.replace(file)
+    """Write a file if its text is another; an unchanged file keeps its time for make."""
+    if not file.is_file() or file.read_text(encoding="utf-8") != text:
+        write_atomically(file, text.encode())

@@ -1,10 +1,12 @@
-"""The students' bundle: notebooks, the self-check package, and what to install."""
+"""The bundle for students: notebooks, the package fieldcheck, and the requirements."""
 
 from __future__ import annotations
 
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+
+from fieldrecon._core.atomic_files import whole_file
 
 FOLDER = "field-reconstruction"
 REQUIREMENTS = "numpy>=2.1\nmatplotlib>=3.10\nipywidgets>=8.1\njupyterlab>=4.3\n"
@@ -13,7 +15,7 @@ FIXED = (1980, 1, 1, 0, 0, 0)
 
 
 def student_tree(root: Path) -> Iterator[tuple[str, Path]]:
-    """Yield the name in the bundle, and the place, of each file that students get."""
+    """Yield the name in the bundle and the path of each file for students."""
     for path in sorted((root / "exercises").glob("*.ipynb")):
         yield path.name, path
     package = root / "src" / "fieldcheck"
@@ -26,14 +28,15 @@ def student_tree(root: Path) -> Iterator[tuple[str, Path]]:
 
 def write_bundle(root: Path, file: Path) -> Path:
     """Write the zip file for students, and return it."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    made = file.with_suffix(".part")
-    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as bundle:
+    with (
+        whole_file(file) as temporary,
+        zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as bundle,
+    ):
         for name, path in student_tree(root):
             _add(bundle, name, path.read_bytes())
         _add(bundle, "requirements.txt", REQUIREMENTS.encode())
         _add(bundle, "student.txt", STUDENT.encode())
-    return made.replace(file)
+    return file
 
 
 def _add(bundle: zipfile.ZipFile, name: str, content: bytes) -> None:

@@ -1,13 +1,13 @@
-"""Other answers than the solution: mistakes, each with its sentence, and right ones in other ways.
+"""The catalogue of answers: known mistakes with their sentences, and alternative right answers.
 
-They lie beside the sources, in ``misconceptions/`` and ``alternatives/``, a file for each
-notebook. An answer is a function under a name of its own that stands in for the one asked for::
+They are beside the sources, in ``misconceptions/`` and ``alternatives/``, with a file for each
+notebook. An answer is a function with its own name that replaces the requested one::
 
     @answers("02.3")
     def weights_not_squared(points, values, x, epsilon):
-        '''What the student is told: what is wrong, why it matters, where to look.'''
+        '''The sentence for the student: what is wrong, why it matters, where to look.'''
 
-Each stands for itself: it imports what it needs, and calls nothing of the notebook.
+Each answer is self-contained: it imports what it needs, and calls no function of the notebook.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ class Entry:
     Parameters
     ----------
     question : str
-        What it answers.
+        The name of the question.
     name : str
         The name of the function, in words.
     sentence : str
-        Its docstring: for a mistake, what the student is told.
+        Its docstring: for a mistake, the sentence for the student.
     function : callable
         The answer.
     named : bool
-        Whether a mistake can be recognised. It cannot if what it gives are rounding errors, which
-        are others on another processor.
+        Whether a mistake can be recognised. It cannot if it returns rounding errors, which differ
+        between processors.
     """
 
     question: str
@@ -52,7 +52,7 @@ class Entry:
     named: bool = True
 
     def namespace(self, functions: dict[str, Any]) -> dict[str, Any]:
-        """Return the functions of a notebook with this one in the place of the solution."""
+        """Return the functions of a notebook, with the solution replaced by this answer."""
         return functions | {get(self.question).function: self.function}
 
 
@@ -86,7 +86,7 @@ def load(path: Path) -> Any:
     name = f"_course_{path.parent.name}_{path.stem}"
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
-        raise ImportError(f"{path} is no Python file")
+        raise ImportError(f"{path} is not a Python file")
     module = module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)

@@ -1,4 +1,4 @@
-"""The guard: nothing of a solution, a hidden case or its answers reaches what students get."""
+"""Find parts of solutions, hidden cases and their answers in files for students."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from fieldcheck.calls import Call, Values
 from fieldgrade.authoring.sources import Source
 
 RUN = 6
-"""So many names, numbers and operators in a row, with the brackets between, are no accident.
+"""Names, numbers and operators in a row that count as a leak, brackets not counted.
 
-It is the least for which no solution agrees with what students get; ``(…).sum(axis=0)`` has three.
+It is the smallest number for which no existing file matches; ``(…).sum(axis=0)`` has three.
 """
 WORDS = 12
-"""The same of the words of a model answer, or of a rubric."""
+"""The same for words of a model answer or a rubric."""
 SIGNIFICANT, MOST_SIGNIFICANT = 9, 12
-"""Numbers that agree in as many digits as are written are the same, if these are so many."""
+"""Numbers are equal if they agree in all written digits, and at least this many are written."""
 LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
 TOKEN = re.compile(
     r"(?P<word>(?:\.?[^\W\d]\w*)+|\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?|\*\*|//|[=!<>]=|[-+*/@%<>&|^~])"
     r"|[^\s\w\"'`\\]"
 )
-"""A token of code; names with their dots, numbers and operators are words, and so significant.
+"""A token of code; names with dots, numbers and operators are significant.
 
-Quotes are no tokens: a string of code is code.
+Quotes are not tokens, so code in a string is code.
 """
 
-Run = tuple[str, ...]
+TokenRun = tuple[str, ...]
 
 
-class Text(NamedTuple):
-    """A text in a file for students, and where its first line stands."""
+class PublicText(NamedTuple):
+    """A text in a file for students, and the number of its first line."""
 
     place: str
     first: int
@@ -57,7 +57,7 @@ def code_leaks(source: Source, files: Mapping[str, str]) -> Iterator[str]:
     ----------
     source : Source
     files : mapping
-        What students get: names of files, and what is in them.
+        The files for students: names and contents.
     """
     solutions = [body for cell in source.cells for body in cell.solutions]
     code = set(chain.from_iterable(map(token_runs, solutions))) - _signatures(source)
@@ -70,8 +70,10 @@ def code_leaks(source: Source, files: Mapping[str, str]) -> Iterator[str]:
             yield f"{text.line(line)} holds a part of a model answer of {source.name}: {run}"
 
 
-def _first_on_each_line(found: Mapping[Run, int], secret: Set[Run]) -> Iterator[tuple[int, str]]:
-    """Yield the lines on which a secret run begins, each with the first such run."""
+def _first_on_each_line(
+    found: Mapping[TokenRun, int], secret: Set[TokenRun]
+) -> Iterator[tuple[int, str]]:
+    """Yield the lines on which a secret run begins, each with its first run."""
     runs = {line: " ".join(run) for run, line in reversed(list(found.items())) if run in secret}
     yield from sorted(runs.items())
 
@@ -96,7 +98,7 @@ def number_leaks(
 
 
 def long_numbers(text: str) -> set[str]:
-    """Return the numbers in a text with all the digits that it has of them, up to twelve.
+    """Return the long numbers in a text, with up to twelve digits.
 
     Examples
     --------
@@ -110,18 +112,18 @@ def long_numbers(text: str) -> set[str]:
     }
 
 
-def _signatures(source: Source) -> set[Run]:
-    """Return the runs in the first lines of the functions asked for, which everybody may call."""
+def _signatures(source: Source) -> set[TokenRun]:
+    """Return the runs in the signatures of the requested functions, which are public."""
     cells = source.answer_cells().values()
     lines = (line for cell in cells for line in cell.text.splitlines() if line.startswith("def "))
     return {run for line in lines for run in token_runs(line)}
 
 
 @cache
-def token_runs(text: str) -> Mapping[Run, int]:
+def token_runs(text: str) -> Mapping[TokenRun, int]:
     r"""Return all runs of `RUN` significant tokens, each with the line on which it first begins.
 
-    Comments are texts of their own: neither do they hide code, nor does code hide in them.
+    Comments are treated as separate texts, so that they do not interrupt code.
 
     Examples
     --------
@@ -138,8 +140,8 @@ def token_runs(text: str) -> Mapping[Run, int]:
     return _first_lines(run for tokens in (code, *comments) for run in _runs(tokens))
 
 
-def _first_lines(runs: Iterable[tuple[Run, int]]) -> dict[Run, int]:
-    found: dict[Run, int] = {}
+def _first_lines(runs: Iterable[tuple[TokenRun, int]]) -> dict[TokenRun, int]:
+    found: dict[TokenRun, int] = {}
     for run, line in runs:
         found.setdefault(run, line)
     return found
@@ -156,29 +158,29 @@ def _tokens(text: str, line: int) -> Iterator[_Token]:
         yield _Token(match[0], line, bool(match["word"]) and not keyword.iskeyword(match[0]))
 
 
-def _runs(tokens: Sequence[_Token]) -> Iterator[tuple[Run, int]]:
+def _runs(tokens: Sequence[_Token]) -> Iterator[tuple[TokenRun, int]]:
     """Yield each run that begins and ends with a significant token, and its line."""
     at = [k for k, token in enumerate(tokens) if token.is_significant]
     for first, last in zip(at, at[RUN - 1 :], strict=False):
         yield tuple(token.text for token in tokens[first : last + 1]), tokens[first].line
 
 
-def _texts(name: str, content: str) -> Iterator[Text]:
+def _texts(name: str, content: str) -> Iterator[PublicText]:
     """Yield the texts of a file: cells and outputs of a notebook, strings of code and of JSON."""
     if name.endswith(".ipynb"):
         for number, cell in enumerate(json.loads(content)["cells"], 1):
-            yield Text(f"{name}, cell {number}", 1, "".join(cell["source"]))
+            yield PublicText(f"{name}, cell {number}", 1, "".join(cell["source"]))
             outputs = _strings(cell.get("outputs", []))
-            yield from (Text(f"{name}, output of cell {number}", 1, text) for text in outputs)
+            yield from (PublicText(f"{name}, output of cell {number}", 1, text) for text in outputs)
     elif name.endswith(".json"):
         for key, value in json.loads(content).items():
-            yield from (Text(f"{name}, {key}", 1, text) for text in _strings(value))
+            yield from (PublicText(f"{name}, {key}", 1, text) for text in _strings(value))
     else:
-        yield Text(name, 1, content)
+        yield PublicText(name, 1, content)
     if name.endswith(".py"):
         for node in ast.walk(ast.parse(content)):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                yield Text(name, node.lineno, node.value)
+                yield PublicText(name, node.lineno, node.value)
 
 
 def _strings(data: object) -> Iterator[str]:
@@ -196,7 +198,7 @@ def _strings(data: object) -> Iterator[str]:
 
 
 @cache
-def word_runs(text: str) -> Mapping[Run, int]:
+def word_runs(text: str) -> Mapping[TokenRun, int]:
     """Return all runs of `WORDS` words, each with the line on which it first begins."""
     words = [(word, k) for k, line in enumerate(text.splitlines()) for word in line.split()]
     runs = [words[i : i + WORDS] for i in range(len(words) - WORDS + 1)]
@@ -204,7 +206,7 @@ def word_runs(text: str) -> Mapping[Run, int]:
 
 
 def _long(arrays: Iterable[np.ndarray]) -> set[str]:
-    """Return the numbers that need all of the digits; short ones, as 0.5, are no secret."""
+    """Return the numbers that need all digits; short ones such as 0.5 are not secret."""
     numbers = {float(x) for array in arrays for x in np.ravel(array)}
     secret = [x for x in numbers if np.isfinite(x) and float(f"{x:.6g}") != x]
     return {_digits(x, k) for x in secret for k in range(SIGNIFICANT, MOST_SIGNIFICANT + 1)}

@@ -1,12 +1,11 @@
-"""Notebooks from their source: the student's, with stubs, and the solved one, executed.
+"""Build notebooks from a source: the student's notebook with stubs, and the executed solution.
 
-Both have the same bytes each time: the identifier of a cell comes from its content, and nothing
-records when or how long.
+Both are reproducible byte for byte: identifiers of cells are computed from their content, and no
+time is recorded.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 from collections.abc import Iterator
@@ -16,28 +15,29 @@ from typing import Any
 import nbformat
 
 from fieldgrade.authoring.sources import REGION, Cell, Source
+from fieldgrade.digests import bytes_digest
 from fieldreport.build.pinned_kernels import environment, pins
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
-TOLD = ("question", "answer", "rubric")
+KEPT_METADATA = ("question", "answer", "rubric")
 DRAWS = re.compile(r"^@dra(w|g)\(", re.MULTILINE)
-"""What begins a picture; JupyterLab shows the picture, and the code at a click."""
+"""The decorators of pictures, whose code JupyterLab folds."""
 YOUR_WORDS = "*Write your answer here.*"
 SECONDS_PER_CELL = 120
-"""After so long a cell of a solution has failed; the text promises less than ten."""
+"""Time limit of a cell of a solution; the text promises less than ten seconds."""
 
 
 def stub(cell: Cell) -> str:
-    """Return the cell as it is handed out: the solution is replaced by the place to write it."""
-    place = (
+    """Return the cell for students: the solution is replaced by a placeholder."""
+    placeholder = (
         r"\g<indent># Write your answer here, in place of the next line.\n"
         rf'\g<indent>raise NotImplementedError("{cell.question} is not written yet")\n'
     )
-    return REGION.sub(place, cell.text + "\n").rstrip("\n")
+    return REGION.sub(placeholder, cell.text + "\n").rstrip("\n")
 
 
 def student_notebook(source: Source) -> nbformat.NotebookNode:
-    """Return the notebook for students: no solution, no rubric, no output."""
+    """Return the notebook for students, without solutions, rubrics and outputs."""
     return _notebook(source, _student_cells(source))
 
 
@@ -47,7 +47,7 @@ def solved_notebook(source: Source) -> nbformat.NotebookNode:
 
 
 def execute(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
-    """Run a notebook in an empty folder, so for nobody's name, and return it with its outputs.
+    """Run a notebook in an empty folder, without a student's name, and return it with outputs.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def _notebook(source: Source, cells: Any) -> nbformat.NotebookNode:
     for cell, text in cells:
         node = make[cell.kind](text)
         node["id"] = _identifier(source, cell, text, seen)
-        node["metadata"] = nbformat.from_dict(_told(cell))
+        node["metadata"] = nbformat.from_dict(_cell_metadata(cell))
         made.append(node)
     notebook = nbformat.v4.new_notebook(cells=made, metadata=_metadata(source.name))
     notebook["nbformat_minor"] = 5
@@ -110,16 +110,16 @@ def _metadata(name: str) -> nbformat.NotebookNode:
     )
 
 
-def _told(cell: Cell) -> dict[str, Any]:
-    """Return what a notebook says of a cell: its question, and that drawing code is folded."""
-    told = {key: value for key, value in cell.metadata.items() if key in TOLD}
-    return told | ({"jupyter": {"source_hidden": True}} if DRAWS.search(cell.text) else {})
+def _cell_metadata(cell: Cell) -> dict[str, Any]:
+    """Return the metadata of a cell: its question, and folding of code that draws."""
+    metadata = {key: value for key, value in cell.metadata.items() if key in KEPT_METADATA}
+    return metadata | ({"jupyter": {"source_hidden": True}} if DRAWS.search(cell.text) else {})
 
 
 def _identifier(source: Source, cell: Cell, text: str, seen: set[str]) -> str:
-    """Return the question's name, or a hash of the content; a number more where it occurs again."""
+    """Return the question's name, or a hash of the content, with a number if it occurs again."""
     name = cell.question or cell.answer
-    digest = hashlib.sha256(f"{source.name}\0{cell.kind}\0{text}".encode()).hexdigest()[:12]
+    digest = bytes_digest(f"{source.name}\0{cell.kind}\0{text}".encode())[:12]
     wanted = f"q-{name.replace('.', '-')}" if name else digest
     identifier, copy = wanted, 1
     while identifier in seen:

@@ -1,4 +1,4 @@
-"""Solved notebooks as pages and on paper: an HTML file and a PDF each, made without a network."""
+"""Publish solved notebooks as HTML and PDF, without a network."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def publish(root: Path, source: Source, out: Path) -> Iterator[Path]:
     Raises
     ------
     BuildError
-        Pandoc or Typst would spoil something; the sentence says what.
+        Pandoc or Typst reported an error or a warning.
     """
     out.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as scratch:
@@ -50,14 +50,14 @@ def publish(root: Path, source: Source, out: Path) -> Iterator[Path]:
 
 
 def _export(notebook: Path, folder: Path) -> None:
-    """Write the notebook as Markdown, and its pictures beside it, by the template of the course."""
+    """Write the notebook as Markdown with its pictures, by the template of the course."""
     from nbconvert import MarkdownExporter
 
     exporter = MarkdownExporter(
         template_name=TEMPLATE.name,
         extra_template_basedirs=[str(TEMPLATE.parent)],
         template_file="index.md.j2",
-        filters={"told": told},
+        filters={"picture_title": picture_title},
     )
     body, resources = exporter.from_filename(str(notebook))
     (folder / "page.md").write_text(body, encoding="utf-8")
@@ -65,12 +65,12 @@ def _export(notebook: Path, folder: Path) -> None:
         (folder / name).write_bytes(content)
 
 
-def told(code: str) -> str:
-    r"""Return what a picture shows, from the name of the function that draws it.
+def picture_title(code: str) -> str:
+    r"""Return a description of a picture, from the name of the function that draws it.
 
     Examples
     --------
-    >>> told("@draw()\ndef plane_and_points():\n    ...")
+    >>> picture_title("@draw()\ndef plane_and_points():\n    ...")
     'plane and points'
     """
     names = re.findall(r"^def (\w+)\(", code, flags=re.MULTILINE)
@@ -106,7 +106,7 @@ def _pandoc(root: Path, source: Source, folder: Path, to: str) -> str:
 
 
 def _with_pictures(page: str, folder: Path) -> str:
-    """Return the page with its pictures inside."""
+    """Return the page with embedded pictures."""
 
     def inside(match: re.Match[str]) -> str:
         content = base64.b64encode((folder / match[1]).read_bytes()).decode()

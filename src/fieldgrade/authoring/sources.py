@@ -1,14 +1,14 @@
-"""The one source of a notebook: a Python file in percent format, with the solutions in it.
+"""The source of a notebook: a Python file in percent format, solutions included.
 
-A cell says in its header what it is::
+The header of a cell says what it is::
 
     # %% tags=["setup"]                     imports, run wherever the answers are run
     # %% question="02.3"                    a function that the student writes
     # %% [markdown] answer="02.7" points=2  a model answer in words
     # %% [markdown] rubric="02.7"           how it is graded; for instructors
 
-All other cells are the same for everybody. Between ``# BEGIN SOLUTION`` and ``# END SOLUTION``
-stands what the student has to find.
+All other cells are the same for everybody. The solution stands between ``# BEGIN SOLUTION`` and
+``# END SOLUTION``.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ class Cell:
     kind : str
         ``"markdown"`` or ``"code"``.
     text : str
-        Its content.
+        The content.
     metadata : dict
-        What its header says.
+        The metadata in its header.
     """
 
     kind: str
@@ -46,27 +46,27 @@ class Cell:
 
     @property
     def question(self) -> str:
-        """The question that it answers in code, or nothing."""
+        """The question that it answers in code; may be empty."""
         return str(self.metadata.get("question", ""))
 
     @property
     def answer(self) -> str:
-        """The question that it answers in words, or nothing."""
+        """The question that it answers in words; may be empty."""
         return str(self.metadata.get("answer", ""))
 
     @property
     def rubric(self) -> str:
-        """The question whose grading it explains, or nothing."""
+        """The question whose rubric it is; may be empty."""
         return str(self.metadata.get("rubric", ""))
 
     @property
     def is_setup(self) -> bool:
-        """Whether it is needed wherever the answers are run."""
+        """Whether it must run before the answers."""
         return "setup" in self.metadata.get("tags", ())
 
     @property
     def solutions(self) -> list[str]:
-        """What stands between the markers."""
+        """The solutions between the markers."""
         return [region["body"] for region in REGION.finditer(self.text + "\n")]
 
 
@@ -100,17 +100,17 @@ class Source:
         return self.cells[0].text.partition("\n")[0].lstrip("# ")
 
     @cached_property
-    def words(self) -> dict[str, float]:
-        """The points of the questions that are answered in words, by their headers alone."""
+    def written_points(self) -> dict[str, float]:
+        """The points of the questions with written answers, from the headers alone."""
         found = WORDS.findall(self.path.read_text(encoding="utf-8"))
         return {question: float(points or 0) for question, points in found}
 
     def answer_cells(self) -> dict[str, Cell]:
-        """Return the cells with the functions that are asked for, by question."""
+        """Return the cells with the requested functions, by question."""
         return {cell.question: cell for cell in self.cells if cell.question}
 
     def functions(self) -> dict[str, Any]:
-        """Return what the set-up and the answers define, without running checks or pictures."""
+        """Return the definitions of set-up and answers, without running checks or pictures."""
         namespace: dict[str, Any] = {"__name__": self.name}
         for number, cell in enumerate(self.cells):
             if cell.question or (cell.is_setup and cell.kind == "code"):

@@ -1,4 +1,4 @@
-"""What an answer goes through to be graded: public cases, the student's own, hidden ones."""
+"""Trials of an answer: the public cases, the student's own inputs, and hidden cases."""
 
 from __future__ import annotations
 
@@ -9,27 +9,26 @@ from typing import Any
 
 from fieldcheck.answers import Answers, Mistake
 from fieldcheck.calls import Call, Outcome, perform
-from fieldcheck.ladder import PATIENCE, judge
+from fieldcheck.ladder import TIMEOUT_FACTOR, judge
 from fieldcheck.question import Question
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Verdict
 from fieldgrade.authoring.catalogue import Entry
-from fieldgrade.authoring.hidden import Hidden
-from fieldgrade.authoring.known import known_answers, known_mistakes, public_calls
+from fieldgrade.authoring.hidden_cases import Hidden
+from fieldgrade.authoring.known_answers import known_answers, known_mistakes, public_calls
 
 PUBLIC, OWN = "public cases", "own inputs"
 """The names of the first two checks of every question; hidden ones have names of their own."""
 
-NOT_TOLD = ("exception", "endless", "type", "shape", "not finite", "wrong", "slow")
-"""Rungs whose sentence would tell a hidden input."""
+REVEALING = ("exception", "endless", "type", "shape", "not finite", "wrong", "slow")
+"""Rungs whose sentence would reveal a hidden input."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """Calls, the known answers to them, what is said if they are hidden, and a name.
+    """Calls with known answers, a name, and the sentence that replaces others if they are hidden.
 
-    What `mistakes` give is asked only once an answer is wrong: most are right, and there are many
-    mistakes.
+    The values of `mistakes` are computed only if an answer is wrong, since most answers are right.
     """
 
     question: Question
@@ -42,31 +41,31 @@ class Trial:
     def verdict(self, functions: dict[str, Any]) -> Verdict:
         """Judge the functions, called in this process: for code that is trusted."""
         question = self.question
-        outcomes = perform(functions, self.calls, PATIENCE * question.limit)
-        return self.judged(outcomes)
+        outcomes = perform(functions, self.calls, TIMEOUT_FACTOR * question.limit)
+        return self.judge_outcomes(outcomes)
 
-    def judged(self, outcomes: Sequence[Outcome]) -> Verdict:
-        """Judge what came of the calls, and return what may be told."""
+    def judge_outcomes(self, outcomes: Sequence[Outcome]) -> Verdict:
+        """Judge the outcomes of the calls, without revealing hidden inputs."""
         verdict = judge(self.question, self.calls, outcomes, self.answers)
         if not verdict.right and (mistakes := self.mistakes()):
             known = replace(self.answers, mistakes=mistakes)
             verdict = judge(self.question, self.calls, outcomes, known)
-        return self.told(verdict)
+        return self.without_hidden_inputs(verdict)
 
-    def told(self, verdict: Verdict) -> Verdict:
-        """Return a verdict without what would give a hidden input away."""
-        if self.sentence and verdict.rung in NOT_TOLD:
+    def without_hidden_inputs(self, verdict: Verdict) -> Verdict:
+        """Return a verdict whose sentence does not reveal hidden inputs."""
+        if self.sentence and verdict.rung in REVEALING:
             return replace(verdict, sentence=self.sentence, call=None)
         return verdict
 
 
 def asked_by(case: Hidden, question: Question) -> Question:
-    """Return a question as a hidden case asks it: with inputs of its own, and without laws."""
+    """Return a question with the inputs of a hidden case, and without laws."""
     return replace(question, inputs=case.inputs, laws=())
 
 
 def public_trial(question: Question, functions: dict[str, Any], mistakes: Sequence[Entry]) -> Trial:
-    """Return the first trial of a question, which is the same for everybody."""
+    """Return the public trial of a question, which is the same for everybody."""
     calls = public_calls(question)
     return Trial(question, calls, known_answers(question, calls, functions, mistakes))
 
@@ -82,7 +81,7 @@ def trials(
 ) -> tuple[Trial, ...]:
     """Return the trials of a student's answer, the known answers computed by the solution.
 
-    Whoever grades many students makes the `public` trial once, and gives it.
+    The `public` trial can be passed, so that it is computed once for many students.
     """
 
     def trial(question: Question, sentence: str, name: str) -> Trial:
@@ -92,10 +91,10 @@ def trials(
         return Trial(question, calls, known, sentence, name, made)
 
     number = seed(student, question.name, salt)
-    told = "It is right on the public cases, not on others."
+    sentence = "It is right on the public cases, not on others."
     return (
         public or public_trial(question, functions, mistakes),
-        trial(question, told, OWN),
+        trial(question, sentence, OWN),
         *(
             trial(asked_by(h, question), h.sentence, h.name)
             for h in hidden
@@ -105,7 +104,7 @@ def trials(
 
 
 def grade(trials: Sequence[Trial], functions: dict[str, Any]) -> Verdict:
-    """Return the first verdict that is not right, or the last that is."""
+    """Return the verdict of the first failed trial, or of the last one."""
     verdict = None
     for trial in trials:
         verdict = trial.verdict(functions)

@@ -1,14 +1,13 @@
-"""What was found before, kept by what it depends on: the answer, the check, the surroundings.
+"""Cache of check results, by digests of all that they depend on.
 
-The name of a finding is the digest of all that it depends on. So nothing that is kept can be out of
-date, a run that was killed goes on where it stopped, and after a change to one check only that
-check is made again. What is found of a submission is one file, since to make a file takes longer
-than to judge an answer.
+The key of a result is the digest of the answer, the check and the environment. Therefore no cached
+result can be out of date, a run that was killed continues where it stopped, and after a change to
+one check only this check runs again. All results of a submission are in one file, since creating a
+file takes longer than judging an answer.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,50 +16,50 @@ from typing import Any, get_args
 
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Rung, Verdict
-from fieldgrade.checking.examine import code_digest
-from fieldgrade.checking.findings import Finding
-from fieldgrade.checking.fingerprint import environment, grader
-from fieldgrade.checking.trusted import Course
-from fieldgrade.isolation.isolation import Server
+from fieldgrade.checking.check_results import CheckResult
+from fieldgrade.checking.course import Course
+from fieldgrade.checking.dependency_digests import environment_digest, grader_digest
+from fieldgrade.digests import json_digest
+from fieldgrade.isolation.server import Server
 from fieldgrade.submissions.submission import Submission
 from fieldrecon._core.atomic_files import write_atomically
 
 
 def keys(course: Course, server: Server, submission: Submission, question: str) -> dict[str, str]:
-    """Return the digests of all that the findings on an answer depend on, check by check."""
-    around = _digest(
-        code_digest(submission),
+    """Return the cache keys of the checks of an answer, by check."""
+    around = json_digest(
+        submission.code_digest,
         question,
-        environment(),
-        grader(),
+        environment_digest(),
+        grader_digest(),
         seed(submission.student, question, course.salt),
         server.tier,
         vars(server.limits),
     )
     made_by = course.checks(question)
-    return {check: _digest(around, check, made) for check, made in made_by.items()}
+    return {check: json_digest(around, check, made) for check, made in made_by.items()}
 
 
 @dataclass(frozen=True)
 class Cache:
-    """Findings in a folder.
+    """Check results in a folder.
 
     Parameters
     ----------
     folder : Path
-        It is made when something is kept.
+        The folder; it is created when it is needed.
     """
 
     folder: Path
 
-    def get(self, submission: Submission) -> dict[str, Finding]:
-        """Return what is known of a submission, by name; what cannot be read is not known."""
-        read = {name: _finding(data) for name, data in self._kept(submission).items()}
-        return {name: finding for name, finding in read.items() if finding}
+    def get(self, submission: Submission) -> dict[str, CheckResult]:
+        """Return the cached results of a submission, by key; unreadable ones are left out."""
+        read = {name: _check_result(data) for name, data in self._kept(submission).items()}
+        return {name: result for name, result in read.items() if result}
 
-    def put(self, submission: Submission, findings: Mapping[str, Finding]) -> None:
-        """Keep findings on a submission, by name, beside those that are there."""
-        kept = json.dumps({**self._kept(submission), **findings}, default=vars)
+    def put(self, submission: Submission, results: Mapping[str, CheckResult]) -> None:
+        """Add results of a submission to the cache, by key."""
+        kept = json.dumps({**self._kept(submission), **results}, default=vars)
         write_atomically(self._file(submission), kept.encode(), sync=False)
 
     def _kept(self, submission: Submission) -> dict[str, Any]:
@@ -71,21 +70,17 @@ class Cache:
         return kept if isinstance(kept, dict) else {}
 
     def _file(self, submission: Submission) -> Path:
-        name = _digest(submission.student, code_digest(submission))
+        name = json_digest(submission.student, submission.code_digest)
         return self.folder / name[:2] / f"{name}.json"
 
 
-def _digest(*things: Any) -> str:
-    return hashlib.sha256(json.dumps(things).encode()).hexdigest()
-
-
-def _finding(data: Any) -> Finding | None:
-    """Return a finding as it was kept; None if that is none."""
+def _check_result(data: Any) -> CheckResult | None:
+    """Return a cached result; None if it is damaged."""
     try:
         verdict = Verdict(**data["verdict"])
         errors = tuple((int(n), str(text)) for n, text in data["cell_errors"])
         broke, returned = tuple(map(str, data["broke"])), tuple(data["returned"])
-        found = Finding(verdict, str(data["check"]), broke, errors, returned)
+        found = CheckResult(verdict, str(data["check"]), broke, errors, returned)
     except (ValueError, KeyError, TypeError):
         return None
     return found if verdict.rung in get_args(Rung) else None

@@ -1,14 +1,14 @@
-"""What grading found, as records in memory and as one file of JSON from which all else is made.
+"""The results of grading: records in memory, and ``results.json``.
 
-The file holds no hidden input, no salt and no times, so that grading twice gives the same bytes.
-Its form is that of ``results.schema.json``.
+The file contains no hidden input, no salt and no run time, so that grading twice gives the same
+bytes. Its schema is ``results.schema.json``.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from fieldcheck.verdict import Verdict
-from fieldgrade.isolation.isolation import Tier
+from fieldgrade.isolation.server import Tier
 from fieldrecon._core.atomic_files import write_atomically
 
 FORMAT, VERSION = "fieldrecon results", 1
@@ -31,23 +31,23 @@ STATUSES: tuple[Status, ...] = get_args(Status)
 
 @dataclass(frozen=True)
 class Grade:
-    """What an answer earns.
+    """The automatic grade of an answer.
 
     Parameters
     ----------
     question : str
         Its name.
     points, possible : float
-        Earned, and to be earned.
+        Points earned, and the largest possible number.
     verdict : Verdict
-        How far up the ladder it came, and the sentence for the student.
+        The verdict, with the sentence for the student.
     check : str
-        Which check it did not pass: the public cases, the student's own inputs, or a hidden one by
-        its name, which is for instructors; empty if it passed all.
+        The check that failed: the public cases, the student's own inputs, or the name of a hidden
+        case, which is for instructors; empty if all passed.
     made_by : str
-        Digest of all that the verdict depends on, but for the answer itself.
+        Digest of all that the verdict depends on, except the answer itself.
     returned : tuple of mapping
-        Wrong numbers on a public case, to be drawn: for each array its shape and its numbers.
+        Wrong values on a public case, for a picture: shape and numbers of each array.
     """
 
     question: str
@@ -61,32 +61,32 @@ class Grade:
 
 @dataclass(frozen=True)
 class Record:
-    """All that is known of a graded submission.
+    """A graded submission.
 
     Parameters
     ----------
     student, file, digest : str
-        Whose, under which name it came, and the SHA-256 of its content.
+        The student, the name of the file, and the SHA-256 of its content.
     notebook : str
-        Which notebook it is; empty if it is none.
+        The number of the notebook; empty if unknown.
     status : str
-        How it went.
+        How the run ended.
     tier : str
-        Behind which walls it ran; empty if it did not run.
+        The tier of the sandbox; empty if it did not run.
     grades : tuple of Grade
         One for each question of the notebook.
     notes : tuple of str
-        What the instructor should know, such as a stub behind a working answer.
+        Notes for the instructor, such as a stub after a working answer.
     code : str
         Digest of the code of its cells.
     received, received_by : str
-        When it was handed in, and who says so: ``"list"``, ``"platform"``, ``"zip"``, ``"file"``.
+        The time of receipt, and its source: ``"list"``, ``"platform"``, ``"zip"``, ``"file"``.
     late_mark : bool
         Whether the learning platform marked it as late.
     seconds, cpu_seconds : float
-        Time taken.
+        Wall time and processor time.
     peak : int
-        Bytes of memory at most.
+        Peak memory, in bytes.
     """
 
     student: str
@@ -116,23 +116,23 @@ class Record:
         return sum(grade.possible for grade in self.grades)
 
 
-SAID = ("rung", "sentence", "mistake", "call")
+VERDICT_FIELDS = ("rung", "sentence", "mistake", "call")
 MEASURED = ("seconds", "cpu_seconds", "peak")
-"""What differs from run to run: it goes to the ledger, not to the results."""
+"""Measurements, which differ between runs: they are in the ledger, not in the results."""
 
 
 @dataclass(frozen=True)
 class Results:
-    """A class, graded.
+    """The results of a class.
 
     Parameters
     ----------
     records : tuple of Record
         In the order of students and notebooks.
     students : tuple of mapping
-        The roster, column by column; without one, only the names under which files came.
+        The roster, column by column; without a roster, the names of the submitters.
     questions : tuple of mapping
-        What was asked, in code and in words, and what it is worth.
+        The questions, answered in code or in words, with their points.
     secret : bool
         Whether the inputs were drawn from a secret salt.
     environment, grader : str
@@ -151,7 +151,7 @@ PLAIN = ("secret", "environment", "grader")
 
 
 def to_json(results: Results) -> dict[str, Any]:
-    """Return results as what ``json`` can write."""
+    """Return results as data for ``json``."""
     head = {"format": FORMAT, "version": VERSION}
     lists = {"students": list(results.students), "questions": list(results.questions)}
     records = [record_to_json(record) for record in results.records]
@@ -159,7 +159,7 @@ def to_json(results: Results) -> dict[str, Any]:
 
 
 def record_to_json(record: Record) -> dict[str, Any]:
-    """Return a record as what ``json`` can write, without what was measured."""
+    """Return a record as data for ``json``, without measurements."""
     data = {k: v for k, v in asdict(replace(record, grades=())).items() if k not in MEASURED}
     grades = [_grade_to_json(grade) for grade in record.grades]
     sums = {"points": record.points, "possible": record.possible}
@@ -167,7 +167,7 @@ def record_to_json(record: Record) -> dict[str, Any]:
 
 
 def _grade_to_json(grade: Grade) -> dict[str, Any]:
-    verdict = {name: getattr(grade.verdict, name) for name in SAID}
+    verdict = {name: getattr(grade.verdict, name) for name in VERDICT_FIELDS}
     return asdict(grade) | {"verdict": verdict, "returned": list(grade.returned)}
 
 
@@ -180,7 +180,7 @@ def from_json(data: Any) -> Results:
         They are not of the form of the schema, or of a later version.
     """
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise ValueError("this is no file of results")
+        raise ValueError("this is not a file of results")
     if data.get("version") != VERSION:
         raise ValueError(f"results of version {data.get('version')}; version {VERSION} is known")
     problem = invalid(data)
@@ -211,7 +211,7 @@ def schema() -> dict[str, Any]:
 
 
 def invalid(data: Any) -> str:
-    """Return what is wrong with data that should have the form of the schema; empty if nothing."""
+    """Return the first violation of the schema; empty if there is none."""
     from jsonschema import Draft202012Validator
 
     error = next(Draft202012Validator(schema()).iter_errors(data), None)
@@ -219,9 +219,9 @@ def invalid(data: Any) -> str:
 
 
 def write_results(results: Results, file: Path) -> bool:
-    """Write results at once or not at all, and tell whether they differ from those before.
+    """Write results atomically; return whether they differ from the previous ones.
 
-    Those before are kept in ``history/`` beside the file.
+    The previous results are kept in ``history/`` beside the file.
     """
     text = json.dumps(to_json(results), indent=1, ensure_ascii=True) + "\n"
     before = file.read_bytes() if file.is_file() else None
@@ -234,7 +234,7 @@ def write_results(results: Results, file: Path) -> bool:
 
 
 def _next(history: Path) -> Path:
-    """Return the name of the next file of a history: ``0001.json`` and so on."""
+    """Return the path of the next file of a history: ``0001.json`` and so on."""
     numbers = (int(f.stem) for f in history.glob("*.json") if NUMBERED.fullmatch(f.name))
     return history / f"{max(numbers, default=0) + 1:04}.json"
 
@@ -251,3 +251,42 @@ def read_results(file: Path) -> Results:
         return from_json(json.loads(file.read_text(encoding="utf-8")))
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from None
+
+
+def ordered(records: Iterable[Record]) -> tuple[Record, ...]:
+    """Return records in the order of students, notebooks and files."""
+    return tuple(sorted(records, key=lambda r: (r.student, r.notebook, r.file, r.digest)))
+
+
+def merged(before: Iterable[Record], now: Iterable[Record]) -> tuple[Record, ...]:
+    """Return earlier records, replaced by those of a new run.
+
+    If the run graded only some questions of the same file, the earlier grades of the other
+    questions stay; if the file is another one, they go. The record of an unreadable file goes once
+    a file of that name has been read.
+    """
+    kept = {_whose(record): record for record in before}
+    for record in now:
+        kept.pop((record.student, "", record.file), None)
+        kept[_whose(record)] = _completed(record, kept.get(_whose(record)))
+    return ordered(kept.values())
+
+
+def _completed(record: Record, old: Record | None) -> Record:
+    """Return a record completed by the grades of an earlier record of the same file."""
+    asked = {grade.question for grade in record.grades}
+    rest = [grade for grade in old.grades if grade.question not in asked] if old else []
+    if old is None or old.digest != record.digest or not rest:
+        return record
+    grades = sorted((*record.grades, *rest), key=lambda grade: _order(grade.question))
+    status = max(record.status, old.status, key=STATUSES.index)
+    return replace(record, grades=tuple(grades), status=status)
+
+
+def _whose(record: Record) -> tuple[str, ...]:
+    own = (record.student, record.notebook)
+    return own if record.notebook else (*own, record.file)
+
+
+def _order(question: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in question.split("."))

@@ -1,4 +1,4 @@
-"""What the learning platform knows of a notebook: its deadline, and the names of its columns."""
+"""Assignments: the deadline and late policy of each notebook, and its name in Canvas and Moodle."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from datetime import timedelta
 from pathlib import Path
 
 from fieldgrade.class_folder.csv_tables import Row, notebook, read_table
-from fieldgrade.class_folder.late import Policy, moment
+from fieldgrade.class_folder.late_policy import LatePolicy, moment
 
 CANVAS = re.compile(r".+ \(\d+\)")
 COLUMNS = ("due", "grace_minutes", "percent_per_day", "most_percent", "canvas", "moodle")
@@ -17,22 +17,22 @@ COLUMNS = ("due", "grace_minutes", "percent_per_day", "most_percent", "canvas", 
 
 @dataclass(frozen=True)
 class Assignment:
-    """A notebook as it stands in the learning platform.
+    """A notebook as an assignment of the learning platform.
 
     Parameters
     ----------
     notebook : str
         ``"02"``.
-    policy : Policy
-        When it is due, and what it costs to be late.
+    policy : LatePolicy
+        The deadline and the late penalty.
     canvas : str
-        Its column in Canvas, with the number: ``"Moving least squares (48213)"``.
+        Its column in the Canvas gradebook, with the id: ``"Moving least squares (48213)"``.
     moodle : str
         Its name in Moodle.
     """
 
     notebook: str
-    policy: Policy = field(default_factory=Policy)
+    policy: LatePolicy = field(default_factory=LatePolicy)
     canvas: str = ""
     moodle: str = ""
 
@@ -49,8 +49,10 @@ def read_assignments(path: Path) -> Mapping[str, Assignment]:
 def _assignment(row: Row) -> Assignment:
     canvas = row.get("canvas", "")
     if canvas and not CANVAS.fullmatch(canvas):
-        raise ValueError(f"Canvas names a column as in 'Least squares (48213)', not {canvas!r}")
-    policy = Policy(
+        raise ValueError(
+            f"a Canvas column has a name and an id, 'Least squares (48213)', not {canvas!r}"
+        )
+    policy = LatePolicy(
         due=moment(row["due"]) if row.get("due") else None,
         grace=timedelta(minutes=_number(row, "grace_minutes", 0.0)),
         per_day=_number(row, "percent_per_day", 0.0, 100.0) / 100,
@@ -64,5 +66,5 @@ def _number(row: Row, column: str, default: float, most: float = float("inf")) -
     if not text:
         return default
     if not re.fullmatch(r"\d+(\.\d+)?", text) or float(text) > most:
-        raise ValueError(f"{column} is a number from 0 to {most:g}, not {text!r}")
+        raise ValueError(f"{column} must be a number from 0 to {most:g}, not {text!r}")
     return float(text)

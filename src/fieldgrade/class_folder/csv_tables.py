@@ -1,4 +1,4 @@
-"""Tables that people and spreadsheets write and read: CSV files, with an error for each line."""
+"""CSV tables that people edit with spreadsheets: strict reading, safe writing."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ T = TypeVar("T")
 Row = Mapping[str, str]
 
 FORMULA = re.compile(r"'*[=+\-@\t\r\n＝＋－＠#]")
-"""How a cell begins that a spreadsheet would compute, or that is taken for a comment here; a
-quotation mark before it prevents both."""
+"""Beginnings of cells that a spreadsheet would compute, or that would be read as a comment; a
+leading
+apostrophe prevents both."""
 
 
 def read_table(
@@ -24,29 +25,29 @@ def read_table(
     known: Sequence[str] = (),
     unique: Sequence[str] = (),
 ) -> list[T]:
-    """Return what the lines of a CSV file say.
+    """Return the parsed lines of a CSV file.
 
-    Columns stand in any order, commas or semicolons between them. Empty lines, and lines that begin
-    with ``#``, do not count.
+    Columns may have any order, separated by commas or semicolons. Empty lines and lines that begin
+    with ``#`` are skipped.
 
     Parameters
     ----------
     path : Path
         The file, in UTF-8.
     parse : callable
-        From a line, as a mapping from columns to stripped cells, to what it says; it raises
-        `ValueError` with a sentence if that makes no sense.
+        From a line, as a mapping from columns to stripped cells, to the parsed value; it raises
+        `ValueError` with a message for an invalid line.
     needed : sequence of str
-        Columns that must be there, and filled.
+        Required columns, whose cells must not be empty.
     known : sequence of str
-        Columns that may be there; any other is a mistake in the spelling.
+        Optional columns; any other column is an error.
     unique : sequence of str
-        Columns whose cells may not all be the same in two lines.
+        Columns that together must not be equal in two lines.
 
     Raises
     ------
     ValueError
-        All that is wrong with the file, a line each: ``roster.csv:7: the student is missing``.
+        All errors of the file, one line each: ``roster.csv:7: column student is empty``.
     """
     lines = list(_lines(path))
     if not lines:
@@ -69,14 +70,14 @@ def read_table(
 
 
 def header(path: Path) -> tuple[list[str], str]:
-    """Return the columns of a CSV file, and what stands between its cells."""
+    """Return the columns of a CSV file, and its delimiter."""
     return next((cells for _, cells in _lines(path)), []), _delimiter(_text(path))
 
 
 def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]], delimiter: str = ",") -> str:
-    r"""Return a table as CSV whose text no spreadsheet takes for a formula.
+    r"""Return a table as CSV, safe against formula injection.
 
-    Numbers have at most two decimals, what is not known is an empty cell.
+    Numbers have at most two decimals; None is an empty cell.
 
     Examples
     --------
@@ -95,7 +96,7 @@ def to_csv(columns: Sequence[str], rows: Iterable[Sequence[object]], delimiter: 
 
 
 def points(text: str) -> float:
-    """Return points from a cell; both 1.5 and 1,5 are understood.
+    """Parse points; both 1.5 and 1,5 are valid.
 
     Examples
     --------
@@ -103,12 +104,12 @@ def points(text: str) -> float:
     1.5
     """
     if not re.fullmatch(r"\d+([.,]\d+)?", text):
-        raise ValueError(f"points are a number such as 1.5, not {text!r}")
+        raise ValueError(f"points must be a number such as 1.5, not {text!r}")
     return float(text.replace(",", "."))
 
 
 def question(text: str) -> str:
-    """Return the name of a question, if spreadsheets have not shortened it.
+    """Parse the name of a question, which a spreadsheet may have shortened.
 
     Examples
     --------
@@ -124,7 +125,7 @@ def question(text: str) -> str:
 
 
 def notebook(text: str) -> str:
-    """Return the number of a notebook, also where a spreadsheet took the zero away.
+    """Parse the number of a notebook, also without the leading zero.
 
     Examples
     --------
@@ -137,7 +138,7 @@ def notebook(text: str) -> str:
 
 
 def short(number: float) -> str:
-    """Return points as they are written: two decimals, and no more zeros than needed.
+    """Format points with at most two decimals.
 
     Examples
     --------
@@ -161,12 +162,12 @@ def _safe(text: str) -> str:
 
 
 def _plain(text: str) -> str:
-    """Undo what `_safe` does."""
+    """Undo `_safe`."""
     return text[1:] if text.startswith("'") and FORMULA.match(text) else text
 
 
 def _lines(path: Path) -> Iterable[tuple[int, list[str]]]:
-    """Yield the lines that count, as cells, with the number of the line in which each ends."""
+    """Yield the lines with content as cells, with the line number at which each ends."""
     text = _text(path)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=_delimiter(text))
     try:
@@ -199,11 +200,11 @@ def _require_columns(
     strange = [name for name in columns if name not in known]
     if strange:
         raise ValueError(
-            f"{path.name}:1: nothing is known of a column {', '.join(map(repr, strange))}; "
+            f"{path.name}:1: unknown column {', '.join(map(repr, strange))}; "
             f"the columns are {', '.join(known)}"
         )
     if len(set(columns)) < len(columns):
-        raise ValueError(f"{path.name}:1: a column stands there twice")
+        raise ValueError(f"{path.name}:1: a column occurs twice")
 
 
 def _require_unique(
@@ -212,14 +213,14 @@ def _require_unique(
     cells = tuple(row[name] for name in unique)
     before = first.setdefault(tuple(cell.lower() for cell in cells), number)
     if cells and before != number:
-        raise ValueError(f"{', '.join(cells)} stands in line {before} already")
+        raise ValueError(f"{', '.join(cells)} is already in line {before}")
 
 
 def _row(columns: Sequence[str], cells: Sequence[str], needed: Sequence[str]) -> Row:
     if len(cells) > len(columns):
-        raise ValueError(f"there are {len(cells)} cells in the line, and {len(columns)} columns")
+        raise ValueError(f"the line has {len(cells)} cells for {len(columns)} columns")
     row = dict.fromkeys(columns, "") | dict(zip(columns, cells, strict=False))
     empty = [name for name in needed if not row[name]]
     if empty:
-        raise ValueError(f"nothing stands under {', '.join(empty)}")
+        raise ValueError(f"column {', '.join(empty)} is empty")
     return row

@@ -1,7 +1,7 @@
-"""Grades that a person changes: records of their own, with a name and a reason, and the requests.
+"""Overrides of grades by the staff, with name and reason, and regrade requests.
 
-Both are CSV files to which lines are added. Nothing that was graded is changed: an override stands
-beside it, and the last one counts.
+Both are CSV files to which lines are appended. An override does not change the automatic grade, and
+the last override counts.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ COLUMNS = ("student", "question", "points", "by", "reason", "on")
 
 @dataclass(frozen=True)
 class Override:
-    """What a person grants in place of the grader's points.
+    """Points that replace those of the grader.
 
     Parameters
     ----------
     student, question : str
-        Whose answer to what.
+        The student and the question.
     points : float
-        Granted.
+        The new points.
     by, reason : str
-        Who decided, and why.
+        The person who decided, and the reason.
     on : date
-        When.
+        The day.
     """
 
     student: str
@@ -41,19 +41,19 @@ class Override:
 
 
 @dataclass(frozen=True)
-class Request:
-    """A student asks that an answer be looked at again.
+class RegradeRequest:
+    """A regrade request of a student.
 
     Parameters
     ----------
     student, question : str
-        Who asks about what.
+        The student and the question.
     on : date
-        When.
+        The day.
     request : str
-        Why, in the student's words.
+        The reason, in the student's words.
     answer : str
-        What was answered, where no points were changed; empty as long as it is open.
+        The answer, if no points were changed; empty as long as the request is open.
     """
 
     student: str
@@ -68,7 +68,7 @@ def read_overrides(path: Path) -> list[Override]:
     return read_table(path, _override, COLUMNS)
 
 
-def read_requests(path: Path) -> list[Request]:
+def read_requests(path: Path) -> list[RegradeRequest]:
     """Return the requests in a file. Columns: student, question, on, request, answer."""
     return read_table(path, _request, ("student", "question", "on", "request"), ("answer",))
 
@@ -78,8 +78,10 @@ def latest(overrides: Iterable[Override]) -> Mapping[tuple[str, str], Override]:
     return {(o.student, o.question): o for o in overrides}
 
 
-def open_requests(requests: Iterable[Request], overrides: Sequence[Override]) -> list[Request]:
-    """Return the requests that nobody has answered, in words or by an override since."""
+def open_requests(
+    requests: Iterable[RegradeRequest], overrides: Sequence[Override]
+) -> list[RegradeRequest]:
+    """Return the requests without an answer and without a later override."""
     decided = {key: o.on for key, o in latest(overrides).items()}
     return [
         r
@@ -99,8 +101,8 @@ def _override(row: Row) -> Override:
     )
 
 
-def _request(row: Row) -> Request:
-    return Request(
+def _request(row: Row) -> RegradeRequest:
+    return RegradeRequest(
         row["student"],
         question(row["question"]),
         _day(row["on"]),
@@ -113,4 +115,4 @@ def _day(text: str) -> date:
     try:
         return date.fromisoformat(text)
     except ValueError:
-        raise ValueError(f"a day is written as 2026-11-30, not {text!r}") from None
+        raise ValueError(f"a day must be written as 2026-11-30, not {text!r}") from None

@@ -1,4 +1,4 @@
-"""Who is in the class, what the questions are worth, and when files came: a CSV file each."""
+"""The roster, the points of questions, and times of receipt: one CSV file each."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 from fieldgrade.class_folder.csv_tables import Row, notebook, points, question, read_table
-from fieldgrade.class_folder.late import moment
+from fieldgrade.class_folder.late_policy import moment
 
 
 @dataclass(frozen=True)
 class Student:
-    """A line of the roster; only the first column must be filled.
+    """A line of the roster; only the first column is required.
 
     Parameters
     ----------
     student : str
-        The name or number from which the student's inputs are drawn: as in ``student.txt``.
+        The name or number in ``student.txt``, from which the student's inputs are drawn.
     name : str
         ``"Ada Lovelace"`` or ``"Lovelace, Ada"``.
     email, login : str
-        As the learning platform has them.
+        As in the learning platform.
     canvas_id, sis_id, section : str
         The columns ID, SIS User ID and Section of Canvas.
     moodle_id : str
-        The number of the participant, which Moodle writes into the names of files.
+        The number of the participant in the file names of Moodle.
     """
 
     student: str
@@ -48,19 +48,19 @@ def read_roster(path: Path) -> dict[str, Student]:
     Raises
     ------
     ValueError
-        What is wrong, line by line.
+        Invalid lines, one message each.
     """
     students = read_table(path, lambda row: Student(**row), ("student",), OPTIONAL, ("student",))
     return {student.student: student for student in students}
 
 
 def read_points(path: Path, known: Collection[str]) -> dict[str, float]:
-    """Return what questions are worth, where it differs. Columns: question, points.
+    """Return points that override those of the questions. Columns: question, points.
 
     Raises
     ------
     ValueError
-        What is wrong, line by line.
+        Invalid lines, one message each.
     """
 
     def worth(row: Row) -> tuple[str, float]:
@@ -73,12 +73,12 @@ def read_points(path: Path, known: Collection[str]) -> dict[str, float]:
 
 
 def read_times(path: Path) -> dict[tuple[str, str], str]:
-    """Return when files came, by student and notebook. Columns: student, notebook, received.
+    """Return times of receipt, by student and notebook. Columns: student, notebook, received.
 
     Raises
     ------
     ValueError
-        What is wrong, line by line.
+        Invalid lines, one message each.
     """
 
     def time(row: Row) -> tuple[tuple[str, str], str]:
@@ -89,5 +89,5 @@ def read_times(path: Path) -> dict[tuple[str, str], str]:
 
 
 def columns(student: Student) -> dict[str, str]:
-    """Return the columns of a student that are filled."""
+    """Return the non-empty columns of a student."""
     return {name: value for name, value in asdict(student).items() if value}

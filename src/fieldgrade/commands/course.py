@@ -1,4 +1,4 @@
-"""``fieldrecon course``: build the notebooks, prove the graders, make the students' bundle."""
+"""``fieldrecon course``: build the notebooks, test the graders, make the bundle for students."""
 
 from __future__ import annotations
 
@@ -14,24 +14,31 @@ from pathlib import Path
 
 from fieldgrade.authoring import build as building
 from fieldgrade.authoring.bundle import write_bundle
-from fieldgrade.authoring.kernels import (
+from fieldgrade.authoring.publish import publish
+from fieldgrade.authoring.secret_salt import FILE as SALT_FILE
+from fieldgrade.authoring.secret_salt import MISSING, make_salt, read_salt
+from fieldgrade.authoring.sources import Source
+from fieldgrade.commands.gradebook import add_commands as add_gradebook
+from fieldgrade.grader_validation.blas_kernels import (
     NO_CHOICE,
-    Request,
-    Run,
+    JudgeRequest,
+    KernelRun,
     Setting,
     has_choice_of_kernels,
     not_as_chosen,
     run,
     settings,
 )
-from fieldgrade.authoring.proof import Proof, prove
-from fieldgrade.authoring.publish import publish
-from fieldgrade.authoring.robustness import Baseline, Changes, bench, changes, changes_of_draws
-from fieldgrade.authoring.secret import MISSING, make_salt, read_salt
-from fieldgrade.authoring.sources import Source
-from fieldgrade.commands.gradebook import add_commands as add_gradebook
-from fieldrecon.cli.console import print_table
-from fieldrecon.cli.terminal import print_files, progress
+from fieldgrade.grader_validation.known_verdicts import GraderReport, grader_reports
+from fieldgrade.grader_validation.rounding_errors import (
+    Baseline,
+    Changes,
+    changes,
+    changes_of_draws,
+    rounding_test,
+)
+from fieldrecon.cli.console import print_files, print_table
+from fieldrecon.cli.progress import progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     build = commands.add_parser("build", help="write the notebooks of students and solutions")
     build.set_defaults(command=_build)
-    check = commands.add_parser("check", help="prove that the graders are right")
+    check = commands.add_parser("check", help="test the graders")
     check.set_defaults(command=_check)
     check.add_argument("--question", default="", metavar="02.3", help="only this question")
     pages = commands.add_parser("publish", help="write the solved notebooks as HTML and PDF")
@@ -50,8 +57,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     pages.set_defaults(command=_publish)
     for command in (build, check, pages):
         command.add_argument("--only", nargs="+", default=[], metavar="02", help="these notebooks")
-    init = commands.add_parser("init", help="make the secret salt, outside version control")
-    init.add_argument("--renew", action="store_true", help="replace it, as each year")
+    init = commands.add_parser("init", help="create the secret salt, .course-secret.json")
+    init.add_argument("--renew", action="store_true", help="replace it, for a new year")
     init.set_defaults(command=_init)
     bundle = commands.add_parser("bundle", help="write the zip file for students")
     bundle.add_argument("--out", type=Path, default=Path("dist/student-bundle.zip"), metavar="FILE")
@@ -68,42 +75,42 @@ def _build(options: argparse.Namespace) -> None:
 
 def _check(options: argparse.Namespace) -> int:
     salt = read_salt(options.root)
-    _banner(salt.secret)
+    _print_banner(salt.secret)
     sources = _chosen(options, options.question[:2])
     todo = partial(_checked, salt=salt.text, only=options.question)
     with ProcessPoolExecutor(cpu_count()) as pool, progress(pool.map, "graders") as each:
         parts, baselines, changed = zip(*each(todo, sources), strict=True)
-    proofs: list[Proof] = list(chain.from_iterable(parts))
+    reports: list[GraderReport] = list(chain.from_iterable(parts))
     baseline: Baseline = reduce(or_, baselines)
-    runs = _runs(Request(tuple(sources), salt.text, options.question, baseline.known))
+    runs = _runs(JudgeRequest(tuple(sources), salt.text, options.question, baseline.known))
     verdicts = ((f"with {setting.name}", found.verdicts) for setting, found in runs)
     for changes_of_its in (*changed, changes(baseline.verdicts, verdicts)):
-        proofs = [p.with_problems(changes_of_its.get(p.question, ())) for p in proofs]
+        reports = [p.with_problems(changes_of_its.get(p.question, ())) for p in reports]
     print_table(
         ("question", "mistakes", "other right answers", "mutants", "caught", "problems"),
         [
             (p.question, p.mistakes, p.alternatives, p.mutants, p.caught, len(p.problems))
-            for p in proofs
+            for p in reports
         ],
-        title="What the graders say of answers whose worth is known",
+        title="Verdicts of the graders on answers with known verdicts",
         whole=True,
     )
-    for proof in proofs:
-        for problem in proof.problems:
-            print(f"{proof.question}: {problem}", file=sys.stderr)
+    for report in reports:
+        for problem in report.problems:
+            print(f"{report.question}: {problem}", file=sys.stderr)
     alike = list(not_as_chosen(runs))
     print(*alike, sep="\n", end="\n" * bool(alike), file=sys.stderr)
-    return int(any(proof.problems for proof in proofs) or not proofs or bool(alike))
+    return int(any(report.problems for report in reports) or not reports or bool(alike))
 
 
-def _checked(source: Source, salt: str, only: str) -> tuple[list[Proof], Baseline, Changes]:
-    found = bench(source, salt, only)
+def _checked(source: Source, salt: str, only: str) -> tuple[list[GraderReport], Baseline, Changes]:
+    found = rounding_test(source, salt, only)
     baseline = found.baseline()
-    return list(prove(source, salt, only)), baseline, changes_of_draws(found, baseline)
+    return list(grader_reports(source, salt, only)), baseline, changes_of_draws(found, baseline)
 
 
-def _runs(request: Request) -> list[tuple[Setting, Run]]:
-    """Judge all answers in each setting, and print what each process ran."""
+def _runs(request: JudgeRequest) -> list[tuple[Setting, KernelRun]]:
+    """Judge all answers in each setting, and print the kernels of each process."""
     chosen = settings()
     with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "kernels") as each:
         runs = list(zip(chosen, each(partial(run, request=request), chosen), strict=True))
@@ -116,12 +123,16 @@ def _runs(request: Request) -> list[tuple[Setting, Run]]:
 
 def _init(options: argparse.Namespace) -> None:
     salt = make_salt(options.root, date.today().year, options.renew)
-    print(f"the inputs of {salt.year} are drawn from a new secret salt; keep the file to regrade")
+    file = options.root / SALT_FILE
+    print(
+        f"{file}: the secret salt of {salt.year}; back it up, since regrading needs it, and "
+        "never commit it"
+    )
 
 
 def _bundle(options: argparse.Namespace) -> None:
     for problem in building.leaks(options.root, read_salt(options.root).text):
-        raise ValueError(f"students would be told too much: {problem}")
+        raise ValueError(f"files for students would contain solutions: {problem}")
     print(write_bundle(options.root, options.out))
 
 
@@ -135,7 +146,7 @@ def _pages(source: Source, root: Path, out: Path) -> list[Path]:
     return list(publish(root, source, out))
 
 
-def _banner(secret: bool) -> None:
+def _print_banner(secret: bool) -> None:
     if not secret:
         line = "!" * 72
         print(f"{line}\n{MISSING}\n{line}", file=sys.stderr)

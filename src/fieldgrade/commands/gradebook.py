@@ -1,4 +1,4 @@
-"""``fieldrecon course feedback | export | analysis | …``: what is made from the file of results."""
+"""``fieldrecon course feedback | export | analysis | …``: pages and tables made from results."""
 
 from __future__ import annotations
 
@@ -11,34 +11,32 @@ from pathlib import Path
 from typing import Any
 
 from fieldgrade.authoring.catalogue import entries
-from fieldgrade.class_folder import manual
 from fieldgrade.class_folder.csv_tables import to_csv
-from fieldgrade.class_folder.decided import MANUAL
-from fieldgrade.class_folder.examples import write_examples
+from fieldgrade.class_folder.decisions import MANUAL
+from fieldgrade.class_folder.example_tables import write_examples
+from fieldgrade.class_folder.manual_grading import marking_page, update_table, written_questions
 from fieldgrade.class_folder.overrides import open_requests
-from fieldgrade.gradebook import analysis, differences, exports, similarity
-from fieldgrade.gradebook import item_analysis as items
-from fieldgrade.gradebook import platforms as platform_forms
-from fieldgrade.gradebook import similarity_page as resemblance
-from fieldgrade.gradebook.desk import DEFAULT, Desk
+from fieldgrade.gradebook import differences, exports, item_analysis, similarity
 from fieldgrade.gradebook.feedback import feedback
+from fieldgrade.gradebook.grade_sheets import by_student
+from fieldgrade.gradebook.graded_class import DEFAULT_FOLDER, GradedClass
 from fieldgrade.submissions.submission import Submission, Unreadable
-from fieldgrade.submissions.words import words
-from fieldrecon.cli.console import print_table
-from fieldrecon.cli.terminal import print_files, progress
+from fieldgrade.submissions.written_answers import written_answers
+from fieldrecon.cli.console import print_files, print_table
+from fieldrecon.cli.progress import progress
 
-FORMS = {"canvas": platform_forms.canvas_csv, "moodle": platform_forms.moodle_csv}
+PLATFORMS = {"canvas": exports.canvas_csv, "moodle": exports.moodle_csv}
 
 
 def add_commands(commands: Any) -> None:
-    """Declare the subcommands that begin where grading has ended."""
+    """Declare the subcommands that work on results."""
     _add(commands, "feedback", _feedback, "write a page for each student")
-    _add(commands, "export", _export, "write the grade book, and those of the platforms")
-    _add(commands, "analysis", _analysis, "tell how the questions did")
-    _add(commands, "manual", _manual, "write pages to read words on, and tables for points")
+    _add(commands, "export", _export, "write the gradebook, and the files that platforms import")
+    _add(commands, "analysis", _analysis, "write statistics of the questions")
+    _add(commands, "manual", _manual, "write the written answers as pages, and tables for points")
     _add(commands, "report", _report, "write a report on the class, as HTML and PDF")
-    _add(commands, "similarity", _similarity, "show answers that resemble each other")
-    changed = _add(commands, "differences", _differences, "tell which grades changed, and why")
+    _add(commands, "similarity", _similarity, "show similar answers")
+    changed = _add(commands, "differences", _differences, "report which grades changed, and why")
     changed.add_argument(
         "--before", type=Path, metavar="FILE", help="earlier results (default: last in history/)"
     )
@@ -50,131 +48,134 @@ def add_commands(commands: Any) -> None:
 def _add(commands: Any, name: str, command: Callable[..., Any], text: str) -> Any:
     parser = commands.add_parser(name, help=text)
     parser.add_argument(
-        "results", type=Path, metavar="RESULTS", help="results.json, or the folder that holds it"
+        "results", type=Path, metavar="RESULTS", help="results.json, or the folder with it"
     )
     parser.add_argument(
         "--class",
         type=Path,
         metavar="DIR",
         dest="folder",
-        help=f"the folder with the tables of the class (default: {DEFAULT}, if it is there)",
+        help=f"the folder with the tables of the class (default: {DEFAULT_FOLDER}, if it exists)",
     )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="where to write (default: beside the results)"
     )
-    parser.set_defaults(command=lambda options: command(Desk(options)))
+    parser.set_defaults(command=lambda options: command(_graded(options), options))
     return parser
 
 
-def _feedback(desk: Desk) -> None:
-    by_student = exports.by_student(desk.sheets)
-    make = partial(feedback, titles=desk.titles)
+def _graded(options: argparse.Namespace) -> GradedClass:
+    return GradedClass(options.results, options.folder, options.out, options.root)
+
+
+def _feedback(graded: GradedClass, _: argparse.Namespace) -> None:
+    rows = by_student(graded.sheets)
+    make = partial(feedback, titles=graded.titles)
     with ProcessPoolExecutor(cpu_count()) as pool, progress(pool.map, "pages") as each:
-        pages = list(each(make, by_student))
-    names = [desk.names[sheets[0].student["student"]] for sheets in by_student]
-    for name, page in zip(names, pages, strict=True):
-        desk.write(f"feedback/{name}.html", page)
-    rows = [(s[0].student["student"], f"{n}.html") for s, n in zip(by_student, names, strict=True)]
-    print_files([desk.write("feedback/files.csv", to_csv(("student", "file"), rows))])
-    print(f"{len(pages)} pages in {desk.out / 'feedback'}")
+        pages = list(each(make, rows))
+    students = [sheets[0].student["student"] for sheets in rows]
+    for student, page in zip(students, pages, strict=True):
+        graded.write(f"feedback/{graded.names[student]}.html", page)
+    files = [(student, f"{graded.names[student]}.html") for student in students]
+    print_files([graded.write("feedback/files.csv", to_csv(("student", "file"), files))])
+    print(f"{len(pages)} pages in {graded.out / 'feedback'}")
 
 
-def _export(desk: Desk) -> None:
-    named = desk.decisions.assignments
-    files = [desk.write("gradebook.csv", exports.gradebook_csv(desk.sheets))]
-    for platform, make in FORMS.items():
+def _export(graded: GradedClass, _: argparse.Namespace) -> None:
+    named = graded.decisions.assignments
+    files = [graded.write("gradebook.csv", exports.gradebook_csv(graded.sheets))]
+    for platform, make in PLATFORMS.items():
         if any(getattr(assignment, platform) for assignment in named.values()):
-            files.append(desk.write(f"{platform}.csv", make(desk.sheets, named)))
-            for student in platform_forms.left_out(platform, desk.sheets):
-                print(f"{student} is not in {platform}.csv: the roster does not tell who that is")
+            files.append(graded.write(f"{platform}.csv", make(graded.sheets, named)))
+            for student in exports.left_out(platform, graded.sheets):
+                print(f"{student} is not in {platform}.csv: the roster does not identify them")
         else:
-            print(f"no {platform}.csv: assignments.csv has no name under {platform}")
-    for sheet in desk.sheets:
+            print(f"no {platform}.csv: column {platform} of assignments.csv is empty")
+    for sheet in graded.sheets:
         if sheet.record:
-            whose = desk.names[sheet.student["student"]]
-            text = platform_forms.gradescope_text(sheet)
-            desk.write(f"gradescope/{sheet.notebook}/{whose}/results.json", text)
-    print_files([*files, desk.out / "gradescope"])
-    waiting = sum(line.how == "open" for sheet in desk.sheets for line in sheet.lines)
+            whose = graded.names[sheet.student["student"]]
+            text = exports.gradescope_text(sheet)
+            graded.write(f"gradescope/{sheet.notebook}/{whose}/results.json", text)
+    print_files([*files, graded.out / "gradescope"])
+    waiting = sum(line.how == "open" for sheet in graded.sheets for line in sheet.lines)
     if waiting:
         print(f"{waiting} answers are not graded yet, and count as no points in these files")
-    for request in open_requests(desk.folder.requests(), desk.decisions.overrides):
+    for request in open_requests(graded.folder.requests(), graded.decisions.overrides):
         print(f"open request: {request.student}, {request.question}, {request.on}")
 
 
-def _analysis(desk: Desk) -> None:
-    found = items.items(desk.sheets)
-    handed_in = sum(sheet.record is not None for sheet in desk.sheets)
-    told = f"{handed_in} notebooks of {len(desk.names)} students"
-    page = analysis.analysis_page(found, desk.titles, told)
-    print_files(
-        [desk.write("analysis.csv", items.to_table(found)), desk.write("analysis.html", page)]
-    )
+def _analysis(graded: GradedClass, _: argparse.Namespace) -> None:
+    found = item_analysis.items(graded.sheets)
+    submitted = sum(sheet.record is not None for sheet in graded.sheets)
+    subtitle = f"{submitted} notebooks of {len(graded.names)} students"
+    page = item_analysis.analysis_page(found, graded.titles, subtitle)
+    table = item_analysis.to_table(found)
+    print_files([graded.write("analysis.csv", table), graded.write("analysis.html", page)])
 
 
-def _manual(desk: Desk) -> None:
-    marks = {(mark.question, mark.student): mark for mark in desk.decisions.marks}
-    for number, source in desk.sources.items():
-        asked = manual.theory(source)
+def _manual(graded: GradedClass, _: argparse.Namespace) -> None:
+    marks = {(mark.question, mark.student): mark for mark in graded.decisions.marks}
+    for number, source in graded.sources.items():
+        asked = written_questions(source)
         written = {
-            student: words(desk.submission(record), [question.name for question in asked])
-            for student, record in desk.records(number).items()
+            student: written_answers(graded.submission(record), [q.name for q in asked])
+            for student, record in graded.records(number).items()
         }
         for question in asked:
             answers = {student: its.get(question.name, "") for student, its in written.items()}
-            table = desk.folder.folder / MANUAL / f"{question.name}.csv"
-            changed = manual.enter(table, answers)
+            table = graded.folder.folder / MANUAL / f"{question.name}.csv"
+            changed = update_table(table, answers)
             for student in changed:
-                print(f"{question.name}: {student} wrote something else since it was read")
+                print(f"{question.name}: {student} changed the answer after it was marked")
             given = {who: mark for (name, who), mark in marks.items() if name == question.name}
-            page = manual.reading_page(question, answers, given, changed)
-            print_files([table, desk.write(f"manual/{question.name}.html", page)])
+            page = marking_page(question, answers, given, changed)
+            print_files([table, graded.write(f"manual/{question.name}.html", page)])
 
 
-def _report(desk: Desk) -> None:
-    from fieldgrade.gradebook.report import class_report
+def _report(graded: GradedClass, _: argparse.Namespace) -> None:
+    from fieldgrade.gradebook.class_report import class_report
 
     sentences = {
         (mistake.question, mistake.name): mistake.sentence
-        for source in desk.sources.values()
+        for source in graded.sources.values()
         for mistake in entries(source, "misconceptions")
     }
-    source, out = desk.options.root / "report", desk.out / "report"
-    print_files(class_report(desk.results, desk.sheets, desk.titles, sentences, source, out))
+    source, out = graded.root / "report", graded.out / "report"
+    print_files(class_report(graded.results, graded.sheets, graded.titles, sentences, source, out))
 
 
-def _similarity(desk: Desk) -> None:
+def _similarity(graded: GradedClass, _: argparse.Namespace) -> None:
     rows: list[tuple[str, similarity.Pair]] = []
     files = []
-    for number, title in desk.titles.items():
-        codes = list(_codes(desk, number))
-        given = similarity.code("", _handed_out(desk, number))
+    for number, title in graded.titles.items():
+        codes = list(_codes(graded, number))
+        given = similarity.code("", _handed_out(graded, number))
         found = similarity.pairs(codes, given)
-        page = resemblance.similarity_page(f"{number} {title}", found, len(codes))
-        files.append(desk.write(f"similarity/{number}.html", page))
+        page = similarity.similarity_page(f"{number} {title}", found, len(codes))
+        files.append(graded.write(f"similarity/{number}.html", page))
         rows += [(number, pair) for pair in found]
-    print_files([*files, desk.write("similarity/pairs.csv", resemblance.to_table(rows))])
+    print_files([*files, graded.write("similarity/pairs.csv", similarity.to_table(rows))])
 
 
-def _codes(desk: Desk, number: str) -> Iterator[similarity.Code]:
-    for student, record in desk.records(number).items():
+def _codes(graded: GradedClass, number: str) -> Iterator[similarity.Code]:
+    for student, record in graded.records(number).items():
         try:
-            yield similarity.code(student, desk.submission(record).cells)
+            yield similarity.code(student, graded.submission(record).cells)
         except Unreadable:
             continue
 
 
-def _handed_out(desk: Desk, number: str) -> tuple[str, ...]:
-    """Return the code cells that everybody was given."""
-    name = f"{desk.sources[number].name}.ipynb"
-    content = (desk.options.root / "exercises" / name).read_bytes()
+def _handed_out(graded: GradedClass, number: str) -> tuple[str, ...]:
+    """Return the code cells of the student's notebook."""
+    name = f"{graded.sources[number].name}.ipynb"
+    content = (graded.root / "exercises" / name).read_bytes()
     return Submission("", name, content).cells
 
 
-def _differences(desk: Desk) -> None:
-    found = differences.compared(desk.file, desk.folder, desk.options.before)
+def _differences(graded: GradedClass, options: argparse.Namespace) -> None:
+    found = differences.compared(graded.file, graded.folder, options.before)
     print_differences(found)
-    print_files([desk.write("differences.csv", differences.to_table(found))])
+    print_files([graded.write("differences.csv", differences.to_table(found))])
 
 
 def print_differences(found: list[differences.Difference]) -> None:
@@ -194,4 +195,4 @@ def _cell(points: float | None) -> str:
 
 def _class(options: argparse.Namespace) -> None:
     for file, is_new in write_examples(options.folder):
-        print(f"{file}" if is_new else f"{file} was there")
+        print(f"{file}" if is_new else f"{file} exists and was kept")

@@ -1,18 +1,25 @@
-"""The grade book as a table, and what is said of an answer in few words."""
+"""The gradebook as a table, and grades as Canvas, Moodle and Gradescope import them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from itertools import groupby
+import html
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
-from fieldcheck.verdict import TITLES
+from fieldgrade.class_folder.assignments import Assignment
 from fieldgrade.class_folder.csv_tables import short, to_csv
-from fieldgrade.gradebook.sheets import Line, Sheet
+from fieldgrade.gradebook.grade_sheets import (
+    GradeLine,
+    GradeSheet,
+    about,
+    by_student,
+    said_of,
+    summary,
+)
 
-NOT_YET = "Not graded yet."
 
-
-def gradebook_csv(sheets: Iterable[Sheet]) -> str:
+def gradebook_csv(sheets: Iterable[GradeSheet]) -> str:
     """Return a row for each student, with a column for each question, deduction and sum.
 
     An empty cell is an answer that nobody has graded yet.
@@ -25,42 +32,214 @@ def gradebook_csv(sheets: Iterable[Sheet]) -> str:
     return to_csv([*columns, "points", "unreadable files"], (_row(row) for row in rows))
 
 
-def _row(sheets: Sequence[Sheet]) -> list[object]:
+def _row(sheets: Sequence[GradeSheet]) -> list[object]:
     student = sheets[0].student
     row: list[object] = [student["student"], student.get("name", ""), student.get("section", "")]
     for sheet in sheets:
         row += [None if line.how == "open" else line.points for line in sheet.lines]
-        row += [-sheet.lost, sheet.points, sheet.status]
+        row += [-sheet.late_penalty, sheet.points, sheet.status]
     files = "; ".join(record.file for record in sheets[0].unreadable)
     return [*row, sum(sheet.points for sheet in sheets), files]
 
 
-def said_of(line: Line) -> tuple[str, str]:
-    """Return what is said of an answer: a title, and a sentence that may be empty."""
-    if line.how == "open":
-        return line.question, NOT_YET
-    if line.grade is None:
-        return line.question, line.comment
-    title = f"{line.question} {TITLES[line.grade.verdict.rung].lstrip('— ')}"
-    changed = f"Changed by a person: {line.comment}" if line.how == "override" else ""
-    return title, " ".join(filter(None, (line.grade.verdict.sentence, changed)))
+def canvas_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignment]) -> str:
+    """Return a file for *Import* in the gradebook of Canvas.
+
+    Canvas expects the columns Student, ID, SIS User ID, SIS Login ID and Section, in this order,
+    then one for each assignment. It identifies a student by the ID, then by the SIS User ID, then
+    by the login, and an assignment by the number in parentheses after its name; without the number
+    it would create a new assignment. A row that begins with Points Possible follows the header. The
+    cell of a notebook that was not submitted is empty, which changes nothing::
+
+        Student,ID,SIS User ID,SIS Login ID,Section,Least squares (48213)
+            Points Possible,,,,,20
+        "Lovelace, Ada",1204,4711,ada,Monday,17.5
+
+    Parameters
+    ----------
+    sheets : iterable of GradeSheet
+        The final grades. Students without canvas_id, sis_id and login in the roster are left out.
+    assignments : mapping
+        The names of the notebooks in Canvas.
+
+    Raises
+    ------
+    ValueError
+        No notebook has a name in Canvas, or no student can be identified.
+
+    References
+    ----------
+    Instructure, "How do I import grades in the Gradebook?", Canvas Instructor Guide; and
+    ``lib/gradebook_importer.rb`` of github.com/instructure/canvas-lms, which reads the file.
+    """
+    rows = _identified("canvas", by_student(sheets))
+    named = _named("canvas", rows, {n: a.canvas for n, a in assignments.items()})
+    header = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
+    possible: list[object] = ["    Points Possible", None, None, None, None]
+    return to_csv(
+        [*header, *named.values()],
+        [
+            [*possible, *(_possible(rows, notebook) for notebook in named)],
+            *([*_canvas_student(row[0].student), *_points(row, named)] for row in rows),
+        ],
+    )
 
 
-def summary(sheet: Sheet) -> list[str]:
-    """Return the feedback on a notebook, a line for each question."""
-    lines = [
-        f"{title} ({short(line.points)} of {short(line.possible)}). {sentence}".strip()
-        for line in sheet.lines
-        for title, sentence in (said_of(line),)
-    ]
-    return [*about(sheet), *lines]
+def _canvas_student(student: Mapping[str, str]) -> list[object]:
+    name = student.get("name") or student["student"]
+    return [name, *(student.get(c, "") for c in ("canvas_id", "sis_id", "login", "section"))]
 
 
-def about(sheet: Sheet) -> list[str]:
-    """Return what is said of a whole notebook: what being late costs."""
-    return [f"Handed in late: {short(sheet.lost)} points less."] if sheet.lost else []
+def moodle_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignment]) -> str:
+    """Return a file for *Import, CSV file* in the grades of Moodle.
+
+    Its columns are those of Moodle's own export: the student, and for each assignment the grade and
+    the feedback. Students are identified by ID number or e-mail address, whichever more of them
+    have; map this column to *useridnumber* or *useremail*. Grade and feedback have to be imported
+    together: feedback without grades deletes the grades. The feedback is HTML::
+
+        Email address,Assignment: Least squares (Real),Assignment: Least squares (Feedback)
+        ada@uni.dk,17.5,01.1 right (2 of 2).<br>01.2 not right yet (0 of 2).
+
+    Parameters
+    ----------
+    sheets : iterable of GradeSheet
+        The final grades. Students without sis_id (Moodle's ID number) or email in the roster are
+        left out.
+    assignments : mapping
+        The names of the notebooks in Moodle: ``"Assignment: Least squares"``.
+
+    Raises
+    ------
+    ValueError
+        No notebook has a name in Moodle, or no student can be identified.
+
+    References
+    ----------
+    Moodle documentation, "Grade import", https://docs.moodle.org/en/Grade_import, "CSV grade
+    import" and note 3; the names of the columns are those of "Grade export".
+    """
+    rows = _identified("moodle", by_student(sheets))
+    named = _named("moodle", rows, {n: a.moodle for n, a in assignments.items()})
+    (key,) = _keys("moodle", rows)
+    columns = ["ID number" if key == "sis_id" else "Email address"]
+    for name in named.values():
+        columns += [f"{name} (Real)", f"{name} (Feedback)"]
+    return to_csv(
+        columns, ([row[0].student[key], *_grades_and_feedback(row, named)] for row in rows)
+    )
 
 
-def by_student(sheets: Iterable[Sheet]) -> list[list[Sheet]]:
-    """Return the sheets of each student together; they are in the order of students."""
-    return [list(row) for _, row in groupby(sheets, key=lambda s: s.student["student"])]
+def _grades_and_feedback(row: Sequence[GradeSheet], named: Iterable[str]) -> Iterable[object]:
+    """Yield grade and feedback of each notebook: both, or neither."""
+    sheets = {sheet.notebook: sheet for sheet in row if sheet.record}
+    for notebook in named:
+        sheet = sheets.get(notebook)
+        yield sheet.points if sheet else None
+        yield "<br>".join(html.escape(said) for said in summary(sheet)) if sheet else None
+
+
+def gradescope_json(sheet: GradeSheet) -> dict[str, Any]:
+    """Return what Gradescope reads as ``results.json`` of a submission.
+
+    It has one test for each question. The total score is included, since it contains the late
+    penalty, and Gradescope uses it instead of the sum. A question that is not graded yet has no
+    status::
+
+        {"score": 17.5, "output": "", "output_format": "text", "visibility": "after_published",
+         "stdout_visibility": "hidden", "extra_data": {},
+         "tests": [{"score": 2.0, "max_score": 2.0, "status": "passed", "name": "01.1 right",
+                    "name_format": "text", "number": "01.1", "output": "",
+                    "output_format": "text", "visibility": "after_published"}]}
+
+    References
+    ----------
+    Gradescope, "Autograder Specifications: Output format",
+    https://gradescope-autograders.readthedocs.io/en/latest/specs/.
+    """
+    return {
+        "score": sheet.points,
+        "output": "\n".join(about(sheet)),
+        "output_format": "text",
+        "visibility": "after_published",
+        "stdout_visibility": "hidden",
+        "tests": [_test(line) for line in sheet.lines],
+        "extra_data": {
+            "digest": sheet.record.digest if sheet.record else "",
+            "isolation": sheet.record.tier if sheet.record else "",
+        },
+    }
+
+
+def _test(line: GradeLine) -> dict[str, Any]:
+    name, output = said_of(line)
+    test = {
+        "score": line.points,
+        "max_score": line.possible,
+        "name": name,
+        "name_format": "text",
+        "number": line.question,
+        "output": output,
+        "output_format": "text",
+        "visibility": "after_published",
+    }
+    status = "passed" if line.points >= line.possible else "failed"
+    return test if line.how == "open" else test | {"status": status}
+
+
+def gradescope_text(sheet: GradeSheet) -> str:
+    """Return `gradescope_json` as the text of the file."""
+    return json.dumps(gradescope_json(sheet), indent=1, ensure_ascii=False) + "\n"
+
+
+def _points(row: Sequence[GradeSheet], named: Iterable[str]) -> list[object]:
+    points = {sheet.notebook: sheet.points for sheet in row if sheet.record}
+    return [points.get(notebook) for notebook in named]
+
+
+def _possible(rows: Sequence[Sequence[GradeSheet]], notebook: str) -> object:
+    return next((s.possible for row in rows for s in row if s.notebook == notebook), None)
+
+
+def _named(
+    column: str, rows: Sequence[Sequence[GradeSheet]], names: Mapping[str, str]
+) -> Mapping[str, str]:
+    """Return the platform's names of the graded notebooks."""
+    graded = {sheet.notebook for sheet in (rows[0] if rows else ())}
+    named = {notebook: name for notebook, name in names.items() if name and notebook in graded}
+    if not named:
+        raise ValueError(
+            f"no graded notebook has a name in {column.title()}: enter it in assignments.csv, in "
+            f"the column {column}"
+        )
+    return named
+
+
+def left_out(platform: str, sheets: Iterable[GradeSheet]) -> list[str]:
+    """Return the students whom a platform cannot identify, and who are not in its file."""
+    keys = _keys(platform, by_student(sheets))
+    students = [row[0].student for row in by_student(sheets)]
+    return [s["student"] for s in students if not any(s.get(key) for key in keys)]
+
+
+def _identified(platform: str, rows: Sequence[Sequence[GradeSheet]]) -> list[Sequence[GradeSheet]]:
+    """Return the rows of students whom a platform can identify."""
+    keys = _keys(platform, rows)
+    identified = [row for row in rows if any(row[0].student.get(key) for key in keys)]
+    if not identified:
+        raise ValueError(
+            f"{platform.title()} cannot identify any student: the roster needs {' or '.join(keys)}"
+        )
+    return identified
+
+
+def _keys(platform: str, rows: Sequence[Sequence[GradeSheet]]) -> tuple[str, ...]:
+    """Return the columns of the roster by which a platform identifies students.
+
+    For Moodle it is one of two: the one that more students have.
+    """
+    if platform == "canvas":
+        return "canvas_id", "sis_id", "login"
+    students = [row[0].student for row in rows]
+    having = {key: sum(bool(s.get(key)) for s in students) for key in ("sis_id", "email")}
+    return (max(having, key=lambda key: having[key]),)

@@ -1,7 +1,7 @@
-"""What a student reads: one page, made from the results and from what is public of the course.
+"""The feedback page of a student, from the results and public material.
 
-Nothing of a hidden input is on it. A picture is drawn of public cases only, and of a hidden case
-stands there the sentence that was written for students.
+It shows no hidden input: pictures are drawn for public cases only, and a hidden case is represented
+by its sentence for students.
 """
 
 from __future__ import annotations
@@ -15,15 +15,14 @@ from fieldcheck.answers import arrays_from_json, public_answers
 from fieldcheck.calls import Outcome, Values
 from fieldcheck.questions import questions
 from fieldcheck.verdict import TITLES
-from fieldgrade.authoring.known import public_calls
+from fieldgrade.authoring.known_answers import public_calls
 from fieldgrade.checking.results import Record
 from fieldgrade.class_folder.csv_tables import short
-from fieldgrade.gradebook.exports import NOT_YET
-from fieldgrade.gradebook.sheets import Line, Sheet
-from fieldgrade.html_pages import page, picture
+from fieldgrade.gradebook.grade_sheets import NOT_YET, GradeLine, GradeSheet
+from fieldgrade.html_pages import page, picture, table
 
 LARGEST = 1e6
-"""Values that are so many times larger than the right ones are told, not drawn."""
+"""Values that exceed the right ones by this factor are not drawn."""
 
 STATUS = {
     "partly": "A part of the notebook broke down while it was run; the rest was graded.",
@@ -31,25 +30,25 @@ STATUS = {
     "killed: memory": "A part of the notebook needed too much memory and was stopped; the rest was "
     "graded.",
     "killed: output": "A part of the notebook wrote too much and was stopped; the rest was graded.",
-    "fault": "It could not be graded yet. That is not your fault: you will hear.",
+    "fault": "It could not be graded yet. This is not your fault; it will be graded later.",
 }
-WALLS = {
-    "bubblewrap": "Your notebook was run apart from everybody else's, without a network.",
-    "landlock": "Your notebook was run apart from everybody else's, without a network.",
+SANDBOX = {
+    "bubblewrap": "Your notebook was run in a sandbox, without a network.",
+    "landlock": "Your notebook was run in a sandbox, without a network.",
     "none": "Your notebook was run on the grader's own machine.",
     "": "Your notebook was not run.",
 }
-FOR_STUDENTS = ("a stub stands behind an answer",)
-"""Of the notes for instructors those that a student can do something about."""
+FOR_STUDENTS = ("a stub is defined after an answer",)
+"""Notes for instructors that students see too."""
 
 
-def feedback(sheets: Sequence[Sheet], titles: Mapping[str, str] | None = None) -> str:
+def feedback(sheets: Sequence[GradeSheet], titles: Mapping[str, str] | None = None) -> str:
     """Return the page for one student.
 
     Parameters
     ----------
-    sheets : sequence of Sheet
-        What the student earns, notebook by notebook.
+    sheets : sequence of GradeSheet
+        The grade sheets of the student.
     titles : mapping, optional
         The titles of the notebooks.
     """
@@ -61,47 +60,45 @@ def feedback(sheets: Sequence[Sheet], titles: Mapping[str, str] | None = None) -
     return page(who, _sum(sheets), "\n".join(body))
 
 
-def _sum(sheets: Sequence[Sheet]) -> str:
+def _sum(sheets: Sequence[GradeSheet]) -> str:
     points, possible = sum(s.points for s in sheets), sum(s.possible for s in sheets)
-    told = f"{short(points)} of {short(possible)} points"
+    text = f"{short(points)} of {short(possible)} points"
     waiting = sum(line.how == "open" for sheet in sheets for line in sheet.lines)
     if not waiting:
-        return told
-    return f"{told}; {'one answer is' if waiting == 1 else f'{waiting} answers are'} not graded yet"
+        return text
+    return f"{text}; {'one answer is' if waiting == 1 else f'{waiting} answers are'} not graded yet"
 
 
 def _unreadable(record: Record) -> str:
     reason = "".join(f" {escape(note)}." for note in record.notes[:1])
     return (
         f'<p class="warning">The file {escape(record.file)} could not be graded:{reason} '
-        "Hand it in again, saved as a notebook.</p>"
+        "Submit it again, saved as a notebook.</p>"
     )
 
 
-def _overview(sheets: Sequence[Sheet], titles: Mapping[str, str]) -> str:
-    head = (
-        '<tr><th>Notebook</th><th class="number">Points</th><th class="number">of</th>'
-        "<th>Questions</th></tr>"
-    )
-    rows = "".join(
-        f'<tr><td><a href="#n{s.notebook}">{_title(s.notebook, titles.get(s.notebook, ""))}</a>'
-        "</td>"
-        f'<td class="number">{short(s.points)}</td><td class="number">{short(s.possible)}</td>'
-        f"<td>{_at_a_glance(s)}</td></tr>"
+def _overview(sheets: Sequence[GradeSheet], titles: Mapping[str, str]) -> str:
+    rows = [
+        (
+            f'<a href="#n{s.notebook}">{_title(s.notebook, titles.get(s.notebook, ""))}</a>',
+            short(s.points),
+            short(s.possible),
+            _at_a_glance(s),
+        )
         for s in sheets
-    )
-    return f'<div class="scroll"><table>{head}{rows}</table></div>'
+    ]
+    return table(("Notebook", "Points", "of", "Questions"), rows, numbers=(1, 2))
 
 
-def _at_a_glance(sheet: Sheet) -> str:
-    """Return a square for each question, as full as its points are."""
+def _at_a_glance(sheet: GradeSheet) -> str:
+    """Return a square for each question, filled according to its points."""
     if sheet.record is None:
-        return "nothing handed in"
-    told = "".join(_square(line) for line in sheet.lines)
-    return f'<span class="squares">{told}</span>'
+        return "not submitted"
+    squares = "".join(_square(line) for line in sheet.lines)
+    return f'<span class="squares">{squares}</span>'
 
 
-def _square(line: Line) -> str:
+def _square(line: GradeLine) -> str:
     kind, title, _ = _said(line)
     text = f"{line.question} {title or NOT_YET} {_points(line)} of {short(line.possible)}"
     return f'<i class="{kind}" title="{escape(text)}"></i>'
@@ -111,35 +108,35 @@ def _title(notebook: str, title: str) -> str:
     return escape(f"{notebook} {title}".strip())
 
 
-def _notebook(sheet: Sheet, title: str) -> str:
+def _notebook(sheet: GradeSheet, title: str) -> str:
     heading = f'<h2 id="n{sheet.notebook}">{_title(sheet.notebook, title)}</h2>'
     if sheet.record is None:
         readable = " that could be graded" if sheet.unreadable else ""
-        return f"<section>{heading}<p>Nothing was handed in{readable}.</p></section>"
+        return f"<section>{heading}<p>Nothing was submitted{readable}.</p></section>"
     about = "".join(f"<p>{escape(said)}</p>" for said in _about(sheet))
     answers = "\n".join(_answer(line) for line in sheet.lines)
-    footer = " ".join((WALLS[sheet.record.tier], f"File: {sheet.record.file},"))
+    footer = " ".join((SANDBOX[sheet.record.tier], f"File: {sheet.record.file},"))
     return (
         f"<section>{heading}{about}\n{answers}\n<footer>{escape(footer)} SHA-256 "
         f"{sheet.record.digest[:16]}…</footer></section>"
     )
 
 
-def _about(sheet: Sheet) -> list[str]:
-    """Return what is said of the whole notebook."""
+def _about(sheet: GradeSheet) -> list[str]:
+    """Return the feedback on the whole notebook."""
     record = sheet.record
     if record is None:
         return []
-    told = [f"{short(sheet.points)} of {short(sheet.possible)} points."]
+    sentences = [f"{short(sheet.points)} of {short(sheet.possible)} points."]
     if record.status in STATUS:
-        told.append(STATUS[record.status])
-    if sheet.lost:
-        told.append(f"It came late, which costs {short(sheet.lost)} of the points.")
-    told += [n for n in record.notes if any(known in n for known in FOR_STUDENTS)]
-    return told
+        sentences.append(STATUS[record.status])
+    if sheet.late_penalty:
+        sentences.append(f"Late submission: {short(sheet.late_penalty)} points less.")
+    sentences += [n for n in record.notes if any(known in n for known in FOR_STUDENTS)]
+    return sentences
 
 
-def _answer(line: Line) -> str:
+def _answer(line: GradeLine) -> str:
     kind, title, said = _said(line)
     drawn = _drawn(line)
     figure = f"<figure>{drawn}</figure>" if drawn else ""
@@ -151,30 +148,30 @@ def _answer(line: Line) -> str:
     )
 
 
-def _points(line: Line) -> str:
+def _points(line: GradeLine) -> str:
     return "–" if line.how == "open" else short(line.points)
 
 
-def _said(line: Line) -> tuple[str, str, tuple[str, ...]]:
-    """Return of which kind an answer is, its title, and what is said of it."""
+def _said(line: GradeLine) -> tuple[str, str, tuple[str, ...]]:
+    """Return the CSS class of an answer, its title, and its sentences."""
     if line.how == "open":
         return "open", "", (NOT_YET,)
     if line.grade is None:
         return _kind(line), "", (line.comment,)
     verdict = line.grade.verdict
-    changed = f"Changed by a person: {line.comment}" if line.how == "override" else ""
+    changed = f"Changed by the staff: {line.comment}" if line.how == "override" else ""
     kind = verdict.rung if verdict.rung == "unwritten" else _kind(line)
     return kind, TITLES[verdict.rung], (verdict.sentence, changed)
 
 
-def _kind(line: Line) -> str:
+def _kind(line: GradeLine) -> str:
     if line.points >= line.possible:
         return "right"
     return "half" if line.points else "wrong"
 
 
-def _drawn(line: Line) -> str:
-    """Return the student's field beside the right one, on the public case that shows it best."""
+def _drawn(line: GradeLine) -> str:
+    """Return a picture of the student's values and the right ones, on a public case."""
     from fieldcheck.pictures import picture_of_difference
 
     if line.grade is None or not line.grade.returned or line.grade.verdict.call is None:
@@ -195,8 +192,8 @@ def _drawn(line: Line) -> str:
     return f"{picture(drawn, case)}<figcaption>{escape(case)}</figcaption>"
 
 
-def _arrays(line: Line) -> Values:
-    """Return what the student's function returned, as the results keep it."""
+def _arrays(line: GradeLine) -> Values:
+    """Return the values of the student's function that the results contain."""
     return arrays_from_json(line.grade.returned if line.grade else ())
 
 

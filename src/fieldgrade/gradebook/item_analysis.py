@@ -1,39 +1,54 @@
-"""How the questions did: how many fail, whether they tell the good from the weak, and why."""
+"""Item analysis: difficulty and discrimination of each question, and common mistakes."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
+from itertools import groupby
 
 import numpy as np
 
 from fieldgrade.class_folder.csv_tables import to_csv
-from fieldgrade.gradebook.sheets import Line, Sheet
+from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet
+from fieldgrade.html_pages import page, table
 
 FEWEST = 3
-"""A correlation over fewer submissions tells nothing."""
+"""Smallest number of submissions for a correlation."""
 MOST_MISTAKES = 3
+LITTLE = 0.2
+"""A discrimination below this value is marked."""
+BAR = 7.0
+"""Length of the bar of a question that everybody fails, in em."""
+
+COLUMNS = ("Question", "Answers", "Failed", "Mean", "Discrimination", "Most common mistakes")
+EXPLAINED = (
+    "Failed: the share of answers without full points. Mean: the mean share of the points. "
+    "Discrimination: the correlation of a question's points with those of the other questions of "
+    "its notebook. A value below 0.2 says little; a negative value means that students who do "
+    "worse on the other questions do better on this one, so the question should be reviewed."
+)
 
 
 @dataclass(frozen=True)
-class Item:
-    """How a question did.
+class ItemStatistics:
+    """Statistics of a question.
 
     Parameters
     ----------
     question : str
         Its name.
     answers : int
-        Submissions to its notebook in which it was graded.
+        The number of graded answers.
     failed : float
-        The part of them that did not earn all points.
+        The share of answers without full points.
     mean : float
-        The mean part of the points that was earned.
+        The mean share of the points.
     discrimination : float, optional
         See `discrimination`.
     mistakes : tuple of (str, int)
-        The commonest misconceptions, or the rungs reached where none was recognised, with counts.
+        The most common misconceptions with counts, or the rungs if none was recognised.
     """
 
     question: str
@@ -44,8 +59,8 @@ class Item:
     mistakes: tuple[tuple[str, int], ...] = ()
 
 
-def items(sheets: Iterable[Sheet]) -> list[Item]:
-    """Return how each question did, over all submissions; what nobody has read yet is left out."""
+def items(sheets: Iterable[GradeSheet]) -> list[ItemStatistics]:
+    """Return the statistics of each question; answers that are not graded yet are left out."""
     handed_in = [sheet for sheet in sheets if sheet.record]
     notebooks = sorted({sheet.notebook for sheet in handed_in})
     return [
@@ -56,20 +71,20 @@ def items(sheets: Iterable[Sheet]) -> list[Item]:
 
 
 def discrimination(scores: np.ndarray, rest: np.ndarray) -> float | None:
-    """Return the correlation of a question's scores with those of all the others.
+    """Return the correlation of a question's scores with those of all other questions.
 
-    With x the scores of the question and y those of the rest, over the same students,
+    Let x be the scores of the question and y those of the other questions:
 
         r = Σ (x - x̄)(y - ȳ) / sqrt(Σ (x - x̄)² Σ (y - ȳ)²);
 
-    where a question is either right or wrong this is the point-biserial correlation. The question
-    itself is not in the rest, which would raise r. Below 0.2 a question tells little, below zero it
-    is answered better by those who do worse on the rest, and should be looked at.
+    For a question that is either right or wrong, r is the point-biserial correlation. The question
+    itself is excluded from y, since it would raise r. A value below 0.2 says little; a question
+    with a negative value should be reviewed.
 
     Returns
     -------
     float or None
-        None where all have the same score, or fewer than three were graded.
+        None if all scores are equal, or fewer than three answers were graded.
 
     References
     ----------
@@ -86,7 +101,7 @@ def discrimination(scores: np.ndarray, rest: np.ndarray) -> float | None:
     return float(x @ y / np.sqrt((x @ x) * (y @ y)))
 
 
-def to_table(found: Sequence[Item]) -> str:
+def to_table(found: Sequence[ItemStatistics]) -> str:
     """Return the analysis as CSV."""
     columns = ("question", "answers", "failed", "mean", "discrimination", "commonest mistakes")
     return to_csv(
@@ -95,12 +110,12 @@ def to_table(found: Sequence[Item]) -> str:
     )
 
 
-def _in_words(item: Item) -> str:
+def _in_words(item: ItemStatistics) -> str:
     return "; ".join(f"{name} ({count})" for name, count in item.mistakes)
 
 
-def _items(sheets: Sequence[Sheet]) -> Iterable[Item]:
-    """Yield how the questions of one notebook did."""
+def _items(sheets: Sequence[GradeSheet]) -> Iterable[ItemStatistics]:
+    """Yield the statistics of the questions of one notebook."""
     for index, first in enumerate(sheets[0].lines):
         graded = [sheet for sheet in sheets if sheet.lines[index].how != "open"]
         if not graded or first.possible == 0:
@@ -109,7 +124,7 @@ def _items(sheets: Sequence[Sheet]) -> Iterable[Item]:
         scores = np.array([line.points / line.possible for line in lines])
         rest = np.array([s.earned - s.lines[index].points for s in graded])
         mistakes = Counter(filter(None, map(_mistake, lines)))
-        yield Item(
+        yield ItemStatistics(
             first.question,
             len(graded),
             float(np.mean(scores < 1)),
@@ -123,8 +138,48 @@ def _commonest(mistakes: Counter[str]) -> list[tuple[str, int]]:
     return sorted(mistakes.items(), key=lambda pair: (-pair[1], pair[0]))[:MOST_MISTAKES]
 
 
-def _mistake(line: Line) -> str:
-    """Return the misconception of an answer, or how far it came."""
+def _mistake(line: GradeLine) -> str:
+    """Return the misconception of an answer, or its rung."""
     if line.grade is None or line.grade.verdict.right:
         return ""
     return line.grade.verdict.mistake or line.grade.verdict.rung
+
+
+def analysis_page(
+    found: Sequence[ItemStatistics], titles: Mapping[str, str], subtitle: str = ""
+) -> str:
+    """Return the page with a table for each notebook.
+
+    Parameters
+    ----------
+    found : sequence of ItemStatistics
+        The statistics of the questions, in order.
+    titles : mapping
+        The titles of the notebooks.
+    subtitle : str
+        The numbers of notebooks and students.
+    """
+    body = [f"<p>{escape(EXPLAINED)}</p>"]
+    for notebook, its in groupby(found, key=lambda item: item.question.partition(".")[0]):
+        title = f"{notebook} {titles.get(notebook, '')}".strip()
+        body.append(f"<h2>{escape(title)}</h2>{table(COLUMNS, map(_row, its), numbers=(1, 3, 4))}")
+    return page("Statistics of the questions", subtitle, "\n".join(body))
+
+
+def _row(item: ItemStatistics) -> tuple[str, ...]:
+    bar = f'<span class="bar" style="width:{BAR * item.failed:.2f}em"></span>'
+    return (
+        escape(item.question),
+        str(item.answers),
+        f'<span class="bars">{bar} {item.failed:.0%}</span>',
+        f"{item.mean:.0%}",
+        _discrimination(item),
+        "<br>".join(f"{escape(name)} ({count})" for name, count in item.mistakes),
+    )
+
+
+def _discrimination(item: ItemStatistics) -> str:
+    if item.discrimination is None:
+        return "–"
+    text = f"{item.discrimination:.2f}".replace("-", "−")
+    return f"<mark>{text}</mark>" if item.discrimination < LITTLE else text

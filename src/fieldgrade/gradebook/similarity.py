@@ -1,9 +1,9 @@
-"""Which answers resemble each other more than answers to one question do: evidence, no verdict.
+"""Similar answers, with the similar lines side by side: evidence, not a verdict.
 
-Answers are compared by their syntax trees, without comments, docstrings, layout, and the names that
-a student chooses. Runs of k nodes are hashed, and of each w consecutive hashes the smallest is
-kept (winnowing), so that any run of w + k - 1 nodes that two answers share is found. What was
-handed out, and what many answers share, is taken away: it tells nothing.
+Answers are compared by their syntax trees, without comments, docstrings, layout and the names that
+a student chooses. Runs of k nodes are hashed, and the smallest of each w consecutive hashes is kept
+(winnowing), so that every shared run of w + k - 1 nodes is found. Code that was handed out, and
+code that many answers share, is excluded.
 
 References
 ----------
@@ -18,20 +18,33 @@ import hashlib
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from itertools import combinations
 
+from fieldgrade.class_folder.csv_tables import to_csv
+from fieldgrade.html_pages import page, table
 from fieldgrade.submissions.definitions import is_stub
 
 K, WINDOW = 12, 8
-"""Nodes in a run that is hashed, and hashes of which one is kept: 19 nodes that are shared are
-always found, fewer than 12 never."""
+"""Nodes of a hashed run, and hashes of which one is kept: 19 shared nodes are always found, fewer
+than 12 never."""
 MOST_SHARED = 0.1
-"""What more than this part of a class shares is how the question is answered."""
+"""Code that more than this share of a class has in common is excluded."""
 FEWEST = 3
-"""... but so many may always share something without its being common."""
+"""... but code of at most this many students is never excluded."""
+
+MOST_PAIRS = 30
+"""Pairs that are shown in full; the table has all pairs."""
+MOST_FUNCTIONS = 4
+CAUTION = (
+    "This is evidence to look at, not a verdict. Students who worked together with permission, or "
+    "who read the same page of a book, write similar code, and a short question has few answers. "
+    "Marked lines are shared by these two students and by few others. Code that was handed out, "
+    "names, comments and layout do not count."
+)
 
 Node = tuple[str, int]
-"""What a node of a syntax tree is, and the line in which it stands."""
+"""The kind of a node of a syntax tree, and its line."""
 
 
 @dataclass(frozen=True)
@@ -41,13 +54,13 @@ class Code:
     Parameters
     ----------
     student : str
-        Whose.
+        The student.
     texts : mapping
         The text of each function, by its name.
     nodes : mapping
         The nodes of each, in normal form, with their lines in the text.
     prints : mapping
-        The fingerprints of each, with the place of the run of nodes.
+        The fingerprints of each, with the index of the run of nodes.
     """
 
     student: str
@@ -62,7 +75,7 @@ class Code:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two students, and what they share that few others do.
+    """Two students, and the code that they share and few others have.
 
     Parameters
     ----------
@@ -71,7 +84,7 @@ class Pair:
     shared : frozenset of int
         The fingerprints that both have.
     part : float
-        Of the fingerprints of the shorter one, the part that is shared.
+        The shared part of the fingerprints of the shorter answer.
     """
 
     one: Code
@@ -101,7 +114,7 @@ class Pair:
 
 
 def _alike(one: Sequence[Node], other: Sequence[Node], i: int, j: int) -> Iterator[tuple[int, int]]:
-    """Yield the places of equal nodes before and after two places at which they are equal."""
+    """Yield the indices of equal nodes before and after two indices of equal nodes."""
     for step, a, b in ((1, i, j), (-1, i - 1, j - 1)):
         while 0 <= a < len(one) and 0 <= b < len(other) and one[a][0] == other[b][0]:
             yield a, b
@@ -109,7 +122,7 @@ def _alike(one: Sequence[Node], other: Sequence[Node], i: int, j: int) -> Iterat
 
 
 def code(student: str, cells: Iterable[str]) -> Code:
-    """Return the functions in the cells of a student, those that are only stubs left out."""
+    """Return the functions in the cells of a student, except stubs."""
     found = [(cell, function) for cell in cells for function in _functions(cell)]
     own = {function.name for _, function in found}
     texts: dict[str, str] = {}
@@ -117,7 +130,7 @@ def code(student: str, cells: Iterable[str]) -> Code:
     for cell, function in found:
         first = min([function.lineno, *(n.lineno for n in function.decorator_list)])
         texts[function.name] = "\n".join(cell.splitlines()[first - 1 : function.end_lineno])
-        nodes[function.name] = [(told, line - first) for told, line in normalised(function, own)]
+        nodes[function.name] = [(kind, line - first) for kind, line in normalised(function, own)]
     return Code(student, texts, nodes, {name: dict(winnowed(nodes[name])) for name in nodes})
 
 
@@ -130,17 +143,17 @@ def _functions(cell: str) -> list[ast.FunctionDef]:
 
 
 def normalised(function: ast.FunctionDef, own: Collection[str] = ()) -> Iterator[Node]:
-    """Yield what the nodes of a function are, in order, without what can be changed at no cost.
+    """Yield the nodes of a function in normal form, in order.
 
-    Names that the function binds are all the same, as are texts; docstrings, annotations and
-    contexts are left out. Numbers, operators, attributes and the names of libraries stay.
+    All names that the function binds are equal, as are all strings; docstrings, annotations and
+    contexts are left out. Numbers, operators, attributes and names of libraries remain.
 
     Parameters
     ----------
     function : ast.FunctionDef
         The function.
     own : collection of str
-        Names of the student's other functions, which are free to choose as well.
+        Names of the student's other functions, which are also chosen freely.
     """
     bound = {*own, *(name for node in ast.walk(function) for name in _bound(node))}
     for statement in function.body:
@@ -155,14 +168,14 @@ def _bound(node: ast.AST) -> Iterator[str]:
 
 
 def _nodes(node: ast.AST, bound: set[str], line: int) -> Iterator[Node]:
-    """Yield a node and those below; a stack and no recursion, since trees may be deep."""
+    """Yield a node and its descendants; with a stack, since trees may be deep."""
     stack = [(node, line)]
     while stack:
         node, line = stack.pop()
         line = getattr(node, "lineno", line)
         if isinstance(node, ast.AnnAssign):
             node = ast.Assign([node.target], node.value or ast.Constant(None), lineno=line)
-        yield _told(node, bound), line
+        yield _kind(node, bound), line
         inner = [
             child
             for name, child in _children(node)
@@ -178,7 +191,7 @@ def _children(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
                 yield name, child
 
 
-def _told(node: ast.AST, bound: set[str]) -> str:
+def _kind(node: ast.AST, bound: set[str]) -> str:
     kind = type(node).__name__
     match node:
         case ast.Name(id=name):
@@ -194,13 +207,13 @@ def _told(node: ast.AST, bound: set[str]) -> str:
 
 
 def _is_text(node: ast.AST) -> bool:
-    """Whether a statement is a docstring, or a text in its place."""
+    """Whether a statement is a docstring or another string."""
     is_constant = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
     return is_constant and isinstance(node.value.value, str)  # type: ignore[attr-defined]
 
 
 def winnowed(nodes: Sequence[Node], k: int = K, window: int = WINDOW) -> list[tuple[int, int]]:
-    """Return fingerprints of a sequence of nodes, each with the place where its run begins.
+    """Return fingerprints of a sequence of nodes, each with the index at which its run begins.
 
     Of each `window` consecutive hashes of `k` nodes the smallest is kept, of equal ones the last.
     """
@@ -214,19 +227,19 @@ def winnowed(nodes: Sequence[Node], k: int = K, window: int = WINDOW) -> list[tu
 
 
 def _hash(run: Sequence[Node]) -> int:
-    text = "\0".join(told for told, _ in run)
+    text = "\0".join(kind for kind, _ in run)
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "big")
 
 
 def pairs(codes: Sequence[Code], handed_out: Code | None = None) -> list[Pair]:
-    """Return which pairs of a class share what few others do, those with the greatest part first.
+    """Return the pairs that share code that few others have, the most similar pair first.
 
     Parameters
     ----------
     codes : sequence of Code
         One for each student.
     handed_out : Code, optional
-        What everybody was given.
+        The code that was handed out.
     """
     counts = Counter(value for c in codes for value in c.all_prints())
     given = handed_out.all_prints() if handed_out else set()
@@ -240,3 +253,65 @@ def pairs(codes: Sequence[Code], handed_out: Code | None = None) -> list[Pair]:
             shorter = min(len(own[one.student]), len(own[other.student]))
             found.append(Pair(one, other, frozenset(shared), len(shared) / shorter))
     return sorted(found, key=lambda p: (-p.part, -len(p.shared), p.one.student, p.other.student))
+
+
+def to_table(pairs: Sequence[tuple[str, Pair]]) -> str:
+    """Return the pairs of each notebook as CSV."""
+    columns = ("notebook", "one", "other", "shared part", "shared fingerprints", "functions")
+    return to_csv(
+        columns,
+        (
+            (number, p.one.student, p.other.student, p.part, len(p.shared), _shared_functions(p))
+            for number, p in pairs
+        ),
+    )
+
+
+def similarity_page(title: str, pairs: Sequence[Pair], compared: int) -> str:
+    """Return the page for a notebook.
+
+    Parameters
+    ----------
+    title : str
+        The title of the notebook.
+    pairs : sequence of Pair
+        The pairs, most similar first.
+    compared : int
+        The number of notebooks.
+    """
+    rows = [
+        (f'<a href="#p{n}">{_names(p)}</a>', f"{p.part:.0%}", escape(_shared_functions(p)))
+        for n, p in enumerate(pairs[:MOST_PAIRS])
+    ]
+    overview = table(("Pair", "Shared", "In"), rows, numbers=(1,)) if pairs else ""
+    body = [f"<p>{escape(CAUTION)}</p>", overview]
+    body += [line for n, p in enumerate(pairs[:MOST_PAIRS]) for line in _pair(n, p)]
+    if not pairs:
+        body.append("<p>No two of them share code that few others have.</p>")
+    subtitle = f"{compared} notebooks compared, {len(pairs)} pairs share code"
+    return page(f"Similar answers: {title}", subtitle, "\n".join(body))
+
+
+def _pair(number: int, pair: Pair) -> Iterator[str]:
+    yield f'<h2 id="p{number}">{_names(pair)}, {pair.part:.0%}</h2>'
+    for mine, theirs, _ in pair.functions()[:MOST_FUNCTIONS]:
+        here, there = pair.lines(mine, theirs)
+        sides = _side(pair.one, mine, here) + _side(pair.other, theirs, there)
+        yield f'<div class="pair">{sides}</div>'
+
+
+def _side(code: Code, name: str, marked: set[int]) -> str:
+    text = "\n".join(
+        f"<mark>{escape(line)}</mark>" if n in marked and line.strip() else escape(line)
+        for n, line in enumerate(code.texts[name].splitlines())
+    )
+    return f'<div><p class="quiet">{escape(code.student)}</p><pre>{text}</pre></div>'
+
+
+def _names(pair: Pair) -> str:
+    return f"{escape(pair.one.student)} and {escape(pair.other.student)}"
+
+
+def _shared_functions(pair: Pair) -> str:
+    found = pair.functions()
+    return ", ".join(one if one == other else f"{one} and {other}" for one, other, _ in found)

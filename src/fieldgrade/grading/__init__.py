@@ -1,4 +1,9 @@
-"""From what a class handed in to one file of results: intake, isolation, verdicts."""
+"""Grading a class: from submitted files to ``results.json``.
+
+``grade_class`` starts pytest with the ``pytest_plugin``, whose items (``pytest_items``,
+``instructor_items``) wait for the ``batch`` that runs the checks. ``run`` knows all folders of a
+run, and the ``ledger`` logs what ran.
+"""
 
 FOR_WORKERS = ("fieldgrade.grading.batch", "jupytext")
-"""What processes that grade have imported before they start."""
+"""Modules that worker processes import before they start."""

@@ -1,7 +1,7 @@
-"""A class, graded: by any executor, as far as it is not known from before, and to the end.
+"""A class graded by any executor: cached results are reused, and no submission stops the batch.
 
-What is found of a submission is kept as soon as it is found. A run that is killed goes on where it
-stopped when it is started again, since what is kept is not done twice.
+The results of a submission are cached as soon as they are known. A run that was killed continues
+where it stopped when it is started again.
 """
 
 from __future__ import annotations
@@ -11,16 +11,21 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from fieldgrade.checking import workplace
 from fieldgrade.checking.cache import Cache, keys
-from fieldgrade.checking.examine import Examined, assembled, examine
-from fieldgrade.checking.findings import Finding, Found, reached, unknown
+from fieldgrade.checking.check_results import (
+    CheckResult,
+    CheckResults,
+    pending,
+    up_to_first_failure,
+)
+from fieldgrade.checking.course import Course
+from fieldgrade.checking.grade_submission import SandboxRun, assemble_record, run_checks
 from fieldgrade.checking.results import Record
-from fieldgrade.checking.trusted import Course
 from fieldgrade.grading.ledger import Ledger
-from fieldgrade.isolation.isolation import Server
+from fieldgrade.isolation import worker_servers
+from fieldgrade.isolation.server import Server
 from fieldgrade.submissions.archive import Archive
-from fieldgrade.submissions.intake import Handed
+from fieldgrade.submissions.collection import ReceivedFile
 from fieldgrade.submissions.submission import Submission
 
 T = TypeVar("T")
@@ -28,64 +33,57 @@ S = TypeVar("S")
 
 
 @dataclass(frozen=True)
-class Portion:
-    """What was handed in, and which questions of it are to be graded: none if it is unreadable."""
+class GradingTask:
+    """A received file and the questions to be graded in it; none if it is unreadable."""
 
-    handed: Handed
+    file: ReceivedFile
     questions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Job:
-    """Checks to be made of a submission, with all that a process elsewhere has to know."""
-
-    course: Course
-    server: Server
-    submission: Submission
-    notebook: str
-    checks: Mapping[str, tuple[str, ...]]
-
-
-@dataclass(frozen=True)
-class Known:
-    """What was known of a submission beforehand, by question and check.
+class CachedResults:
+    """The cached results of a submission, by question and check.
 
     Parameters
     ----------
     keys : mapping
-        Under which names the findings are kept; the checks are in the order of the course.
-    findings : mapping
-        Those that are there.
+        The cache keys; the checks are in the order of the course.
+    results : mapping
+        The results that are in the cache.
     """
 
     keys: Mapping[str, Mapping[str, str]]
-    findings: Found
+    results: CheckResults
 
     def missing(self) -> dict[str, tuple[str, ...]]:
-        """Return the checks that have to be made."""
-        made = {q: tuple(unknown(its, self.findings[q])) for q, its in self.keys.items()}
-        return {question: checks for question, checks in made.items() if checks}
+        """Return the checks that have to be run."""
+        todo = {q: tuple(pending(checks, self.results[q])) for q, checks in self.keys.items()}
+        return {question: checks for question, checks in todo.items() if checks}
 
-    def completed(self, found: Found) -> Found:
-        """Return the findings on all questions, those just made among them."""
+    def completed(self, new: CheckResults) -> CheckResults:
+        """Return the results of all questions, cached and new."""
         return {
-            q: reached(its, {**self.findings[q], **found.get(q, {})})
-            for q, its in self.keys.items()
+            q: up_to_first_failure(checks, {**self.results[q], **new.get(q, {})})
+            for q, checks in self.keys.items()
         }
 
 
-def work(job: Job) -> Examined:
-    """Examine a submission with the server of this thread; try again if the server fails.
+def run_in_worker(
+    course: Course,
+    server: Server,
+    submission: Submission,
+    notebook: str,
+    checks: Mapping[str, tuple[str, ...]],
+) -> SandboxRun:
+    """Run checks with the server of this thread; if the server fails, with a new one.
 
     Raises
     ------
-    Fault
-        The grader fails, also with a fresh server.
+    GraderError
+        The grader fails with the new server too.
     """
-    return workplace.served(
-        job.server.tier,
-        job.server.limits,
-        lambda s: examine(job.course, s, job.submission, job.notebook, job.checks),
+    return worker_servers.with_server(
+        server.tier, server.limits, lambda s: run_checks(course, s, submission, notebook, checks)
     )
 
 
@@ -98,17 +96,17 @@ class Batch:
     course : Course
         The trusted side.
     server : Server
-        The walls, not started: each worker starts its own.
+        The sandbox, not started: each worker starts its own.
     archive : Archive
-        Where the submissions are.
+        The received files.
     cache : Cache
-        What was found before.
+        The results of earlier runs.
     ledger : Ledger
-        Where it is noted what ran.
+        The log of what ran.
     executor : Executor
-        What does the work: of threads, of processes, of other machines that see the same folders.
+        Threads, processes, or other machines that see the same folders.
     workers : int
-        How many submissions are worked on at once; twice as many are read beforehand.
+        How many submissions run at once; twice as many are read ahead.
     """
 
     course: Course
@@ -119,120 +117,124 @@ class Batch:
     executor: Executor
     workers: int = 1
 
-    def records(self, portions: Iterable[Portion]) -> Iterator[tuple[Portion, Record]]:
-        """Yield a record for each portion, as they come; no submission ends this."""
-        return as_they_come(self._begun, portions, 2 * self.workers)
+    def records(self, tasks: Iterable[GradingTask]) -> Iterator[tuple[GradingTask, Record]]:
+        """Yield a record for each task, as they are completed; no submission ends this."""
+        return as_completed_in_window(self._begin, tasks, 2 * self.workers)
 
-    def _begun(
-        self, portion: Portion
-    ) -> tuple[Future[Any] | None, Callable[[], tuple[Portion, Record]]]:
-        """Begin with a submission: return what has to be waited for, and then to be called."""
+    def _begin(
+        self, task: GradingTask
+    ) -> tuple[Future[Any] | None, Callable[[], tuple[GradingTask, Record]]]:
+        """Begin a task: return the future to wait for, and the function to call after it."""
         try:
-            future, finish = self._submitted(portion)
+            future, finish = self._submit(task)
         except (BrokenExecutor, OSError):
             raise
         except Exception as error:  # the sources of a course may be broken
-            record = self._fault(portion, error)
-            return None, lambda: (portion, record)
-        return future, lambda: (portion, _told(portion.handed, finish()))
+            record = self._fault(task, error)
+            return None, lambda: (task, record)
+        return future, lambda: (task, _with_receipt(task.file, finish()))
 
-    def _submitted(self, portion: Portion) -> tuple[Future[Any] | None, Callable[[], Record]]:
-        """Have a submission examined, as far as it is not known."""
-        handed = portion.handed
-        if not handed.notebook:
-            return None, lambda: _unreadable(handed)
-        submission = handed.submission(self.archive)
+    def _submit(self, task: GradingTask) -> tuple[Future[Any] | None, Callable[[], Record]]:
+        """Submit the checks whose results are not cached."""
+        if not task.file.notebook:
+            return None, lambda: _unreadable(task.file)
+        submission = task.file.submission(self.archive)
         _ = submission.definitions  # here, where the stack is deep enough for any syntax tree
-        known = self._known(submission, portion.questions)
-        todo = known.missing()
+        cached = self._cached(submission, task.questions)
+        todo = cached.missing()
         if not todo:
-            return None, lambda: self._record(portion, submission, known, Examined({}))
-        job = Job(self.course, self.server, submission, handed.notebook, todo)
-        future = self.executor.submit(work, job)
-        return future, lambda: self._finished(portion, submission, known, future)
+            return None, lambda: self._record(task, submission, cached, SandboxRun({}))
+        future = self.executor.submit(
+            run_in_worker, self.course, self.server, submission, task.file.notebook, todo
+        )
+        return future, lambda: self._finish(task, submission, cached, future)
 
-    def _known(self, submission: Submission, questions: Iterable[str]) -> Known:
+    def _cached(self, submission: Submission, questions: Iterable[str]) -> CachedResults:
         names = {q: keys(self.course, self.server, submission, q) for q in questions}
         kept = self.cache.get(submission)
-        known = {
-            q: {check: kept[name] for check, name in its.items() if name in kept}
-            for q, its in names.items()
+        results = {
+            q: {check: kept[name] for check, name in checks.items() if name in kept}
+            for q, checks in names.items()
         }
-        return Known(names, known)
+        return CachedResults(names, results)
 
-    def _finished(
-        self, portion: Portion, submission: Submission, known: Known, future: Future[Examined]
+    def _finish(
+        self,
+        task: GradingTask,
+        submission: Submission,
+        cached: CachedResults,
+        future: Future[SandboxRun],
     ) -> Record:
-        """Keep what was found, note it, and return the record."""
+        """Cache the new results, note them in the ledger, and return the record."""
         try:
-            examined = future.result()
+            sandbox_run = future.result()
         except BrokenExecutor:
             raise
         except Exception as error:
-            return self._fault(portion, error)
-        found, made = dict[str, Finding](), dict[str, dict[str, str]]()
-        for question, findings in examined.findings.items():
-            made[question] = {check: self.course.checks(question)[check] for check in findings}
-            found |= {known.keys[question][check]: f for check, f in findings.items()}
-        self.cache.put(submission, found)
-        record = self._record(portion, submission, known, examined)
+            return self._fault(task, error)
+        new, made = dict[str, CheckResult](), dict[str, dict[str, str]]()
+        for question, results in sandbox_run.results.items():
+            made[question] = {check: self.course.checks(question)[check] for check in results}
+            new |= {cached.keys[question][check]: r for check, r in results.items()}
+        self.cache.put(submission, new)
+        record = self._record(task, submission, cached, sandbox_run)
         self.ledger.note(record, made)
         return record
 
     def _record(
-        self, portion: Portion, submission: Submission, known: Known, examined: Examined
+        self,
+        task: GradingTask,
+        submission: Submission,
+        cached: CachedResults,
+        sandbox_run: SandboxRun,
     ) -> Record:
-        tier, notebook = self.server.tier, portion.handed.notebook
-        complete = replace(examined, findings=known.completed(examined.findings))
-        return assembled(self.course, submission, notebook, tier, complete)
+        complete = replace(sandbox_run, results=cached.completed(sandbox_run.results))
+        tier, notebook = self.server.tier, task.file.notebook
+        return assemble_record(self.course, submission, notebook, tier, complete)
 
-    def _fault(self, portion: Portion, error: Exception) -> Record:
-        file, note = portion.handed.file, f"the grader failed: {error}"
+    def _fault(self, task: GradingTask, error: Exception) -> Record:
+        file, note = task.file, f"the grader failed: {error}"
         return Record(
             file.student,
             file.name,
             file.digest,
-            portion.handed.notebook,
+            file.notebook,
             "fault",
             self.server.tier,
             notes=(note,),
         )
 
 
-def _unreadable(handed: Handed) -> Record:
-    file = handed.file
-    return Record(
-        file.student, file.name, file.digest, "", "unreadable", "", notes=(handed.problem,)
-    )
+def _unreadable(file: ReceivedFile) -> Record:
+    return Record(file.student, file.name, file.digest, "", "unreadable", "", notes=(file.problem,))
 
 
-def _told(handed: Handed, record: Record) -> Record:
-    """Return a record with what is known from the intake."""
-    file = handed.file
+def _with_receipt(file: ReceivedFile, record: Record) -> Record:
+    """Return a record with what the intake knows of the file."""
     return replace(
         record,
         digest=file.digest,
         received=file.received,
         received_by=file.received_by,
         late_mark=file.late_mark,
-        notes=(*record.notes, *handed.notes),
+        notes=(*record.notes, *file.notes),
     )
 
 
-def as_they_come(
+def as_completed_in_window(
     begin: Callable[[S], tuple[Future[Any] | None, Callable[[], T]]], items: Iterable[S], ahead: int
 ) -> Iterator[T]:
-    """Yield what becomes of items, as they come, with at most so many begun at a time.
+    """Yield the results of items as they are completed, with a bounded number begun at a time.
 
     Parameters
     ----------
     begin : callable
-        From an item to a future, or None if there is nothing to wait for, and to what is called
-        when it is done, which returns what is yielded.
+        From an item to a future, or None if there is nothing to wait for, and to a function that is
+        called when the future is done and returns what is yielded.
     items : iterable
-        They are taken when there is room, so that not all are in memory.
+        Items are taken when there is room, so that not all are in memory.
     ahead : int
-        The most that are begun and not done.
+        The largest number of items that are begun and not completed.
     """
     waiting: dict[Future[Any], Callable[[], T]] = {}
     try:
@@ -243,14 +245,14 @@ def as_they_come(
                 continue
             waiting[future] = finish
             if len(waiting) >= ahead:
-                yield from _done(waiting)
+                yield from _completed(waiting)
         while waiting:
-            yield from _done(waiting)
+            yield from _completed(waiting)
     finally:
         for future in waiting:
             future.cancel()
 
 
-def _done(waiting: dict[Future[Any], Callable[[], T]]) -> Iterator[T]:
+def _completed(waiting: dict[Future[Any], Callable[[], T]]) -> Iterator[T]:
     for future in wait(waiting, return_when=FIRST_COMPLETED).done:
         yield waiting.pop(future)()

@@ -1,4 +1,4 @@
-"""What was graded, when, by what and at what cost: a file of lines to which lines are added."""
+"""The log of grading: what ran, when, with which grader and at what cost; lines are appended."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from fieldgrade.checking.results import Record
 
 @dataclass(frozen=True)
 class Ledger:
-    """A file with a line of JSON for each submission that ran behind the walls.
+    """A file with a line of JSON for each submission that ran in the sandbox.
 
-    Nothing in it is ever changed. It names the year of the secret salt, never the salt.
+    Lines are never changed. It names the year of the secret salt, never the salt.
 
     Parameters
     ----------
     file : Path
-        It is made when something is noted.
+        The file; it is created when it is needed.
     environment, grader : str
         Digests of the installed packages and of the grader.
     year : int
-        For which the salt was made; 0 for the public one.
+        The year of the secret salt; 0 for the public one.
     """
 
     file: Path
@@ -38,11 +38,11 @@ class Ledger:
         Parameters
         ----------
         record : Record
-            What came of it, and what it took.
+            The record, with measurements.
         checks : mapping
-            The checks that were made, by question and name, with their digests.
+            The digests of the checks that ran, by question and name.
         """
-        told = {
+        entry = {
             "on": datetime.now(UTC).isoformat(timespec="seconds"),
             "student": record.student,
             "file": record.file,
@@ -60,5 +60,7 @@ class Ledger:
             "peak_bytes": record.peak,
         }
         self.file.parent.mkdir(parents=True, exist_ok=True)
-        with self.file.open("ab", buffering=0) as file:  # one write, so that lines are never torn
-            file.write(json.dumps(told).encode() + b"\n")
+        with self.file.open(
+            "ab", buffering=0
+        ) as file:  # one write, so that concurrent lines do not mix
+            file.write(json.dumps(entry).encode() + b"\n")

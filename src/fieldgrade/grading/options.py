@@ -1,4 +1,4 @@
-"""The options of grading, the same for pytest and for the command line."""
+"""The options of grading, for pytest and for the command line."""
 
 from __future__ import annotations
 
@@ -7,28 +7,28 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from fieldgrade.grading.run import Choice, Run, chosen_tier, cores
-from fieldgrade.isolation.isolation import TIERS
+from fieldgrade.grading.run import Choice, GradingRun, chosen_tier
+from fieldgrade.isolation.server import TIERS
+from fieldrecon._core.worker_processes import available_cores
 
 TABLES = Path("class")
 
 
 def jobs(text: str) -> int:
-    """Return how many are worked on at once, from what was typed."""
+    """Return the number of concurrent submissions, from an option."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"must be a positive whole number; got {text!r}")
     return int(text)
 
 
 def declare(add: Callable[..., Any]) -> None:
-    """Declare the options with what adds one."""
+    """Declare the options with a function that adds one."""
     add(
         "--out",
         type=Path,
         default=Path("graded"),
         metavar="OUT",
-        help="where the results go; "
-        "what was graded before is kept there, and not done again (default: graded)",
+        help="where the results go; earlier results there are reused (default: graded)",
     )
     add(
         "--class",
@@ -37,8 +37,8 @@ def declare(add: Callable[..., Any]) -> None:
         default=TABLES,
         metavar="CLASS",
         help="the folder "
-        "with roster.csv and the other tables, and your own checks in checks/test_*.py, as far as "
-        "you need them (default: class)",
+        "with roster.csv and the other tables, and your own checks in checks/test_*.py; "
+        "each is optional (default: class)",
     )
     add("--root", type=Path, default=Path(), metavar="ROOT", help="the checkout (default: here)")
     add("--only", nargs="+", default=[], metavar="02", help="grade these notebooks")
@@ -47,30 +47,30 @@ def declare(add: Callable[..., Any]) -> None:
     add(
         "--jobs",
         type=jobs,
-        default=cores(),
+        default=available_cores(),
         metavar="N",
         help="submissions at once (default: one for each core)",
     )
-    add("--tier", choices=TIERS, default="", help="the walls (default: the best there are)")
-    add("--require-isolation", action="store_true", help="refuse to grade without walls")
+    add("--tier", choices=TIERS, default="", help="the sandbox (default: the best that works)")
+    add("--require-isolation", action="store_true", help="refuse to grade without a sandbox")
 
 
-def run_of(options: argparse.Namespace) -> tuple[Run, str]:
-    """Return the run that the options describe, and what must be said loudly of its walls.
+def run_of(options: argparse.Namespace) -> tuple[GradingRun, str]:
+    """Return the run that the options describe, and a warning if there is no sandbox.
 
     Raises
     ------
     ValueError
-        They do not fit this machine or each other.
+        The options contradict each other, or the tier does not work on this machine.
     """
     if options.question and options.only and options.question[:2] not in options.only:
         raise ValueError(f"question {options.question} is not in {', '.join(options.only)}")
     tables = options.tables if options.tables.is_dir() else None
     if tables is None and options.tables != TABLES:
-        raise ValueError(f"{options.tables} is no folder with the tables of a class")
+        raise ValueError(f"{options.tables} is not a folder with the tables of a class")
     tier, banner = chosen_tier(options.tier, options.require_isolation)
     choice = Choice(frozenset(options.only), options.question, options.student)
-    run = Run(
+    run = GradingRun(
         Path(options.submissions),
         options.out,
         options.root,

@@ -1,8 +1,7 @@
-"""A run of the grader: from the folders that it is given to the results that it leaves."""
+"""A run of the grader: its input, output and cache folders, and its results."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,64 +10,59 @@ from typing import Any
 
 from fieldcheck.questions import get, questions
 from fieldgrade.authoring.build import all_sources
-from fieldgrade.authoring.secret import Salt, read_salt
+from fieldgrade.authoring.secret_salt import Salt, read_salt
 from fieldgrade.authoring.sources import Source
 from fieldgrade.checking.cache import Cache
-from fieldgrade.checking.fingerprint import environment, grader
-from fieldgrade.checking.results import Record, Results, read_results, write_results
-from fieldgrade.checking.trusted import Course
+from fieldgrade.checking.course import Course
+from fieldgrade.checking.dependency_digests import environment_digest, grader_digest
+from fieldgrade.checking.results import Record, Results, merged, read_results, write_results
 from fieldgrade.class_folder.roster import Student, columns, read_points, read_roster, read_times
-from fieldgrade.grading.batch import Portion
+from fieldgrade.grading.batch import GradingTask
 from fieldgrade.grading.ledger import Ledger
-from fieldgrade.grading.merging import merged
-from fieldgrade.isolation.isolation import BANNER, Server, Tier, tiers
+from fieldgrade.isolation.server import BANNER, Server, Tier, tiers
 from fieldgrade.submissions.archive import Archive
-from fieldgrade.submissions.intake import Handed, Intake
+from fieldgrade.submissions.collection import ReceivedFile
+from fieldgrade.submissions.intake import Intake
 
 RESULTS = "results.json"
 
 
-def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @dataclass(frozen=True)
 class Choice:
-    """Which part of a class is graded; everything where nothing is chosen."""
+    """The part of a class that is graded; all of it by default."""
 
     notebooks: Collection[str] = ()
     question: str = ""
     student: str = ""
 
-    def has(self, handed: Handed) -> bool:
-        """Whether something of what was handed in is to be graded."""
+    def has(self, file: ReceivedFile) -> bool:
+        """Whether a received file belongs to this part."""
         wanted = {self.question[:2]} - {""} or set(self.notebooks)
-        if self.student and handed.student.lower() != self.student.lower():
+        if self.student and file.student.lower() != self.student.lower():
             return False
-        return not wanted or handed.notebook in wanted
+        return not wanted or file.notebook in wanted
 
 
 @dataclass(frozen=True)
-class Run:
-    """Where everything is, and what is to be done with it.
+class GradingRun:
+    """The folders and options of a run.
 
     Parameters
     ----------
     submissions : Path
-        A folder or a zip file of what a class handed in.
+        The folder or zip file with the submissions.
     out : Path
-        Where the results go, and what is kept beside them.
+        The folder of results, cache and received files.
     root : Path
         The checkout.
     tables : Path, optional
         The folder with the roster and the other tables of the class.
     tier : str
-        The walls.
+        The tier of the sandbox.
     jobs : int
-        How many submissions are worked on at once.
+        How many submissions run at once.
     choice : Choice
-        Which part of the class.
+        The part of the class that is graded.
     """
 
     submissions: Path
@@ -79,7 +73,7 @@ class Run:
     jobs: int = 1
     choice: Choice = field(default_factory=Choice)
 
-    # What is read.
+    # Input.
 
     @cached_property
     def salt(self) -> Salt:
@@ -88,15 +82,15 @@ class Run:
 
     @cached_property
     def course(self) -> Course:
-        """The sources, the salt, and what questions are worth."""
+        """The sources, the salt, and the points of the questions."""
         sources = [Source(source.path.resolve()) for source in all_sources(self.root)]
         file = self._table("points.csv")
-        known = [*questions(), *(q["question"] for q in self.words)]
+        known = [*questions(), *(q["question"] for q in self.written_questions)]
         return Course(sources, self.salt.text, read_points(file, known) if file else {})
 
     @cached_property
-    def words(self) -> list[dict[str, Any]]:
-        """The questions that are answered in words."""
+    def written_questions(self) -> list[dict[str, Any]]:
+        """The questions with written answers, as entries of the results."""
         return [
             {
                 "question": question,
@@ -106,18 +100,18 @@ class Run:
                 "points": points,
             }
             for source in all_sources(self.root)
-            for question, points in source.words.items()
+            for question, points in source.written_points.items()
         ]
 
     @cached_property
     def roster(self) -> Mapping[str, Student]:
-        """Who is in the class, if there is a list."""
+        """The students of the class; empty if there is no roster."""
         file = self._table("roster.csv")
         return read_roster(file) if file else {}
 
     @property
     def checks(self) -> Path | None:
-        """The folder with the checks of the instructor, if there is one."""
+        """The folder with the instructor's checks, if it exists."""
         folder = self.tables / "checks" if self.tables else None
         return folder if folder and folder.is_dir() else None
 
@@ -125,33 +119,35 @@ class Run:
         file = (self.tables or self.out) / name
         return file if self.tables and file.is_file() else None
 
-    # What is kept.
+    # Output.
 
     @property
     def archive(self) -> Archive:
-        """The files that were received."""
+        """The received files."""
         return Archive(self.out.resolve() / "received")
 
     @property
     def cache(self) -> Cache:
-        """What was found before."""
+        """The cache of check results."""
         return Cache(self.out.resolve() / "cache")
 
     @property
     def ledger(self) -> Ledger:
-        """What ran."""
-        return Ledger(self.out / "ledger.jsonl", environment(), grader(), self.salt.year)
+        """The log of what ran."""
+        return Ledger(
+            self.out / "ledger.jsonl", environment_digest(), grader_digest(), self.salt.year
+        )
 
     @property
     def server(self) -> Server:
-        """The walls, not started."""
+        """The sandbox, not started."""
         return Server(self.tier)
 
-    # What is done.
+    # Grading.
 
     @cached_property
-    def taken(self) -> tuple[list[Handed], list[str]]:
-        """What was handed in and is to be graded, and what came and is nobody's.
+    def taken(self) -> tuple[list[ReceivedFile], list[str]]:
+        """The files to be graded, and the files that belong to no student.
 
         Raises
         ------
@@ -164,32 +160,34 @@ class Run:
         if unknown:
             raise ValueError(f"there is no notebook {', '.join(sorted(unknown))}")
         if not self.submissions.exists():
-            raise ValueError(f"{self.submissions} is not there")
+            raise ValueError(f"{self.submissions} does not exist")
         if self.out.resolve().is_relative_to(self.submissions.resolve()):
-            raise ValueError(f"{self.out} lies in {self.submissions}: results are no submissions")
+            raise ValueError(
+                f"{self.out} is in {self.submissions}: results must not be among the submissions"
+            )
         file = self._table("received.csv")
         times = read_times(file) if file else {}
         intake = Intake(self.archive, self.course.functions(), self.roster, times)
-        handed = [h for h in intake.take(self.submissions) if self.choice.has(h)]
-        if not handed:
-            raise ValueError(f"{self.submissions} holds nothing of what was chosen")
-        return handed, intake.strays
+        files = [f for f in intake.take(self.submissions) if self.choice.has(f)]
+        if not files:
+            raise ValueError(f"{self.submissions} contains no submission of the selection")
+        return files, intake.strays
 
-    def portions(self) -> list[Portion]:
-        """Return what is to be graded, in the order of students and notebooks."""
+    def tasks(self) -> list[GradingTask]:
+        """Return the grading tasks, in the order of students and notebooks."""
         only = {self.choice.question} - {""}
         return [
-            Portion(h, tuple(q.name for q in self.course.asked(h.notebook, only)))
-            for h in self.taken[0]
+            GradingTask(f, tuple(q.name for q in self.course.asked(f.notebook, only)))
+            for f in self.taken[0]
         ]
 
     def finish(self, records: Iterable[Record]) -> tuple[Results, bool]:
-        """Write what was found into the results; return them, and whether they differ from before.
+        """Write the results; return them, and whether they differ from the previous ones.
 
         Raises
         ------
         ValueError
-            The results of before are damaged, or of a later version.
+            The previous results are damaged, or have a later version.
         """
         file = self.out / RESULTS
         before = read_results(file).records if file.is_file() else ()
@@ -197,7 +195,7 @@ class Run:
         return results, write_results(results, file)
 
     def results(self, records: tuple[Record, ...]) -> Results:
-        """Return records with all that is needed to understand them."""
+        """Return records with roster, questions and digests."""
         students = {name: columns(student) for name, student in self.roster.items()}
         for record in records:
             students.setdefault(record.student, {"student": record.student})
@@ -206,8 +204,8 @@ class Run:
             tuple(students.values()),
             tuple(self._asked()),
             self.salt.secret,
-            environment(),
-            grader(),
+            environment_digest(),
+            grader_digest(),
         )
 
     def _asked(self) -> Iterator[dict[str, Any]]:
@@ -222,7 +220,7 @@ class Run:
             }
             for q in questions().values()
         ]
-        for asked in sorted((*code, *self.words), key=lambda q: _order(q["question"])):
+        for asked in sorted((*code, *self.written_questions), key=lambda q: _order(q["question"])):
             yield asked | {"points": worth.get(asked["question"], asked["points"])}
 
 
@@ -231,19 +229,19 @@ def _order(question: str) -> tuple[int, ...]:
 
 
 def chosen_tier(tier: str = "", require_isolation: bool = False) -> tuple[Tier, str]:
-    """Return the tier to be used, and what must be said of it.
+    """Return the tier to use, and a warning if it is not a sandbox.
 
     Parameters
     ----------
     tier : str
-        The one that is wanted; the safest that works if it is empty.
+        The requested tier; if empty, the safest one that works.
     require_isolation : bool
-        Whether to refuse to grade without walls.
+        Whether to refuse to grade without a sandbox.
 
     Raises
     ------
     ValueError
-        It does not work on this machine, or there are no walls and they are required.
+        The tier does not work on this machine, or a sandbox is required and none works.
     """
     found = tiers()
     if tier and tier not in found:

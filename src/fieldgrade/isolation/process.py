@@ -1,7 +1,7 @@
-"""A process behind the walls as it is seen from here: what it is asked, and what it answers.
+"""A sandboxed process as the grader sees it: requests and answers.
 
-A student's code runs in it, and can reach the pipe through which it answers. So whatever comes is
-data to be doubted, and to answer in time is all that it is trusted to do.
+A student's code runs in the process and can reach the pipe through which it answers. Everything
+that comes from the pipe is therefore validated.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from typing import Any
 import numpy as np
 
 from fieldcheck.calls import Call, Outcome
-from fieldgrade.isolation.isolation import Ended, Server
+from fieldgrade.isolation.server import ProcessEnd, Server
 from fieldgrade.sandbox import frames
 
 SECONDS_TO_START = 20.0
 GRACE = 1.0
-"""A call ends itself after its limit where it can; so much later it is ended from here."""
+"""Seconds between the limit of a call, which interrupts it inside, and the killing from outside."""
 MOST_STRAYS = 100
-"""So many frames that answer something else are overlooked."""
+"""How many frames with a wrong number are ignored."""
 MOST_TEXT = 2000
-"""Characters of what a student's side tells in words."""
+"""Characters of a text from the sandbox."""
 
 STATUSES = ("returned", "raised", "unwritten", "missing", "timed out")
 
 
-class Broken(Exception):
-    """The process is of no more use; the reason in a word, and in a sentence."""
+class ProcessFailed(Exception):
+    """The process cannot be used any more; the reason as a word, and as a sentence."""
 
     def __init__(self, reason: str, sentence: str) -> None:
         super().__init__(sentence)
@@ -37,7 +37,7 @@ class Broken(Exception):
 
 
 class NotStarted(RuntimeError):
-    """No process comes into being, or it cannot lock itself in."""
+    """No process starts, or it cannot restrict itself."""
 
 
 class Process:
@@ -46,43 +46,43 @@ class Process:
     Parameters
     ----------
     server : Server
-        A started server, which makes it.
+        A started server.
     last : float
-        The time of ``time.monotonic`` after which it is asked nothing.
+        The time of ``time.monotonic`` after which nothing is requested.
     """
 
     def __init__(self, server: Server, last: float) -> None:
         self.server, self.last = server, last
-        self.ended: Ended | None = None
+        self.ended: ProcessEnd | None = None
         self.to_it, self.from_it = server.run()
 
     def await_start(self) -> None:
-        """Wait for what comes before any code of a student's has run.
+        """Wait for the first frame, which is sent before any student's code runs.
 
         Raises
         ------
         NotStarted
-            It does not come.
+            The frame does not come.
         """
         try:
             frames.receive(self.from_it, time.monotonic() + SECONDS_TO_START)
-        except (frames.Late, frames.BadFrame, frames.Gone):
-            raise NotStarted(f"no process starts behind {self.server.tier}") from None
+        except (frames.FrameTimeout, frames.BadFrame, frames.PipeClosed):
+            raise NotStarted(f"no process starts in the sandbox ({self.server.tier})") from None
 
     def cell(self, number: int, code: str) -> str:
-        """Run a cell, and return its error, or nothing."""
+        """Run a cell, and return its error; empty if there is none."""
         seconds = self.server.limits.seconds_per_cell
-        head, _ = self._ask({"cell": number, "code": code}, (), seconds)
+        head, _ = self._request({"cell": number, "code": code}, (), seconds)
         return _text(head.get("error"))
 
     def call(self, call: Call, seconds: float) -> Outcome:
-        """Make a call within so many seconds, and return what came of it."""
+        """Make a call with a time limit in seconds, and return its outcome."""
         seconds = min(seconds, self.server.limits.seconds_per_call)
         start = time.monotonic()
-        head, values = self._ask(*_told(call, seconds), seconds + GRACE)
+        head, values = self._request(*_call_frame(call, seconds), seconds + GRACE)
         return _outcome(head, values, time.monotonic() - start)
 
-    def end(self, patiently: bool = False) -> Ended:
+    def end(self, patiently: bool = False) -> ProcessEnd:
         """End the process, and return how it ended."""
         if self.ended is None:
             self.ended = self.server.end(patiently)
@@ -90,18 +90,18 @@ class Process:
             os.close(self.from_it)
         return self.ended
 
-    def _ask(
+    def _request(
         self, head: dict[str, Any], arrays: tuple[Any, ...], seconds: float
     ) -> tuple[dict[str, Any], list[np.ndarray]]:
-        """Send a frame and return the answer, which bears its number.
+        """Send a frame and return the answer, which has the same number.
 
-        A student's code can find the pipe and write to it. The number is drawn, so that no answer
-        can be given to what was not asked yet, nor one too many be taken for the next.
+        A student's code can find the pipe and write to it. The number is random, so that nothing
+        can answer a future request, and a surplus answer is not taken for the next one.
 
         Raises
         ------
-        Broken
-            There is none in time, or what comes is no answer.
+        ProcessFailed
+            There is no answer in time, or it is not valid.
         """
         number, late = secrets.randbits(50), min(time.monotonic() + seconds, self.last)
         try:
@@ -110,21 +110,21 @@ class Process:
                 answer, values = frames.receive(self.from_it, late)
                 if answer.get("frame") == number:
                     return answer, values
-        except frames.Late:
-            raise Broken("time", f"it was stopped after {seconds:.3g} seconds") from None
+        except frames.FrameTimeout:
+            raise ProcessFailed("time", f"it was stopped after {seconds:.3g} seconds") from None
         except frames.BadFrame as error:
-            raise Broken("output", f"no answer can be had: {error}") from None
-        except frames.Gone:
+            raise ProcessFailed("output", f"no answer is available: {error}") from None
+        except frames.PipeClosed:
             limit = self.server.limits.cpu_seconds
             raise _death(self.end(patiently=True), limit) from None
-        raise Broken("output", "it answers what was not asked")
+        raise ProcessFailed("output", "it sends answers to other requests")
 
 
-def _death(ended: Ended, cpu_seconds: float) -> Broken:
-    """Return why a process ended by itself."""
+def _death(ended: ProcessEnd, cpu_seconds: float) -> ProcessFailed:
+    """Return the reason why a process ended by itself."""
     watched = {
         "threads": "it started too many threads",
-        "disk": "it wrote more than it may",
+        "disk": "it wrote too much",
         "server": "it ended the program that runs it",
     }
     signals = {
@@ -133,22 +133,22 @@ def _death(ended: Ended, cpu_seconds: float) -> Broken:
         11: ("crash", "it crashed (segmentation fault)"),
         24: ("time", "it used up its processor time"),
         25: ("output", "it wrote a file that is too large"),
-        31: ("crash", "it did what is forbidden here"),
+        31: ("crash", "it made a forbidden system call"),
     }
     if ended.ended_for:
         reason = "crash" if ended.ended_for == "server" else ended.ended_for
-        return Broken(reason, watched.get(ended.ended_for, ended.ended_for))
+        return ProcessFailed(reason, watched.get(ended.ended_for, ended.ended_for))
     if ended.killed:
-        return Broken("output", "it closed the pipe through which it answers")
+        return ProcessFailed("output", "it closed the pipe through which it answers")
     if ended.signal == 9 and ended.cpu_seconds >= cpu_seconds:
-        return Broken(*signals[24])
+        return ProcessFailed(*signals[24])
     if ended.signal:
-        told = f"it was ended by signal {ended.signal}"
-        return Broken(*signals.get(ended.signal, ("crash", told)))
-    return Broken("exit", f"it ended the program (exit status {ended.exit})")
+        unknown = f"it was ended by signal {ended.signal}"
+        return ProcessFailed(*signals.get(ended.signal, ("crash", unknown)))
+    return ProcessFailed("exit", f"it ended the program (exit status {ended.exit})")
 
 
-def _told(call: Call, seconds: float) -> tuple[dict[str, Any], tuple[Any, ...]]:
+def _call_frame(call: Call, seconds: float) -> tuple[dict[str, Any], tuple[Any, ...]]:
     """Return a call as the head and the arrays of a frame."""
     arrays = tuple(a for a in call.arguments if isinstance(a, np.ndarray))
     numbers = iter(range(len(arrays)))
@@ -166,7 +166,7 @@ def _told(call: Call, seconds: float) -> tuple[dict[str, Any], tuple[Any, ...]]:
 
 
 def _outcome(head: dict[str, Any], values: list[np.ndarray], seconds: float) -> Outcome:
-    """Return what an answer says, as far as it says what it may; the time is measured here."""
+    """Return the outcome in an answer, validated; the time is measured here."""
     status, modified = head.get("status"), head.get("modified")
     if status == "too large":
         return Outcome("raised", error="what it returns is too large")
@@ -186,6 +186,6 @@ def _outcome(head: dict[str, Any], values: list[np.ndarray], seconds: float) -> 
 
 
 def _text(text: object) -> str:
-    """Return words as far as they are some: short, and nothing that steers a terminal."""
+    """Return a text, validated: short, and without control characters."""
     words = text[:MOST_TEXT] if isinstance(text, str) else ""
     return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in words)

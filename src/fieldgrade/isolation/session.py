@@ -1,7 +1,8 @@
-"""A submission at work behind the walls: cells, then calls, and what is salvaged when it breaks.
+"""Run a submission in the sandbox: its cells, then calls, with recovery when a process breaks.
 
-The deadlines are kept here, by ending the process, since whatever runs over there can refuse to be
-interrupted. What hangs or dies is left out, and the rest is run again in a new process.
+Deadlines are enforced here by killing the process, since code in the sandbox can refuse to be
+interrupted. A cell or call that hangs or crashes is left out; the others run again in a new
+process.
 """
 
 from __future__ import annotations
@@ -11,45 +12,45 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from fieldcheck.calls import Call, Outcome
-from fieldgrade.isolation.isolation import Ended, Server
-from fieldgrade.isolation.process import Broken, NotStarted, Process
+from fieldgrade.isolation.process import NotStarted, Process, ProcessFailed
+from fieldgrade.isolation.server import ProcessEnd, Server
 
 MOST_FAILURES = 3
-"""So often may a process not start."""
+"""How often a process may fail to start."""
 
 
 @dataclass
-class Log:
+class SessionLog:
     """What happened while a submission ran.
 
     Parameters
     ----------
     cell_errors : dict
-        The error of each cell that did not end well, by its number.
-    processes : list of Ended
+        The errors of cells, by the number of the cell.
+    processes : list of ProcessEnd
         How each process ended.
     killed : list of str
-        Why processes had to be ended: ``"time"``, ``"memory"``, ``"output"``, ``"crash"``,
+        Why processes were killed: ``"time"``, ``"memory"``, ``"output"``, ``"crash"``,
         ``"exit"``, ``"threads"`` or ``"disk"``.
     broke : dict
-        The same for the tasks in which it happened, by name; the others happened in cells.
+        The same for the groups in which it happened, by name; all others happened in cells.
     seconds : float
-        Wall time in all.
+        Total wall time.
     """
 
     cell_errors: dict[int, str] = field(default_factory=dict)
-    processes: list[Ended] = field(default_factory=list)
+    processes: list[ProcessEnd] = field(default_factory=list)
     killed: list[str] = field(default_factory=list)
     broke: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
 
 
 @dataclass(frozen=True)
-class Task:
-    """Calls to be made one after the other, each within so many seconds.
+class CallGroup:
+    """Calls to be made one after the other, each with a time limit in seconds.
 
-    Once a task of a question has hung or broken down, its others are not tried: each would take as
-    long, and none could mend the first.
+    Once a group of a question has hung or crashed, the other groups of the question are skipped:
+    each could take as long, and none could change the verdict.
     """
 
     name: str
@@ -59,9 +60,9 @@ class Task:
 
 
 def run(
-    server: Server, cells: Sequence[str], tasks: Sequence[Task]
-) -> tuple[dict[str, tuple[Outcome, ...]], Log]:
-    """Run the cells of a submission and make the calls of all tasks.
+    server: Server, cells: Sequence[str], tasks: Sequence[CallGroup]
+) -> tuple[dict[str, tuple[Outcome, ...]], SessionLog]:
+    """Run the cells of a submission and make the calls of all groups.
 
     Parameters
     ----------
@@ -69,22 +70,22 @@ def run(
         A started server.
     cells : sequence of str
         Code, in order.
-    tasks : sequence of Task
-        What is to be called once the cells have run.
+    tasks : sequence of CallGroup
+        The calls to make after the cells have run.
 
     Returns
     -------
     outcomes : dict
-        What came of the calls, by the name of the task.
-    log : Log
-        What else happened.
+        The outcomes of the calls, by the name of the group.
+    log : SessionLog
+        Errors, killed processes and costs.
 
     Raises
     ------
     NotStarted
         Time and again no process starts, which is no submission's fault.
     """
-    log, outcomes, skipped = Log(), dict[str, tuple[Outcome, ...]](), set[int]()
+    log, outcomes, skipped = SessionLog(), dict[str, tuple[Outcome, ...]](), set[int]()
     started, todo = time.monotonic(), list(tasks)
     last, failures = started + server.limits.seconds_in_all, 0
     for _ in range(server.limits.most_starts):
@@ -98,12 +99,12 @@ def run(
                 outcomes[task.name] = attempt.make_calls(task)
                 if outcomes[task.name][-1].status == "timed out":
                     todo = _without(todo, task)
-                    break  # who knows what was interrupted: the others begin anew
+                    break  # the state after an interruption is unknown: start a new process
         except NotStarted:
             failures += 1
             if failures == MOST_FAILURES:
                 raise
-        except Broken as broken:
+        except ProcessFailed as broken:
             log.killed.append(broken.reason)
             if attempt.task:
                 task = attempt.task
@@ -112,41 +113,41 @@ def run(
                 todo = _without(todo, task)
         finally:
             attempt.end()
-    given_up = Outcome("raised", error="the program broke down, or took long, too often to go on")
+    given_up = Outcome("raised", error="the program crashed or timed out too often to continue")
     outcomes |= {task.name: (given_up,) * len(task.calls) for task in todo}
     log.seconds = time.monotonic() - started
     return outcomes, log
 
 
-def _without(todo: Sequence[Task], broken: Task) -> list[Task]:
+def _without(todo: Sequence[CallGroup], broken: CallGroup) -> list[CallGroup]:
     return [task for task in todo if not broken.question or task.question != broken.question]
 
 
 class _Attempt:
-    """One process at work on a submission; it knows at what it was when it broke."""
+    """One process of a submission; it knows the group of calls in which it broke."""
 
-    def __init__(self, server: Server, log: Log, last: float) -> None:
+    def __init__(self, server: Server, log: SessionLog, last: float) -> None:
         self.process, self.log = Process(server, last), log
-        self.task: Task | None = None
+        self.task: CallGroup | None = None
         self.done: list[Outcome] = []
 
     def run_cells(self, cells: Sequence[str], skipped: set[int]) -> None:
-        """Run the cells in order; remember the one that breaks the process, to leave it out."""
+        """Run the cells in order; a cell that breaks the process is added to the skipped ones."""
         self.process.await_start()
         for number, code in enumerate(cells):
             if number in skipped:
                 continue
             try:
                 error = self.process.cell(number, code)
-            except Broken as broken:
+            except ProcessFailed as broken:
                 skipped.add(number)
                 self.log.cell_errors[number] = str(broken)
                 raise
             if error:
                 self.log.cell_errors[number] = error
 
-    def make_calls(self, task: Task) -> tuple[Outcome, ...]:
-        """Make the calls of a task; once there is nothing to call, the others are not tried."""
+    def make_calls(self, task: CallGroup) -> tuple[Outcome, ...]:
+        """Make the calls of a group; after a missing function or a time-out, skip the others."""
         self.task, self.done = task, []
         for call in task.calls:
             self.done.append(self.process.call(call, task.seconds))
@@ -155,8 +156,8 @@ class _Attempt:
         self.task = None
         return _filled(self.done, len(task.calls))
 
-    def salvaged(self, task: Task, broken: Broken) -> tuple[Outcome, ...]:
-        """Return the outcomes of the task that broke the process."""
+    def salvaged(self, task: CallGroup, broken: ProcessFailed) -> tuple[Outcome, ...]:
+        """Return the outcomes of the group that broke the process."""
         last = Outcome("raised", error=str(broken))
         if broken.reason == "time":
             last = Outcome("timed out", seconds=task.seconds)
@@ -168,5 +169,5 @@ class _Attempt:
 
 
 def _filled(outcomes: Sequence[Outcome], count: int) -> tuple[Outcome, ...]:
-    """Repeat the last outcome for the calls that were not tried."""
+    """Repeat the last outcome for the calls that were skipped."""
     return (*outcomes, *[outcomes[-1]] * (count - len(outcomes)))

@@ -1,5 +1,8 @@
-"""What runs beside a student's code: it knows how to call it and how to lock it in, nothing else.
+"""The students' side of the sandbox: it runs their code and restricts its own process.
 
-This package is copied to a folder of its own and runs there in an otherwise empty fieldrecon, so
-that no solution, no expected value and no tolerance is on its side.
+``server`` forks a process for each submission. The child restricts itself by limits (``confine``),
+Landlock rules (``landlock``) and a seccomp filter (``seccomp``), then runs cells and calls
+(``worker``), which arrive as ``frames``; ``homes`` empties its folder. This package is copied to a
+folder of its own and runs there without the rest of the project, so that no solution, no expected
+value and no tolerance is on this side.
 """

@@ -1,7 +1,7 @@
-"""Locking a process in from inside: limits, capabilities, and ties to the process that made it.
+"""Restrict the own process: resource limits, capabilities, and the tie to its parent.
 
-All of it is asked of the kernel directly, holds for threads, and cannot be taken back. The order
-matters: a lock that is set is no longer there to set others.
+The kernel enforces the restrictions, also for threads, and they cannot be revoked. The order
+matters, since a restriction can prevent later ones.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ MOST_FILES = 64
 
 
 def limit(memory: int, cpu_seconds: int, file_size: int) -> None:
-    """Limit memory, processor time, the size of files, open files and core dumps."""
+    """Limit memory, processor time, file size, open files and core dumps."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_seconds, cpu_seconds + 1))
     resource.setrlimit(resource.RLIMIT_NOFILE, (MOST_FILES, MOST_FILES))
-    if sys.platform == "linux":  # macOS does not keep to it
+    if sys.platform == "linux":  # macOS does not enforce it
         resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 
 
 def address_space() -> int:
-    """Return the bytes of address space in use, from which a limit is counted."""
+    """Return the bytes of address space in use, to which the limit is added."""
     if sys.platform != "linux":
         return 0
     with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123
@@ -39,7 +39,7 @@ def address_space() -> int:
 
 
 def close_all_but(kept: Collection[int]) -> None:
-    """Close every file that this process has open but its three streams and some."""
+    """Close all open files except the three standard streams and those in `kept`."""
     for number in map(int, os.listdir("/dev/fd")):  # noqa: PTH208
         if number > 2 and number not in kept:
             with suppress(OSError):
@@ -47,7 +47,7 @@ def close_all_but(kept: Collection[int]) -> None:
 
 
 def drop_capabilities() -> None:
-    """Give up what the superuser may do beyond others, for good; limits cannot be raised again.
+    """Drop all capabilities, irrevocably; limits cannot be raised again.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def drop_capabilities() -> None:
 
 
 def die_with_parent(parent: int) -> None:
-    """Have the kernel end this process when the one that made it ends; end it if it has."""
+    """Let the kernel kill this process when its parent ends; exit if the parent has ended."""
     if sys.platform == "linux":
         process_control(DIE_WITH_PARENT, 9)
     if os.getppid() != parent:
@@ -68,12 +68,12 @@ def die_with_parent(parent: int) -> None:
 
 
 def adopt_orphans() -> None:
-    """Become the parent of the processes that those made by this one leave behind."""
+    """Become the parent of orphaned descendants (subreaper)."""
     if sys.platform == "linux":
         process_control(ADOPT_ORPHANS, 1)
 
 
 def hide_memory() -> None:
-    """Let no process of the same user look into this one, nor into those that it makes."""
+    """Forbid other processes of the user to inspect this process and its children."""
     if sys.platform == "linux":
         process_control(MAY_BE_LOOKED_INTO, 0)

@@ -1,4 +1,4 @@
-"""Folders in which students' code has run: measured, and emptied whatever is in them."""
+"""Home folders of sandboxed processes: measured while they run, and emptied afterwards."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from secrets import token_hex
 
 MOST_ENTRIES = 1000
 MOST_BYTES = 64 << 20
-"""Files and folders in a home, and bytes of all of them together."""
+"""Limits of a home: number of files and folders, and total bytes."""
 
 
 def is_overfull(home: str) -> bool:
-    """Whether there is more in a home than there may be, or what cannot be looked into."""
+    """Whether a home exceeds its limits or cannot be inspected."""
     folders, entries, size = [home], 0, 0
     while folders:
         try:
@@ -29,16 +29,16 @@ def is_overfull(home: str) -> bool:
                         return True
         except FileNotFoundError:
             continue
-        except OSError:  # a path that is too long, a folder that is closed
+        except OSError:  # a path that is too long, a folder without permissions
             return True
     return False
 
 
 def empty(folder: str) -> None:
-    """Remove all that is in a folder, however deep, closed or full of links it is.
+    """Remove the content of a folder, whatever its depth, permissions and links.
 
-    Folders inside are moved up before they are emptied, so that no path grows long and nothing
-    here is recursive. Links are not followed. What the system does not let go stays.
+    Inner folders are moved up before they are emptied, so that paths stay short and no recursion is
+    needed. Links are not followed. Files that the system does not remove stay.
     """
     mark, numbers, folders = token_hex(8), count(), [folder]
     while folders:
@@ -57,14 +57,14 @@ def empty(folder: str) -> None:
 
 
 def remove(folder: str) -> None:
-    """Remove a folder and all that is in it."""
+    """Remove a folder with its content."""
     empty(folder)
     with suppress(OSError):
         os.rmdir(folder)  # noqa: PTH106
 
 
 def _emptied(folder: str, mark: str) -> list[str]:
-    """Unlink the files of a folder, and return the folders in it that were not moved there."""
+    """Unlink the files of a folder, and return its inner folders that were not moved there."""
     inside = []
     with suppress(OSError):
         os.chmod(folder, stat.S_IRWXU)  # noqa: PTH101

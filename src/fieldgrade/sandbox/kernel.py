@@ -1,4 +1,4 @@
-"""The kernel of Linux asked directly, for what Python has no function for."""
+"""System calls of Linux for which Python has no function."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _C = ctypes.CDLL(None, use_errno=True)
 
 
 def system_call(number: int, *arguments: object) -> int:
-    """Return the result of a call of the kernel.
+    """Make a system call, and return its result.
 
     Raises
     ------
@@ -21,7 +21,7 @@ def system_call(number: int, *arguments: object) -> int:
 
 
 def process_control(option: int, value: int, pointer: bytes | None = None) -> None:
-    """Set a property of this process, as ``prctl`` does.
+    """Set a property of this process with ``prctl``.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def process_control(option: int, value: int, pointer: bytes | None = None) -> No
 
 
 def no_new_privileges() -> None:
-    """Give up gaining rights by running a program, which locks ask for."""
+    """Set ``no_new_privs``, which Landlock and seccomp require."""
     process_control(38, 1)
 
 

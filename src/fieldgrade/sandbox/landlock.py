@@ -1,7 +1,7 @@
-"""Landlock: which files a process may touch, and no port, no abstract socket, no one else's signal.
+"""Landlock: restrict access to files, and forbid TCP ports, abstract sockets and signals.
 
-Landlock says nothing of the rights and times of files, nor, before its third version, of cutting
-files short; `fieldgrade.sandbox.seccomp` refuses the calls that change them.
+Landlock does not control permissions and times of files, nor, before its third version, truncation;
+`fieldgrade.sandbox.seccomp` refuses these calls.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ BELOW_A_PATH = 1
 # Rights on files, bit by bit; later versions know more of them.
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR = 1, 2, 4, 8
 RIGHTS_BY_VERSION = {1: 13, 2: 14, 3: 15, 4: 15, 5: 16}
-"""How many rights on files each version knows."""
+"""The number of file rights in each version."""
 
 
 def version() -> int:
-    """Return which version of Landlock the kernel has; 0 for none."""
+    """Return the version of Landlock in the kernel; 0 if there is none."""
     if sys.platform != "linux":
         return 0
     try:
@@ -33,16 +33,16 @@ def version() -> int:
 
 
 def ruleset(readable: Iterable[str], listed: Iterable[str], writable: Iterable[str]) -> int:
-    """Return a lock as a file descriptor, to be put on by processes made later.
+    """Return a ruleset as a file descriptor, for processes that are started later.
 
     Parameters
     ----------
     readable : iterable of str
-        Files, and folders with all below them, that may be read.
+        Files and folders (with content) that may be read.
     listed : iterable of str
         Folders whose entries may be listed.
     writable : iterable of str
-        Folders below which all is allowed.
+        Folders in which everything is allowed.
 
     Raises
     ------
@@ -67,19 +67,19 @@ def ruleset(readable: Iterable[str], listed: Iterable[str], writable: Iterable[s
 
 def _allow(ruleset: int, path: str, rights: int) -> None:
     try:
-        place = os.open(path, os.O_PATH | os.O_CLOEXEC)
+        descriptor = os.open(path, os.O_PATH | os.O_CLOEXEC)
     except FileNotFoundError:
         return
     if not os.path.isdir(path):  # noqa: PTH112
         rights &= EXECUTE | WRITE_FILE | READ_FILE
     try:
-        system_call(ADD_RULE, ruleset, BELOW_A_PATH, struct.pack("=Qi", rights, place), 0)
+        system_call(ADD_RULE, ruleset, BELOW_A_PATH, struct.pack("=Qi", rights, descriptor), 0)
     finally:
-        os.close(place)
+        os.close(descriptor)
 
 
 def restrict(ruleset: int) -> None:
-    """Put the lock on this process, for good.
+    """Apply a ruleset to this process, irrevocably.
 
     Raises
     ------

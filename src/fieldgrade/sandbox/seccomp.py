@@ -1,8 +1,8 @@
-"""seccomp: the calls of the kernel that a process may not make, each refused with an error.
+"""seccomp: a filter that refuses system calls with an error.
 
-Refused are other processes and programs, the network, the kernel's own affairs, and whatever
-reaches a process or a file that Landlock does not speak of. Threads are allowed. What this list
-does not know, because it is newer, is refused too.
+It refuses other processes and programs, the network, administration of the kernel, and calls that
+reach processes or files beyond the control of Landlock. Threads are allowed. System calls that are
+newer than this list are refused too.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 
 from fieldgrade.sandbox.kernel import no_new_privileges, process_control
 
-# Numbers of x86-64, then of 64-bit ARM; None for a call that there is not.
+# Numbers on x86-64, then on 64-bit ARM; None for a call that does not exist.
 ARCHITECTURES = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
 Numbers = tuple[int | None, int | None]
 REFUSED: dict[str, Numbers] = {
@@ -48,7 +48,7 @@ REFUSED: dict[str, Numbers] = {
     "sched_setattr": (314, 274),
     "setpriority": (141, 140),
     "ioprio_set": (251, 30),
-    # the network, and other ways out
+    # the network, and other channels
     "socket": (41, 198),
     "socketpair": (53, 199),
     "connect": (42, 203),
@@ -76,7 +76,7 @@ REFUSED: dict[str, Numbers] = {
     "inotify_init": (253, None),
     "inotify_init1": (294, 26),
     "fanotify_init": (300, 262),
-    # files anywhere, on which Landlock allows them
+    # files anywhere, which Landlock does not control
     "chmod": (90, None),
     "fchmod": (91, 52),
     "fchmodat": (268, 53),
@@ -98,7 +98,7 @@ REFUSED: dict[str, Numbers] = {
     "mknod": (133, None),
     "mknodat": (259, 33),
     "open_by_handle_at": (304, 265),
-    # the kernel's own affairs
+    # administration of the kernel
     "unshare": (272, 97),
     "setns": (308, 268),
     "mount": (165, 40),
@@ -135,7 +135,7 @@ REFUSED: dict[str, Numbers] = {
     "personality": (135, 92),
 }
 
-# Calls that are told not to exist: callers then take an older one, whose arguments can be seen.
+# Calls reported as not existing: callers then use an older call, whose arguments can be checked.
 ABSENT: dict[str, Numbers] = {"clone3": (435, 435), "openat2": (437, 437)}
 FIRST_UNKNOWN = 450
 
@@ -146,12 +146,12 @@ CLONE, TGKILL, PRLIMIT = (56, 220), (234, 131), (302, 261)
 FCNTL, IOCTL, PRCTL = (72, 25), (16, 29), (157, 167)
 CLONE_THREAD = 0x00010000
 SIGNALS_OF_FILES = (8, 10, 15)
-"""``F_SETOWN``, ``F_SETSIG``, ``F_SETOWN_EX``: who is sent which signal when a file is ready."""
+"""``F_SETOWN``, ``F_SETSIG``, ``F_SETOWN_EX``: signals that are sent when a file is ready."""
 SIGNALS_OF_DEVICES = (0x8901, 0x8902, 0x5412, 0x541C)
 """``FIOSETOWN``, ``SIOCSPGRP``, ``TIOCSTI``, ``TIOCLINUX``."""
 
 END_WITH_PARENT = 1
-"""``PR_SET_PDEATHSIG``, which could take back that this process ends with the one that made it."""
+"""``PR_SET_PDEATHSIG``, with which the process could survive its parent."""
 
 EPERM, ENOSYS = 1, 38
 ALLOW, ERRNO, KILL = 0x7FFF0000, 0x00050000, 0x80000000
@@ -160,12 +160,12 @@ SECCOMP, FILTER = 22, 2
 
 
 def is_known() -> bool:
-    """Whether the calls of this machine's kernel are known by number here."""
+    """Whether the numbers of the system calls of this machine are known."""
     return sys.platform == "linux" and platform.machine() in ARCHITECTURES
 
 
 def refuse() -> None:
-    """Refuse the calls from now on, for good.
+    """Install the filter, irrevocably.
 
     Raises
     ------
@@ -179,7 +179,7 @@ def refuse() -> None:
 
 
 def _program(machine: str, process: int) -> Iterator[bytes]:
-    """Yield the filter: what it does not return for is allowed."""
+    """Yield the instructions of the filter; other calls are allowed."""
     column = list(ARCHITECTURES).index(machine)
     yield from (_if(LOAD, 4), _if(EQUAL, ARCHITECTURES[machine], 1, 0), _if(RETURN, KILL))
     yield _if(LOAD, 0)
@@ -211,7 +211,7 @@ def _program(machine: str, process: int) -> Iterator[bytes]:
 
 
 def _argument(number: int | None, argument: int, test: Sequence[bytes]) -> Iterator[bytes]:
-    """Yield a test of an argument's lower half, passed over by other calls."""
+    """Yield a test of the lower half of an argument, skipped for other calls."""
     assert number is not None
     yield _if(EQUAL, number, 0, len(test) + 2)
     yield _if(LOAD, 16 + 8 * argument)
@@ -228,5 +228,5 @@ def _unless(code: int, value: int) -> list[bytes]:
 
 
 def _if(code: int, value: int, then: int = 0, otherwise: int = 0) -> bytes:
-    """Return an instruction: how many to skip where it holds, and where not."""
+    """Return an instruction: how many to skip if it holds, and if not."""
     return struct.pack("HBBI", code, then, otherwise, value)

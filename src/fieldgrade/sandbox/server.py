@@ -1,10 +1,10 @@
-"""The forking server: it imports NumPy once, and makes a locked-in process for each submission.
+"""The forking server: it imports NumPy once, and forks a restricted process for each submission.
 
-Its arguments are the number of a socket and a JSON object of settings. It runs no code of a
-student: it forks, and the child locks itself in before it does. Commands are a byte each: ``r``,
-with two pipes, to run, ``e`` to end what runs and be told how it ended, and ``w`` to do so once it
-had a moment to end by itself. In between it watches what no limit of the kernel bounds: how many
-threads there are, and how full the home is.
+Its arguments are the number of a socket and a JSON object of settings. The server runs no student's
+code: it forks, and the child restricts itself before it runs any. Commands are one byte each:
+``r``, with two pipes, starts a process; ``e`` ends it and reports how it ended; ``w`` does the same
+after a moment in which it can end by itself. Meanwhile the server watches what the kernel does not
+limit: the number of threads, and the size of the home.
 """
 
 from __future__ import annotations
@@ -25,17 +25,16 @@ from typing import Any
 from fieldgrade.sandbox import confine, homes, landlock, seccomp
 
 PRELOADED = ("numpy", "numpy.polynomial", "numpy.random", "numpy.testing", "matplotlib.pyplot")
-"""What notebooks import anyway, and what NumPy imports when it is first asked for it: the processes
-that are forked have it already."""
+"""Modules that notebooks import, or NumPy imports late, so that forked processes have them."""
 SECONDS_BETWEEN_LOOKS = 0.1
-SECONDS_OF_PATIENCE = 0.5
+SECONDS_TO_END_ITSELF = 0.5
 MOST_THREADS = 64
 MOST_ROUNDS = 1000
 
 
 @dataclass
 class Child:
-    """A process that runs, the folder of its home, and what it was ended for, if it was."""
+    """A running process, the folder of its home, and why it was killed, if it was."""
 
     process: int
     homes: str
@@ -43,7 +42,7 @@ class Child:
 
 
 def main() -> None:
-    """Import what students need, then serve commands until the socket is closed."""
+    """Import modules, then serve commands until the socket is closed."""
     control = socket.socket(fileno=int(sys.argv[1]))
     settings = json.loads(sys.argv[2])
     sys.path += settings["packages"]
@@ -58,10 +57,10 @@ def main() -> None:
     settings["server"] = os.getpid()
     confine.adopt_orphans()
     confine.hide_memory()
-    lock = None
+    ruleset = None
     if settings["landlock"]:
         writable = [settings["homes"], os.devnull]
-        lock = landlock.ruleset(settings["readable"], settings["listed"], writable)
+        ruleset = landlock.ruleset(settings["readable"], settings["listed"], writable)
     control.sendall(b"+")
     child: Child | None = None
     while True:
@@ -73,20 +72,20 @@ def main() -> None:
             home = tempfile.mkdtemp(dir=settings["homes"])
             process = os.fork()
             if process == 0:
-                _run(settings, home, pipes, lock)
+                _run(settings, home, pipes, ruleset)
             child = Child(process, settings["homes"])
             for pipe in pipes:
                 os.close(pipe)
             continue
-        told = _end(child, SECONDS_OF_PATIENCE if command == b"w" else 0.0) if child else {}
+        ended = _end(child, SECONDS_TO_END_ITSELF if command == b"w" else 0.0) if child else {}
         child = None
         if not command:
             return
-        control.sendall(json.dumps(told).encode() + b"\n")
+        control.sendall(json.dumps(ended).encode() + b"\n")
 
 
 def _look_after(child: Child) -> None:
-    """End a child that takes more than it may of what has no limit."""
+    """Kill a child with too many threads or too large a home."""
     if child.ended_for:
         return
     if _threads(child.process) > MOST_THREADS:
@@ -106,14 +105,14 @@ def _threads(process: int) -> int:
         return 1
 
 
-def _end(child: Child, patience: float = 0.0) -> dict[str, Any]:
-    """End a child and all that it may have left, and tell how it ended."""
-    last = time.monotonic() + patience
+def _end(child: Child, grace: float = 0.0) -> dict[str, Any]:
+    """End a child and its descendants, and return how it ended."""
+    last = time.monotonic() + grace
     ended, status, usage = os.wait4(child.process, os.WNOHANG)
     while not ended and time.monotonic() < last:
         time.sleep(0.005)
         ended, status, usage = os.wait4(child.process, os.WNOHANG)
-    told = {"killed": not ended, "ended_for": child.ended_for}
+    result = {"killed": not ended, "ended_for": child.ended_for}
     if not ended:
         os.kill(child.process, signal.SIGKILL)
         _, status, usage = os.wait4(child.process, 0)
@@ -121,7 +120,7 @@ def _end(child: Child, patience: float = 0.0) -> dict[str, Any]:
         os.killpg(child.process, signal.SIGKILL)
     _end_orphans()
     homes.empty(child.homes)
-    return told | {
+    return result | {
         "signal": os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0,
         "exit": os.WEXITSTATUS(status) if os.WIFEXITED(status) else 0,
         "cpu_seconds": usage.ru_utime + usage.ru_stime,
@@ -130,7 +129,7 @@ def _end(child: Child, patience: float = 0.0) -> dict[str, Any]:
 
 
 def _end_orphans() -> None:
-    """End the processes that became this one's when those that made them ended."""
+    """Kill orphaned processes, which have become children of this one."""
     for _ in range(MOST_ROUNDS):
         orphans = _children()
         if not orphans:
@@ -151,8 +150,8 @@ def _children() -> list[int]:
         return []
 
 
-def _run(settings: dict[str, Any], home: str, pipes: list[int], lock: int | None) -> None:
-    """Lock this process in and run what comes; it never returns."""
+def _run(settings: dict[str, Any], home: str, pipes: list[int], ruleset: int | None) -> None:
+    """Restrict this process and serve frames; this function never returns."""
     from fieldgrade.sandbox import worker
 
     code = 1
@@ -161,14 +160,14 @@ def _run(settings: dict[str, Any], home: str, pipes: list[int], lock: int | None
         confine.die_with_parent(settings["server"])
         _environment(home)
         worker.silence()
-        confine.close_all_but(pipes if lock is None else [*pipes, lock])
+        confine.close_all_but(pipes if ruleset is None else [*pipes, ruleset])
         limits = settings["limits"]
         memory = confine.address_space() + limits["memory"]
         confine.limit(memory, limits["cpu_seconds"], limits["file_size"])
         if settings["seccomp"]:
-            if lock is not None:
-                landlock.restrict(lock)
-                os.close(lock)
+            if ruleset is not None:
+                landlock.restrict(ruleset)
+                os.close(ruleset)
             confine.drop_capabilities()
             seccomp.refuse()
         worker.serve(*pipes)

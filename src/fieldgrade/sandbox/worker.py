@@ -1,4 +1,4 @@
-"""The process in which a student's code runs: cells, then calls, one frame for each."""
+"""Run a student's code: cells, then calls, one frame for each."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from fieldcheck.calls import Call, perform
 from fieldgrade.sandbox import frames
 
 MOST_TEXT = 2000
-"""Characters of an error that are told."""
+"""Characters of an error that are reported."""
 
 
 def serve(incoming: int, outgoing: int) -> None:
-    """Answer each frame with one that bears its number, until there are no more."""
+    """Answer each frame with a frame of the same number, until the pipe is closed."""
     namespace = {"__name__": "__main__", "__builtins__": __builtins__} | of_notebooks()
     frames.send(outgoing, {"ready": True})
     while True:
         try:
             head, arrays = frames.receive(incoming)
-        except frames.Gone:
+        except frames.PipeClosed:
             return
         number = {"frame": head["frame"]}
         if "cell" in head:
             frames.send(outgoing, number | run_cell(namespace, head["cell"], head["code"]))
         else:
-            told, values = make_call(namespace, head, arrays)
-            _send_result(outgoing, number, told, values)
+            outcome, values = make_call(namespace, head, arrays)
+            _send_result(outgoing, number, outcome, values)
 
 
 def run_cell(namespace: dict[str, Any], number: int, code: str) -> dict[str, Any]:
-    """Run a cell and tell how it ended."""
+    """Run a cell and return its error."""
     name = f"cell {number}"
     linecache.cache[name] = (len(code), None, code.splitlines(keepends=True), name)
     try:
@@ -44,13 +44,13 @@ def run_cell(namespace: dict[str, Any], number: int, code: str) -> dict[str, Any
 def make_call(
     namespace: dict[str, Any], head: dict[str, Any], arrays: list[Any]
 ) -> tuple[dict[str, Any], tuple[Any, ...]]:
-    """Make the call that a frame describes, and return what came of it."""
+    """Make the call that a frame describes, and return its outcome."""
     arguments = tuple(
-        arrays[told["array"]] if "array" in told else told["number"] for told in head["arguments"]
+        arrays[a["array"]] if "array" in a else a["number"] for a in head["arguments"]
     )
     call = Call(head["function"], arguments, head["case"])
     (outcome,) = perform(namespace, (call,), head["seconds"])
-    told = {
+    described = {
         "status": outcome.status,
         "returned": _short(outcome.returned),
         "error": _short(outcome.error),
@@ -58,14 +58,14 @@ def make_call(
         "modified": list(outcome.modified),
         "numbers": outcome.values is not None,
     }
-    return told, outcome.values or ()
+    return described, outcome.values or ()
 
 
 def _send_result(
-    outgoing: int, number: dict[str, int], told: dict[str, Any], values: tuple[Any, ...]
+    outgoing: int, number: dict[str, int], outcome: dict[str, Any], values: tuple[Any, ...]
 ) -> None:
     try:
-        frames.send(outgoing, number | told, values)
+        frames.send(outgoing, number | outcome, values)
     except frames.BadFrame:
         frames.send(outgoing, number | {"status": "too large"})
 
@@ -79,19 +79,19 @@ def _nothing(*_: object, **__: object) -> None:
 
 
 class _Shell:
-    """A notebook's shell of which whatever is asked does nothing."""
+    """A notebook's shell whose methods do nothing."""
 
     def __getattr__(self, name: str) -> Any:
         return _nothing
 
 
 def of_notebooks() -> dict[str, Any]:
-    """Return what code finds in a notebook without importing it; here it does nothing."""
+    """Return the names that a notebook defines without an import; here they do nothing."""
     return {"display": _nothing, "get_ipython": _Shell}
 
 
 def quiet_fieldcheck() -> None:
-    """Put in the place of what notebooks call for show what does nothing: grading draws nothing."""
+    """Replace the functions of notebooks that show something: grading draws nothing."""
     import fieldcheck
 
     def undrawn(*_: object, **__: object) -> Any:
@@ -103,7 +103,7 @@ def quiet_fieldcheck() -> None:
 
 
 def silence() -> None:
-    """Read nothing from the keyboard, and let go of what is printed."""
+    """Redirect the three standard streams to the null device."""
     null = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(null, stream)

@@ -1,1 +1,7 @@
-"""submissions."""
+"""Submitted files: which there are, whose they are, and what they contain. Nothing is executed.
+
+``unpack`` lists files in folders and zip files, ``bulk_downloads`` parses the names of Canvas,
+Moodle and Gradescope, ``owners`` matches them to the roster, ``collection`` puts them into the
+``archive``, and ``intake`` selects the file to be graded. ``submission``, ``definitions`` and
+``written_answers`` read the content.
+"""

@@ -1,7 +1,7 @@
-"""From what lies in a folder, or in bulk downloads, to the files of each student, archived.
+"""Collects the files of each student from a folder or from bulk downloads, and archives them.
 
-Only the instructor's folder and a platform say whose a file is. What a student packed is the
-student's, whatever the names in it say: nobody can hand in for somebody else.
+Only the instructor's folder and a platform determine the owner of a file. Everything that a student
+packed belongs to this student, whatever the names inside: nobody can submit for somebody else.
 """
 
 from __future__ import annotations
@@ -12,35 +12,70 @@ from itertools import takewhile
 from pathlib import Path
 
 from fieldgrade.class_folder.roster import Student
-from fieldgrade.submissions.archive import Archive, NotTaken
-from fieldgrade.submissions.owners import students_of
-from fieldgrade.submissions.platforms import (
+from fieldgrade.submissions.archive import Archive, CannotArchive
+from fieldgrade.submissions.bulk_downloads import (
     METADATA,
+    FileOrigin,
     Metadata,
-    Place,
     gradescope_metadata,
     is_platform,
-    place,
+    parse_path,
 )
-from fieldgrade.submissions.unpack import LEADS_OUT, MEBIBYTE, Item, NoZip, folder_items, zip_items
+from fieldgrade.submissions.owners import students_of
+from fieldgrade.submissions.submission import MOST_BYTES, Submission
+from fieldgrade.submissions.unpack import (
+    LEADS_OUT,
+    MEBIBYTE,
+    BadZip,
+    InputFile,
+    folder_items,
+    zip_items,
+)
 
 MOST_FILE, MOST_PACK = 64 * MEBIBYTE, 8192 * MEBIBYTE
 MOST_UNPACKED = 256 * MEBIBYTE
 MOST_FILES, MOST_DEPTH = 500, 3
-"""Bytes and files that are unpacked of what one student packed, and zip files in each other."""
+"""Limits for the zip files of one student: bytes and files unpacked, and depth of nesting."""
 
 
 @dataclass(frozen=True)
-class File:
-    """A file of a student, in the archive unless there is a problem with it."""
+class ReceivedFile:
+    """A file of a student, in the archive unless there is a problem with it.
+
+    Parameters
+    ----------
+    student : str
+        The name or number of the student.
+    name : str
+        The name of the file, with folders.
+    digest : str
+        SHA-256 of the content; empty if the file is not in the archive.
+    received, received_by : str
+        The time of receipt, and its source: ``"list"``, ``"platform"``, ``"zip"`` or ``"file"``.
+    late_mark : bool
+        Whether the platform marked the file as late.
+    problem : str
+        Why the file cannot be graded; empty if it can.
+    notebook : str
+        The number of the notebook, known after the intake; empty if it cannot be graded.
+    notes : tuple of str
+        Other files of the student that are not graded, and why.
+    """
 
     student: str
     name: str
-    digest: str
+    digest: str = ""
     received: str = ""
     received_by: str = ""
     late_mark: bool = False
     problem: str = ""
+    notebook: str = ""
+    notes: tuple[str, ...] = ()
+
+    def submission(self, archive: Archive) -> Submission:
+        """Return the file with its content."""
+        content = archive.read(self.digest, MOST_BYTES) if self.digest else b""
+        return Submission(self.student, self.name, content)
 
 
 @dataclass
@@ -54,37 +89,39 @@ class Collection:
     roster : mapping
         The students by name or number; may be empty.
     strays : list of str
-        What came and is nobody's.
+        Files that belong to no student.
     """
 
     archive: Archive
     roster: Mapping[str, Student] = field(default_factory=dict)
     strays: list[str] = field(default_factory=list)
 
-    def files(self, place_of_all: Path) -> Iterator[File]:
-        """Yield the files of all students in a folder, or in a zip file of all.
+    def files(self, place_of_all: Path) -> Iterator[ReceivedFile]:
+        """Yield the files of all students in a folder or a zip file.
 
         Raises
         ------
-        NoZip
-            It is a file, and no zip file.
+        BadZip
+            It is a file, but not a zip file.
         """
         items, metadata = self._described(self._items(place_of_all))
-        placed = [(item, place(item.parts, metadata)) for item in items if not self._stray(item)]
+        placed = [
+            (item, parse_path(item.parts, metadata)) for item in items if not self._stray(item)
+        ]
         students = students_of((o for _, where in placed for o in where.owners), self.roster)
         for item, where in placed:
             for owner in where.owners:
                 yield from self._taken(_file(students[owner], item, where), item, _Left())
 
-    def _stray(self, item: Item) -> bool:
-        """Whether an item is nobody's: a platform names its files so that they stay in place."""
+    def _stray(self, item: InputFile) -> bool:
+        """Whether a file is a stray: no platform writes a name that leads out of the folder."""
         if item.refused == LEADS_OUT:
             self.strays.append(f"{item.name}: {item.refused}")
         return item.refused == LEADS_OUT
 
-    # Where the students' files begin.
+    # Find the level of folders at which the students' files begin.
 
-    def _items(self, place_of_all: Path) -> list[Item]:
+    def _items(self, place_of_all: Path) -> list[InputFile]:
         if place_of_all.is_file():
             with place_of_all.open("rb") as stream:
                 digest = self.archive.put(stream, MOST_PACK)
@@ -100,19 +137,19 @@ class Collection:
                 return [item for pack in packs for item in pack]
         return self._begun(items)
 
-    def _inside(self, item: Item) -> list[Item]:
+    def _inside(self, item: InputFile) -> list[InputFile]:
         try:
             with item.open() as stream:
                 digest = self.archive.put(stream, MOST_PACK)
             return zip_items(self.archive.path(digest))
-        except (NoZip, NotTaken, OSError):
+        except (BadZip, CannotArchive, OSError):
             return []
 
-    def _begun(self, items: list[Item], packed: bool = False) -> list[Item]:
-        """Leave out the folders that lie above those of the students."""
+    def _begun(self, items: list[InputFile], packed: bool = False) -> list[InputFile]:
+        """Remove the folders above those of the students."""
         if not items or any(len(item.parts) == 1 for item in items):
             return items  # there are files, so no folder lies above
-        folders: dict[str, list[Item]] = {}
+        folders: dict[str, list[InputFile]] = {}
         for item in items:
             folders.setdefault(item.parts[0], []).append(item.below(1))
         if any(map(is_platform, folders)) or self._are_students(folders):
@@ -126,27 +163,29 @@ class Collection:
         return items
 
     def _are_students(self, names: Iterable[str]) -> bool:
-        """Whether folders or zip files are those of people on the roster: of any of them."""
-        owners = (owner for name in names for owner in place([name], {}).owners)
+        """Whether any of the folders or zip files belongs to a student of the roster."""
+        owners = (owner for name in names for owner in parse_path([name], {}).owners)
         return not self.roster.keys().isdisjoint(students_of(owners, self.roster).values())
 
-    def _described(self, items: Sequence[Item]) -> tuple[list[Item], Metadata]:
-        """Take out the files in which Gradescope tells whose each folder is."""
-        told: dict[str, Place] = {}
+    def _described(self, items: Sequence[InputFile]) -> tuple[list[InputFile], Metadata]:
+        """Separate Gradescope's files of metadata from the other files."""
+        origins: dict[str, FileOrigin] = {}
         for item in items:
             if item.parts == (METADATA,):
-                kept = self._kept(File("", item.name, ""), item, _Left())
+                kept = self._kept(ReceivedFile("", item.name), item, _Left())
                 if kept.problem:
                     self.strays.append(f"{item.name}: {kept.problem}")
                 else:
                     content = self.archive.read(kept.digest, MOST_FILE)
-                    told |= gradescope_metadata(content.decode("utf-8", "replace"))
-        return [item for item in items if item.parts != (METADATA,)], told
+                    origins |= gradescope_metadata(content.decode("utf-8", "replace"))
+        return [item for item in items if item.parts != (METADATA,)], origins
 
-    # What a student handed in.
+    # Unpack what a student submitted.
 
-    def _taken(self, file: File, item: Item, left: _Left, depth: int = 0) -> Iterator[File]:
-        """Yield a file, or what is in it if it is a zip file."""
+    def _taken(
+        self, file: ReceivedFile, item: InputFile, left: _Left, depth: int = 0
+    ) -> Iterator[ReceivedFile]:
+        """Yield a file, or the content of a zip file."""
         left.files -= 1
         kept = self._kept(file, item, left if depth else _Left())
         if kept.problem or not item.is_zip:
@@ -154,7 +193,7 @@ class Collection:
             return
         try:
             inside = zip_items(self.archive.path(kept.digest))
-        except NoZip as error:
+        except BadZip as error:
             yield replace(kept, problem=str(error))
             return
         if depth == MOST_DEPTH or not inside:
@@ -169,18 +208,18 @@ class Collection:
             named = replace(file, name=f"{file.name}/{member.name}")
             yield from self._taken(named, member, left, depth + 1)
 
-    def _kept(self, file: File, item: Item, left: _Left) -> File:
-        """Put a file into the archive; whatever is wrong with it is its problem."""
+    def _kept(self, file: ReceivedFile, item: InputFile, left: _Left) -> ReceivedFile:
+        """Archive a file, or describe its problem."""
         if item.refused:
             return replace(file, problem=item.refused)
         try:
             stream = item.open()
-        except Exception as error:  # damaged, encrypted, forbidden, compressed as nobody does
+        except Exception as error:  # damaged, encrypted, forbidden, an unknown compression
             return replace(file, problem=f"it cannot be opened ({error})")
         with stream:
             try:
                 digest = self.archive.put(stream, min(left.bytes, MOST_FILE))
-            except NotTaken as problem:
+            except CannotArchive as problem:
                 return replace(file, problem=str(problem))
         left.bytes -= self.archive.path(digest).stat().st_size
         return replace(file, digest=digest)
@@ -188,28 +227,28 @@ class Collection:
 
 @dataclass
 class _Left:
-    """What may still be unpacked of what a student packed."""
+    """How many bytes and files of a student may still be unpacked."""
 
     bytes: int = field(default_factory=lambda: MOST_UNPACKED)
     files: int = field(default_factory=lambda: MOST_FILES)
 
 
-def _file(student: str, item: Item, where: Place) -> File:
+def _file(student: str, item: InputFile, where: FileOrigin) -> ReceivedFile:
     received, by = (where.received, "platform") if where.received else (item.time, item.by)
-    return File(student, where.name, "", received, by, where.late_mark)
+    return ReceivedFile(student, where.name, "", received, by, where.late_mark)
 
 
-def _is_bulk(items: Sequence[Item]) -> bool:
-    """Whether all the names are those that a platform gives."""
+def _is_bulk(items: Sequence[InputFile]) -> bool:
+    """Whether all names have the form of a platform."""
     return bool(items) and all(is_platform(item.parts[0]) for item in items)
 
 
-def _is_class(items: Sequence[Item]) -> bool:
-    """Whether there are folders only, more than one, or what a platform writes."""
+def _is_class(items: Sequence[InputFile]) -> bool:
+    """Whether there are several folders and nothing else, or files of a platform."""
     folders = {item.parts[0] for item in items if len(item.parts) > 1}
     return _is_bulk(items) or (len(folders) > 1 and all(len(i.parts) > 1 for i in items))
 
 
-def _importance(item: Item) -> tuple[bool, tuple[str, ...]]:
-    """Return by what the files come first that are likely to be graded."""
+def _importance(item: InputFile) -> tuple[bool, tuple[str, ...]]:
+    """Return the key by which files that are likely to be graded come first."""
     return not item.parts[-1].lower().endswith((".ipynb", ".py", ".zip")), item.parts

@@ -1,4 +1,4 @@
-"""What the code of a cell defines: read off its syntax tree, without running anything."""
+"""The names that a code cell defines, from its syntax tree, without running it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from io import StringIO
 
-from fieldgrade.submissions.quiet import quiet
+from fieldgrade.submissions.suppress_warnings import suppress_warnings
 
 MOST_PARSED = 256 << 10
-"""Characters of a cell in which definitions are looked for: a tree takes a thousand times as much
-memory as its text."""
+"""Characters of a cell that are parsed at most: a syntax tree takes a thousand times as much memory
+as its text."""
 NO_PYTHON = re.compile(r"^([ \t]*)(?:[%!?].*|[\w.]+\?{1,2}[ \t]*)$", re.MULTILINE)
 NO_VALUE = re.compile(r"^([ \t]*\w[\w, ]*=[ \t]*)[%!].*$", re.MULTILINE)
 CELL_MAGIC = re.compile(r"\s*%%(\w*).*")
@@ -20,11 +20,11 @@ RUNS_IN_PLACE = ("time", "capture", "prun")
 
 
 MOST_REMEMBERED, LONGEST_REMEMBERED = 1024, 32 << 10
-"""Cells, and characters of one, whose tree is read once: most cells of a class are the same."""
+"""Size of the cache, in cells and characters of a cell: most cells of a class are the same."""
 
 
 def plain(cell: str) -> str:
-    r"""Return a cell as Python: what only notebooks understand is left out, line by line.
+    r"""Return a cell as plain Python: magics and shell commands are removed, line by line.
 
     Examples
     --------
@@ -40,9 +40,9 @@ def plain(cell: str) -> str:
 
 
 def defined(cell: str) -> tuple[tuple[str, bool], ...]:
-    r"""Return the names that a cell gives to something at top level, and whether it is a stub.
+    r"""Return the names that a cell defines at top level, and whether each is a stub.
 
-    What stands inside of ``if``, ``try``, ``with`` and loops counts, in the order of the text.
+    Definitions inside ``if``, ``try``, ``with`` and loops count, in the order of the text.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def defined(cell: str) -> tuple[tuple[str, bool], ...]:
 
 
 def outline(cell: str) -> tuple[tuple[str, bool], ...] | None:
-    """Return what `defined` does; None if the cell is no Python."""
+    """Return the same as `defined`; None if the cell is not Python."""
     return (_remembered if len(cell) <= LONGEST_REMEMBERED else _outline)(cell)
 
 
@@ -69,7 +69,7 @@ _remembered = lru_cache(MOST_REMEMBERED)(_outline)
 
 
 def statements(script: str) -> list[str]:
-    r"""Return a script in pieces, so that an error in one leaves the others: each function is one.
+    r"""Split a script so that an error in one piece does not affect others; a function is a piece.
 
     Examples
     --------
@@ -79,7 +79,9 @@ def statements(script: str) -> list[str]:
     tree = _tree(script)
     if not tree:
         return [script]
-    lines = StringIO(script).readlines()  # str.splitlines knows ends of lines that Python does not
+    lines = StringIO(
+        script
+    ).readlines()  # str.splitlines also splits at line ends that Python does not have
     starts = {0} | {
         _first_line(node) - 1
         for before, node in zip(tree.body, tree.body[1:], strict=False)
@@ -90,19 +92,19 @@ def statements(script: str) -> list[str]:
 
 
 def is_stub(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
-    """Whether a function does nothing, or says that it is not written."""
+    """Whether a function does nothing, or raises NotImplementedError."""
     body = function.body[1:] if ast.get_docstring(function) is not None else function.body
     idle = all(isinstance(node, ast.Pass | ast.Raise) or _is_constant(node) for node in body)
     raised = (ast.dump(node) for node in body if isinstance(node, ast.Raise))
-    return idle or any("NotImplementedError" in told for told in raised)
+    return idle or any("NotImplementedError" in text for text in raised)
 
 
 def _tree(code: str) -> ast.Module | None:
-    """Return the syntax tree of code; None if it is no Python, or more than a person writes."""
+    """Return the syntax tree of code; None if it is not Python or is too long."""
     if len(code) > MOST_PARSED:
         return None
     try:
-        with quiet():
+        with suppress_warnings():
             return ast.parse(code)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
@@ -127,7 +129,7 @@ def _is_definition(node: ast.stmt) -> bool:
 
 
 def _first_line(node: ast.stmt) -> int:
-    """Return where a statement begins, with what decorates it."""
+    """Return the first line of a statement, decorators included."""
     return min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
 
 

@@ -1,7 +1,8 @@
-"""What was handed in: which file of a student is graded, and the rest, which is told.
+"""Intake: which of the received files of each student is graded, and notes on the others.
 
-Of several files of a student for one notebook the latest is graded: by the time it came, then by
-the number that a platform or a browser puts behind its name. A notebook goes before a script.
+If a student submitted several files for one notebook, the latest is graded: by the time of receipt,
+then by the number that a platform or a browser appends to a repeated name. A notebook takes
+precedence over a script.
 """
 
 from __future__ import annotations
@@ -12,46 +13,14 @@ from pathlib import Path
 
 from fieldgrade.class_folder.roster import Student
 from fieldgrade.submissions.archive import Archive
-from fieldgrade.submissions.collection import Collection, File
-from fieldgrade.submissions.platforms import attempt
-from fieldgrade.submissions.submission import MOST_BYTES, Submission, Unreadable
-
-
-@dataclass(frozen=True)
-class Handed:
-    """What a student handed in of one notebook.
-
-    Parameters
-    ----------
-    file : File
-        What is graded.
-    notebook : str
-        Which it is; empty if it cannot be graded.
-    problem : str
-        Why it cannot.
-    notes : tuple of str
-        What else came, and why it is not graded.
-    """
-
-    file: File
-    notebook: str = ""
-    problem: str = ""
-    notes: tuple[str, ...] = ()
-
-    @property
-    def student(self) -> str:
-        """Whose it is."""
-        return self.file.student
-
-    def submission(self, archive: Archive) -> Submission:
-        """Return the file with its content."""
-        content = archive.read(self.file.digest, MOST_BYTES) if self.file.digest else b""
-        return Submission(self.student, self.file.name, content)
+from fieldgrade.submissions.bulk_downloads import attempt
+from fieldgrade.submissions.collection import Collection, ReceivedFile
+from fieldgrade.submissions.submission import Submission, Unreadable
 
 
 @dataclass
 class Intake:
-    """Takes in a folder, or a zip file, of what a class handed in.
+    """Takes in the submissions of a class from a folder or a zip file.
 
     Parameters
     ----------
@@ -62,9 +31,9 @@ class Intake:
     roster : mapping
         The students by name or number; may be empty.
     times : mapping
-        When files came, by student and notebook, where it is better known than from the files.
+        Times of receipt by student and notebook, which override those of the files.
     strays : list of str
-        What came and is nobody's.
+        Files that belong to no student.
     """
 
     archive: Archive
@@ -73,75 +42,76 @@ class Intake:
     times: Mapping[tuple[str, str], str] = field(default_factory=dict)
     strays: list[str] = field(default_factory=list)
 
-    def take(self, folder: Path) -> list[Handed]:
-        """Return what is to be graded, in the order of students and notebooks.
+    def take(self, folder: Path) -> list[ReceivedFile]:
+        """Return the files to be graded, in the order of students and notebooks.
 
         Raises
         ------
         ValueError
-            There is nothing.
+            There is no file.
         """
-        by_student: dict[str, list[File]] = {}
+        by_student: dict[str, list[ReceivedFile]] = {}
         for file in Collection(self.archive, self.roster, self.strays).files(folder):
             by_student.setdefault(file.student, []).append(file)
-        handed = [h for student in sorted(by_student) for h in self._chosen(by_student[student])]
-        if not handed:
-            raise ValueError(f"nothing was handed in: there is no file to be graded in {folder}")
-        return handed
+        chosen = [f for student in sorted(by_student) for f in self._chosen(by_student[student])]
+        if not chosen:
+            raise ValueError(f"there is no submission: {folder} contains no file to be graded")
+        return chosen
 
-    def _chosen(self, files: Sequence[File]) -> list[Handed]:
-        """Return what is graded of a student's files; the first of it has the notes on the rest."""
-        graded: dict[str, Handed] = {}
-        broken: list[Handed] = []
+    def _chosen(self, files: Sequence[ReceivedFile]) -> list[ReceivedFile]:
+        """Return the files of a student to be graded; the first has the notes on the others."""
+        graded: dict[str, ReceivedFile] = {}
+        broken: list[ReceivedFile] = []
         notes: list[str] = []
-        for file in sorted(files, key=_age):
-            handed = self._looked_at(file)
-            if not handed.notebook:
-                broken.append(handed)
+        for file in map(self._identified, sorted(files, key=_age)):
+            if not file.notebook:
+                broken.append(file)
                 continue
-            before = graded.get(handed.notebook)
-            if before and before.file.digest != file.digest:
-                notes.append(f"{before.file.name} is not graded: {_reason(before.file, file)}")
-            graded[handed.notebook] = handed
-        hopeless = [h for h in broken if _was_meant(h)] or ([] if graded else broken[-1:])
-        notes += [f"{h.file.name} is not graded: {h.problem}" for h in broken if h not in hopeless]
+            before = graded.get(file.notebook)
+            if before and before.digest != file.digest:
+                notes.append(f"{before.name} is not graded: {_reason(before, file)}")
+            graded[file.notebook] = file
+        reported = [f for f in broken if _is_damaged(f)] or ([] if graded else broken[-1:])
+        notes += [f"{f.name} is not graded: {f.problem}" for f in broken if f not in reported]
         if self.roster and files[0].student not in self.roster:
             notes.append(f"{files[0].student} is not on the roster")
-        found = [*(graded[number] for number in sorted(graded)), *hopeless]
+        found = [*(graded[number] for number in sorted(graded)), *reported]
         return [replace(found[0], notes=tuple(notes)), *found[1:]]
 
-    def _looked_at(self, file: File) -> Handed:
-        """Return which notebook a file is."""
+    def _identified(self, file: ReceivedFile) -> ReceivedFile:
+        """Return a file with the number of its notebook, or with a problem."""
         if file.problem:
-            return Handed(file, problem=file.problem)
-        submission = Handed(file).submission(self.archive)
+            return file
+        submission = file.submission(self.archive)
         if not _may_be_code(submission):
-            return Handed(file, problem="it is no notebook")
+            return replace(file, problem="it is not a notebook")
         try:
             number = submission.notebook(self.functions)
         except Unreadable as error:
-            return Handed(file, problem=str(error))
-        except Exception as error:  # nothing that a student hands in stops the class
-            return Handed(file, problem=f"it cannot be read ({type(error).__name__})")
-        told = self.times.get((file.student, number))
-        return Handed(replace(file, received=told, received_by="list") if told else file, number)
+            return replace(file, problem=str(error))
+        except Exception as error:  # no submission stops the class
+            return replace(file, problem=f"it cannot be read ({type(error).__name__})")
+        if time := self.times.get((file.student, number)):
+            file = replace(file, received=time, received_by="list")
+        return replace(file, notebook=number)
 
 
-def _age(file: File) -> tuple[bool, str, int, str]:
-    """Return by what the latest file is found."""
-    is_notebook = not file.name.lower().endswith(".py")
-    return is_notebook, file.received, attempt(file.name), file.name
+def _age(file: ReceivedFile) -> tuple[bool, str, int, str]:
+    """Return the key by which files are sorted; the last is graded."""
+    return not _is_script(file), file.received, attempt(file.name), file.name
 
 
-def _reason(before: File, file: File) -> str:
-    kinds = [name.lower().endswith(".py") for name in (before.name, file.name)]
-    if kinds == [True, False]:
-        return f"{file.name} is the notebook"
-    return f"{file.name} came later"
+def _is_script(file: ReceivedFile) -> bool:
+    return file.name.lower().endswith(".py")
+
+
+def _reason(before: ReceivedFile, file: ReceivedFile) -> str:
+    is_upgrade = _is_script(before) and not _is_script(file)
+    return f"{file.name} is the notebook" if is_upgrade else f"{file.name} came later"
 
 
 def _may_be_code(submission: Submission) -> bool:
-    """Whether a file may be a notebook or a script, whatever it is called."""
+    """Whether a file may be a notebook or a script, whatever its name."""
     if submission.name.lower().endswith((".ipynb", ".py")):
         return True
     start = submission.content[:4096].lstrip(b"\xef\xbb\xbf \t\r\n")
@@ -150,7 +120,7 @@ def _may_be_code(submission: Submission) -> bool:
     )
 
 
-def _was_meant(handed: Handed) -> bool:
-    """Whether what cannot be graded was meant to be: a notebook that is damaged."""
-    is_notebook = handed.file.name.lower().endswith((".ipynb", ".zip"))
-    return is_notebook and "none of the functions" not in handed.problem
+def _is_damaged(file: ReceivedFile) -> bool:
+    """Whether a file that cannot be graded is a damaged notebook, rather than something else."""
+    is_notebook = file.name.lower().endswith((".ipynb", ".zip"))
+    return is_notebook and "none of the functions" not in file.problem

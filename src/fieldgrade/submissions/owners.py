@@ -1,4 +1,4 @@
-"""Whose a file is: what its place says, compared with the roster by the surest sign first."""
+"""Match files to students: hints in the path, compared with the roster, most reliable first."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ PLATFORMS = ("canvas", "moodle")
 
 
 @dataclass(frozen=True)
-class Owner:
-    """What the place of a file tells of whose it is.
+class OwnerHint:
+    """Hints in the path of a file at its owner.
 
     Parameters
     ----------
     text : str
-        A name, as it stands there.
+        A name, as written in the path.
     number : str
-        The number that the platform gives to the student, if it stands there.
+        The platform's number of the student, if present.
     email : str
-        An address, if it stands there.
+        An e-mail address, if present.
     platform : str
-        ``"canvas"``, ``"moodle"``, ``"gradescope"``, or nothing.
+        ``"canvas"``, ``"moodle"``, ``"gradescope"``, or empty.
     """
 
     text: str
@@ -35,10 +35,11 @@ class Owner:
     platform: str = ""
 
 
-def students_of(owners: Iterable[Owner], roster: Mapping[str, Student]) -> dict[Owner, str]:
-    """Return the student behind each owner; who is not on the roster is called as the file says.
+def students_of(owners: Iterable[OwnerHint], roster: Mapping[str, Student]) -> dict[OwnerHint, str]:
+    """Return the student for each hint; without a match, the name in the path.
 
-    Strangers of one name are told apart by their numbers: nobody's work counts as another's.
+    Unknown students of one name are distinguished by their numbers, so that nobody's work counts as
+    another's.
     """
     index: dict[tuple[int, str], list[Student]] = defaultdict(list)
     for student in roster.values():
@@ -59,10 +60,10 @@ def students_of(owners: Iterable[Owner], roster: Mapping[str, Student]) -> dict[
     }
 
 
-def _student(owner: Owner, index: Mapping[tuple[int, str], list[Student]]) -> Student | None:
-    """Return the student who fits by the surest sign; none where two fit equally well."""
+def _student(owner: OwnerHint, index: Mapping[tuple[int, str], list[Student]]) -> Student | None:
+    """Return the student who matches by the most reliable sign; None if two match equally."""
     fitting: dict[int, dict[str, Student]] = defaultdict(dict)
-    for key in _keys(_told(owner)):
+    for key in _keys(_hinted(owner)):
         for student in index.get(key, ()):
             if not _is_another(student, owner):
                 fitting[key[0]][student.student] = student
@@ -71,7 +72,7 @@ def _student(owner: Owner, index: Mapping[tuple[int, str], list[Student]]) -> St
 
 
 def _known(student: Student) -> Sequence[Iterable[str]]:
-    """Return what is known of a student, the surest sign first, as `_told` tells it."""
+    """Return the signs of a student, the most reliable first, in the order of `_hinted`."""
     names = (student.student, student.login)
     return (
         [f"{name} {n}" for name in PLATFORMS if (n := getattr(student, f"{name}_id", ""))],
@@ -83,8 +84,8 @@ def _known(student: Student) -> Sequence[Iterable[str]]:
     )
 
 
-def _told(owner: Owner) -> Sequence[Iterable[str]]:
-    """Return what an owner tells, sign by sign; at last the words that stand in the text."""
+def _hinted(owner: OwnerHint) -> Sequence[Iterable[str]]:
+    """Return the signs in a hint, the most reliable first; the last are words of the text."""
     words = _words(owner.text).split()
     runs = [" ".join(words[i:j]) for j in range(len(words) + 1) for i in range(max(0, j - 4), j)]
     return (
@@ -102,8 +103,8 @@ def _keys(signs: Sequence[Iterable[str]]) -> Iterator[tuple[int, str]]:
         yield from ((sign, text) for text in {v.strip().lower() for v in values} if text)
 
 
-def _is_another(student: Student, owner: Owner) -> bool:
-    """Whether Canvas says that it is somebody else, perhaps of the same name."""
+def _is_another(student: Student, owner: OwnerHint) -> bool:
+    """Whether the Canvas id excludes this student, who may have the same name."""
     number = owner.number if owner.platform == "canvas" else ""
     return number != "" and student.canvas_id not in ("", number)
 
@@ -113,11 +114,11 @@ def _words(text: str) -> str:
 
 
 def _spellings(name: str) -> frozenset[str]:
-    """Return a name as platforms write it: the first name in front, or the last."""
+    """Return a name as platforms write it: first name first, or last name first."""
     last, comma, first = name.partition(",")
     words = [*first.split(), *last.split()] if comma else name.split()
-    turned = {_letters("".join(words[k:] + words[:k])) for k in range(len(words))}
-    return frozenset(text for text in turned if text)
+    rotated = {_letters("".join(words[k:] + words[:k])) for k in range(len(words))}
+    return frozenset(text for text in rotated if text)
 
 
 def _letters(text: str) -> str:

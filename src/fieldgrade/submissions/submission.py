@@ -1,8 +1,7 @@
-"""What a student handed in, in whatever state: its code cells, found without running anything."""
+"""A submitted file, possibly damaged: its code cells and definitions, without running it."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 from collections import Counter
@@ -11,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from fieldgrade.digests import bytes_digest, json_digest
 from fieldgrade.submissions.definitions import defined, plain, statements
 
 MOST_BYTES = 20 << 20
@@ -21,21 +21,21 @@ NUMBER = re.compile(r"(?<!\d)(\d\d)(?!\d)")
 
 
 class Unreadable(ValueError):
-    """A file is not what can be graded; the sentence says why."""
+    """A file cannot be graded; the message says why."""
 
 
 @dataclass(frozen=True)
 class Submission:
-    """A file that a student handed in.
+    """A file that a student submitted.
 
     Parameters
     ----------
     student : str
-        Who handed it in, by the roster or the name of the file.
+        The student, by the roster or the name of the file.
     name : str
-        The name under which it came.
+        The name of the file.
     content : bytes
-        The file.
+        The bytes of the file.
     """
 
     student: str
@@ -45,16 +45,16 @@ class Submission:
     @property
     def digest(self) -> str:
         """SHA-256 of the file."""
-        return hashlib.sha256(self.content).hexdigest()
+        return bytes_digest(self.content)
 
     @cached_property
     def text(self) -> str:
-        """The file as text, with the ends of lines that Python has.
+        """The file as text, with Python's line ends.
 
         Raises
         ------
         Unreadable
-            It is none.
+            It is not text.
         """
         if len(self.content) > MOST_BYTES:
             raise Unreadable(f"the file has more than {MOST_BYTES >> 20} MiB")
@@ -64,29 +64,29 @@ class Submission:
             text = self.content.decode(_encoding(self.content))
         except UnicodeDecodeError:
             if not self.name.lower().endswith(".py"):
-                raise Unreadable("the file is no text") from None
+                raise Unreadable("the file is not text") from None
             text = self.content.decode("latin-1")
         return text.replace("\r\n", "\n").replace("\r", "\n")
 
     @property
     def is_script(self) -> bool:
-        """Whether it is Python rather than a notebook, which is JSON."""
+        """Whether the file is a Python script rather than a notebook, which is JSON."""
         return self.name.lower().endswith(".py") and not self.text.lstrip().startswith("{")
 
     @cached_property
     def notebook_cells(self) -> tuple[Mapping[str, Any], ...]:
-        """The cells of a notebook of format 4 or 3, whatever is in them; none of a script.
+        """The cells of a notebook of format 4 or 3, whatever they contain; none for a script.
 
         Raises
         ------
         Unreadable
-            The file is no notebook.
+            The file is not a notebook.
         """
         if self.is_script:
             return ()
         cells = _cells(self._data)
         if cells is None:
-            raise Unreadable("the file is no notebook: it has no cells")
+            raise Unreadable("the file is not a notebook: it has no cells")
         return tuple(cell for cell in cells if isinstance(cell, dict))
 
     @cached_property
@@ -96,17 +96,22 @@ class Submission:
         Raises
         ------
         Unreadable
-            The file is no notebook and no Python, or there is more code than a person writes.
+            The file is neither a notebook nor Python, or contains too much code.
         """
         codes = _pieces(self.text) if self.is_script else map(_code, self.notebook_cells)
         found = [code for code in codes if code.strip()]
         if sum(map(len, found)) > MOST_CODE:
-            raise Unreadable(f"there is more than {MOST_CODE >> 20} MiB of code in it")
+            raise Unreadable(f"it contains more than {MOST_CODE >> 20} MiB of code")
         return tuple(map(plain, found))
 
     @cached_property
+    def code_digest(self) -> str:
+        """SHA-256 of the code of all cells: any of them may bear on any answer."""
+        return json_digest(*self.cells)
+
+    @cached_property
     def definitions(self) -> Mapping[str, tuple[bool, ...]]:
-        """For each name defined at top level: is it a stub, in the order of definitions."""
+        """For each name defined at top level: whether each of its definitions is a stub."""
         found: dict[str, list[bool]] = {}
         for cell in self.cells:
             for name, stub in defined(cell):
@@ -114,10 +119,10 @@ class Submission:
         return {name: tuple(stubs) for name, stubs in found.items()}
 
     def notebook(self, functions: Mapping[str, Iterable[str]]) -> str:
-        """Return which notebook this is, by the functions that it defines.
+        """Return the number of the notebook, from the functions that it defines.
 
-        Where that leaves several, or there is none, what was handed out may still say it: the
-        metadata, then the identifiers of cells. Between several even the file's name counts.
+        If several or no notebooks match, the metadata decide, then the identifiers of cells; among
+        several, then the name of the file.
 
         Parameters
         ----------
@@ -127,7 +132,7 @@ class Submission:
         Raises
         ------
         Unreadable
-            Nothing tells.
+            The notebook cannot be identified.
         """
         shared = {n: len(set(asked) & set(self.definitions)) for n, asked in functions.items()}
         most = max(shared.values(), default=0)
@@ -139,7 +144,7 @@ class Submission:
         return found[0]
 
     def _handed_out(self) -> Iterator[str]:
-        """Yield which notebook this was made from, by the signs that are left of it."""
+        """Yield the number of the original notebook, from metadata and identifiers of cells."""
         if self.is_script:
             return
         metadata = self._data.get("metadata") if isinstance(self._data, dict) else None
@@ -157,11 +162,11 @@ class Submission:
         try:
             return json.loads(text)
         except (ValueError, RecursionError):
-            raise Unreadable("the file is no complete notebook: its JSON is broken") from None
+            raise Unreadable("the file is not a complete notebook: its JSON is broken") from None
 
 
 def source_of(cell: Mapping[str, Any]) -> str:
-    """Return what stands in a cell of a notebook."""
+    """Return the source text of a cell."""
     source = cell.get("source", cell.get("input", ""))
     if isinstance(source, list):
         return "".join(part for part in source if isinstance(part, str))
@@ -173,7 +178,7 @@ def _encoding(content: bytes) -> str:
 
 
 def _cells(data: Any) -> list[Any] | None:
-    """Return the cells of a notebook of format 4, or 3, where they are in worksheets."""
+    """Return the cells of a notebook of format 4, or of format 3, which has worksheets."""
     if not isinstance(data, dict):
         return None
     cells, sheets = data.get("cells"), data.get("worksheets")
@@ -184,10 +189,10 @@ def _cells(data: Any) -> list[Any] | None:
 
 
 def _code(cell: Mapping[str, Any]) -> str:
-    """Return the code of a cell; nothing if it holds none."""
+    """Return the code of a cell; empty if it is not a code cell."""
     return source_of(cell) if cell.get("cell_type") == "code" else ""
 
 
 def _pieces(text: str) -> list[str]:
-    """Return a script in the cells from which it was exported, or else in statements."""
+    """Split a script into the cells from which it was exported, or else into statements."""
     return MARK.split(text) if MARK.search(text) else statements(text)

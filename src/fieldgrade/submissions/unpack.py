@@ -1,8 +1,8 @@
-"""Files in folders and zip files, one by one, with what is not taken from them and why.
+"""List the files in folders and zip files; unsafe ones are refused with a reason.
 
-Nothing is unpacked to where its name says: an item is opened where it lies, and the archive keeps
-its bytes under their digest. Links, devices and names that lead elsewhere are refused all the same,
-since they are no accident.
+Nothing is unpacked to the path in its name: a file is opened where it is, and the archive keeps
+its bytes under their digest. Links, devices and names that lead out of the folder are refused all
+the same, since they are no accident.
 """
 
 from __future__ import annotations
@@ -23,33 +23,33 @@ MOST_MEMBERS = 20_000
 MOST_UNPACKED = 8192 * MEBIBYTE
 LONGEST_NAME, MOST_FOLDERS = 255, 100
 MEMBER = re.compile(rb"PK\x01\x02")
-"""How each entry in the list of a zip file begins."""
+"""The signature of each entry in the central directory of a zip file."""
 DRIVE = re.compile(r"[A-Za-z]:")
 LEADS_OUT = "its name leads out of the folder"
-SKIPPED = {"__MACOSX", "__pycache__", "fieldcheck", "site-packages", "venv"}
-CHAFF = {"Thumbs.db", "desktop.ini", "student.txt"}
+IGNORED_FOLDERS = {"__MACOSX", "__pycache__", "fieldcheck", "site-packages", "venv"}
+IGNORED_NAMES = {"Thumbs.db", "desktop.ini", "student.txt"}
 
 
-class NoZip(ValueError):
-    """A zip file that cannot be unpacked; the sentence says why."""
+class BadZip(ValueError):
+    """A zip file cannot be unpacked; the message says why."""
 
 
 @dataclass(frozen=True)
-class Item:
-    """A file somewhere below a folder, or in a zip file.
+class InputFile:
+    """A file below a folder or in a zip file.
 
     Parameters
     ----------
     parts : tuple of str
-        Its folders, and its name.
+        The folders of its path, and its name.
     open : callable
-        Opens it.
+        Opens the file.
     time : str
-        When it was last changed, in ISO 8601, if that is known.
+        The time of the last change, in ISO 8601, if known.
     by : str
-        Who says so: ``"file"`` or ``"zip"``.
+        The source of the time: ``"file"`` or ``"zip"``.
     refused : str
-        Why it is not taken; empty if it is.
+        Why the file is refused; empty if it is accepted.
     """
 
     parts: tuple[str, ...]
@@ -60,20 +60,20 @@ class Item:
 
     @property
     def name(self) -> str:
-        """Its name with its folders."""
+        """The path of the file."""
         return "/".join(self.parts)
 
     @property
     def is_zip(self) -> bool:
-        """Whether it is called a zip file."""
+        """Whether the name is that of a zip file."""
         return self.parts[-1].lower().endswith(".zip")
 
-    def below(self, depth: int) -> Item:
-        """Return it with its outermost folders left out."""
+    def below(self, depth: int) -> InputFile:
+        """Return the file without its outermost folders."""
         return replace(self, parts=self.parts[depth:])
 
 
-def folder_items(folder: Path) -> list[Item]:
+def folder_items(folder: Path) -> list[InputFile]:
     """Return the files below a folder in the order of their names; no link is followed.
 
     Raises
@@ -81,12 +81,12 @@ def folder_items(folder: Path) -> list[Item]:
     OSError
         The folder itself cannot be read.
     """
-    found: list[Item] = []
+    found: list[InputFile] = []
     todo: list[tuple[Path, tuple[str, ...]]]
     todo = [(path, (_printable(path.name),)) for path in folder.iterdir()]
-    while todo:  # folders can lie deeper in each other than functions may call each other
+    while todo:  # not recursive: folders can be nested more deeply than function calls
         path, parts = todo.pop()
-        if is_chaff(parts):
+        if is_ignored(parts):
             continue
         try:
             mode = path.lstat().st_mode
@@ -96,56 +96,56 @@ def folder_items(folder: Path) -> list[Item]:
                 found.append(_file(path, parts, mode))
         except OSError as error:
             refused = f"it cannot be read ({error.strerror})"
-            found.append(Item(parts, partial(_read, path), refused=refused))
+            found.append(InputFile(parts, partial(_read, path), refused=refused))
     return sorted(found, key=lambda item: item.parts)
 
 
-def _file(path: Path, parts: tuple[str, ...], mode: int) -> Item:
+def _file(path: Path, parts: tuple[str, ...], mode: int) -> InputFile:
     if not stat.S_ISREG(mode):
         kind = "a link" if stat.S_ISLNK(mode) else "no file"
-        return Item(parts, partial(_read, path), refused=f"it is {kind}")
+        return InputFile(parts, partial(_read, path), refused=f"it is {kind}")
     try:
         time = datetime.fromtimestamp(int(path.lstat().st_mtime), UTC).isoformat()
     except (ValueError, OverflowError):
         time = ""
-    return Item(parts, partial(_read, path), time)
+    return InputFile(parts, partial(_read, path), time)
 
 
 def _read(path: Path) -> IO[bytes]:
     return path.open("rb")
 
 
-def zip_items(path: Path) -> list[Item]:
+def zip_items(path: Path) -> list[InputFile]:
     """Return the files in a zip file in the order of their names.
 
     Raises
     ------
-    NoZip
+    BadZip
         It is none, or holds more than can be.
     """
     try:
         if _members(path) > MOST_MEMBERS:
-            raise NoZip(f"the zip file holds more than {MOST_MEMBERS} files")
-        pack = zipfile.ZipFile(path)  # open as long as one of its items is there
+            raise BadZip(f"the zip file holds more than {MOST_MEMBERS} files")
+        pack = zipfile.ZipFile(path)  # open as long as one of its files is referenced
         members = [info for info in pack.infolist() if not info.is_dir()]
-    except NoZip:
+    except BadZip:
         raise
-    except Exception as error:  # what is no zip file can be wrong in any way
-        raise NoZip(f"the zip file is damaged ({error})") from None
+    except Exception as error:  # a damaged zip file can raise any error
+        raise BadZip(f"the zip file is damaged ({error})") from None
     if sum(m.file_size for m in members) > MOST_UNPACKED:
-        raise NoZip(f"the zip file holds more than {MOST_UNPACKED // MEBIBYTE} MiB")
+        raise BadZip(f"the zip file holds more than {MOST_UNPACKED // MEBIBYTE} MiB")
     items = (_member(pack, info) for info in members)
-    return sorted((i for i in items if not is_chaff(i.parts)), key=lambda item: item.parts)
+    return sorted((i for i in items if not is_ignored(i.parts)), key=lambda item: item.parts)
 
 
 def _members(path: Path) -> int:
-    """Return a bound on the entries of a zip file, whose list is not read into memory for it."""
+    """Return an upper bound of the number of entries, without reading the directory into memory."""
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         found = MEMBER.finditer(content)
         return sum(1 for _, _ in zip(found, range(MOST_MEMBERS + 1), strict=False))
 
 
-def _member(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> Item:
+def _member(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> InputFile:
     parts = tuple(_printable(part) for part in info.filename.replace("\\", "/").split("/"))
     refused = ""
     if stat.S_ISLNK(info.external_attr >> 16):
@@ -158,7 +158,7 @@ def _member(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> Item:
         refused = "it is encrypted"
     kept = tuple(part[:LONGEST_NAME] for part in parts if part not in ("", ".", ".."))
     kept = kept[-MOST_FOLDERS:] or ("?",)
-    return Item(kept, partial(_open, pack, info), _local(info.date_time), "zip", refused)
+    return InputFile(kept, partial(_open, pack, info), _local(info.date_time), "zip", refused)
 
 
 def _open(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> IO[bytes]:
@@ -166,20 +166,20 @@ def _open(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> IO[bytes]:
 
 
 def _local(time: tuple[int, int, int, int, int, int]) -> str:
-    """Return a time of a zip file, which says nothing of zones, as one of here."""
+    """Return a time of a zip file, which has no time zone, as local time."""
     try:
         return datetime(*time).astimezone(UTC).isoformat()
     except (ValueError, OverflowError, OSError):
         return ""
 
 
-def is_chaff(parts: tuple[str, ...]) -> bool:
-    """Whether a file is not the student's work: hidden, a cache, a copy of the checks."""
+def is_ignored(parts: tuple[str, ...]) -> bool:
+    """Whether a file is not the student's work: hidden, a cache, or a copy of the checks."""
     hidden = any(part.startswith(".") and part not in (".", "..") for part in parts)
-    return hidden or not SKIPPED.isdisjoint(parts) or parts[-1] in CHAFF
+    return hidden or not IGNORED_FOLDERS.isdisjoint(parts) or parts[-1] in IGNORED_NAMES
 
 
 def _printable(name: str) -> str:
-    """Return a name that every file of text can hold."""
+    """Return a name that can be written to any text file."""
     text = name.encode("utf-8", "backslashreplace").decode("utf-8")
     return "".join(c if c.isprintable() else "?" for c in text)

@@ -1,1 +1,1 @@
-"""What every room stands on: checked arguments, chunks and threads, files, processes, extras."""
+"""Foundations of the library: checked arguments, duplicates, chunks, files, processes, extras."""

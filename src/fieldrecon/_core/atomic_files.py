@@ -1,4 +1,4 @@
-"""A file is written whole or not at all."""
+"""Atomic writing: a file is replaced only after the new one is complete."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from contextlib import contextmanager
 from pathlib import Path
 
 TEMPORARY = re.compile(r"\.\d+-[0-9a-f]{8}\..+")
-"""Names under which files are written before they are renamed: what a killed process leaves."""
+"""Names of files before they are renamed; a killed process may leave such files."""
 
 
 def temporary_beside(path: Path) -> Path:
-    """Another name in the same folder, with the same ending, since that says which format it is."""
+    """A temporary name in the same folder, with the same ending, which determines the format."""
     return path.with_name(f".{os.getpid()}-{secrets.token_hex(4)}.{path.name}")
 
 
 @contextmanager
 def whole_file(path: Path, sync: bool = True) -> Iterator[Path]:
-    """Give a temporary name beside the path to write under; it takes the path's name at the end.
+    """Yield a temporary path to write to, which is renamed to the path at the end.
 
-    Whatever stood there stays if the writing fails or is interrupted. Folders are made. Without
-    `sync` a power failure may leave the file torn, which is good enough for what can be made again.
+    An existing file stays if writing fails or is interrupted. Missing folders are created. Without
+    `sync`, a power failure may leave an incomplete file; this suffices for reproducible files.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = temporary_beside(path)
@@ -38,7 +38,7 @@ def whole_file(path: Path, sync: bool = True) -> Iterator[Path]:
 
 
 def write_atomically(path: Path, content: bytes, sync: bool = True) -> Path:
-    """Write a file under a temporary name and rename it, so that nobody sees half of it."""
+    """Write a file under a temporary name and rename it, so that it is never seen incomplete."""
     with whole_file(path, sync) as temporary:
         temporary.write_bytes(content)
     return path

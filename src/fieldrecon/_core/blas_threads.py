@@ -1,8 +1,8 @@
-"""BLAS on one thread while this library computes in small pieces: one owner, which counts.
+"""BLAS on one thread while this library computes in small pieces.
 
-Threads of BLAS below threads of ours compete for the cores, and where cores are busy the threads of
-one small factorization wait for each other a hundred times as long as it takes. Their number
-belongs to the whole process: the first that enters notes it, and the last that leaves restores it.
+BLAS threads compete with this library's own threads for the cores; on busy cores the threads of one
+small factorization may wait for each other a hundred times as long as it takes. The number of BLAS
+threads belongs to the process: the first holder saves it, and the last one restores it.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ import scipy.linalg  # noqa: F401  it has a BLAS of its own, which must be loade
 from threadpoolctl import ThreadpoolController
 
 Number = tuple[Callable[[], int], Callable[[int], object]]
-"""What returns the number of threads of one BLAS, and what sets it."""
+"""Getter and setter of the number of threads of one BLAS."""
 
 FEW = 4e9
-"""Operations that one thread does in a fraction of a second; more are shared among threads."""
+"""Number of operations up to which one thread suffices; it does them in a fraction of a second."""
 
 
 class Owner:
-    """Who sets the numbers of threads.
+    """Reference-counted owner of the numbers of BLAS threads.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Owner:
         self._before: list[int] = []
 
     def enter(self, holder: object) -> None:
-        """Set one thread; the first notes how many there were."""
+        """Set one thread; the first holder saves the previous numbers."""
         with self._lock:
             self._holders.add(holder)
             if not self._before:
@@ -49,7 +49,7 @@ class Owner:
                     set_number(1)
 
     def leave(self, holder: object) -> None:
-        """Leave, also if interrupted while entering; the last restores what was noted."""
+        """Leave, also if interrupted while entering; the last holder restores the saved numbers."""
         with self._lock:
             self._holders.discard(holder)
             if not self._holders:
@@ -59,9 +59,9 @@ class Owner:
 
 
 def _number(library: Any) -> Number:
-    """Find the functions of a BLAS that threadpoolctl found.
+    """Getter and setter for a BLAS that threadpoolctl found.
 
-    It lets one thread alone set the number of OpenBLAS, and ignores all others without a word.
+    threadpoolctl sets the number of OpenBLAS from one thread only, and silently ignores the others.
     """
     if library.internal_api == "openblas" and not _by_openmp(library):
         names = ctypes.CDLL(library.filepath)
@@ -83,7 +83,7 @@ _of_process = Owner([_number(library) for library in _LIBRARIES if not _by_openm
 
 
 class _Owners(threading.local):
-    """That of the process, and that of this thread: OpenMP has a number for each that calls."""
+    """Owners of the process and of this thread: OpenMP has one number for each calling thread."""
 
     def __init__(self) -> None:
         own = [_number(library) for library in _LIBRARIES if _by_openmp(library)]
@@ -108,5 +108,5 @@ def one_blas_thread() -> Iterator[None]:
 
 
 def blas_threads_for(operations: float) -> AbstractContextManager[None]:
-    """Hold BLAS to one thread for few operations, of which threads would wait for each other."""
+    """Hold BLAS to one thread for few operations, where several threads would be slower."""
     return one_blas_thread() if operations <= FEW else nullcontext()

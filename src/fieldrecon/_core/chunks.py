@@ -1,8 +1,7 @@
-"""Many queries in chunks: bounded memory, threads by default, the same result on any machine."""
+"""Evaluation in chunks: bounded memory, threads by default, the same result on any machine."""
 
 from __future__ import annotations
 
-import os
 import pickle
 import tempfile
 from collections import deque
@@ -16,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fieldrecon._core.blas_threads import one_blas_thread
+from fieldrecon._core.worker_processes import available_cores
 
 Progress = Callable[[int, int], object]
 Result = TypeVar("Result")
@@ -23,7 +23,7 @@ Result = TypeVar("Result")
 CHUNK_BYTES = 2**24
 """Working memory of one chunk, in bytes; it never depends on the number of cores."""
 
-_AHEAD = 8  # chunks that wait or run at once: bounds the memory for any executor
+_AHEAD = 8  # chunks submitted at once: bounds the memory for any executor
 
 
 def rows_of(bytes_per_row: float) -> int:
@@ -41,8 +41,8 @@ def chunked(
     """Yield each slice of rows of `x` with work(x[slice]), in order.
 
     The chunks run on `executor` (a pool of threads if None); `progress(done, total)` is called
-    after each. An exception or an interrupt cancels what has not begun. Processes of a pool read
-    `work`, which may hold millions of sites, once, and not with every chunk.
+    after each. An exception or an interrupt cancels the chunks that have not begun. `work` may
+    hold millions of sites: processes of a pool read it once, not with every chunk.
     """
     slices = [slice(i, min(i + rows, len(x))) for i in range(0, len(x), rows)]
     pool: AbstractContextManager[Executor] = (
@@ -50,7 +50,7 @@ def chunked(
     )
     pending: deque[tuple[slice, Future[Result]]] = deque()
     done, ahead = 0, iter(slices)
-    with pool as workers, _at_hand(partial(_on_one_thread, work), executor) as work_there:
+    with pool as workers, _shared_work(partial(_on_one_thread, work), executor) as work_there:
         try:
             while True:
                 while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
@@ -68,35 +68,35 @@ def chunked(
                 future.cancel()
 
 
-def passes(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:
-    """Yield, for each of so many passes over `total` things, what tells `progress` of it."""
+def split_progress(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:
+    """Yield a progress callable for each of `number` passes over `total` things."""
     for before in range(number):
-        yield progress and partial(_told_of_pass, progress, total, before, number)
+        yield progress and partial(_pass_progress, progress, total, before, number)
 
 
-def _told_of_pass(
+def _pass_progress(
     progress: Progress, total: int, before: int, number: int, done: int, of: int
 ) -> None:
     progress(total * (before * of + done) // (number * of), total)
 
 
 def _on_one_thread(work: Callable[[np.ndarray], Result], x: np.ndarray) -> Result:
-    """Work on a chunk, in whichever process; the chunks share the cores, not the BLAS below."""
+    """Work on a chunk with one BLAS thread: the chunks already share the cores."""
     with one_blas_thread():
         return work(x)
 
 
 @contextmanager
-def _at_hand(
+def _shared_work(
     work: Callable[[np.ndarray], Result], executor: Executor | None
 ) -> Iterator[Callable[[np.ndarray], Result]]:
-    """The work as threads take it; for processes, in a file until all is done.
+    """Yield the work for threads as it is, for processes as a file that is deleted at the end.
 
-    An executor that has a place of its own for it says so by `holding`.
+    An executor that shares work in its own way has a method `shared_work`.
     """
-    holding = getattr(executor, "holding", None)
-    if holding is not None:
-        with holding(work) as held:
+    shared_work = getattr(executor, "shared_work", None)
+    if shared_work is not None:
+        with shared_work(work) as held:
             yield held
         return
     if not isinstance(executor, ProcessPoolExecutor):
@@ -119,7 +119,7 @@ def _read(file: Path) -> Callable[[np.ndarray], Any]:
 
 
 class Inline(Executor):
-    """Runs at once, in the calling thread: one worker needs no pool."""
+    """An executor that runs each call at once in the calling thread."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         future: Future[Any] = Future()
@@ -131,7 +131,5 @@ class Inline(Executor):
 
 
 def _threads(chunks: int) -> Executor:
-    cores = (
-        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    )
-    return Inline() if min(chunks, cores) <= 1 else ThreadPoolExecutor(min(chunks, cores))
+    workers = min(chunks, available_cores())
+    return Inline() if workers <= 1 else ThreadPoolExecutor(workers)

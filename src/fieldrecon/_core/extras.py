@@ -1,4 +1,4 @@
-"""Optional packages: which extra of fieldrecon brings a missing one, and the line that installs it.
+"""Optional packages: the extra that provides a missing one, and the command that installs it.
 
 The metadata of the installed distribution say which package belongs to which extra, and from where
 fieldrecon itself was installed.
@@ -20,14 +20,14 @@ LIBRARY = "fieldrecon"
 COMPANION = "fieldrecon-course"
 """The distribution of the report and the course, from the folder src of the same checkout."""
 PICTURES = ("matplotlib", "typst")
-"""What a picture takes: the fonts are those that typst carries."""
+"""Packages needed for pictures; the fonts come with typst."""
 _PROVIDER = {
     "IPython": "ipykernel",
     "mpl_toolkits": "matplotlib",
     "pypandoc": "pypandoc_binary",
     "skimage": "scikit-image",
 }
-"""Packages of another name than the module that is imported."""
+"""Packages whose name differs from that of the imported module."""
 
 
 def optional(module: str) -> ModuleType:
@@ -36,7 +36,7 @@ def optional(module: str) -> ModuleType:
     Raises
     ------
     ModuleNotFoundError
-        If it is not installed: the message names the extra, and the line that installs it.
+        If it is not installed: the message names the extra, and the command that installs it.
     """
     try:
         return import_module(module)
@@ -45,29 +45,29 @@ def optional(module: str) -> ModuleType:
 
 
 def require(*modules: str) -> None:
-    """Refuse to begin what would fail later for want of a package.
+    """Refuse to begin work that would fail later for lack of a package.
 
     Raises
     ------
     ModuleNotFoundError
-        Naming all of them that are missing, their extras, and one line that installs them.
+        Naming all missing packages, their extras, and the command that installs them.
     """
     if missing := absent(*modules):
         raise ModuleNotFoundError(remedy(*missing))
 
 
 def absent(*modules: str) -> list[str]:
-    """Return those of the modules that are not installed."""
+    """Return the modules that are not installed."""
     return [module for module in modules if find_spec(module) is None]
 
 
 def remedy(*modules: str) -> str:
-    """Return the sentence for missing modules: their packages, their extras, and the line to type.
+    """Return the sentence for missing modules: their packages, extras, and the command to type.
 
     Parameters
     ----------
     *modules : str
-        Names as they are imported; of submodules, the first part counts.
+        Names as they are imported; only the first part of a submodule's name counts.
     """
     packages = list(dict.fromkeys(map(_package, modules)))
     distribution, extras = _richest(packages)
@@ -91,7 +91,7 @@ def companion(extra: str) -> str:
 
 
 def _richest(packages: list[str]) -> tuple[Distribution, list[str]]:
-    """Return the distribution whose extras have most of the packages, and those extras."""
+    """Return the distribution whose extras have most of the packages, and these extras."""
     installed = [d for d in (_installed(LIBRARY), _installed(COMPANION)) if d]
     extras = [
         [known[_key(p)] for p in packages if _key(p) in known] for known in map(_extras, installed)
@@ -122,7 +122,7 @@ def _extras(distribution: Distribution) -> dict[str, str]:
 
 
 def _installed(name: str) -> Distribution | None:
-    """Return the distribution that an installer recorded, not what a build left beside the source.
+    """Return the distribution that an installer recorded, not one that a build left in the source.
 
     Builds leave a folder such as src/fieldrecon.egg-info, which counts wherever src is on the path.
     """
@@ -154,7 +154,7 @@ def _folder(distribution: Distribution) -> Path | None:
     url = _origin(distribution).get("url", "")
     if urlsplit(url).scheme != "file":
         return None
-    from urllib.request import url2pathname  # which imports much that nothing else needs
+    from urllib.request import url2pathname  # imported here, since it imports many modules
 
     return Path(url2pathname(urlsplit(url).path))
 

@@ -1,4 +1,4 @@
-"""Memory: how much this process may use, and the most that it has used."""
+"""Memory: how much this process may use, and its peak so far."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ def _cgroup_limits() -> Iterator[int]:
             continue
         own = root / path.lstrip("/")
         for group in (own, *own.parents):
-            with suppress(OSError, ValueError):  # the group is the host's; "max" is no number
+            with suppress(OSError, ValueError):  # the group is the host's, or the limit "max"
                 yield int((group / file).read_text(encoding="ascii"))
 
 
 def peak_memory() -> int | None:
-    """Most bytes of memory that this process has used, or None on Windows."""
+    """Peak memory of this process in bytes, or None on Windows."""
     try:
         import resource
     except ModuleNotFoundError:
@@ -60,5 +60,5 @@ def peak_memory() -> int | None:
 
 
 def memory_used(peak: int | None, of: str = "") -> str:
-    """Return the end of a line that begins with a time; nothing if the memory is not known."""
+    """The memory as the end of a line that begins with a time; empty if it is not known."""
     return "" if peak is None else f", {peak / 1e9:.2f} GB{of}"

@@ -1,4 +1,4 @@
-"""Arrays come in with a known shape and finite, and go out finite, or an error says why not."""
+"""Checks of arguments and results: shapes, types, and finite numbers."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-MOST_TOLD = 6
-"""Coordinates of a place that an error spells out."""
+MAX_SHOWN = 6
+"""Coordinates of a format_point that an error spells out."""
 
 
 def as_points(points: ArrayLike, name: str = "points") -> np.ndarray:
@@ -59,9 +59,18 @@ def as_values(values: ArrayLike, n: int, name: str = "values", of: str = "point"
 
 def as_degree(degree: int, lowest: int = 0) -> int:
     """A polynomial degree: an integer, `lowest` or more."""
-    if isinstance(degree, bool) or not isinstance(degree, int | np.integer) or degree < lowest:
-        raise ValueError(f"degree must be an integer, {lowest} or more; got {degree!r}")
-    return int(degree)
+    return as_count(degree, "degree", lowest)
+
+
+def as_count(
+    count: int, name: str, lowest: int = 1, highest: float = math.inf, wanted: str = ""
+) -> int:
+    """An integer from `lowest` to `highest`; `wanted` describes it in the error message."""
+    known = isinstance(count, int | np.integer) and not isinstance(count, bool)
+    if not known or not lowest <= count <= highest:
+        wanted = wanted or f"an integer, {lowest} or more"
+        raise ValueError(f"{name} must be {wanted}; got {count!r}")
+    return int(count)
 
 
 def as_length(length: float, name: str, zero_allowed: bool = False) -> float:
@@ -97,7 +106,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def finite(what: str) -> Callable[[Function], Function]:
-    """Decorator of functions whose arrays come out finite, or an error names `what` does not."""
+    """Decorator that raises an OverflowError about `what` if a function's result is not finite."""
 
     def decorated(function: Function) -> Function:
         @wraps(function)
@@ -117,24 +126,24 @@ def finite(what: str) -> Callable[[Function], Function]:
     return decorated
 
 
-def without_warnings(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Result of a computation whose overflows are found in the result, by `finite_rows`."""
+def quiet_evaluate(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Result of a computation without warnings of overflow, which `check_finite` finds in it."""
     with np.errstate(all="ignore"):
         return function(*arguments)
 
 
-def place(x: np.ndarray) -> str:
-    """A point in words: its coordinates, or the first few of many."""
-    few = x if len(x) <= MOST_TOLD else x[: MOST_TOLD // 2]
-    told = ", ".join(f"{c:.6g}" for c in few)
-    return told if len(few) == len(x) else f"{told}, … of {len(x)} coordinates"
+def format_point(x: np.ndarray) -> str:
+    """Coordinates of a point for an error message, the first few of many."""
+    few = x if len(x) <= MAX_SHOWN else x[: MAX_SHOWN // 2]
+    shown = ", ".join(f"{c:.6g}" for c in few)
+    return shown if len(few) == len(x) else f"{shown}, … of {len(x)} coordinates"
 
 
-def finite_rows(result: Any, x: np.ndarray) -> Any:
-    """The result, one row for each point x, refused in words where it is not finite."""
+def check_finite(result: Any, x: np.ndarray) -> Any:
+    """The result, one row for each point x, if it is finite; the error names a point if not."""
     entries = result.data if sparse.issparse(result) else result
     if not np.isfinite(entries).all():
         wrong = ~np.isfinite(result.toarray() if sparse.issparse(result) else result)
-        where = place(x[np.argwhere(wrong)[0][0]])
+        where = format_point(x[np.argwhere(wrong)[0][0]])
         raise OverflowError(f"the result at ({where}) exceeds the range of floating-point numbers")
     return result

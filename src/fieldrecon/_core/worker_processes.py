@@ -1,4 +1,4 @@
-"""Processes that leave Ctrl-C to their parent, and do not outlive it."""
+"""Worker processes that leave Ctrl-C to their parent and end with it."""
 
 from __future__ import annotations
 
@@ -14,17 +14,24 @@ from multiprocessing.context import BaseContext
 from typing import Any
 
 
+def available_cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def prepare(modules: Sequence[str]) -> None:
-    """Begin to import modules for the processes to come; this does not wait for it."""
+    """Begin to import modules for future workers, without waiting for it."""
     if sys.platform == "linux":
         multiprocessing.set_forkserver_preload(list(modules))
     _context()
 
 
 def _context() -> BaseContext:
-    """Return how processes come into being: from a server that has imported what they need.
+    """Start method: on Linux a fork server that has imported what the workers need.
 
-    Outside of Linux a process with NumPy loaded is better not forked.
+    Elsewhere workers are spawned, since forking a process with NumPy loaded is unsafe.
     """
     if sys.platform == "linux":
         from multiprocessing import forkserver
@@ -36,22 +43,22 @@ def _context() -> BaseContext:
 
 
 def _nothing() -> None:
-    """Do it."""
+    """Do nothing."""
 
 
-class Processes(ProcessPoolExecutor):
-    """Fresh processes, started as there is work for them.
+class WorkerPool(ProcessPoolExecutor):
+    """A pool of fresh processes, started as there is work for them.
 
     Parameters
     ----------
     count : int
-        How many at most.
+        Maximum number of processes.
     begin : callable
-        What each does first.
+        Called first in each process.
     end : callable
-        What it does when its parent is no more, before it ends itself.
+        Called in a process when its parent has ended, before it ends itself.
     context : BaseContext, optional
-        How they come into being; on Linux forked from a server if not given, elsewhere spawned.
+        Start method; by default a fork server on Linux, and spawning elsewhere.
     """
 
     def __init__(
@@ -66,7 +73,7 @@ class Processes(ProcessPoolExecutor):
         )
 
     def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
-        """Have a function called; what is started for it has Ctrl-C blocked until it is ready."""
+        """Submit a call; a process started for it has Ctrl-C blocked until it is ready."""
         with _ctrl_c_blocked():
             return super().submit(fn, *args, **kwargs)
 
@@ -84,7 +91,7 @@ def _ctrl_c_blocked() -> Iterator[None]:
 
 
 def _begin(begin: Callable[[], object], end: Callable[[], object]) -> None:
-    # what is started from here is to know Ctrl-C again: a handler ends with exec, a mask does not
+    # programs started by a worker must receive Ctrl-C: exec resets a handler, but keeps a mask
     signal.signal(signal.SIGINT, lambda *_: None)
     if sys.platform != "win32":
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

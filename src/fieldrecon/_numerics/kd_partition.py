@@ -1,4 +1,4 @@
-"""Space cut into boxes that hold nearly equally many sites, and the balls that reach into each."""
+"""Partition of space by a k-d tree into boxes with nearly equally many sites."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from scipy import sparse
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 
 MOST_SLABS = 7
-"""Parts of the first cut, so that boxes need not be as large as powers of two make them."""
+"""Maximum number of slabs of the first cut, so that boxes can have nearly any size."""
 
 Cuts: TypeAlias = tuple[np.ndarray, np.ndarray]
-"""Of each box of a level (b,): across which axis it is cut, and where."""
+"""For each box of a level (b,): the axis it is cut across, and the coordinate of the cut."""
 
 
 @dataclass(frozen=True)
-class Boxes:
-    """A few slabs, each halved across the longest side again and again; they fill all space.
+class KDPartition:
+    """A few slabs, each halved repeatedly across its longest side; the boxes fill all space.
 
     Attributes
     ----------
     across : int
         Axis that the slabs are cut across.
     slabs : (s - 1,) ndarray
-        Where.
+        Coordinates of the cuts between the slabs.
     halvings : sequence of Cuts
-        Of each level, for its s 2^l boxes.
+        For each level l, the cuts of its s 2^l boxes.
     sites : (s 2^L, m) ndarray
-        Sites in the boxes of the last level, as many in each or one fewer; -1 where there is none.
+        Sites in each box of the last level, m or m - 1 of them; -1 where there is none.
     """
 
     across: int
@@ -43,8 +43,10 @@ class Boxes:
     sites: np.ndarray
 
     @classmethod
-    def around(cls, points: np.ndarray, size: float, progress: Progress | None = None) -> Boxes:
-        """Boxes of so many of the sites (n, d) or fewer, but not by more than a fifth."""
+    def around(
+        cls, points: np.ndarray, size: float, progress: Progress | None = None
+    ) -> KDPartition:
+        """Boxes of at most `size` of the sites (n, d) each, and at least four fifths of that."""
         number, levels = _slabs_and_levels(len(points) / size)
         across = int(np.argmax(points.max(axis=0) / 2 - points.min(axis=0) / 2))
         cuts, slabs = _slabs(points[:, across], number)
@@ -52,15 +54,15 @@ class Boxes:
         *halvings, sites = zip(*(part for _, part in parts), strict=True)
         return cls(across, cuts, [_joined(level) for level in halvings], np.concatenate(sites))
 
-    def in_order(self) -> tuple[Boxes, np.ndarray]:
-        """The same boxes for sites renumbered so that neighbours follow each other; the order."""
+    def in_order(self) -> tuple[KDPartition, np.ndarray]:
+        """The same boxes for sites renumbered box by box, and the order of the old numbers."""
         there = self.sites >= 0
         sites = np.full_like(self.sites, -1)
         sites[there] = np.arange(there.sum())
         return replace(self, sites=sites), self.sites[there]
 
     def containing(self, x: np.ndarray) -> np.ndarray:
-        """The box (m,) of each of the places (m, d)."""
+        """Index (m,) of the box that contains each of the points (m, d)."""
         box, each = np.searchsorted(self.slabs, x[:, self.across]), np.arange(len(x))
         for axis, cut in self.halvings:
             box = 2 * box + (x[each, axis[box]] > cut[box])
@@ -69,7 +71,7 @@ class Boxes:
     def reached(
         self, centers: np.ndarray, radii: np.ndarray, progress: Progress | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Which balls reach into each box: `ball[start[b] : start[b + 1]]`, rising."""
+        """Balls that reach into each box b: `ball[start[b] : start[b + 1]]`, in ascending order."""
         rows = rows_of(2**7 * 8 * centers.shape[1])
         work = partial(self._reach, centers, radii)
         parts = chunked(work, np.arange(len(centers)), rows, progress=progress)
@@ -85,12 +87,12 @@ class Boxes:
         low, high = np.append(-np.inf, self.slabs), np.append(self.slabs, np.inf)
         beside = np.maximum(np.maximum(low - along, along - high), 0.0)
         ball, box = np.nonzero(beside <= r[:, None])
-        outside = np.zeros((len(ball), x.shape[1]))  # of the box, by axis
+        outside = np.zeros((len(ball), x.shape[1]))  # distance of the centre from the box, by axis
         outside[:, self.across] = beside[ball, box]
         for axis, cut in self.halvings:
             across = axis[box]
             beyond = x[ball, across] - cut[box]
-            further = outside.copy()  # the half in which the centre lies is no farther
+            further = outside.copy()  # only the half without the centre is farther
             each = np.arange(len(ball)), across
             further[each] = np.maximum(further[each], np.abs(beyond))
             near = np.einsum("pd,pd->p", further, further) <= r[ball] ** 2
@@ -102,13 +104,13 @@ class Boxes:
 
 
 def _slabs_and_levels(boxes: float) -> tuple[int, int]:
-    """The least s 2^L that is no fewer boxes."""
+    """S and L of the smallest s 2^L that is at least the number of boxes."""
     levels = max(0, math.ceil(math.log2(max(boxes, 1.0) / MOST_SLABS)))
     return math.ceil(boxes / 2**levels), levels
 
 
 def _slabs(along: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
-    """Where to cut (s - 1,) the coordinates (n,), and the sites of each slab (s, n // s + 1)."""
+    """Cuts (s - 1,) of the coordinates (n,), and the sites of each slab (s, n // s + 1)."""
     n = len(along)
     ends = np.arange(1, number) * n // number
     order = np.argpartition(along, ends) if number > 1 else np.arange(n)
@@ -122,68 +124,70 @@ def _slabs(along: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _cut(points: np.ndarray, levels: int, rows: np.ndarray) -> tuple[Cuts | np.ndarray, ...]:
-    """Halve each of the rows so many times: the cuts of each level, and the rows of the last."""
-    cuts, places = [], points.T[:, rows]
+    """Halve each of the rows `levels` times: the cuts of each level, and the rows of the last."""
+    cuts, coordinates = [], points.T[:, rows]
     for _ in range(levels):
-        axis, cut, rows, places = halved(rows, places)
+        axis, cut, rows, coordinates = halved(rows, coordinates)
         cuts.append((axis, cut))
     return (*cuts, rows)
 
 
 def _joined(cuts: Sequence[Cuts]) -> Cuts:
-    axes, places = zip(*cuts, strict=True)
-    return np.concatenate(axes), np.concatenate(places)
+    axes, coordinates = zip(*cuts, strict=True)
+    return np.concatenate(axes), np.concatenate(coordinates)
 
 
 def halved(
-    rows: np.ndarray, places: np.ndarray
+    rows: np.ndarray, coordinates: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Cut each row of sites across the longest side of its box, into halves that differ by one.
 
     Parameters
     ----------
     rows : (b, s + 1) ndarray
-        Numbers of sites, s or s + 1 in each row; where the last is missing, -1.
-    places : (d, b, s + 1) ndarray
-        Where they are.
+        Indices of sites, s or s + 1 in each row; -1 where the last is missing.
+    coordinates : (d, b, s + 1) ndarray
+        Coordinates of the sites.
 
     Returns
     -------
     axis, cut : (b,) ndarray
-        Across which axis, and where.
+        Axis and coordinate of each cut.
     halves : (2 b, s // 2 + 1) ndarray
-        Rows of the same form, two for each.
-    halfplaces : (d, 2 b, s // 2 + 1) ndarray
-        Where they are.
+        Rows of the same form, two for each row.
+    half_coordinates : (d, 2 b, s // 2 + 1) ndarray
+        Coordinates of their sites.
     """
-    low, high = extents(rows, places)
+    low, high = extents(rows, coordinates)
     axis = np.argmax(high - low, axis=0)
-    along = places[axis, np.arange(len(rows))]
+    along = coordinates[axis, np.arange(len(rows))]
     along[rows[:, -1] < 0, -1] = np.inf
     s = rows.shape[1] - 1
     left = (s + 1) // 2
-    order = np.argpartition(along, (left, s), axis=1)  # what is no site stays last
+    order = np.argpartition(along, (left, s), axis=1)  # a missing site stays last
     along = np.take_along_axis(along, order, axis=1)
     cut = along[:, :left].max(axis=1) / 2 + along[:, left] / 2
     halves = _split(np.take_along_axis(rows, order, axis=1), left, -1)
-    halfplaces = [_split(np.take_along_axis(p, order, axis=1), left, 0.0) for p in places]
-    return axis, cut, halves, np.stack(halfplaces)
+    half_coordinates = [
+        _split(np.take_along_axis(p, order, axis=1), left, 0.0) for p in coordinates
+    ]
+    return axis, cut, halves, np.stack(half_coordinates)
 
 
-def extents(rows: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def extents(rows: np.ndarray, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest coordinates (d, b) of the sites in each row."""
-    low, high = places[..., :-1].min(axis=2), places[..., :-1].max(axis=2)
-    last = places[..., -1]
+    low, high = coordinates[..., :-1].min(axis=2), coordinates[..., :-1].max(axis=2)
+    last = coordinates[..., -1]
     there = rows[:, -1] >= 0
     return np.where(there, np.minimum(low, last), low), np.where(
         there, np.maximum(high, last), high
     )
 
 
-def _split(ordered: np.ndarray, left: int, nothing: float) -> np.ndarray:
-    """The first `left` columns and the rest as rows of the same length."""
+def _split(ordered: np.ndarray, left: int, missing: float) -> np.ndarray:
+    """The first `left` columns and the other columns as rows of the same length."""
     b, s = ordered.shape[0], ordered.shape[1] - 1
-    halves = np.full((b, 2, s // 2 + 1), nothing, dtype=ordered.dtype)
+    halves = np.full((b, 2, s // 2 + 1), missing, dtype=ordered.dtype)
     halves[:, 0, :left] = ordered[:, :left]
     halves[:, 1] = ordered[:, left:]
     return halves.reshape(2 * b, -1)

@@ -1,4 +1,4 @@
-"""Which sites count at a query: all of them, those within a radius, or the k nearest."""
+"""Neighbour search: all sites, those within a radius, or the k nearest."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.validation import as_count
+
 
 @dataclass(frozen=True)
 class Neighborhood:
@@ -17,13 +19,13 @@ class Neighborhood:
     Attributes
     ----------
     index : (m, k) ndarray
-        Sites; where `distance` is infinite there is none.
+        Indices of sites; an entry is missing where `distance` is infinite.
     distance : (m, k) ndarray
         Distances r of the sites from the query.
     reach : (m,) ndarray or None
-        Distance of the nearest site that no longer counts, where the weight is scaled by it.
+        Distance of the nearest site outside the neighbourhood, if the weight is scaled by it.
     reach_index : (m,) ndarray or None
-        That site.
+        Index of that site.
     """
 
     index: np.ndarray
@@ -33,61 +35,44 @@ class Neighborhood:
 
     @property
     def missing(self) -> np.ndarray:
-        """Places (m, k) at which there is no site."""
+        """Entries (m, k) without a site."""
         return np.isinf(self.distance)
 
 
 def as_neighbors(neighbors: int | None, n: int) -> int | None:
-    """A number of neighbours that leaves one of n sites to set the scale, or None for all."""
+    """A number of neighbours below n, so that one more site sets the scale, or None for all."""
     if neighbors is None:
         return None
-    if (
-        isinstance(neighbors, bool)
-        or not isinstance(neighbors, int | np.integer)
-        or not 1 <= neighbors < n
-    ):
-        raise ValueError(
-            f"neighbors must be an integer from 1 to {n - 1}, fewer than the {n} points, or None "
-            f"for all of them; got {neighbors!r}"
-        )
-    return int(neighbors)
+    wanted = f"an integer from 1 to {n - 1}, fewer than the {n} points, or None for all of them"
+    return as_count(neighbors, "neighbors", 1, n - 1, wanted)
 
 
-def places(sites: np.ndarray) -> np.ndarray:
-    """Number of its place for each site (n,): the same for sites that coincide."""
-    order = np.lexsort(sites.T)
-    elsewhere = (np.diff(sites[order], axis=0) != 0).any(axis=1)
-    place = np.empty(len(sites), dtype=int)
-    place[order] = np.concatenate([[0], np.cumsum(elsewhere)])
-    return place
-
-
-def gathered(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For each of (m, k) places: the column of the first like it in its row, and how many are."""
-    order = np.argsort(place, axis=1, kind="stable")
-    ordered = np.take_along_axis(place, order, axis=1)
+def group_rows(label: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each of (m, k) labels: the column of the first equal one in its row, and their number."""
+    order = np.argsort(label, axis=1, kind="stable")
+    ordered = np.take_along_axis(label, order, axis=1)
     new = np.diff(ordered, axis=1, prepend=-1) != 0
-    start = np.maximum.accumulate(np.where(new, np.arange(place.shape[1]), 0), axis=1)
+    start = np.maximum.accumulate(np.where(new, np.arange(label.shape[1]), 0), axis=1)
     lead, count = np.empty_like(order), np.zeros_like(order)
     np.put_along_axis(lead, order, np.take_along_axis(order, start, axis=1), axis=1)
-    np.add.at(count, (np.arange(len(place))[:, None], lead), 1)
+    np.add.at(count, (np.arange(len(label))[:, None], lead), 1)
     return lead, np.take_along_axis(count, lead, axis=1)
 
 
 class Search(Protocol):
-    """How sites are found; `without` leaves one site out for each query."""
+    """A neighbour search; `without` excludes one site for each query."""
 
     local: bool
 
     def typical_size(self) -> int:
-        """Number of sites of one query, for the size of the chunks."""
+        """Typical number of sites of one query, for the size of the chunks."""
 
     def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
-        """Sites about the queries (m, d)."""
+        """Neighbourhoods of the queries (m, d)."""
 
 
 class AllSites:
-    """Every site counts at every query."""
+    """Search that returns every site for every query."""
 
     local = False
 
@@ -95,7 +80,7 @@ class AllSites:
         self._sites = sites
 
     def typical_size(self) -> int:
-        """All of them."""
+        """The number of all sites."""
         return len(self._sites)
 
     def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
@@ -108,7 +93,7 @@ class AllSites:
 
 
 class WithinRadius:
-    """The sites nearer than a radius: the support of the weight."""
+    """Search for the sites within a radius, the support of the weight."""
 
     local = True
 
@@ -120,14 +105,14 @@ class WithinRadius:
         self._typical = int(np.max(counts))
 
     def typical_size(self) -> int:
-        """The most about a sample of the sites."""
+        """The largest number about a sample of the sites."""
         return self._typical
 
     def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
         """The sites within the radius, padded to the largest number of them."""
         counts = self._tree.query_ball_point(x, self._radius, return_length=True)
         k = max(1, int(np.max(counts, initial=0)))
-        # one step beyond the radius, since the search leaves out the bound itself
+        # one step beyond the radius, since the search excludes the bound itself
         bound = math.nextafter(self._radius, math.inf)
         distance, index = self._tree.query(x, k=[*range(1, k + 1)], distance_upper_bound=bound)
         index[np.isinf(distance)] = 0
@@ -137,7 +122,7 @@ class WithinRadius:
 
 
 class Nearest:
-    """The k nearest sites; the (k + 1)-th sets the scale, so that the k-th still counts."""
+    """Search for the k nearest sites; the (k + 1)-th sets the scale of the weight."""
 
     local = True
 
@@ -146,11 +131,11 @@ class Nearest:
         self._k = k
 
     def typical_size(self) -> int:
-        """As many as are asked for."""
+        """The number k."""
         return self._k
 
     def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
-        """The k nearest, and the distance of the next."""
+        """The k nearest sites, and the next one with its distance."""
         distance, index = self._tree.query(x, k=self._k + 1 + (without is not None))
         if without is not None:
             distance, index = _dropped(distance, index, without)
@@ -160,7 +145,7 @@ class Nearest:
 def _dropped(
     distance: np.ndarray, index: np.ndarray, without: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One column fewer: without the named site, or the last where it is not there (duplicates)."""
+    """One column fewer: without the given site, or the last where it is not found (duplicates)."""
     hit = index == without[:, None]
     hit[~hit.any(axis=1), -1] = True
     shape = (len(index), index.shape[1] - 1)

@@ -1,4 +1,4 @@
-"""The symmetric indefinite system of augmented interpolation, factored on the null space of P^T.
+"""The symmetric indefinite system of augmented interpolation, dense or sparse.
 
     [ A   P ] [lambda]   [f]
     [ P^T 0 ] [  c   ] = [g]
@@ -6,9 +6,8 @@
 A is positive definite only where P^T lambda = 0. With P = Q_1 R and Q = [Q_1 Z] the block Z^T A Z
 is positive definite and has a Cholesky factor: half the work of LU, and a proof of definiteness.
 
-The system of augmented interpolation with a sparse positive definite kernel matrix.
-
-A has a sparse factor of its own, and with P = Q R the polynomial follows from the small system
+A sparse positive definite A has a factor of its own. With P = Q R, the polynomial then follows from
+the small system
 
     Q^T A^-1 Q (R c) = Q^T A^-1 f - R^-T g,    lambda = A^-1 (f - P c).
 """
@@ -26,9 +25,11 @@ from scipy.sparse.linalg import splu
 
 from fieldrecon._core.blas_threads import blas_threads_for
 
+_COLUMNS = 64  # right-hand sides of a sparse system that are solved at once
+
 
 class SaddlePoint:
-    """Factored system; of `a` (n, n), Fortran-contiguous, the lower triangle is overwritten.
+    """Factored dense system; the lower triangle of `a` (n, n), Fortran-contiguous, is overwritten.
 
     Raises
     ------
@@ -46,7 +47,7 @@ class SaddlePoint:
         self._v, self._t, self._r = _compact_wy(p)
         if q:
             _rotate(a, self._v, self._t)
-            # lower triangle of Q^T A Q: the leading block and what couples it to the null space
+            # lower triangle of Q^T A Q: the leading block, and its coupling to the null space
             self._a11 = np.tril(a[:q, :q]) + np.tril(a[:q, :q], -1).T
             self._a21 = a[q:, :q].copy()
             a[:q, :q] = np.eye(q)
@@ -77,7 +78,7 @@ class SaddlePoint:
         return len(self._factor)
 
     def _triangular(self, g: np.ndarray, trans: str = "N") -> np.ndarray:
-        # what is not finite comes out not finite, and is told by the caller
+        # values that are not finite stay so, and the caller reports them
         return solve_triangular(self._r, g, trans=trans, check_finite=False)
 
     def inverse_diagonal(self) -> np.ndarray:
@@ -102,49 +103,6 @@ class SaddlePoint:
         if self._pivots is None:
             return lapack.dpotrs(self._factor, f, lower=1)[0]
         return lapack.dsytrs(self._factor, self._pivots, f, lower=1)[0]
-
-
-def _compact_wy(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Householder factors of P: Q = I - V T V^T and R, with V (n, q) unit lower trapezoidal."""
-    n, q = p.shape
-    if q == 0:
-        return np.zeros((n, 0)), np.zeros((0, 0)), np.zeros((0, 0))
-    packed, tau, _, _ = lapack.dgeqrf(p)
-    v = np.tril(packed, -1)
-    v[range(q), range(q)] = 1.0
-    t = np.zeros((q, q))
-    for j in range(q):
-        t[:j, j] = -tau[j] * (t[:j, :j] @ (v[:, :j].T @ v[:, j]))
-        t[j, j] = tau[j]
-    return v, t, np.triu(packed[:q])
-
-
-def _rotate(a: np.ndarray, v: np.ndarray, t: np.ndarray) -> None:
-    """Lower triangle of A <- Q^T A Q in place, a symmetric update of rank 2q: A - Y V^T - V Y^T."""
-    w = dsymm(1.0, a, np.asfortranarray(v), lower=1) @ t
-    y = w - v @ (t.T @ (v.T @ w)) / 2
-    dsyr2k(-1.0, np.asfortranarray(y), np.asfortranarray(v), beta=1.0, c=a, lower=1, overwrite_c=1)
-
-
-def _factored(a: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Cholesky factor; where rounding has spoilt definiteness, Bunch and Kaufman's L D L^T."""
-    scale = np.abs(np.diagonal(a)).max()
-    kept = a.copy(order="F") if len(a) <= 4000 else None
-    factor, info = lapack.dpotrf(a, lower=1, overwrite_a=1, clean=0)
-    if info == 0:
-        return factor, None
-    if kept is not None:
-        factor, pivots, info = lapack.dsytrf(kept, lower=1, overwrite_a=1)
-        if info == 0 and np.abs(np.diagonal(factor)).min() > 0:
-            return factor, pivots
-    raise LinAlgError(
-        "the kernel matrix is not positive definite in floating-point numbers (its entries are of "
-        f"size {scale:.1e}): the kernel is too flat for sites this close; choose a smaller "
-        "scale, a rougher kernel or some smoothing"
-    )
-
-
-_COLUMNS = 64  # right-hand sides at once
 
 
 class SparseSaddlePoint(SaddlePoint):
@@ -208,8 +166,48 @@ class SparseSaddlePoint(SaddlePoint):
 
 
 def entries_of_factor(entries: int, n: int, d: int) -> float:
-    """About how many numbers the factors of a sparse matrix of n sites in d variables hold.
+    """Estimate of the number of entries in the factors of a sparse matrix of n sites in R^d.
 
-    By dissection: n log n in the plane, n^(2 - 2/d) in space, times the neighbours of a site.
+    By nested dissection: n log n in the plane, n^(2 - 2/d) in space, times the neighbours per site.
     """
     return entries * max(math.log2(n + 1), 2 * n ** (1 - 2 / d))
+
+
+def _compact_wy(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Householder factors of P: Q = I - V T V^T and R, with V (n, q) unit lower trapezoidal."""
+    n, q = p.shape
+    if q == 0:
+        return np.zeros((n, 0)), np.zeros((0, 0)), np.zeros((0, 0))
+    packed, tau, _, _ = lapack.dgeqrf(p)
+    v = np.tril(packed, -1)
+    v[range(q), range(q)] = 1.0
+    t = np.zeros((q, q))
+    for j in range(q):
+        t[:j, j] = -tau[j] * (t[:j, :j] @ (v[:, :j].T @ v[:, j]))
+        t[j, j] = tau[j]
+    return v, t, np.triu(packed[:q])
+
+
+def _rotate(a: np.ndarray, v: np.ndarray, t: np.ndarray) -> None:
+    """Lower triangle of A <- Q^T A Q in place, a symmetric update of rank 2q: A - Y V^T - V Y^T."""
+    w = dsymm(1.0, a, np.asfortranarray(v), lower=1) @ t
+    y = w - v @ (t.T @ (v.T @ w)) / 2
+    dsyr2k(-1.0, np.asfortranarray(y), np.asfortranarray(v), beta=1.0, c=a, lower=1, overwrite_c=1)
+
+
+def _factored(a: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+    """Cholesky factor, or Bunch and Kaufman's L D L^T where rounding has spoilt definiteness."""
+    scale = np.abs(np.diagonal(a)).max()
+    kept = a.copy(order="F") if len(a) <= 4000 else None
+    factor, info = lapack.dpotrf(a, lower=1, overwrite_a=1, clean=0)
+    if info == 0:
+        return factor, None
+    if kept is not None:
+        factor, pivots, info = lapack.dsytrf(kept, lower=1, overwrite_a=1)
+        if info == 0 and np.abs(np.diagonal(factor)).min() > 0:
+            return factor, pivots
+    raise LinAlgError(
+        "the kernel matrix is not positive definite in floating-point numbers (its entries are of "
+        f"size {scale:.1e}): the kernel is too flat for sites this close; choose a smaller "
+        "scale, a rougher kernel or some smoothing"
+    )

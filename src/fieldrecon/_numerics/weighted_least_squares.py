@@ -1,14 +1,13 @@
 """Many small weighted least-squares problems at once.
 
 For each of m queries, C with c = C f minimises sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
-well conditioned the normal equations are solved by elimination, batched over the queries; the rest
-takes Householder QR, with rows and columns pivoted, which is stable however much the weights of the
-rows differ (Cox and Higham 1998).
+well conditioned, the normal equations are solved by elimination, batched over the queries.
 
-Local least squares where the data determine the value but perhaps not the whole polynomial.
-
-The first coefficients of a fit are *estimable* when every solution of least squares has the same:
-when no null vector of the matrix has a part in them. Then the solution of least norm gives them.
+The remaining problems take one of two stabler ways. If all coefficients must be determined, it is
+Householder QR with rows and columns pivoted, which is stable however much the weights of the rows
+differ (Cox and Higham 1998). If the first coefficients suffice, they need only be *estimable*: no
+null vector of the matrix has a part in them, so they are the same in every solution. The solution
+of least norm gives them, by the singular value decomposition.
 """
 
 from __future__ import annotations
@@ -18,12 +17,17 @@ import numpy as np
 from fieldrecon._core.blas_threads import one_blas_thread
 from fieldrecon.polynomials import EPS
 
+LARGEST_WEIGHT = 1e8
+"""Weights beyond this turn the rounding of the data into errors of half the digits."""
+
 # Pivots of the equilibrated normal matrix below this send a query to QR: elimination loses three
 # digits of sixteen to one such pivot, and more where several are small in a row. A hundredth would
-# save most of those, and costs a fifth more time at degree 2.
-SAFE_PIVOT = 1e-3
+# save most of those, and takes a fifth more time at degree 2.
+_SAFE_PIVOT = 1e-3
 # Squares of entries below this lose digits, or vanish.
 _SMALLEST_SQUARE = 1e-6
+# C b may differ from the unit matrix by this after elimination before a stabler way is taken.
+_ROUNDING = 1e-13
 
 
 class Undetermined(Exception):
@@ -71,6 +75,76 @@ def coefficient_weights(
     return c
 
 
+def estimable_weights(b: np.ndarray, w: np.ndarray, rows: int) -> np.ndarray:
+    """First rows of C where they are estimable: the data may leave other coefficients undetermined.
+
+    Parameters
+    ----------
+    b : (m, k, q) ndarray
+        Rows of each fit, of size one: its variables in a local frame.
+    w : (m, k) ndarray
+        Weights, the largest of each fit one; a row of weight zero does not count.
+    rows : int
+        How many coefficients are wanted.
+
+    Returns
+    -------
+    (m, rows, k) ndarray
+        C, so that C f are the first coefficients; nan where they are not estimable.
+    """
+    a = w[..., None] * b
+    solution, safe = by_elimination(a.mT @ a, rows)
+    c = (a @ solution).mT * w[:, None, :]
+    # pivots that are small one after the other lose more than each; C b shows how much
+    lost = c @ b - np.eye(rows, b.shape[2])
+    risky = np.flatnonzero(~safe | (np.einsum("mrq,mrq->m", lost, lost) > _ROUNDING**2))
+    if len(risky):
+        c[risky] = _by_singular_values(np.where(w[risky, :, None] > 0, b[risky], 0), w[risky], rows)
+    return c
+
+
+def residuals(c: np.ndarray, b: np.ndarray, w: np.ndarray, data: np.ndarray) -> np.ndarray:
+    """Residuals f - B C f (m, k, v) of the data (m, k, v), for C of all coefficients (m, q, k).
+
+    Rounding spoils the residual of the site of largest weight, and its weight magnifies this. Since
+    the polynomials contain the constants, sum_i w_i^2 r_i = 0 gives it from the other residuals.
+    """
+    r = data - b @ (c @ data)
+    heaviest = _heaviest(w)
+    np.put_along_axis(r, heaviest, 0.0, axis=1)
+    rest = (w[..., None] ** 2 * r).sum(axis=1, keepdims=True)
+    np.put_along_axis(r, heaviest, -rest, axis=1)
+    return r
+
+
+def weights_of_changing_weights(
+    c: np.ndarray, b: np.ndarray, w: np.ndarray, log_gradient: np.ndarray
+) -> np.ndarray:
+    """Part (m, k, d) of the weights in the gradient of c_0 that is due to the change of the w_i.
+
+    It is sum_i a_i (grad w_i^2 / w_i^2) r_i, with r = f - B C f and a the first row of C.
+
+    Parameters
+    ----------
+    c : (m, q, k) ndarray
+        Weights of the data in all coefficients.
+    b : (m, k, q) ndarray
+        Basis at the sites.
+    w : (m, k) ndarray
+        Weights, the largest of each query one.
+    log_gradient : (m, k, d) ndarray
+        Gradients of log w_i^2 by the query.
+    """
+    u = c[:, 0, :, None] * log_gradient
+    # the residual of the heaviest site from those of the others, as in `residuals`
+    u = u - w[..., None] ** 2 * np.take_along_axis(u, _heaviest(w), axis=1)
+    return u - c.mT @ (b.mT @ u)
+
+
+def _heaviest(w: np.ndarray) -> np.ndarray:
+    return np.argmax(w, axis=1)[:, None, None]
+
+
 def by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
     """Columns (m, q, rows) of the inverse of the normal matrices, and where they can be trusted."""
     m, q, _ = g.shape
@@ -83,11 +157,11 @@ def by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
     for j in range(q):
         pivot = t[j, j].copy()
         least = np.fmin(least, pivot)
-        t[j, j:] /= np.where(pivot > SAFE_PIVOT, pivot, 1.0)
+        t[j, j:] /= np.where(pivot > _SAFE_PIVOT, pivot, 1.0)
         for i in range(q):
             if i != j:
                 t[i, j + 1 :] -= t[i, j] * t[j, j + 1 :]
-    safe = (least > SAFE_PIVOT) & (diagonal > _SMALLEST_SQUARE).all(axis=1)
+    safe = (least > _SAFE_PIVOT) & (diagonal > _SMALLEST_SQUARE).all(axis=1)
     scaled = t[:, q:].transpose(2, 0, 1) / size[:, :, None]
     return scaled / size[:, None, :rows], safe
 
@@ -109,8 +183,8 @@ def _require_full_rank(
 def _by_qr(b: np.ndarray, w: np.ndarray) -> np.ndarray:
     """C (m, q, k) = P R^-1 Q^T W by Householder QR of the weighted rows, rows and columns pivoted.
 
-    Columns are scaled as they are without weights: the size of a whole row tells how much rounding
-    it bears, and in a row that weighs 1e-16 of another it has to stay as small.
+    Columns are scaled as they are without weights: the rounding in a row is as large as the row,
+    and in a row of 1e-16 times the weight of another it has to stay that small.
     """
     m, k, q = b.shape
     column = _power_of_two(np.where(w[..., None] > 0, np.abs(b), 0.0).max(axis=1))
@@ -125,7 +199,7 @@ def _by_qr(b: np.ndarray, w: np.ndarray) -> np.ndarray:
         _swap(j, heaviest, r, v, rows, rounding)
         v[:, j:, j] = _reflector(r[:, j:, j])
         _reflect(r[:, j:, j:], v[:, j:, j])
-        # What is left of a redundant row is rounding, and may outweigh all lighter rows.
+        # The remainder of a redundant row is rounding, and may outweigh all lighter rows.
         rest = r[:, j + 1 :, j + 1 :]
         rest[np.abs(rest) < rounding[:, j + 1 :, None]] = 0.0
     thin_q = np.zeros((m, k, q))
@@ -171,43 +245,8 @@ def _norms(a: np.ndarray) -> np.ndarray:
     return top * np.linalg.norm(a / np.expand_dims(np.where(top > 0, top, 1.0), 1), axis=1)
 
 
-LARGEST_WEIGHT = 1e8
-"""Weights beyond this turn the rounding of the data into errors of half the digits."""
-
-# C b may differ from the unit matrix by this after elimination; the rest takes a stabler way.
-ROUNDING = 1e-13
-
-
-def estimable_weights(b: np.ndarray, w: np.ndarray, rows: int) -> np.ndarray:
-    """First rows of C where they are estimable, for many fits min_c sum_i w_i^2 (b_i^T c - f_i)^2.
-
-    Parameters
-    ----------
-    b : (m, k, q) ndarray
-        Rows of each fit, of size one: its variables in a local frame.
-    w : (m, k) ndarray
-        Weights, the largest of each fit one; a row of weight zero does not count.
-    rows : int
-        How many coefficients are wanted.
-
-    Returns
-    -------
-    (m, rows, k) ndarray
-        C, so that C f are the first coefficients; nan where they are not estimable.
-    """
-    a = w[..., None] * b
-    solution, safe = by_elimination(a.mT @ a, rows)
-    c = (a @ solution).mT * w[:, None, :]
-    # pivots that are small one after the other lose more than each; what C b gives tells how much
-    lost = c @ b - np.eye(rows, b.shape[2])
-    risky = np.flatnonzero(~safe | (np.einsum("mrq,mrq->m", lost, lost) > ROUNDING**2))
-    if len(risky):
-        c[risky] = _by_singular_values(np.where(w[risky, :, None] > 0, b[risky], 0), w[risky], rows)
-    return c
-
-
 def _by_singular_values(b: np.ndarray, w: np.ndarray, rows: int) -> np.ndarray:
-    """The same by B = U S V^T: with c = V S^-1 y the matrix U of the unknowns y has full rank.
+    """First rows of C by B = U S V^T: with c = V S^-1 y, the matrix U of y has full rank.
 
     Which singular values vanish is a matter of the sites, not of the weights.
     """

@@ -1,4 +1,4 @@
-"""Sites that follow what they carry: more where it is rough, fewer where it is smooth."""
+"""Adaptation of sites to a field: refinement where it is rough, coarsening where it is smooth."""
 
 from __future__ import annotations
 
@@ -18,30 +18,31 @@ def adapted_points(
     spacing: float,
     widest: float = np.inf,
 ) -> np.ndarray:
-    """Points, more where an indicator of the error is large, and fewer where it is small.
+    """Refine points where an indicator of the error is large, and coarsen where it is small.
 
-    Where it exceeds `refine`, the midpoints between a point and its 2 d nearest neighbours come in,
-    but none nearer than `spacing` to another point. Where it is below `coarsen`, points go, the
-    least first, but none next to one that has gone, and none of the corners of the convex hull.
+    Where the indicator exceeds `refine`, the midpoints between a point and its 2 d nearest
+    neighbours are added, except those nearer than `spacing` to another point. Where it is below
+    `coarsen`, points are removed in the order of the indicator, except neighbours of removed
+    points and corners of the convex hull.
 
     Parameters
     ----------
     points : (n, d) array_like
-        The points, distinct.
+        Distinct points.
     indicator : (n,) array_like
-        What tells how wrong a field is near each, for instance the size of the residuals of
+        An estimate of the error near each point, such as the absolute residuals of
         `leave_one_out`.
     refine, coarsen : float
-        Bounds of the indicator; coarsen is less.
+        Bounds of the indicator, coarsen <= refine.
     spacing : float
-        The least distance of new points, positive: a length.
+        The smallest distance of new points from others: a positive length.
     widest : float
-        Points farther than this from their nearest neighbour do not go.
+        Points farther than this length from their nearest neighbour are not removed.
 
     Returns
     -------
     (m, d) ndarray
-        The points that stay, in their order, then the new ones.
+        The remaining points in their order, then the new ones.
 
     Raises
     ------
@@ -70,26 +71,26 @@ def adapted_points(
     spacing = valid.as_length(spacing, "spacing")
     near = _neighbors(x)
     fresh = _apart(x, _midpoints(x, near, eta > refine), spacing)
-    may_go = (eta < coarsen) & (_distances(x, near) <= widest)
-    return np.vstack([x[_staying(x, near, eta, may_go)], fresh])
+    removable = (eta < coarsen) & (_distances(x, near) <= widest)
+    return np.vstack([x[_remaining(x, near, eta, removable)], fresh])
 
 
 def _neighbors(x: np.ndarray) -> np.ndarray:
-    """The 2 d nearest neighbours (n, 2 d) of each point, or all others."""
+    """The 2 d nearest neighbours (n, 2 d) of each point, or all other points."""
     n, d = x.shape
     k = min(2 * d, n - 1)
     return cKDTree(x).query(x, k + 1)[1].reshape(n, k + 1)[:, 1:]
 
 
 def _midpoints(x: np.ndarray, near: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Midpoints (m, d) between the points where it is asked for and their neighbours."""
+    """Midpoints (m, d) between the points of a mask and their neighbours."""
     ends = np.broadcast_to(x[where][:, None], (*near[where].shape, x.shape[1]))
     middle = ends / 2 + x[near[where]] / 2
     return middle.reshape(-1, x.shape[1])
 
 
 def _apart(x: np.ndarray, fresh: np.ndarray, spacing: float) -> np.ndarray:
-    """Those of the new points that are that far from all others, old or accepted before."""
+    """Keep the new points at least `spacing` from the old ones and from those kept before."""
     if not len(fresh):
         return fresh
     fresh = fresh[cKDTree(x).query(fresh)[0] >= spacing]
@@ -102,19 +103,21 @@ def _apart(x: np.ndarray, fresh: np.ndarray, spacing: float) -> np.ndarray:
 
 
 def _distances(x: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """How far the nearest neighbour of each point is."""
+    """Distance of each point from its nearest neighbour."""
     return np.linalg.norm(x[:, None] - x[near], axis=2).min(axis=1, initial=np.inf)
 
 
-def _staying(x: np.ndarray, near: np.ndarray, eta: np.ndarray, may_go: np.ndarray) -> np.ndarray:
-    """Whether each point stays, of those that may go the least needed going first."""
-    stays = np.ones(len(x), dtype=bool)
-    may_go[_corners(x)] = False
+def _remaining(
+    x: np.ndarray, near: np.ndarray, eta: np.ndarray, removable: np.ndarray
+) -> np.ndarray:
+    """Mask of the remaining points; removable points are tried in the order of the indicator."""
+    remains = np.ones(len(x), dtype=bool)
+    removable[_corners(x)] = False
     for i in np.argsort(eta, kind="stable"):
-        if may_go[i] and stays[near[i]].all():
-            stays[i] = False
-            may_go[near[i]] = False
-    return stays
+        if removable[i] and remains[near[i]].all():
+            remains[i] = False
+            removable[near[i]] = False
+    return remains
 
 
 def _corners(x: np.ndarray) -> np.ndarray:

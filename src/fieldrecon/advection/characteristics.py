@@ -1,4 +1,4 @@
-"""Characteristics of a flow, traced back: where what is here now was a step ago."""
+"""Departure points: the characteristics of a flow traced back for one time step."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fieldrecon._core import validation as valid
 from fieldrecon.reconstruction import Field
 
 Velocity: TypeAlias = Callable[[np.ndarray, float], np.ndarray]
-"""Velocities (m, d) at places (m, d) and a time."""
+"""Velocities (m, d) at points (m, d) and a time."""
 
 SCHEMES: dict[str, tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]] = {
     "euler": ((), (1,)),
@@ -21,7 +21,7 @@ SCHEMES: dict[str, tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]] = {
     "heun": (((1,),), (1 / 2, 1 / 2)),
     "rk4": (((1 / 2,), (0, 1 / 2), (0, 0, 1)), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
 }
-"""Explicit schemes of Runge and Kutta: rows of the later stages, and weights; order 1, 2, 2, 4."""
+"""Explicit Runge-Kutta schemes of order 1, 2, 2, 4: rows of the later stages, and weights."""
 BISECTIONS = 52
 
 
@@ -32,29 +32,29 @@ def departure_points(
     dt: float,
     scheme: str = "rk4",
 ) -> np.ndarray:
-    """Places at time t - dt of what is at x at time t: dy/dτ = a(y, τ), traced back from y(t) = x.
+    """Positions at time t - dt on the characteristics dy/dτ = a(y, τ) with y(t) = x.
 
     Parameters
     ----------
     x : (m, d) array_like
-        Places at time t.
+        Positions at time t.
     velocity : callable or Field
-        The velocity a(y, τ): a function of places (m, d) and a time, or samples: a `Field` of
-        vectors, steady, or `Snapshots` of several.
+        The velocity a(y, τ): a function of points (m, d) and a time, a steady `Field` of vectors,
+        or `Snapshots` of several fields.
     t, dt : float
-        The time of arrival, and how far back; a negative dt goes forward.
+        The time of arrival, and the time step; a negative dt traces forward.
     scheme : {"rk4", "heun", "midpoint", "euler"}
-        One step of this scheme; the error of the places is of order dt^5, dt^3, dt^3, dt^2.
+        One step of this scheme; the error of the positions is O(dt^5), O(dt^3), O(dt^3), O(dt^2).
 
     Returns
     -------
     (m, d) ndarray
-        The feet of the characteristics.
+        The departure points.
 
     Raises
     ------
     ValueError
-        If the velocities are not one finite vector for each place, or an argument has the wrong
+        If the velocities are not one finite vector for each point, or an argument has the wrong
         form.
 
     References
@@ -64,7 +64,7 @@ def departure_points(
     Examples
     --------
     >>> import numpy as np
-    >>> turn = lambda y, _: y[:, ::-1] * [-1, 1]  # once round the origin in 2 π
+    >>> turn = lambda y, _: y[:, ::-1] * [-1, 1]  # a revolution about the origin in 2 π
     >>> departure_points([[0.0, 1.0]], turn, np.pi / 6, np.pi / 6).round(3)
     array([[0.5  , 0.866]])
     """
@@ -80,9 +80,9 @@ def departure_points(
 
 
 def velocities(velocity: Velocity | Field, x: np.ndarray, t: float) -> np.ndarray:
-    """Velocities (m, d) at the places x, checked."""
+    """Validated velocities (m, d) at the points x."""
     a = valid.as_values(
-        velocity(x) if isinstance(velocity, Field) else velocity(x, t), len(x), "velocity", "place"
+        velocity(x) if isinstance(velocity, Field) else velocity(x, t), len(x), "velocity", "point"
     )
     if a.shape != x.shape:
         raise ValueError(f"velocity must give vectors of the shape {x.shape}; got {a.shape}")
@@ -91,14 +91,14 @@ def velocities(velocity: Velocity | Field, x: np.ndarray, t: float) -> np.ndarra
 
 @dataclass(frozen=True)
 class Snapshots:
-    """Velocity known as fields at some times, and between them linear in time.
+    """A velocity interpolated linearly in time between fields.
 
-    The error this adds is of second order in the time between snapshots.
+    The error of the interpolation is of second order in the time between snapshots.
 
     Parameters
     ----------
     times : sequence of float
-        When the fields were taken, increasing.
+        Increasing times of the fields.
     fields : sequence of Field
         Fields of vectors, one for each time; their sites may differ.
 
@@ -124,7 +124,7 @@ class Snapshots:
             )
 
     def __call__(self, x: np.ndarray, t: float) -> np.ndarray:
-        """Velocities at the places x and a time between the first and the last snapshot."""
+        """Velocities at the points x and a time between the first and the last snapshot."""
         times = np.asarray(self.times, dtype=float)
         slack = 1e-9 * (times[-1] - times[0])
         if not times[0] - slack <= t <= times[-1] + slack:
@@ -139,15 +139,15 @@ class Snapshots:
 
 @dataclass(frozen=True)
 class Inflow:
-    """Where the flow comes into the domain, and with what.
+    """The domain of a flow, and the values at its inflow boundary.
 
     Parameters
     ----------
     domain : callable
-        Takes places (m, d) and gives (m,) numbers, positive inside and negative outside, and
-        continuous: a signed distance, say.
+        A continuous function of points (m, d), positive inside and negative outside, such as a
+        signed distance; returns (m,) numbers.
     values : callable
-        Takes places (k, d) on the boundary and times (k,), and gives (k, ...) values there.
+        Takes points (k, d) on the boundary and times (k,), and returns the values (k, ...) there.
     """
 
     domain: Callable[[np.ndarray], np.ndarray]
@@ -155,30 +155,30 @@ class Inflow:
 
 
 class Entries(NamedTuple):
-    """Characteristics that came in through the boundary during the step.
+    """Characteristics that entered through the boundary during the step.
 
     Attributes
     ----------
     which : (k,) ndarray
-        Their numbers.
-    places : (k, d) ndarray
-        Where they came in.
+        Their indices.
+    points : (k, d) ndarray
+        The points of entry.
     delays : (k,) ndarray
-        How long before arrival.
+        The times from entry to arrival.
     """
 
     which: np.ndarray
-    places: np.ndarray
+    points: np.ndarray
     delays: np.ndarray
 
 
 def entries(
     x: np.ndarray, feet: np.ndarray, velocity: Velocity | Field, t: float, dt: float, flow: Inflow
 ) -> Entries:
-    """Those of the characteristics from feet (m, d) to x (m, d) that cross the boundary.
+    """Find the characteristics from feet (m, d) to x (m, d) that cross the boundary.
 
-    Between its ends a characteristic is the cubic with the right velocities there, so that the
-    place is right to fourth order in dt; where it crosses is found by bisection.
+    A characteristic is approximated by the Hermite cubic with the velocities at its ends, whose
+    error is of fourth order in dt; the crossing is found by bisection.
     """
     which = np.flatnonzero(flow.domain(feet) < 0)
     near, far = np.zeros(len(which)), np.ones(len(which))
@@ -198,7 +198,7 @@ def entries(
 def _cubic(
     s: np.ndarray, start: np.ndarray, end: np.ndarray, leaving: np.ndarray, arriving: np.ndarray
 ) -> np.ndarray:
-    """Hermite's cubic at s in [0, 1], with values and slopes at both ends."""
+    """The Hermite cubic at s in [0, 1], with values and slopes at both ends."""
     s = s[:, None]
     return (
         (1 + 2 * s) * (1 - s) ** 2 * start

@@ -1,4 +1,4 @@
-"""Incompressible flow by frames: normal velocities carried to another mesh, and made to balance."""
+"""Incompressible flow: advection of normal velocities, and projection to zero divergence."""
 
 from __future__ import annotations
 
@@ -14,39 +14,40 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.reconstruction import Field
 
 BALANCE = 1e-9
-"""A net flow into the domain that is less than this part of all flow counts as none."""
+"""Largest net flow into the domain, relative to the sum of all flows, that counts as zero."""
 
 
 def carried_normal_velocities(
-    velocity: Velocity | Field,
     mesh: SimplexMesh,
+    velocity: Velocity | Field,
     t: float,
     dt: float,
     carried: Velocity | Field | None = None,
     scheme: str = "rk4",
 ) -> np.ndarray:
-    """Normal velocities of the faces of a mesh, from a flow that carries itself for a step.
+    """Advect a flow by one time step, and return its normal velocities on the faces of a mesh.
 
-    v_a = n_a · u(y_a), y_a the place a step ago of what is at the centroid of face a now. The mesh
-    need not be the one on which the flow is known.
+    They are v_a = n_a · u(y_a) with the departure point y_a of the centroid of face a. The flow may
+    be given on another mesh.
 
     Parameters
     ----------
-    velocity : callable or Field
-        The flow that carries, as for `departure_points`.
     mesh : SimplexMesh
         The mesh of this step.
+    velocity : callable or Field
+        The advecting flow, as for `departure_points`.
     t, dt : float
-        The time of this step, and how long ago the last one was.
+        The time of this step, and the time since the last one.
     carried : callable or Field, optional
-        The velocities u at the last step that are carried; those of the flow by default.
+        The advected velocities u at the last step; the advecting flow by default.
     scheme : str
         As for `departure_points`.
 
     Returns
     -------
     (f,) ndarray
-        In the direction of `mesh.face_normals`. They balance in no cell, until `divergence_free`.
+        In the direction of `mesh.face_normals`. Their divergence is not zero; see
+        `divergence_free`.
 
     References
     ----------
@@ -56,7 +57,7 @@ def carried_normal_velocities(
     --------
     >>> import numpy as np, fieldrecon as fr
     >>> mesh = fr.SimplexMesh.delaunay(fr.datasets.halton(50, 2))
-    >>> v = carried_normal_velocities(lambda x, t: 0 * x + [3.0, 4.0], mesh, 0.0, 0.1)
+    >>> v = carried_normal_velocities(mesh, lambda x, t: 0 * x + [3.0, 4.0], 0.0, 0.1)
     >>> np.allclose(v, mesh.face_normals @ [3, 4])
     True
     """
@@ -66,9 +67,9 @@ def carried_normal_velocities(
 
 
 def flow_energy(mesh: SimplexMesh) -> sparse.csr_array:
-    """The matrix M of v^T M v = ∫ |u|², u the field of Raviart and Thomas of normal velocities v.
+    """The matrix M of v^T M v = ∫ |u|², with the Raviart-Thomas field u of normal velocities v.
 
-    In a cell, u = sum_a l_a v_a (x - x_a) / (d V), x_a the corner opposite to face a.
+    In a cell, u = sum_a l_a v_a (x - x_a) / (d V), with the corner x_a opposite to face a.
 
     Parameters
     ----------
@@ -77,7 +78,7 @@ def flow_energy(mesh: SimplexMesh) -> sparse.csr_array:
     Returns
     -------
     (f, f) csr_array
-        Symmetric and positive definite; half of v^T M v is the kinetic energy at density one.
+        Symmetric and positive definite; v^T M v / 2 is the kinetic energy at density one.
 
     Examples
     --------
@@ -100,11 +101,12 @@ def flow_energy(mesh: SimplexMesh) -> sparse.csr_array:
 
 
 def divergence_free(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
-    """The nearest normal velocities in energy that balance in each cell; the boundary's are kept.
+    """Project normal velocities to zero divergence; those of the boundary are not changed.
 
-    min (w - v)^T M (w - v) under D w = 0, with M of `flow_energy` and D the outflow of cells. The
-    multipliers of the balance are the pressures of the cells. Of a flow that balances, it changes
-    nothing; where the boundary lets nothing through, it never adds energy.
+    The result w minimizes (w - v)^T M (w - v) subject to D w = 0, with the matrix M of
+    `flow_energy` and the outflow D w of the cells. The Lagrange multipliers are the pressures of
+    the cells. A flow without divergence is not changed. Without flow through the boundary the
+    energy does not increase.
 
     Parameters
     ----------
@@ -120,7 +122,7 @@ def divergence_free(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
     Raises
     ------
     ValueError
-        If more flows in through the boundary than out.
+        If the net flow through the boundary is not zero.
 
     References
     ----------
@@ -139,7 +141,7 @@ def divergence_free(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
         raise ValueError(f"v must be one number for each face; got the shape {v.shape}")
     outflow = _outflow(mesh)
     inside = np.flatnonzero(mesh.face_cells[:, 1] >= 0)
-    kept = _one_left_out(mesh, outflow @ v, np.abs(outflow) @ np.abs(v))
+    kept = _independent_cells(mesh, outflow @ v, np.abs(outflow) @ np.abs(v))
     balance = outflow[kept][:, inside]
     energy = flow_energy(mesh)[inside][:, inside]
     system = sparse.block_array([[energy, balance.T], [balance, None]]).tocsc()
@@ -150,15 +152,15 @@ def divergence_free(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
 
 
 def _outflow(mesh: SimplexMesh) -> sparse.csr_array:
-    """What leaves cells (c, f): signs times sizes of faces."""
+    """The outflow matrix of cells (c, f): signs times measures of faces."""
     entries = mesh.cell_face_signs * mesh.face_measures[mesh.cell_faces]
     rows = np.repeat(np.arange(len(mesh.cells)), entries.shape[1])
     where = (rows, mesh.cell_faces.ravel())
     return sparse.csr_array((entries.ravel(), where), shape=(len(mesh.cells), len(mesh.faces)))
 
 
-def _one_left_out(mesh: SimplexMesh, net: np.ndarray, all_flow: np.ndarray) -> np.ndarray:
-    """All cells but one of each part of the mesh, whose balance follows from that of the others."""
+def _independent_cells(mesh: SimplexMesh, net: np.ndarray, all_flow: np.ndarray) -> np.ndarray:
+    """All cells but one of each part of the mesh, whose balance follows from the others."""
     one, two = mesh.face_cells[mesh.face_cells[:, 1] >= 0].T
     c = len(mesh.cells)
     parts, part = connected_components(sparse.coo_array((np.ones(len(one)), (one, two)), (c, c)))

@@ -1,4 +1,4 @@
-"""Values changed as little as can be to keep bounds and a total."""
+"""Projection of values onto bounds and a total mass."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import numpy as np
 from scipy.optimize import brentq
 
 
-def within(
+def project_to_bounds_and_mass(
     values: np.ndarray, low: np.ndarray, high: np.ndarray, masses: np.ndarray, total: np.ndarray
 ) -> np.ndarray:
-    """The nearest values (n, v) between bounds (n, v) whose sums with masses (n,) are totals (v,).
+    """Return the nearest values (n, v) within bounds (n, v) that have the total masses (v,).
 
-    min sum m (u - values)^2 gives u = clip(values + λ, low, high) with one λ for each column; its
-    sum rises with λ, so λ is found by bracketing.
+    The minimum of sum m (u - values)^2 is u = clip(values + λ, low, high) with one λ for each
+    column. Its mass increases with λ, which is found by bracketing.
     """
     columns = [
-        _column(u, least, most, masses, float(wanted))
+        _project_column(u, least, most, masses, float(wanted))
         for u, least, most, wanted in zip(values.T, low.T, high.T, total, strict=True)
     ]
     return np.stack(columns, axis=1) if columns else values
 
 
-def _column(
+def _project_column(
     u: np.ndarray, low: np.ndarray, high: np.ndarray, masses: np.ndarray, total: float
 ) -> np.ndarray:
     if not np.isfinite(low).any() and not np.isfinite(high).any():

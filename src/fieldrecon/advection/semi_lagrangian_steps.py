@@ -1,6 +1,6 @@
-"""Semi-Lagrangian advection: a step in time is H at the feet of the characteristics.
+"""Semi-Lagrangian advection: a time step is H at the feet of the characteristics.
 
-One step of semi-Lagrangian advection, and what is kept in it.
+After each step the values may be limited to bounds and to a conserved total mass.
 """
 
 from __future__ import annotations
@@ -21,8 +21,11 @@ from fieldrecon.advection.characteristics import (
     departure_points,
     entries,
 )
-from fieldrecon.advection.mass_fixer import within
+from fieldrecon.advection.mass_fixer import project_to_bounds_and_mass
 from fieldrecon.reconstruction import Field, Reconstruction, Weights, weights_if_they_fit
+
+Masses: TypeAlias = ArrayLike | Callable[[Reconstruction], ArrayLike]
+"""Masses (n,) of the sites, or a function that returns them for the sites of a method."""
 
 
 class State(NamedTuple):
@@ -31,11 +34,10 @@ class State(NamedTuple):
     Attributes
     ----------
     time : float
-        When.
     method : Reconstruction
         The method on the sites of that time.
     values : (n, ...) ndarray
-        The values there; `method.field(values)` is the field.
+        The values at the sites; `method.field(values)` is the field.
     """
 
     time: float
@@ -56,45 +58,46 @@ def semi_lagrangian(
     bounded: bool = False,
     masses: Masses | None = None,
 ) -> Iterator[State]:
-    """Solve u_t + a · ∇u = 0: the value at a site is the field a step ago at its foot.
+    """Solve u_t + a · ∇u = 0 by tracing the characteristics back for each time step.
 
-    u(x, t) = s_{u(t - dt)}(y), with y the `departure_points` of x. The step is not limited by the
-    spacing of the sites. It is linear in the values, with the matrix H = `method.weights(y)`, and
-    it stays bounded over many steps if the powers of H do. Where feet leave the sites and there is
-    no inflow, the field is continued as the method does.
+    A step is u(x, t) = s_{u(t - dt)}(y), with the departure points y of x. There is no CFL limit.
+    The step is linear in the values, with the matrix H = `method.weights(y)`, and many steps are
+    stable if the powers of H are bounded. If a departure point is outside the sites and there is
+    no inflow, the method extrapolates.
 
     Parameters
     ----------
     method : Reconstruction
         A method on the sites at the first time.
     values : (n, ...) array_like
-        The values there at that time: scalars, vectors or arrays, each component carried alone.
+        The values at that time: scalars, vectors or arrays; each component is advected separately.
     velocity : callable, Field or None
         As for `departure_points`. None if the values are the velocity, u_t + u · ∇u = 0 (Burgers);
-        within a step it is then extrapolated from the last two, of second order.
+        it is then extrapolated from the last two steps, to second order.
     times : (k,) array_like
-        The times, increasing; the first is that of the values.
+        Increasing times; the first is the time of the values.
     scheme : {"rk4", "heun", "midpoint", "euler"}
-        How characteristics are traced.
+        The Runge-Kutta scheme for the characteristics.
     steady : bool
-        Whether the velocity does not depend on time; then, as for a Field, feet and weights are
-        made once for all steps of one length.
+        Whether the velocity does not depend on time. Then, as for a Field, the departure points
+        and weights are computed once for all steps of the same length.
     inflow : Inflow, optional
-        The domain, and the values that come in through its boundary.
+        The domain, and the values at its inflow boundary.
     sites : callable, optional
-        Takes the last state and the next time, and gives the method on the sites of the next;
-        by default they stay.
+        Takes the last state and the next time, and returns the method on the sites of the next
+        state; by default the sites do not change.
     bounded : bool
-        Whether a new value must lie between the values at the 2^d sites nearest to its foot.
+        Whether to limit each new value to the range of the values at the 2^d sites nearest to its
+        departure point.
     masses : (n,) array_like or callable, optional
-        Positive masses m of the sites, or a function from methods to these: sum m u then stays as
-        it is, each time by the smallest change that does it, sum m (change)^2. In a flow without
-        divergence or flux through the boundary that total is the mass.
+        Positive masses m of the sites, or a function that returns them for a method. The total
+        sum m u is then conserved, by the correction with the smallest sum m (correction)^2. In a
+        divergence-free flow without flux through the boundary this total is the mass.
 
     Yields
     ------
     State
-        The first, then that of each time.
+        The first state, then the state at each time.
 
     Raises
     ------
@@ -114,7 +117,7 @@ def semi_lagrangian(
     >>> turn = lambda y, _: y[:, ::-1] * [-1, 1]
     >>> hill = lambda x, y: np.exp(-8 * ((x - 0.4) ** 2 + y**2))
     >>> method = fr.RBF(points, fr.polyharmonic(3))
-    >>> times = np.linspace(0, np.pi / 2, 11)  # a quarter of a turn
+    >>> times = np.linspace(0, np.pi / 2, 11)  # a quarter of a revolution
     >>> *_, last = semi_lagrangian(method, hill(*points.T), turn, times, steady=True)
     >>> bool(np.abs(last.values - hill(points[:, 1], -points[:, 0])).max() < 0.01)
     True
@@ -122,9 +125,9 @@ def semi_lagrangian(
     times = _as_times(times)
     state = State(times[0], method, valid.as_values(values, len(method.points)))
     _refuse_contradictions(state, velocity, inflow, bounded, masses)
-    keep = Kept(bounded, masses, _total(state, masses))
+    limiter = Limiter(bounded, masses, _total(state, masses))
     steady = steady or isinstance(velocity, Field)
-    return _march(state, times[1:], velocity, scheme, steady, inflow, sites, keep)
+    return _march(state, times[1:], velocity, scheme, steady, inflow, sites, limiter)
 
 
 def _march(
@@ -135,27 +138,36 @@ def _march(
     steady: bool,
     inflow: Inflow | None,
     sites: Callable[[State, float], Reconstruction] | None,
-    keep: Kept,
+    limiter: Limiter,
 ) -> Iterator[State]:
     before: State | None = None
     step: Step | None = None
     yield state
     for t in times:
         following = state.method if sites is None else sites(state, t)
-        if step is None or not (steady and step.serves(state.method, following, t - state.time)):
-            along = carried_along(state, before) if velocity is None else velocity
-            step = Step.back(
-                state.method, following, along, t, t - state.time, scheme, inflow, kept=steady
+        if step is None or not (
+            steady and step.applies_to(state.method, following, t - state.time)
+        ):
+            along = self_advecting(state, before) if velocity is None else velocity
+            step = Step.traced(
+                state.method,
+                following,
+                along,
+                t,
+                t - state.time,
+                scheme,
+                inflow,
+                store_weights=steady,
             )
         flat = state.values.reshape(len(state.values), -1)
-        fixed = step.incoming(inflow, t, state.values.shape[1:])
-        moved = keep.kept(step, flat, step.moved(flat, fixed), fixed)
-        before, state = state, State(t, following, moved.reshape(-1, *state.values.shape[1:]))
+        fixed = step.inflow_values(inflow, t, state.values.shape[1:])
+        advected = limiter.apply(step, flat, step.advect(flat, fixed), fixed)
+        before, state = state, State(t, following, advected.reshape(-1, *state.values.shape[1:]))
         yield state
 
 
-def carried_along(now: State, before: State | None) -> Velocity:
-    """The velocity of values that carry themselves, extrapolated from the last two states."""
+def self_advecting(now: State, before: State | None) -> Velocity:
+    """Return the velocity of self-advecting values, extrapolated from the last two states."""
     here = now.method.field(now.values)
     if before is None:
         return lambda x, _: here(x)
@@ -195,23 +207,19 @@ def _total(state: State, masses: Masses | None) -> np.ndarray | None:
     return as_masses(masses, state.method) @ state.values.reshape(len(state.values), -1)
 
 
-Masses: TypeAlias = ArrayLike | Callable[[Reconstruction], ArrayLike]
-"""Masses (n,) of the sites, or what gives them for the sites of a method."""
-
-
 @dataclass(frozen=True)
 class Step:
-    """One step: from which field, to which sites, by which feet."""
+    """One time step: the methods before and after, and the departure points."""
 
     method: Reconstruction
     following: Reconstruction
     dt: float
     feet: np.ndarray
-    came_in: Entries | None
+    entered: Entries | None
     weights: Weights | None
 
     @classmethod
-    def back(
+    def traced(
         cls,
         method: Reconstruction,
         following: Reconstruction,
@@ -220,37 +228,39 @@ class Step:
         dt: float,
         scheme: str,
         inflow: Inflow | None,
-        kept: bool,
+        store_weights: bool,
     ) -> Step:
-        """Trace the characteristics back from the sites that are to have values."""
+        """Trace the characteristics back from the sites of the following method."""
         x = following.points
         feet = departure_points(x, velocity, t, dt, scheme)
-        came_in = None
+        entered = None
         if inflow is not None:
-            came_in = entries(x, feet, velocity, t, dt, inflow)
-            feet[came_in.which] = came_in.places
-        weights = weights_if_they_fit(method, feet) if kept else None
-        return cls(method, following, dt, feet, came_in, weights)
+            entered = entries(x, feet, velocity, t, dt, inflow)
+            feet[entered.which] = entered.points
+        weights = weights_if_they_fit(method, feet) if store_weights else None
+        return cls(method, following, dt, feet, entered, weights)
 
-    def serves(self, method: Reconstruction, following: Reconstruction, dt: float) -> bool:
-        """Whether another step, too, has these feet, on these sites."""
+    def applies_to(self, method: Reconstruction, following: Reconstruction, dt: float) -> bool:
+        """Whether a step of these methods and this length has the same departure points."""
         same = self.method is method and self.following is following
         return same and abs(dt - self.dt) <= 1e-9 * self.dt
 
-    def incoming(self, inflow: Inflow | None, t: float, tail: tuple[int, ...]) -> np.ndarray | None:
-        """Values (k, v) of the characteristics that came in through the boundary."""
-        if inflow is None or self.came_in is None:
+    def inflow_values(
+        self, inflow: Inflow | None, t: float, tail: tuple[int, ...]
+    ) -> np.ndarray | None:
+        """Values (k, v) of the characteristics that entered through the boundary."""
+        if inflow is None or self.entered is None:
             return None
-        _, places, delays = self.came_in
-        found = valid.as_values(inflow.values(places, t - delays), len(places), "inflow.values")
+        _, points, delays = self.entered
+        found = valid.as_values(inflow.values(points, t - delays), len(points), "inflow.values")
         if found.shape[1:] != tail:
             raise ValueError(
-                f"inflow.values must give values of the shape {(len(places), *tail)}; "
+                f"inflow.values must give values of the shape {(len(points), *tail)}; "
                 f"got {found.shape}"
             )
-        return found.reshape(len(places), int(np.prod(tail, dtype=int)))
+        return found.reshape(len(points), int(np.prod(tail, dtype=int)))
 
-    def moved(self, values: np.ndarray, fixed: np.ndarray | None) -> np.ndarray:
+    def advect(self, values: np.ndarray, fixed: np.ndarray | None) -> np.ndarray:
         """Values (m, v) after the step."""
         if self.weights is None:
             result = self.method.field(values)(self.feet)
@@ -259,7 +269,7 @@ class Step:
         return self._with(result, fixed)
 
     def bounds(self, values: np.ndarray, fixed: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-        """The least and the greatest values (m, v) at the sites nearest to each foot."""
+        """Minimum and maximum (m, v) of the values at the sites nearest to each departure point."""
         n, d = self.method.points.shape
         _, near = cKDTree(self.method.points).query(self.feet, min(2**d, n))
         around = values[near.reshape(len(self.feet), -1)]
@@ -267,33 +277,35 @@ class Step:
         return self._with(low, fixed), self._with(high, fixed)
 
     def _with(self, result: np.ndarray, fixed: np.ndarray | None) -> np.ndarray:
-        if self.came_in is not None and fixed is not None:
-            result[self.came_in.which] = fixed
+        if self.entered is not None and fixed is not None:
+            result[self.entered.which] = fixed
         return result
 
 
 @dataclass(frozen=True)
-class Kept:
-    """What is kept beside: bounds, and a total."""
+class Limiter:
+    """Limits values to bounds, and corrects their total mass."""
 
     bounded: bool
     masses: Masses | None
     total: np.ndarray | None
 
-    def kept(
-        self, step: Step, values: np.ndarray, moved: np.ndarray, fixed: np.ndarray | None
+    def apply(
+        self, step: Step, values: np.ndarray, advected: np.ndarray, fixed: np.ndarray | None
     ) -> np.ndarray:
-        """The moved values (m, v), changed as little as needed."""
+        """Return the nearest values (m, v) to the advected ones that satisfy the constraints."""
         if not self.bounded and self.total is None:
-            return moved
+            return advected
         low, high = (
             step.bounds(values, fixed)
             if self.bounded
-            else (np.full_like(moved, -np.inf), np.full_like(moved, np.inf))
+            else (np.full_like(advected, -np.inf), np.full_like(advected, np.inf))
         )
         if self.masses is None or self.total is None:
-            return np.clip(moved, low, high)
-        return within(moved, low, high, as_masses(self.masses, step.following), self.total)
+            return np.clip(advected, low, high)
+        return project_to_bounds_and_mass(
+            advected, low, high, as_masses(self.masses, step.following), self.total
+        )
 
 
 def as_masses(masses: Masses, method: Reconstruction) -> np.ndarray:

@@ -1,7 +1,4 @@
-"""Barycentric coordinates of convex polygons and polyhedra, after Wachspress and Warren.
-
-What the coordinates of convex polytopes have in common: heights in, weights of corners out.
-"""
+"""Barycentric coordinates of convex polygons and polyhedra, after Wachspress and Warren."""
 
 from __future__ import annotations
 
@@ -20,10 +17,11 @@ from fieldrecon.reconstruction import Reconstruction
 
 
 class ConvexCoordinates(Reconstruction):
-    """Coordinates of a convex polytope whose corners are the sites, given heights below its faces.
+    """Coordinates of a convex polytope: weights of its corners from heights below its faces.
 
-    They reproduce linear fields and interpolate at the corners. Inside they are positive. Outside
-    they may be negative, and have a pole where their common denominator vanishes.
+    The sites are the corners. The coordinates reproduce linear fields and interpolate at the
+    corners. They are positive inside. Outside they may be negative, and they have a pole where
+    their common denominator vanishes.
 
     A subclass sets `points`, `_form` and `_unit`, and measures the heights in that unit.
     """
@@ -32,11 +30,11 @@ class ConvexCoordinates(Reconstruction):
     interpolates = True
     _form: ProductForm
     _unit: float
-    _nearness = EPS  # of a corner, in units: its own weight is one
+    _nearness = EPS  # distance from a corner, in units, up to which its own weight is one
 
     @abstractmethod
     def _heights(self, x: np.ndarray) -> np.ndarray:
-        """Heights (f, m) of the queries (m, d) below the faces, to the length of their normals."""
+        """Heights (f, m) of queries (m, d) below the faces, times the lengths of the normals."""
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
         self._refuse_if_too_large(len(x))
@@ -59,12 +57,12 @@ class ConvexCoordinates(Reconstruction):
         return tuple(matrix.T for matrix in g)
 
     def _decide(self, x: np.ndarray, queries: np.ndarray, w: np.ndarray | None = None) -> None:
-        """One at corners where more than d faces meet and all products vanish; else no value."""
+        """Set the weights at corners where more than d faces meet; refuse any other query."""
         for k in queries:
             distance = np.abs(self.points / self._unit - x[k] / self._unit).max(axis=1)
             i = int(distance.argmin())
             at_corner = self._form.crowded[i] and distance[i] <= self._nearness
-            where = f"({', '.join(f'{c:.6g}' for c in x[k])})"
+            where = f"({valid.format_point(x[k])})"
             if at_corner and w is not None:
                 w[:, k] = np.arange(len(w)) == i
             elif at_corner:
@@ -93,10 +91,11 @@ class BarycentricCoordinates(ConvexCoordinates):
     c_i(x) = vol_i prod_{faces a not at i} h_a(x),   h_a(x) = n_a^T (p_a - x),
 
     where p_a is a corner on face a, and vol_i = |det(n_a, ...)| over the faces at corner i. That is
-    the quotient vol_i / prod_{faces a at i} h_a(x) times the product of all heights: nothing is
-    divided but by the sum, so the weights are exact on faces, edges and corners and right beside
-    them. Where more than three faces meet, vol_i / prod h_a becomes the volume of the cone over the
-    facet of the polar dual, the limit of the coordinates of polyhedra whose corner is split.
+    the quotient vol_i / prod_{faces a at i} h_a(x) times the product of all heights. The only
+    division is by the sum, so the weights are exact on faces, edges and corners, and accurate
+    close to them. Where more than three faces meet, vol_i / prod h_a becomes the volume of the cone
+    over the facet of the polar dual, the limit of the coordinates of polyhedra with that corner
+    split.
 
     They are positive inside and reproduce linear fields everywhere. Outside they may be negative,
     and where the sum vanishes (on a curve or surface beyond the polytope) they have a pole.
@@ -104,13 +103,13 @@ class BarycentricCoordinates(ConvexCoordinates):
     Parameters
     ----------
     vertices : (n, d) array_like
-        Corners of the polytope, d = 2 or 3, in any order. Faces with more than three corners may be
-        flat to rounding only.
+        Corners of the polytope, d = 2 or 3, in any order. Faces with more than three corners must
+        be flat up to rounding.
 
     Raises
     ------
     ValueError
-        If a vertex is repeated, or is no corner of the convex hull of all; if d is not 2 or 3.
+        If a vertex is repeated, or is not a corner of the convex hull; if d is not 2 or 3.
     numpy.linalg.LinAlgError
         If the vertices lie on a line or in a plane; later, for a query at a pole.
 
@@ -157,7 +156,7 @@ class BarycentricCoordinates(ConvexCoordinates):
         return h.reshape(-1, x.shape[1])[: len(self._form.normals)]
 
     def _from_corners(self, x: np.ndarray) -> np.ndarray:
-        """n^T (p - x) + depth of p, p the nearest corner: the nearer to it, the more exact."""
+        """n^T (p - x) + depth of p, with p the nearest corner, near which it is most accurate."""
         corners = self._corners - self._center
         score = corners @ (x - self._center[:, None]) - (corners**2).sum(axis=1)[:, None] / 2
         nearest = score.argmax(axis=0)
@@ -165,9 +164,9 @@ class BarycentricCoordinates(ConvexCoordinates):
 
 
 def _edges_by_twos(polygon: Polytope) -> tuple[np.ndarray, np.ndarray]:
-    """Ends (k, 2) that two edges share, and the normals (k, 2, 2) of the two, the last zero if odd.
+    """Ends (k, 2) that two edges share, and their normals (k, 2, 2); the last is zero if odd.
 
-    Half as many differences p - x are needed so, and four operations on arrays give all heights.
+    This halves the number of differences p - x, and four array operations give all heights.
     """
     ends = polygon.corners[[edge[1] for edge in polygon.faces[::2]]]
     pairs = np.zeros((len(ends), 2, 2))
@@ -176,7 +175,7 @@ def _edges_by_twos(polygon: Polytope) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _depths(polytope: Polytope) -> np.ndarray:
-    """Heights (f, n) of the corners below the faces, zero for those on it."""
+    """Heights (f, n) of the corners below the faces, exactly zero for corners on a face."""
     on = polytope.corners[[face[0] for face in polytope.faces]]
     below = on[:, None] - polytope.corners
     depth = np.einsum("fd,fnd->fn", polytope.normals, below)

@@ -1,4 +1,4 @@
-"""Faces of a convex polygon or polyhedron given by its corners, and which of them meet where."""
+"""Faces of a convex polygon or polyhedron given by its corners, and the faces at each corner."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
+from fieldrecon._core.validation import format_point
 from fieldrecon.polynomials import Frame, resolution
 
 KIND = {2: "polygon", 3: "polyhedron"}
@@ -21,13 +22,13 @@ class Polytope:
     corners : (n, d) ndarray
         Corners, in the caller's order.
     faces : list of integer arrays
-        Corners of each face: its two ends in 2-D, where the faces come once round the polygon and
-        each begins where the last ended; once round it in 3-D.
+        Corners of each face: the two ends of an edge in 2-D, where the edges are in order round the
+        polygon; in order round the face in 3-D.
     normals : (f, d) ndarray
-        Outward normals, not of unit length: each so long that the corner farthest below its face
-        has a height between 1/2 and 1.
+        Outward normals, of a length such that the corner farthest below the face has a height
+        between 1/2 and 1.
     corner_faces : list of integer arrays
-        Faces at each corner, once round it in 3-D.
+        Faces at each corner, in order round it in 3-D.
     """
 
     corners: np.ndarray
@@ -42,9 +43,9 @@ class Polytope:
         Raises
         ------
         ValueError
-            If a point is no corner of the convex hull, or repeated.
+            If a point is not a corner of the convex hull, or is repeated.
         numpy.linalg.LinAlgError
-            If all lie on a line, or in a plane.
+            If all points lie on a line, or in a plane.
         """
         tolerance = 32 * resolution(points)
         corners = points / Frame.around(points).scale
@@ -60,7 +61,7 @@ class Polytope:
 
 
 def around(vectors: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Order of vectors in space, by their angle about an axis that none of them is parallel to."""
+    """Order of vectors in space by their angle about an axis; none may be parallel to it."""
     flat = vectors - np.outer(vectors @ axis, axis) / (axis @ axis)
     first = flat[0] / np.linalg.norm(flat[0])
     second = np.cross(axis, first) / np.linalg.norm(axis)
@@ -68,7 +69,7 @@ def around(vectors: np.ndarray, axis: np.ndarray) -> np.ndarray:
 
 
 def in_order(normals: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Faces that meet at a corner, once round it."""
+    """Faces that meet at a corner, in order round it."""
     if len(at) <= normals.shape[1]:
         return at
     unit = normals[at] / np.linalg.norm(normals[at], axis=1)[:, None]
@@ -76,7 +77,7 @@ def in_order(normals: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def _faces(corners: np.ndarray, tolerance: float) -> tuple[list[np.ndarray], np.ndarray]:
-    """Corners of each face, once round it, and unit normals; coplanar triangles are one face."""
+    """Corners of each face, in order, and unit normals; coplanar triangles are one face."""
     d = corners.shape[1]
     center = corners.mean(axis=0)  # Qhull's planes keep their digits only near the origin
     try:
@@ -101,7 +102,7 @@ def _faces(corners: np.ndarray, tolerance: float) -> tuple[list[np.ndarray], np.
 
 
 def _normal(face: np.ndarray, outward: np.ndarray) -> np.ndarray:
-    """Normal of a face from its corners (k, d), by sums of products: exact where those are."""
+    """Normal of a face from its corners (k, d), by sums of products."""
     edges = face[1:] - face[0]
     if len(outward) == 2:
         normal = np.array([edges[0, 1], -edges[0, 0]])
@@ -113,7 +114,7 @@ def _normal(face: np.ndarray, outward: np.ndarray) -> np.ndarray:
 def _faces_at(
     corners: np.ndarray, faces: list[np.ndarray], outward: np.ndarray
 ) -> list[np.ndarray]:
-    """Faces at each corner, once round it."""
+    """Faces at each corner, in order round it."""
     lists: list[list[int]] = [[] for _ in corners]
     for a, face in enumerate(faces):
         for i in face:
@@ -122,12 +123,11 @@ def _faces_at(
     return [in_order(outward, m) for m in meeting]
 
 
-# --- what is no convex polytope -----------------------------------------------------------------
-
-
 def _flat(d: int) -> np.linalg.LinAlgError:
     where = "on a line" if d == 2 else "in a plane"
-    return np.linalg.LinAlgError(f"the vertices lie {where}: they are no corners of a {KIND[d]}")
+    return np.linalg.LinAlgError(
+        f"the vertices lie {where}: they are not the corners of a {KIND[d]}"
+    )
 
 
 def _require_dimension(corners: np.ndarray, tolerance: float) -> None:
@@ -166,4 +166,4 @@ def _require_corners(
 
 
 def _named(points: np.ndarray, i: int) -> str:
-    return f"vertex {i}, ({', '.join(f'{c:.6g}' for c in points[i])}),"
+    return f"vertex {i}, ({format_point(points[i])}),"

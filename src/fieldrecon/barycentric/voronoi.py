@@ -1,7 +1,4 @@
-"""Barycentric coordinates of Voronoi cells, from the Delaunay cells round a vertex alone.
-
-Voronoi weights of many vertices at once: vertices with equally many cells in one batch.
-"""
+"""Barycentric coordinates of Voronoi cells, from the Delaunay cells round a vertex."""
 
 from __future__ import annotations
 
@@ -21,9 +18,12 @@ from fieldrecon.meshes import simplices
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import EPS, power_of_two_above, resolution
 
+# Relative height below which a height counts as one that vanishes at a corner.
+_LOW = 1e-6
+
 
 class VoronoiCell(ConvexCoordinates):
-    """Barycentric coordinates of the Voronoi cell of a vertex x_i, its corners circumcentres.
+    """Barycentric coordinates of the Voronoi cell of a vertex x_i, whose corners are circumcentres.
 
     Corner a is the circumcentre of cell a = (i, b_1 ... b_d), face b the bisector of x_i and x_b.
     With l_b = |x_b - x_i| and V_a the volume of cell a, c_a / sum c of
@@ -31,11 +31,12 @@ class VoronoiCell(ConvexCoordinates):
     c_a(x) = V_a prod_{b not in a} h_b(x),   h_b(x) = l_b^2 / 2 - (x_b - x_i)^T (x - x_i):
 
     the slides' V_a / prod_{b in a} (x_b - x_i)^T (p_a - x) times all heights, since p_a is as far
-    from x_b as from x_i. No circumcentre enters, so cells however flat do no harm, and nothing is
-    divided. Cells with one circumcentre (more than d + 1 points on a sphere) are one corner.
+    from x_b as from x_i. No circumcentre enters, so that flat cells do no harm, and there is no
+    division. Cells with one circumcentre (more than d + 1 points on a sphere) are one corner.
 
-    Round a vertex whose cells are not Delaunay the corners may make a polygon that crosses itself.
-    Linear fields still come back, and the weights are positive near x_i, but not in all the cell.
+    If the cells round the vertex are not Delaunay, the corners may form a polygon that intersects
+    itself. Linear fields are still reproduced, and the weights are positive near x_i, but not in
+    the whole cell.
 
     Parameters
     ----------
@@ -49,12 +50,12 @@ class VoronoiCell(ConvexCoordinates):
     points : (n, d) ndarray
         Corners of the cell.
     cells : tuple of integer arrays
-        The mesh's cells whose circumcentre each corner is, mostly one.
+        For each corner, the cells of the mesh with this circumcentre, usually one.
 
     Raises
     ------
     ValueError
-        If the vertex is none of the mesh, or on its boundary, where the Voronoi cell is open.
+        If the vertex is not in the mesh, or is on its boundary, where the Voronoi cell is open.
     numpy.linalg.LinAlgError
         For a query outside the cell where the weights have a pole.
 
@@ -82,7 +83,7 @@ class VoronoiCell(ConvexCoordinates):
         faces = faces.reshape(opposite.shape)
         self._center = mesh.points[i]
         edges = mesh.points[neighbors] - self._center
-        self._unit = power_of_two_above(float(np.abs(edges).max()))
+        self._unit = float(power_of_two_above(np.abs(edges).max()))
         edges /= self._unit
         normals = edges / (edges**2).sum(axis=1)[:, None]
         centers = simplices.circumcenters(mesh.points[star])
@@ -96,7 +97,7 @@ class VoronoiCell(ConvexCoordinates):
         self._crowded = [(a, at) for a, at in enumerate(meeting) if len(at) > len(self._center)]
 
     def _heights(self, x: np.ndarray) -> np.ndarray:
-        """In units of l_b^2, (f, m); exactly zero at corners of more than d faces."""
+        """Heights (f, m) in units of l_b^2, exactly zero at corners of more than d faces."""
         h = 0.5 - self._form.normals @ ((x - self._center) / self._unit).T
         for a, faces in self._crowded:
             near = np.abs(x - self.points[a]).max(axis=1) <= self._nearness * self._unit
@@ -104,32 +105,10 @@ class VoronoiCell(ConvexCoordinates):
         return h
 
 
-def _merged(centers: np.ndarray, faces: np.ndarray, tolerance: float) -> np.ndarray:
-    """Corner of each cell, numbered as they appear: one for neighbours with one circumcentre."""
-    d = faces.shape[1]
-    at = np.zeros((len(faces), faces.max() + 1), dtype=int)
-    np.put_along_axis(at, faces, 1, axis=1)
-    distance = np.abs(centers[:, None] - centers).max(axis=2)
-    one = (at @ at.T >= d - 1) & (distance <= tolerance)
-    return connected_components(sparse.csr_array(one), directed=False)[1]
-
-
-def _meeting(faces: np.ndarray, corner: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
-    """Faces at each corner, and which these are: some planes touch the cell in an edge or less."""
-    d = faces.shape[1]
-    pairs = np.unique(np.column_stack([np.repeat(corner, d), faces.ravel()]), axis=0)
-    real = np.bincount(pairs[:, 1]) >= d
-    pairs = pairs[real[pairs[:, 1]]]
-    number = np.cumsum(real) - 1
-    starts = np.flatnonzero(np.diff(pairs[:, 0])) + 1
-    return np.split(number[pairs[:, 1]], starts), np.flatnonzero(real)
-
-
 def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> sparse.csr_array:
-    """Weights of the mesh's cells in the value at x in the Voronoi cell of a vertex, pair by pair.
+    """Weights of `VoronoiCell` for many pairs of a vertex and a query at once.
 
-    The weights of `VoronoiCell`, for many vertices at once. Those of cells with one circumcentre
-    are shared among these; only their sum has a meaning.
+    Cells with the same circumcentre share its weight equally; only their sum has a meaning.
 
     Parameters
     ----------
@@ -143,7 +122,7 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
     Returns
     -------
     (m, c) scipy.sparse.csr_array
-        H with s(x) = H f for data f, one for each of the c cells, given at their circumcentres.
+        H with s(x) = H f for data f at the circumcentres of the c cells.
 
     Raises
     ------
@@ -177,62 +156,22 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
 
     def work(which: np.ndarray) -> np.ndarray:
         part = parts[which[0]]
-        places = pointer[part, None] + np.arange(pointer[part[0] + 1] - pointer[part[0]])
-        weights[places], lost = valid.without_warnings(
-            weights_of_cells, mesh, vertex[part], rows[part], cells[places]
+        entries = pointer[part, None] + np.arange(pointer[part[0] + 1] - pointer[part[0]])
+        weights[entries], lost = valid.quiet_evaluate(
+            weights_of_cells, mesh, vertex[part], rows[part], cells[entries]
         )
         return part[lost]
 
     lost = [pairs for _, pairs in chunked(work, np.arange(len(parts)), 1)]
-    _alone(mesh, vertex, rows, np.concatenate([*lost, np.zeros(0, np.intp)]), weights, pointer)
+    _weigh_one_by_one(
+        mesh, vertex, rows, np.concatenate([*lost, np.zeros(0, np.intp)]), weights, pointer
+    )
     h = sparse.csr_array((weights, cells, pointer), shape=(len(rows), len(mesh.cells)))
-    return valid.finite_rows(h, rows)
-
-
-def _empty(mesh: SimplexMesh, vertex: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Room for the weights, the cells round the vertices, and where those of each begin."""
-    at = mesh.vertex_cell_incidence
-    count = np.diff(at.indptr)[vertex]
-    pointer = np.concatenate([[0], np.cumsum(count)])
-    shift = np.repeat(at.indptr[vertex] - pointer[:-1], count)
-    cells = at.indices[np.arange(pointer[-1]) + shift]
-    return np.empty(len(cells)), cells, pointer
-
-
-def _of_equal_valence(pointer: np.ndarray) -> Iterator[np.ndarray]:
-    """Pairs with equally many cells, as many at a time as make a chunk."""
-    count = np.diff(pointer)
-    order = np.argsort(count, kind="stable")
-    for same in np.split(order, np.flatnonzero(np.diff(count[order])) + 1):
-        if len(same):
-            step = rows_of(8 * 3 * int(count[same[0]]) ** 2)
-            yield from (same[i : i + step] for i in range(0, len(same), step))
-
-
-def _alone(
-    mesh: SimplexMesh,
-    vertex: np.ndarray,
-    x: np.ndarray,
-    pairs: np.ndarray,
-    weights: np.ndarray,
-    pointer: np.ndarray,
-) -> None:
-    """Weights of these pairs, vertex by vertex: corners that coincide are merged there."""
-    for v in np.unique(vertex[pairs]):
-        mine = pairs[vertex[pairs] == v]
-        cell = VoronoiCell(mesh, v)
-        shared = cell.weights(x[mine]) / [len(c) for c in cell.cells]
-        order = np.argsort(np.concatenate(cell.cells))  # as the cells round a vertex increase
-        corner = np.repeat(np.arange(len(cell.cells)), [len(c) for c in cell.cells])[order]
-        weights[pointer[mine, None] + np.arange(len(corner))] = shared[:, corner]
-
-
-# A height this small beside its largest in the cell counts as one of those that vanish at a corner.
-_LOW = 1e-6
+    return valid.check_finite(h, rows)
 
 
 def as_inner_vertices(mesh: SimplexMesh, vertices: ArrayLike, name: str = "vertex") -> np.ndarray:
-    """Indices of vertices, refused where the Voronoi cell is open or there is none."""
+    """Indices of vertices; those on the boundary or of no cell are refused."""
     given, n = np.asarray(vertices), len(mesh.points)
     if given.dtype.kind not in "iu" and given.size:
         raise ValueError(f"{name} must be an index of a point, an integer; got {vertices!r}")
@@ -252,10 +191,10 @@ def as_inner_vertices(mesh: SimplexMesh, vertices: ArrayLike, name: str = "verte
 def weights_of_cells(
     mesh: SimplexMesh, vertices: np.ndarray, x: np.ndarray, cells: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Weights (g, k) of the k cells round each vertex (g,), and where (g,) these cannot be trusted.
+    """Weights (g, k) of the k cells round each vertex (g,), and where (g,) they are unreliable.
 
-    As in `VoronoiCell`, for all g at once. They cannot where more heights vanish than belong to one
-    cell, as on the edges of a Voronoi cell between cocircular points, or where the sum does.
+    As in `VoronoiCell`, for all g at once. They are unreliable where the sum vanishes, or more
+    heights vanish than belong to one cell, as on edges between cocircular points.
     """
     g, k = cells.shape
     around = mesh.cells.take(cells, axis=0)
@@ -263,7 +202,7 @@ def weights_of_cells(
     neighbors, present, faces = _ranked(opposite)
     center = mesh.points[vertices]
     edges = mesh.points.take(neighbors, axis=0) - center[:, None]
-    unit = np.exp2(np.frexp(np.abs(edges).max(axis=(1, 2)))[1])
+    unit = power_of_two_above(np.abs(edges).max(axis=(1, 2)))
     edges /= unit[:, None, None]
     normals = edges / np.einsum("gfd,gfd->gf", edges, edges)[..., None]
     y = (x - center) / unit[:, None]
@@ -282,8 +221,67 @@ def weights_of_cells(
     return w / np.where(lost, 1.0, total)[:, None], lost
 
 
+def _merged(centers: np.ndarray, faces: np.ndarray, tolerance: float) -> np.ndarray:
+    """Index of the corner of each cell; neighbours with the same circumcentre share one."""
+    d = faces.shape[1]
+    at = np.zeros((len(faces), faces.max() + 1), dtype=int)
+    np.put_along_axis(at, faces, 1, axis=1)
+    distance = np.abs(centers[:, None] - centers).max(axis=2)
+    one = (at @ at.T >= d - 1) & (distance <= tolerance)
+    return connected_components(sparse.csr_array(one), directed=False)[1]
+
+
+def _meeting(faces: np.ndarray, corner: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+    """Faces at each corner, and the indices of real faces: some planes only touch the cell."""
+    d = faces.shape[1]
+    pairs = np.unique(np.column_stack([np.repeat(corner, d), faces.ravel()]), axis=0)
+    real = np.bincount(pairs[:, 1]) >= d
+    pairs = pairs[real[pairs[:, 1]]]
+    number = np.cumsum(real) - 1
+    starts = np.flatnonzero(np.diff(pairs[:, 0])) + 1
+    return np.split(number[pairs[:, 1]], starts), np.flatnonzero(real)
+
+
+def _empty(mesh: SimplexMesh, vertex: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Space for the weights, the cells round the vertices, and the start of each vertex's cells."""
+    at = mesh.vertex_cell_incidence
+    count = np.diff(at.indptr)[vertex]
+    pointer = np.concatenate([[0], np.cumsum(count)])
+    shift = np.repeat(at.indptr[vertex] - pointer[:-1], count)
+    cells = at.indices[np.arange(pointer[-1]) + shift]
+    return np.empty(len(cells)), cells, pointer
+
+
+def _of_equal_valence(pointer: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield chunks of pairs whose vertices have equally many cells."""
+    count = np.diff(pointer)
+    order = np.argsort(count, kind="stable")
+    for same in np.split(order, np.flatnonzero(np.diff(count[order])) + 1):
+        if len(same):
+            step = rows_of(8 * 3 * int(count[same[0]]) ** 2)
+            yield from (same[i : i + step] for i in range(0, len(same), step))
+
+
+def _weigh_one_by_one(
+    mesh: SimplexMesh,
+    vertex: np.ndarray,
+    x: np.ndarray,
+    pairs: np.ndarray,
+    weights: np.ndarray,
+    pointer: np.ndarray,
+) -> None:
+    """Set the weights of these pairs, vertex by vertex, with coincident corners merged."""
+    for v in np.unique(vertex[pairs]):
+        mine = pairs[vertex[pairs] == v]
+        cell = VoronoiCell(mesh, v)
+        shared = cell.weights(x[mine]) / [len(c) for c in cell.cells]
+        order = np.argsort(np.concatenate(cell.cells))  # in ascending order of the cells
+        corner = np.repeat(np.arange(len(cell.cells)), [len(c) for c in cell.cells])[order]
+        weights[pointer[mine, None] + np.arange(len(corner))] = shared[:, corner]
+
+
 def _ranked(a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Distinct entries (g, f) of each row, which of these (g, f) there are, and ranks of all."""
+    """Distinct entries (g, f) of each row, a mask (g, f) of valid ones, and the ranks of all."""
     order = np.argsort(a, axis=1, kind="stable")
     increasing = np.take_along_axis(a, order, axis=1)
     first = np.ones(a.shape, dtype=bool)

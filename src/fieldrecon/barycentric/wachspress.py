@@ -1,10 +1,10 @@
 """Weights of the corners of a convex polytope as products of heights below its faces.
 
-    w_i(x) = sum_t vol(t) prod_{a not in t} h_a(x),   t: d faces each, together all at corner i
+    w_i(x) = sum_t vol(t) prod_{a not in t} h_a(x),   t: simplices of d faces at corner i
 
-Nothing is divided but by the sum of all weights, and each face has one height: the weights are
-exact on faces, edges and corners, where quotients are 0/0, and beside them, where quotients of
-heights rounded differently are wrong.
+The only division is by the sum of all weights, and each face has one height. So the weights are
+exact on faces, edges and corners, where quotients are 0/0, and accurate close to them, where
+quotients of heights rounded differently are wrong.
 """
 
 from __future__ import annotations
@@ -15,26 +15,27 @@ import numpy as np
 
 from fieldrecon.polynomials import EPS
 
-# So many heights of size one can be multiplied without leaving the range of numbers.
+# Number of heights of size one whose product cannot underflow.
 _FEW = 16
 
-# A sum this small beside its terms is rounding.
+# A sum this small relative to its terms is rounding.
 _ROUNDING = 64 * EPS
 
-# Exponent of what is zero: below those of all numbers, and so are sums of many such.
+# Exponent of zero: it and sums of many such are below the exponents of all numbers.
 _NONE = -(2**40)
 
 
 class ProductForm:
-    """The weights, for faces with these normals of which these meet at the corners.
+    """The weights of the corners from the normals of the faces and the faces at each corner.
 
     Parameters
     ----------
     normals : (f, d) ndarray
         Outward normals, of any lengths.
     corner_faces : sequence of integer arrays
-        Faces at each corner, d or more; in 3-D once round it. Where more than d meet, the weight is
-        the volume of the cone over the facet of the polar dual, cut into simplices from one corner.
+        Faces at each corner, d or more; in 3-D in order round it. Where more than d meet, the
+        weight is the volume of the cone over the facet of the polar dual, cut into simplices from
+        one corner.
     """
 
     def __init__(self, normals: np.ndarray, corner_faces: Sequence[np.ndarray]) -> None:
@@ -50,12 +51,12 @@ class ProductForm:
 
     @property
     def numbers_per_query(self) -> int:
-        """Numbers that are held at once for a query, for the size of the chunks."""
+        """Number of numbers held at once for a query, for the size of the chunks."""
         numbers = self._products.count + len(self.corner)
         return numbers if len(self.normals) <= _FEW else 2 * numbers  # exponents too
 
     def weights(self, h: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Weights (n, m) of sum one at heights (f, m), into `out`; where (m,) there are none."""
+        """Weights (n, m) of sum one at heights (f, m), into `out`; where (m,) the sum vanishes."""
         w = self._summed(h[:, None])[:, 0]
         total = w.sum(axis=0)
         # inside, where no weight is negative, the sum loses nothing
@@ -65,10 +66,10 @@ class ProductForm:
         return lost
 
     def gradients(self, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gradients (n, d, m) of the weights of sum one, and where (m,) there are none.
+        """Gradients (n, d, m) of the weights of sum one, and where (m,) the sum vanishes.
 
-        By the product rule. The gradients sum to zero, which gives that of the largest weight:
-        where more than d faces meet, its own terms would cancel.
+        By the product rule. The gradient of the largest weight follows from the sum zero of all
+        gradients: where more than d faces meet, its own terms would cancel.
         """
         m = h.shape[1]
         slopes = np.broadcast_to(-self.normals[..., None], (*self.normals.shape, m))
@@ -84,7 +85,7 @@ class ProductForm:
         return g, lost
 
     def _summed(self, leaves: np.ndarray) -> np.ndarray:
-        """Terms summed to their corners, (n, c, m), in a unit of each query's own."""
+        """Sums (n, c, m) of the terms of each corner, in a unit of each query's own."""
         terms, exponent = self._products(leaves)
         if exponent is not None:
             shift = np.maximum(exponent - exponent.max(axis=0), -2000)
@@ -96,7 +97,7 @@ class ProductForm:
 
 
 def _fan(faces: np.ndarray, d: int) -> np.ndarray:
-    """Simplices (t, d) of faces: all of them share the first."""
+    """Simplices (t, d) of faces, a fan about the first face."""
     if d == 2:
         return faces[None]
     first = np.full(len(faces) - 2, faces[0])
@@ -104,11 +105,11 @@ def _fan(faces: np.ndarray, d: int) -> np.ndarray:
 
 
 class _Products:
-    """Products of all of n factors but some, for many choices of these: a tree of partial products.
+    """Products of n factors without some of them, for many choices, by a tree of partial products.
 
-    The factors are the leaves n ... 2n - 1, and node k is the product of nodes 2k and 2k + 1. What
-    is left without some leaves is the product of the largest nodes above none of them. A factor is
-    a value (1, m), or a value and its gradient (1 + d, m), multiplied by the product rule.
+    The factors are the leaves n ... 2n - 1, and node k is the product of nodes 2k and 2k + 1. A
+    product without some leaves is that of the largest nodes that are above none of them. A factor
+    is a value (1, m), or a value and its gradient (1 + d, m), multiplied by the product rule.
     """
 
     def __init__(self, n: int, omitted: np.ndarray) -> None:
@@ -122,7 +123,7 @@ class _Products:
         self.count = n + len(self.inner)
 
     def __call__(self, leaves: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-        """Products (t, c, m) of factors (n, c, m), each times 2 to the exponent (t, m) if given."""
+        """Products (t, c, m) of factors (n, c, m), each times 2 to the exponent (t, m), if any."""
         node = dict(enumerate(leaves, start=self.n))
         out = np.empty((len(self.covers), *leaves.shape[1:]))
         if self.n <= _FEW:

@@ -1,22 +1,29 @@
-"""The command that reports what is wrong with a mesh of triangles, and repairs it."""
+"""The command ``fieldrecon audit``: the errors of a mesh of triangles, and its repair."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from fieldrecon._core.extras import require
-from fieldrecon.cli.terminal import (
-    print_audit,
+from fieldrecon.cli.console import (
     print_files,
     print_json,
     print_missing_pictures,
-    stages,
+    print_table,
+    say,
 )
-from fieldrecon.io.triangles import packages_to_write, read_triangles, write_triangles
+from fieldrecon.cli.progress import stages
+from fieldrecon.io.meshes import packages_to_write, write_triangles
 from fieldrecon.pages.audit_files import write_audit
-from fieldrecon.triangles.audit import audit_mesh
-from fieldrecon.triangles.repair import repair_mesh
+from fieldrecon.pipelines.audit import AuditRequest, audit_file
+from fieldrecon.triangles.audit import MeshAudit, in_words
+
+_MAX_FINDINGS = 3
+_MAX_INDICES = 6
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,20 +33,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--tolerance",
         type=float,
         metavar="LENGTH",
-        help="by how much vertices may be off, 0 for none (four roundings of the coordinates)",
+        help="vertices at most this far apart coincide, 0 for none (four roundings of the "
+        "coordinates)",
     )
     parser.add_argument(
-        "--open", action="store_true", help="the surface may have a boundary: that is no error"
+        "--open", action="store_true", help="do not count a boundary of the surface as an error"
     )
     parser.add_argument(
-        "--repair", type=Path, metavar="FILE", help="write a repaired mesh; its name tells how"
+        "--repair",
+        type=Path,
+        metavar="FILE",
+        help="write a repaired mesh; the suffix names the format",
     )
     parser.add_argument(
         "--largest-hole",
         type=float,
         default=0.1,
         metavar="SHARE",
-        help="holes up to this share of the area around are filled (0.1)",
+        help="holes up to this share of the area around them are filled (0.1)",
     )
     parser.add_argument("--json", action="store_true", help="print the findings as JSON only")
     parser.add_argument("--out", type=Path, default=Path("audit"), metavar="DIR")
@@ -47,30 +58,65 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def audit(options: argparse.Namespace) -> int:
-    """Report the errors of a mesh and write its repair; return 1 if there is an error."""
+    """Print the errors of a mesh, and write them and the repaired mesh; return 1 if any remain."""
     if options.repair:
         require(*packages_to_write(options.repair))
-    points, triangles = read_triangles(options.mesh)
+    request = AuditRequest(
+        options.mesh, options.tolerance, options.repair is not None, options.largest_hole
+    )
     with stages() as stage:
-        progress = stage("looking for self-intersections")
-        if options.repair is None:
-            found = audit_mesh(points, triangles, options.tolerance, progress)
-            done = None
-        else:
-            repaired = repair_mesh(
-                points, triangles, options.tolerance, options.largest_hole, progress
-            )
-            write_triangles(options.repair, repaired.points, repaired.triangles)
-            found, done = repaired.before, repaired.done
-    written = write_audit(options.out, found, points, triangles)
-    last = found if done is None else repaired.after
+        result = audit_file(request, stages=stage)
+        if result.repair:
+            write_triangles(options.repair, result.repair.points, result.repair.triangles)
+    written = write_audit(options.out, result.audit, result.points, result.triangles)
     if options.json:
-        print_json(last.as_dict() if done is None else {"done": done, "left": last.as_dict()})
+        left = result.final.as_dict()
+        print_json({"done": result.repair.done, "left": left} if result.repair else left)
     else:
-        print_audit(options.mesh, found)
-        if done is not None:
-            print_audit(options.repair, last, done)
-        print_files(written if done is None else [*written, options.repair])
+        print_audit(options.mesh, result.audit)
+        if result.repair:
+            print_audit(options.repair, result.repair.after, result.repair.done)
+            written.append(options.repair)
+        print_files(written)
     print_missing_pictures()
-    boundary = {"boundary_loops"} if options.open else set()
-    return int(bool({*last.found} - boundary))
+    return int(not result.sound(open_allowed=options.open))
+
+
+def print_audit(path: Path, audit: MeshAudit, done: dict[str, int] | None = None) -> None:
+    """Print the errors of a mesh and, for a repaired mesh, the repairs."""
+    parts = "1 part" if audit.parts == 1 else f"{audit.parts:,} parts"
+    say(
+        f"{path}: {audit.triangles:,} triangles in {parts}, {audit.vertices:,} "
+        f"vertices; tolerance {audit.tolerance:.3g}."
+    )
+    if audit.soup:
+        say("Each triangle has vertices of its own, as in STL; equal vertices count as one.")
+    if done is not None:
+        repairs = ", ".join(in_words(what, n) for what, n in done.items())
+        say(f"Repaired: {repairs or 'nothing'}.")
+    if audit.clean:
+        say("Nothing is wrong: closed, oriented, without self-intersections.")
+    else:
+        columns = ("concerns", "found", "where, by index from 0")
+        print_table(columns, _findings(audit))
+
+
+def _findings(audit: MeshAudit) -> list[tuple[str, str, str]]:
+    """Return a row for each kind of error that was found: concern, number, indices."""
+    return [
+        (concern, in_words(kind, n), _shown(getattr(audit, kind)))
+        for concern, kinds in audit.counts.items()
+        for kind, n in kinds.items()
+        if n
+    ]
+
+
+def _shown(found: Sequence[np.ndarray]) -> str:
+    """Return the indices of the first few errors."""
+    few = [_joined(np.atleast_1d(indices)) for indices in found[:_MAX_FINDINGS]]
+    return ", ".join([*few, "…"] if len(found) > _MAX_FINDINGS else few)
+
+
+def _joined(indices: np.ndarray) -> str:
+    few = "-".join(map(str, indices[:_MAX_INDICES]))
+    return f"{few}-…" if len(indices) > _MAX_INDICES else few

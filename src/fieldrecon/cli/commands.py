@@ -18,22 +18,22 @@ GROUP = "fieldrecon.commands"
 
 @dataclass(frozen=True)
 class Command:
-    """A command of ``fieldrecon``, described without the import of what it runs.
+    """A command of ``fieldrecon``, described without importing its implementation.
 
     Parameters
     ----------
     module : str
-        The module whose ``add_arguments(parser)`` declares the options and sets ``command``, the
-        function of the options that runs it. NumPy and SciPy alone take longer to import than most
-        answers, so the module is imported when the command is called.
+        The module whose ``add_arguments(parser)`` declares the options, and sets ``command`` to the
+        function of the options that runs it. It is imported only when the command is called, since
+        the import of NumPy and SciPy takes longer than most commands.
     help : str
-        What the command does, in a few words.
+        A summary of the command.
     description : str
-        What it does, in sentences; the help if not given.
+        A description in sentences; by default the help.
     needs : tuple of str
-        Modules of optional packages without which it is refused.
+        Modules of optional packages that the command requires.
     for_workers : tuple of str
-        Modules that its worker processes need; their import begins before that of the command.
+        Modules that its worker processes need; their import starts before that of the command.
     """
 
     module: str
@@ -59,26 +59,27 @@ class Command:
 OF_THE_LIBRARY = {
     "reconstruct": Command(
         "fieldrecon.cli.reconstruct",
-        "a field from a table of samples, and which method fits them",
-        "Reconstruct a field from samples, on a grid, at points or on a mesh. Each method is "
-        "judged by samples that are left out; each value comes with an estimate of its error, and "
-        "extrapolated ones are marked.",
+        "a field from a table of samples, by the method that fits them best",
+        "Reconstruct a field from samples, on a grid, at points or on a mesh. Methods are compared "
+        "by their errors at samples that are left out. Each value has an error estimate, and "
+        "extrapolated values are marked.",
     ),
     "surface": Command(
         "fieldrecon.cli.surface",
         "a closed mesh from a scan: points on the surface of a body, in a file",
         "Reconstruct the body whose surface goes through points: normals, a field that is zero at "
-        "the points, a mesh of its zeros, a picture, and a page that says how far the points are "
-        "from it. The status is 0 if the mesh is closed, sound, and misses no point, 1 if there is "
-        "something to look at, and 2 if there is no mesh.",
+        "the points, a mesh of its zeros, a picture, and a page with the distances of the points "
+        "from the mesh. The status is 0 if the mesh is closed, without errors, and near all "
+        "points, 1 if it is not, and 2 if there is no mesh.",
     ),
     "audit": Command(
         "fieldrecon.cli.audit",
-        "what is wrong with a mesh of triangles in a file, and a repair of it",
-        "Look for all that is wrong with a mesh of triangles in space: repeated vertices and "
+        "the errors of a mesh of triangles in a file, and a repaired mesh",
+        "Find the errors of a mesh of triangles in space: duplicate vertices and "
         "triangles, triangles without area, edges of more than two triangles, bow-ties, holes, "
-        "wrong orientation, self-intersections, T-junctions. The status is 0 if there is nothing, "
-        "1 if there is something, also after a repair, and 2 if the file cannot be read.",
+        "inconsistent orientation, self-intersections, T-junctions. The status is 0 if there are "
+        "no errors, 1 if there are errors (with --repair: if any remain), and 2 if the file cannot "
+        "be read.",
     ),
 }
 

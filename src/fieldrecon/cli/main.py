@@ -13,13 +13,13 @@ from typing import TextIO
 from fieldrecon.cli.commands import ELSEWHERE, commands
 
 USER_ERRORS = (ValueError, OSError, MemoryError, OverflowError, ImportError)
-"""What the user can put right; a LinAlgError is a ValueError."""
+"""Errors that the user can correct; a LinAlgError is a ValueError."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit status: 2 for what the user can put right."""
+    """Run the command line and return its exit status: 2 for errors that the user can correct."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    _replace_what_a_stream_cannot_spell(sys.stdout)
+    _replace_unencodable_characters(sys.stdout)
     options = _parser(arguments).parse_args(arguments)
     try:
         return options.command(options) or 0
@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("fieldrecon: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # The reader has seen enough, as head does: that is no error, and nothing more is written.
+        # The reader has closed the pipe, as head does: this is not an error, and output stops.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except USER_ERRORS as error:
@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
 
 
-def _replace_what_a_stream_cannot_spell(stream: TextIO) -> None:
+def _replace_unencodable_characters(stream: TextIO) -> None:
     """Write a question mark for a character that a Windows code page lacks, as in a redirection."""
     if isinstance(stream, io.TextIOWrapper):
         stream.reconfigure(errors="replace")
@@ -52,20 +52,20 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     )
     parser.add_argument("--traceback", action="store_true", help="show where an error came from")
     installed = commands()
-    _refuse_what_is_elsewhere(parser, next((a for a in arguments if a[:1] != "-"), ""), installed)
-    places = parser.add_subparsers(required=True, metavar="COMMAND")
+    _refuse_missing_command(parser, next((a for a in arguments if a[:1] != "-"), ""), installed)
+    subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
     for name, command in installed.items():
         try:
-            command.add_to(places, name, name in arguments)
+            command.add_to(subparsers, name, name in arguments)
         except ModuleNotFoundError as missing:
             parser.error(_sentence(missing))
     return parser
 
 
-def _refuse_what_is_elsewhere(
+def _refuse_missing_command(
     parser: argparse.ArgumentParser, name: str, installed: Collection[str]
 ) -> None:
-    """Say where a command is to be had that is not installed."""
+    """Name the distribution of a command that is not installed."""
     if name in ELSEWHERE and name not in installed:
         from fieldrecon._core.extras import companion
 

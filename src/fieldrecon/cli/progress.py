@@ -1,21 +1,25 @@
-"""Progress of long work: one line of standard error that is rewritten, on a terminal only."""
+"""Progress bars: one line of standard error that is rewritten, on a terminal only."""
 
 from __future__ import annotations
 
 import shutil
 import sys
 import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
+
+from fieldrecon._core.memory import memory_used, peak_memory
 
 _CELLS = 10
 _SECONDS_BETWEEN = 0.1
 
 
 class StatusLine:
-    """The last line of a terminal, rewritten as work goes on; nothing where there is no terminal.
+    """The last line of a terminal, rewritten as work goes on; invisible without a terminal.
 
-    The end of its block erases it.
+    It is a context manager; leaving its block erases the line.
     """
 
     def __init__(self) -> None:
@@ -32,7 +36,7 @@ class StatusLine:
             self._length = len(text)
 
     def say(self, text: str) -> None:
-        """Print a line that stays, in place of this one; also where there is no terminal."""
+        """Print a line that stays above this one, also without a terminal."""
         self.show("")
         print(text, file=self._stream, flush=True)
 
@@ -49,14 +53,14 @@ class StatusLine:
 
 
 class Stage:
-    """How much of one stage of the work is done, and how long the rest will take.
+    """A bar for one stage of the work, with the time that is left.
 
     Parameters
     ----------
     line : StatusLine
-        Where it is shown.
+        Where the bar is shown.
     label : str
-        The work.
+        The name of the stage, which is shown at once.
     """
 
     def __init__(self, line: StatusLine, label: str) -> None:
@@ -65,7 +69,7 @@ class Stage:
         line.show(label)
 
     def __call__(self, done: int, total: int, note: str = "") -> None:
-        """Show how many are done, of how many, ten times a second at most."""
+        """Show how many of the total are done, at most ten times a second."""
         now = time.monotonic()
         if done and now - self._shown >= _SECONDS_BETWEEN:
             self._shown = now
@@ -74,19 +78,19 @@ class Stage:
 
 
 class Bar(StatusLine):
-    """Progress of a build, whose total grows as work is found."""
+    """A bar for a build, whose total grows as work is found."""
 
     def __init__(self) -> None:
         super().__init__()
         self._done = self._total = 0
 
     def add(self, count: int) -> None:
-        """Count more work to be done."""
+        """Increase the total."""
         self._total += count
         self._show_counts()
 
     def done(self, text: str) -> None:
-        """Report that a piece of work is done."""
+        """Count a finished piece of work, and print a line about it."""
         self._done += 1
         self.say(text)
 
@@ -98,6 +102,38 @@ class Bar(StatusLine):
     def _show_counts(self) -> None:
         if self._total:
             self.show(f"report {bar(self._done, self._total)}, {self._done} of {self._total}")
+
+
+@contextmanager
+def progress(
+    mapping: Callable[..., Iterable[Any]], label: str
+) -> Iterator[Callable[..., Iterator[Any]]]:
+    """Wrap a function like `map`, so that a bar counts the finished items."""
+    with StatusLine() as line:
+
+        def counted(function: Any, items: Iterable[Any]) -> Iterator[Any]:
+            items = list(items)
+            show = Stage(line, label)
+            for count, done in enumerate(mapping(function, items), 1):
+                show(count, len(items))
+                yield done
+
+        yield counted
+
+
+@contextmanager
+def stages() -> Iterator[Callable[[str], Callable[[int, int], None]]]:
+    """Give a function that opens a stage by its name, and returns its progress(done, total).
+
+    The bar of a stage shows the time that is left and the memory that was used.
+    """
+    with StatusLine() as line:
+
+        def stage(label: str) -> Callable[[int, int], None]:
+            show = Stage(line, label)
+            return lambda done, total: show(done, total, memory_used(peak_memory()))
+
+        yield stage
 
 
 def bar(done: int, total: int) -> str:
@@ -113,7 +149,7 @@ def bar(done: int, total: int) -> str:
 
 
 def in_words(seconds: float) -> str:
-    """Return a time as one would say it.
+    """Return a duration in words.
 
     Examples
     --------

@@ -6,7 +6,7 @@ is the same on both sides. Wendland (2005), section 1.2.
 
 from fieldrecon.coupling.fixed_point_iteration import FixedPoint, fixed_point
 from fieldrecon.coupling.flat_structures import FlatCoupling, couple
-from fieldrecon.coupling.rigid_motions import net_force_and_moment, rigid_motions
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment, rigid_motions
 from fieldrecon.coupling.transfer import Coupling, Transfer
 
 __all__ = [

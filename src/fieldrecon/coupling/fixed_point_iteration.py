@@ -1,4 +1,4 @@
-"""Fixed points by repetition, plain or relaxed, as two solvers that take turns need them."""
+"""Fixed-point iteration with relaxation, as for the alternation of two coupled solvers."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 
-HOPELESS = 1e8
-"""A residual that has grown by this is given up."""
+DIVERGED = 1e8
+"""Growth of the residual at which the iteration stops."""
 
 
 @dataclass(frozen=True)
 class FixedPoint:
-    """Where a repetition came to, and how.
+    """The result of a fixed-point iteration.
 
     Attributes
     ----------
     value : (...) ndarray
         The last value.
     residuals : (k,) ndarray
-        Norms of step(x) - x, the first at the start.
+        Norms of func(x) - x, the first at the start.
     converged : bool
-        Whether the last is below the tolerance.
+        Whether the last residual is below the tolerance.
     """
 
     value: np.ndarray
@@ -34,42 +34,43 @@ class FixedPoint:
 
     @property
     def contraction(self) -> float:
-        """Factor by which the last step changed the residual; zero if there was none."""
+        """Ratio of the last two residuals; zero if there is only one."""
         before, last = self.residuals[-2:] if len(self.residuals) > 1 else (1.0, 0.0)
         return float(last / before)
 
 
 def fixed_point(
-    step: Callable[[np.ndarray], np.ndarray],
-    start: ArrayLike,
+    func: Callable[[np.ndarray], np.ndarray],
+    x0: ArrayLike,
     relaxation: float | None = None,
-    first: float = 0.5,
-    tolerance: float = 1e-10,
-    most: int = 100,
+    *,
+    initial_relaxation: float = 0.5,
+    tol: float = 1e-10,
+    maxiter: int = 100,
 ) -> FixedPoint:
-    """Repeat x + ω (step(x) - x) until nothing changes.
+    """Iterate x + ω (func(x) - x) to a fixed point of a function.
 
-    With ω fixed; or after Aitken, from the last two residuals r = step(x) - x,
+    The relaxation factor ω is fixed, or Aitken's, from the last two residuals r = func(x) - x,
 
         ω_k = -ω_{k-1} r_{k-1} · (r_k - r_{k-1}) / |r_k - r_{k-1}|²,
 
-    which is the secant method on a line, and finds the fixed point of an affine step on one at the
-    second attempt, whether or not repetition alone would converge.
+    which is the secant method in one variable. It finds the fixed point of an affine function of
+    one variable in two steps, whether or not the plain iteration converges.
 
     Parameters
     ----------
-    step : callable
-        Takes and gives arrays of one shape.
-    start : (...) array_like
+    func : callable
+        Takes and returns arrays of one shape.
+    x0 : (...) array_like
         The first value.
     relaxation : float, optional
-        A fixed ω; 1 repeats plainly. Without one, ω is Aitken's.
-    first : float
+        A fixed ω; 1 is the plain iteration. Without it, ω is Aitken's.
+    initial_relaxation : float
         The first of Aitken's ω.
-    tolerance : float
-        Of the norm of the residual, relative to the first.
-    most : int
-        Steps after which it is given up, as it is when residuals have grown beyond hope.
+    tol : float
+        Tolerance of the norm of the residual, relative to the first.
+    maxiter : int
+        Largest number of steps. The iteration also stops if it diverges.
 
     Returns
     -------
@@ -87,15 +88,15 @@ def fixed_point(
     >>> round(float(found.value), 12), len(found.residuals)
     (1.0, 3)
     """
-    x = np.array(start, dtype=float)
-    omega = first if relaxation is None else float(relaxation)
+    x = np.array(x0, dtype=float)
+    omega = initial_relaxation if relaxation is None else float(relaxation)
     residuals: list[float] = []
     before: np.ndarray | None = None
     while True:
-        r = valid.as_values([step(x)], 1, "step(x)")[0] - x
+        r = valid.as_values([func(x)], 1, "func(x)")[0] - x
         residuals.append(float(np.linalg.norm(r)))
-        small = residuals[-1] <= tolerance * residuals[0]
-        if small or len(residuals) > most or residuals[-1] > HOPELESS * residuals[0]:
+        small = residuals[-1] <= tol * residuals[0]
+        if small or len(residuals) > maxiter or residuals[-1] > DIVERGED * residuals[0]:
             return FixedPoint(x, np.array(residuals), small)
         if relaxation is None and before is not None:
             change = r - before

@@ -1,4 +1,4 @@
-"""Structures without thickness: nodes in one plane of space, or on one line of the plane."""
+"""Coupling with flat structures: nodes in one plane of space, or on one line of the plane."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon.coupling.transfer import Coupling, Transfer, applied, as_surface
-from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.reconstruction import Reconstruction
 
@@ -18,34 +18,34 @@ Maker = Callable[[np.ndarray], Reconstruction]
 """Makes a method from points (n, d)."""
 
 blended_plates = partial(PartitionOfUnityRBF, kernel=thin_plate_spline(), degree=1)
-"""Thin plates on patches: interpolates, reproduces linear fields, and its weights are sparse."""
+"""Thin-plate splines on patches: they interpolate, reproduce linear fields, and are sparse."""
 
 FLATNESS = 1e-8
-"""Thickness of nodes that count as flat, as a part of their extent."""
+"""Largest thickness of nodes that count as flat, relative to their extent."""
 
 
 class FlatCoupling(Transfer):
-    """A method in the plane of the structural nodes; normals of the plane stay normals.
+    """A coupling by a method in the plane of the structural nodes, whose normals stay normal.
 
-    Displacements in a plane say nothing of what is linear across it, so no method in space on such
-    nodes brings rotations back, and radial basis functions with linear polynomials refuse them.
-    But a rotated plane takes its normals along. With y = p + ζ n, where p is in the plane,
+    Displacements in a plane do not determine a linear field across it, so no method in space
+    reproduces rotations on such nodes, and radial basis functions with linear polynomials refuse
+    them. But the normals of a plane rotate with it. With y = p + ζ n, where p is in the plane,
 
         (C u)(y) = s_u(p) - ζ ∇(n · s_u)(p),
 
-    as in the plates of Kirchhoff and the beams of Euler and Bernoulli. All rigid motions come back
-    if the method reproduces linear fields of the plane, and with them total force and total moment
-    of all loads. A force in the plane at a height arrives as normal forces whose couple is ζ f.
+    as for Kirchhoff plates and Euler-Bernoulli beams. If the method reproduces linear fields of the
+    plane, all rigid motions are reproduced, and the total force and moment of all loads are
+    conserved. A tangential force f at the height ζ is transferred with normal forces of couple ζ f.
 
     Parameters
     ----------
     structure : (n, d) array_like
         The structural nodes, in a plane (d = 3) or on a line (d = 2).
     x : (m, d) array_like
-        The nodes of the surface, in the plane or off it.
+        The nodes of the surface, in the plane or outside it.
     make : callable, optional
-        Makes the method from the nodes' coordinates (n, d - 1) in the plane; its gradients must
-        exist at the feet p. Thin plates on patches by default.
+        Makes the method from the coordinates (n, d - 1) of the nodes in the plane; its gradients
+        must exist at the projections p. Thin-plate splines on patches by default.
 
     Attributes
     ----------
@@ -54,12 +54,12 @@ class FlatCoupling(Transfer):
     normal : (d,) ndarray
         Its normal n.
     heights : (m,) ndarray
-        The heights ζ of the surface's nodes.
+        The heights ζ of the nodes of the surface.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        If the nodes lie on a line in space: their displacements do not tell how it twists.
+        If the nodes lie on a line in space: their displacements do not determine its twist.
 
     References
     ----------
@@ -74,10 +74,10 @@ class FlatCoupling(Transfer):
         refuse_a_line(extents)
         self.axes, self.normal = axes[:-1], axes[-1]
         self.method = make((self.structure - center) @ self.axes.T)
-        self.places = (self.surface - center) @ self.axes.T
+        self.projections = (self.surface - center) @ self.axes.T
         self.heights = (self.surface - center) @ self.normal
-        self._weights = self.method.weights(self.places)
-        self._slopes = self.method.gradient_weights(self.places)
+        self._weights = self.method.weights(self.projections)
+        self._slopes = self.method.gradient_weights(self.projections)
 
     def _displace(self, u: np.ndarray) -> np.ndarray:
         across = np.einsum("d,ndv->nv", self.normal, u)
@@ -91,7 +91,7 @@ class FlatCoupling(Transfer):
 
 
 def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> Transfer:
-    """Coupling of structural nodes with a surface, flat where the nodes are.
+    """Couple structural nodes with a surface, by a `FlatCoupling` if the nodes are flat.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     x : (m, d) array_like
         The nodes of the surface.
     make : callable, optional
-        Makes the method from points; thin plates on patches by default, whose weights are sparse.
+        Makes the method from points; by default thin-plate splines on patches, which are sparse.
 
     Returns
     -------
@@ -110,19 +110,19 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     Raises
     ------
     numpy.linalg.LinAlgError
-        If the nodes lie on a line in space: their displacements do not tell how it twists. If the
+        If the nodes lie on a line in space: their displacements do not determine its twist. If the
         method does not reproduce linear fields on these nodes, so that moments would be lost.
 
     Notes
     -----
     A structure that is not flat may have flat pieces, such as the skins of a box, that are larger
-    than the neighbourhoods of a local method. That method knows no more across them than across a
-    plane; it is refused, and one with larger neighbourhoods, or a global one, is needed.
+    than the neighbourhoods of a local method. Such a method does not reproduce linear fields across
+    the pieces, and is refused; use larger neighbourhoods, or a global method.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from fieldrecon.coupling.rigid_motions import net_force_and_moment
+    >>> from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
     >>> plate = np.pad(np.indices((4, 6)).reshape(2, -1).T * 1.0, ((0, 0), (0, 1)))
     >>> skin = plate + [0.2, 0.3, 0.5]
     >>> coupling = couple(plate, skin)
@@ -141,7 +141,7 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
 
 
 def principal_axes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Orthonormal axes (d, d) along which points extend most to least, and how far, rms."""
+    """Principal axes (d, d) of points as rows, by decreasing extent, and the rms extents (d,)."""
     away = points - points.mean(axis=0)
     size = np.abs(away).max(initial=0.0) or 1.0
     sigma, axes = np.linalg.svd(np.linalg.qr(away / size, mode="r"))[1:]
@@ -151,7 +151,7 @@ def principal_axes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def refuse_lost_moments(method: Reconstruction) -> None:
-    """A method that reproduces constants at most, by its nature or on these nodes."""
+    """Refuse a method that does not reproduce linear fields on these nodes."""
     if method.degree < 1:
         raise np.linalg.LinAlgError(
             f"the method reproduces polynomials of degree {method.degree} on these nodes, and the "
@@ -162,10 +162,10 @@ def refuse_lost_moments(method: Reconstruction) -> None:
 
 
 def refuse_a_line(extents: np.ndarray) -> None:
-    """Nodes on a line of space, or at one point of the plane."""
+    """Refuse nodes on a line of space, or at one point of the plane."""
     if len(extents) < 2 or extents[-2] <= FLATNESS * extents[0]:
         where = "at one point" if len(extents) < 3 or extents[0] == 0 else "on a line"
         raise np.linalg.LinAlgError(
-            f"the structural nodes lie {where}, and their displacements do not tell how what is "
-            "off it turns: add nodes off it, at the ends of rigid arms, that move as it turns"
+            f"the structural nodes lie {where}, and their displacements do not determine its "
+            "rotation about itself: add nodes off it, at the ends of rigid arms"
         )

@@ -1,7 +1,4 @@
-"""Two meshes of one surface: displacements go one way by H, loads the other way by H^T.
-
-What is given with loads: masses, parts, and the areas that structural nodes are handed.
-"""
+"""Transfer of displacements and loads between two meshes of one surface, by H and its transpose."""
 
 from __future__ import annotations
 
@@ -14,16 +11,16 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fieldrecon._core import validation as valid
-from fieldrecon.coupling.rigid_motions import as_vectors, net_force_and_moment, rigid_motions
+from fieldrecon.coupling.rigid_body_motions import as_vectors, net_force_and_moment, rigid_motions
 from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
 
 
 class Transfer(ABC):
     """A linear map of displacements of structural nodes to those of a surface, and its adjoint.
 
-    Whatever the map C, loads by its adjoint do the same work, (C u, f) = (u, C^T f). So the total
-    force is kept for all loads if and only if translations come back, C e_k = e_k, and the total
-    moment if and only if rotations do. What is lost otherwise is `defects`.
+    For any map C the loads by its adjoint do the same work, (C u, f) = (u, C^T f). So the total
+    force of all loads is conserved if and only if translations are reproduced, C e_k = e_k, and the
+    total moment if and only if rotations are. Otherwise `defects` is the difference.
 
     Attributes
     ----------
@@ -33,14 +30,14 @@ class Transfer(ABC):
         The nodes of the surface.
     method : Reconstruction
         The method on the structural nodes.
-    places : (m, d) or (m, d - 1) ndarray
-        Where it is asked.
+    projections : (m, d) or (m, d - 1) ndarray
+        The points at which the method is evaluated.
     """
 
     method: Reconstruction
     structure: np.ndarray
     surface: np.ndarray
-    places: np.ndarray
+    projections: np.ndarray
 
     def displacements(self, u: ArrayLike) -> np.ndarray:
         """Displacements C u of the surface.
@@ -53,7 +50,7 @@ class Transfer(ABC):
         Returns
         -------
         (m, d, ...) ndarray
-            Those of the nodes of the surface.
+            Displacements of the nodes of the surface.
         """
         u = as_vectors(u, self.structure, "u")
         flat = self._displace(u.reshape(*u.shape[:2], math.prod(u.shape[2:])))
@@ -81,9 +78,9 @@ class Transfer(ABC):
     ) -> np.ndarray:
         """Loads per area g = M_X^-1 C^T M_Y f of loads per area f.
 
-        Their integrals 1^T M_X g and 1^T M_Y f agree as the total forces do; and a constant
-        density comes back if and only if C^T M_Y 1 = M_X 1, so with the default M_X whenever M_Y
-        is lumped and the method acts on each component alone.
+        Their integrals 1^T M_X g and 1^T M_Y f agree if the total forces do. A constant density is
+        reproduced if and only if C^T M_Y 1 = M_X 1; this holds for the default M_X if M_Y is
+        lumped and the method acts on each component separately.
 
         Parameters
         ----------
@@ -92,7 +89,7 @@ class Transfer(ABC):
         surface_mass : (m,) array_like or (m, m) array or sparse matrix
             M_Y: the area of each node, or the mass matrix of finite elements.
         structure_mass : (n,) array_like or (n, n) array or sparse matrix, optional
-            M_X; by default each node gets the area that the method hands it, sum_i a_i w_j(y_i).
+            M_X; by default the area of each node by the method, sum_i a_i w_j(y_i).
 
         Returns
         -------
@@ -102,12 +99,12 @@ class Transfer(ABC):
         Raises
         ------
         numpy.linalg.LinAlgError
-            If some structural node gets no area.
+            If some structural node has no area.
         """
         f = as_vectors(f, self.surface, "f")
         mass = as_mass(surface_mass, len(self.surface), "surface_mass")
         if structure_mass is None:
-            areas = self.method.adjoint(self.places, mass @ np.ones(len(f)))
+            areas = self.method.adjoint(self.projections, mass @ np.ones(len(f)))
             own = diagonal_of_areas(areas)
         else:
             own = as_mass(structure_mass, len(self.structure), "structure_mass")
@@ -115,9 +112,10 @@ class Transfer(ABC):
         return splu(own.tocsc()).solve(loads.reshape(len(loads), -1)).reshape(loads.shape)
 
     def defects(self, f: ArrayLike, about: ArrayLike | None = None) -> np.ndarray:
-        """What the loads on the structure miss of total force and moment, without computing them.
+        """Differences of total force and moment between the surface and the structure.
 
-        sum_i (B(y_i) - (C B)_i)^T f_i, with B the rigid motions.
+        They are sum_i (B(y_i) - (C B)_i)^T f_i with the rigid motions B; the loads on the structure
+        are not computed.
 
         Parameters
         ----------
@@ -129,20 +127,19 @@ class Transfer(ABC):
         Returns
         -------
         (r, ...) ndarray
-            As `net_force_and_moment`: those on the surface less those on the structure.
+            As `net_force_and_moment`: values on the surface minus values on the structure.
         """
         f = as_vectors(f, self.surface, "f")
-        arrive = self.displacements(rigid_motions(self.structure, about))
-        missed = rigid_motions(self.surface, about) - arrive
-        return np.einsum("mdr,md...->r...", missed, f)
+        transferred = self.displacements(rigid_motions(self.structure, about))
+        difference = rigid_motions(self.surface, about) - transferred
+        return np.einsum("mdr,md...->r...", difference, f)
 
     def shares(self, f: ArrayLike, surface: ArrayLike, structure: ArrayLike) -> np.ndarray:
-        """Force and moment that each part of the surface gives to each part of the structure.
+        """Force and moment transferred from each part of the surface to each part of the structure.
 
-        Conservation in the local sense: summed over the parts of the structure they are the
-        `net_force_and_moment` of that part of the surface, under the conditions for the whole, and
-        for each part alone. How much goes to the part that belongs to it tells how local the
-        method is.
+        This is local conservation: under the conditions for the whole, the sums over the parts of
+        the structure are the `net_force_and_moment` of each part of the surface. The share that a
+        part transfers to its own part of the structure measures how local the method is.
 
         Parameters
         ----------
@@ -183,22 +180,23 @@ class Transfer(ABC):
 
 
 class Coupling(Transfer):
-    """A method on the structural nodes, evaluated on the surface, each component alone.
+    """A method on the structural nodes, evaluated on the surface for each component separately.
 
-    The total force is kept if and only if the rows of H sum to one, and the total moment if and
-    only if moreover H X = Y, so if the method reproduces linear fields. That it interpolates is
-    not needed. The weights are kept where they are sparse or small.
+    The total force is conserved if and only if the rows of H sum to one, and the total moment if
+    and only if also H X = Y, that is, if the method reproduces linear fields. It need not
+    interpolate. The weights are stored if they are sparse or small.
 
     Parameters
     ----------
     method : Reconstruction
         The method on the structural nodes X.
     x : (m, d) array_like
-        The nodes Y of the surface. The meshes need not match, nor cover the same.
+        The nodes Y of the surface. The meshes need not match, nor cover the same region.
 
     References
     ----------
-    Wendland (2005), section 1.2, where loads are interpolated, which keeps neither work nor force;
+    Wendland (2005), section 1.2, where loads are interpolated, which conserves neither work nor
+    force;
     Farhat, Lesoinne and Le Tallec (1998); Beckert and Wendland (2001).
 
     Examples
@@ -214,7 +212,7 @@ class Coupling(Transfer):
     def __init__(self, method: Reconstruction, x: ArrayLike) -> None:
         self.method = method
         self.structure = method.points
-        self.surface = self.places = as_surface(x, self.structure)
+        self.surface = self.projections = as_surface(x, self.structure)
         self._weights = weights_if_they_fit(method, self.surface)
 
     def _displace(self, u: np.ndarray) -> np.ndarray:
@@ -229,12 +227,12 @@ class Coupling(Transfer):
 
 
 def applied(matrix: Weights, columns: np.ndarray) -> np.ndarray:
-    """The product with arrays (n, d, v)."""
+    """The product of a matrix with arrays (n, d, v)."""
     return (matrix @ columns.reshape(len(columns), -1)).reshape(-1, *columns.shape[1:])
 
 
 def as_surface(x: ArrayLike, structure: np.ndarray) -> np.ndarray:
-    """Nodes of a surface, in the space of the structural nodes."""
+    """Validate the nodes of a surface in the space of the structural nodes."""
     surface = valid.as_points(x, "x")
     if surface.shape[1] != structure.shape[1]:
         raise ValueError(
@@ -245,7 +243,7 @@ def as_surface(x: ArrayLike, structure: np.ndarray) -> np.ndarray:
 
 
 def as_mass(mass: ArrayLike, n: int, name: str) -> sparse.csr_array:
-    """A mass matrix (n, n), or the one of lumped masses (n,) on its diagonal."""
+    """Return a mass matrix (n, n), diagonal for lumped masses (n,)."""
     if not sparse.issparse(mass):
         mass = np.asarray(mass, dtype=float)
         mass = sparse.diags_array(mass) if mass.ndim == 1 else mass
@@ -258,7 +256,7 @@ def as_mass(mass: ArrayLike, n: int, name: str) -> sparse.csr_array:
 
 
 def as_parts(parts: ArrayLike, n: int, name: str) -> np.ndarray:
-    """The number of the part in which each of n nodes lies."""
+    """Validate the part of each of n nodes."""
     p = np.asarray(parts)
     if p.shape != (n,) or p.dtype.kind not in "iu" or p.min() < 0:
         raise ValueError(f"{name} must be {n} numbers of parts, integers from 0; got {p!r:.60}")
@@ -266,11 +264,11 @@ def as_parts(parts: ArrayLike, n: int, name: str) -> np.ndarray:
 
 
 def diagonal_of_areas(areas: np.ndarray) -> sparse.dia_array:
-    """Areas of structural nodes, refused where a density would have none to refer to."""
+    """Return the areas of structural nodes as a matrix; areas that are not positive are refused."""
     least = int(np.argmin(areas))
     if not areas[least] > 0:
         raise np.linalg.LinAlgError(
-            f"structural node {least} gets the area {areas[least]:.2g} of the surface, to which no "
-            "density can refer: give structure_mass, or nodes that the surface covers"
+            f"structural node {least} gets the area {areas[least]:.2g} of the surface, for "
+            "which no density exists: give structure_mass, or nodes that the surface covers"
         )
     return sparse.diags_array(areas)

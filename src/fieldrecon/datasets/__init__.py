@@ -1,4 +1,4 @@
-"""Points to sample at, functions to sample, and a real terrain."""
+"""Sampling points, test functions, and a real terrain."""
 
 from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldrecon.datasets.synthetic import (

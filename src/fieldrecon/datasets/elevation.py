@@ -1,4 +1,4 @@
-"""A real terrain: heights on a regular grid, and the isolines that a map would show of it."""
+"""A real terrain: heights on a regular grid, and isolines as on a map."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon._core.extras import remedy
+from fieldrecon._core.validation import as_count
 
 _SAMPLE = "jacksboro_fault_dem.npz"
 
@@ -52,8 +53,8 @@ class Terrain:
         spacing : int
             Difference of height between neighbouring isolines, whole metres.
         apart : float
-            Points of isolines of the same height are thinned until they lie at least so many
-            metres from each other: of two that are nearer, the one found first stays.
+            Least distance in metres of points on isolines of the same height: of two that are
+            closer, the one found first is kept.
 
         Returns
         -------
@@ -61,10 +62,7 @@ class Terrain:
         heights : ndarray of shape (m,)
             The level on which each point lies.
         """
-        if isinstance(spacing, bool) or not isinstance(spacing, int | np.integer) or spacing < 1:
-            raise ValueError(
-                f"spacing must be a whole number of metres, 1 or more; got {spacing!r}"
-            )
+        as_count(spacing, "spacing", wanted="a whole number of metres, 1 or more")
         if not (np.isfinite(apart) and apart >= 0):
             raise ValueError(f"apart must be zero or a positive number of metres; got {apart!r}")
         nodes = self.points.reshape(*self.height.shape, 2)
@@ -79,12 +77,12 @@ def terrain() -> Terrain:
     """Read the elevation model of the Jacksboro fault, Tennessee, that comes with matplotlib.
 
     344 × 403 heights of the Shuttle Radar Topography Mission, three seconds of arc apart, about
-    75 m × 92 m. Degrees are turned into metres with the radii of curvature of the ellipsoid at
-    the middle latitude; over this map the scale along the parallels changes by 0.2 % either way.
+    75 m × 92 m. Degrees are converted to metres by the radii of curvature of the ellipsoid at
+    the middle latitude; over this map the scale along the parallels varies by ±0.2 %.
 
     The first row of the file is its northernmost and begins at the latitude that the file calls
-    ``ymax``. What it calls ``ymin`` lies north of that: the height of the map was added where it
-    had to be subtracted, and is not used. So the highest cell falls on the summit of Cross
+    ``ymax``. Its ``ymin`` lies north of that, since the height of the map was added instead of
+    subtracted, and is not used. So the highest cell falls on the summit of Cross
     Mountain (36.1983° N, 84.2306° W, 1077 m), and the map holds the town of Jacksboro.
 
     Raises
@@ -121,7 +119,7 @@ def _sample_path() -> Path:
 
 
 def _metres_per_degree(latitude: float) -> tuple[float, float]:
-    """Return the length of a degree along the parallel and along the meridian."""
+    """Length of a degree in metres along the parallel and along the meridian."""
     e2 = _FLATTENING * (2 - _FLATTENING)
     phi = np.radians(latitude)
     w = np.sqrt(1 - e2 * np.sin(phi) ** 2)
@@ -130,7 +128,7 @@ def _metres_per_degree(latitude: float) -> tuple[float, float]:
 
 
 def _crossings(nodes: np.ndarray, height: np.ndarray, spacing: int) -> tuple[np.ndarray, ...]:
-    """Return points and levels where the edges along the second axis cross the isolines."""
+    """Points and levels at which the edges along the second axis cross the isolines."""
     a, b = height[:, :-1].ravel(), height[:, 1:].ravel()
     below_a, below_b = np.floor((a - 0.5) / spacing), np.floor((b - 0.5) / spacing)
     crossed = np.abs(below_b - below_a).astype(int)
@@ -143,8 +141,8 @@ def _crossings(nodes: np.ndarray, height: np.ndarray, spacing: int) -> tuple[np.
 
 
 def _thinned(points: np.ndarray, levels: np.ndarray, apart: float) -> np.ndarray:
-    """Return the indices of the points that stay, each found before all that it drives out."""
-    # As a third coordinate the level keeps points of different isolines out of each other's way.
+    """Indices of the points that are kept; each precedes the closer points that it removes."""
+    # As a third coordinate, the level separates the points of different isolines.
     ranks = np.unique(levels, return_inverse=True)[1]
     tree = cKDTree(np.column_stack([points, 2 * apart * ranks]))
     pairs = tree.query_pairs(apart, output_type="ndarray")

@@ -1,4 +1,4 @@
-"""Points to sample at and fields to sample: sets of points in [0, 1]^d, functions, a terrain."""
+"""Sets of points in [0, 1]^d, and test functions with their gradients."""
 
 from __future__ import annotations
 
@@ -8,20 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fieldrecon._core.validation import as_queries
-from fieldrecon.datasets.elevation import Terrain, terrain
-
-__all__ = [
-    "AnalyticField",
-    "Terrain",
-    "clustered",
-    "franke",
-    "halton",
-    "jittered_grid",
-    "power_of_sum",
-    "terrain",
-    "uniform",
-]
+from fieldrecon._core.validation import as_count, as_queries
 
 Seed = int | np.random.Generator
 
@@ -34,27 +21,27 @@ def uniform(n: int, d: int, seed: Seed) -> np.ndarray:
     n, d : int
         Number of points and of coordinates.
     seed : int or numpy.random.Generator
-        What the draw is made from; the same seed gives the same points.
+        Source of the random numbers; the same seed gives the same points.
 
     Returns
     -------
     ndarray of shape (n, d)
     """
-    return np.random.default_rng(seed).random((_count(n, "n"), _count(d, "d")))
+    return np.random.default_rng(seed).random((as_count(n, "n"), as_count(d, "d")))
 
 
 def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
     """Return the first n points of the Halton sequence in [0, 1]^d.
 
-    Coordinate k of point i is the radical inverse of i in the k-th prime: its digits mirrored
-    at the point. The first point is the origin.
+    Coordinate k of point i is the radical inverse of i in the k-th prime: its digits are mirrored
+    at the radix point. The first point is the origin.
 
     Parameters
     ----------
     n, d : int
         Number of points and of coordinates.
     seed : int or numpy.random.Generator, optional
-        Permutes the digits at random (Owen's scrambling) where given.
+        If given, the digits are permuted at random (Owen's scrambling).
 
     Returns
     -------
@@ -73,22 +60,22 @@ def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
     # scipy.stats takes longer to import than all the rest of this package
     from scipy.stats import qmc
 
-    sequence = qmc.Halton(_count(d, "d"), scramble=seed is not None, rng=seed)
-    return sequence.random(_count(n, "n"))
+    sequence = qmc.Halton(as_count(d, "d"), scramble=seed is not None, rng=seed)
+    return sequence.random(as_count(n, "n"))
 
 
 def jittered_grid(side: int, d: int, jitter: float, seed: Seed) -> np.ndarray:
-    """Return one point in each of side^d equal cells of [0, 1]^d, off the middle by chance.
+    """Return one random point in each of side^d equal cells of [0, 1]^d.
 
     Parameters
     ----------
     side, d : int
         Cells along each axis, and number of axes.
     jitter : float
-        The part of its cell, from 0 to 1, that a point may lie in: 0 gives the middles of the
-        cells, 1 any place in them.
+        Relative size, from 0 to 1, of the part of its cell in which a point lies: 0 gives the
+        centres of the cells, 1 any point in them.
     seed : int or numpy.random.Generator
-        What the draw is made from.
+        Source of the random numbers.
 
     Returns
     -------
@@ -101,16 +88,16 @@ def jittered_grid(side: int, d: int, jitter: float, seed: Seed) -> np.ndarray:
     """
     if not 0 <= jitter <= 1:
         raise ValueError(f"jitter must be between 0 and 1; got {jitter!r}")
-    cells = np.indices((_count(side, "side"),) * _count(d, "d")).reshape(d, -1).T
+    cells = np.indices((as_count(side, "side"),) * as_count(d, "d")).reshape(d, -1).T
     offsets = jitter * (uniform(len(cells), d, seed) - 0.5)
     return (cells + 0.5 + offsets) / side
 
 
 def clustered(n: int, d: int, clusters: int, spread: float, seed: Seed) -> np.ndarray:
-    """Draw n points of [0, 1]^d that crowd around a few centres.
+    """Draw n points of [0, 1]^d that cluster around a few centres.
 
-    Each point is normally distributed about a centre chosen at random; what falls outside is
-    mirrored at the faces of the cube, so that no two points come to coincide there.
+    Each point is normally distributed about a centre chosen at random; points outside are
+    reflected at the faces of the cube, so that they do not coincide there.
 
     Parameters
     ----------
@@ -119,7 +106,7 @@ def clustered(n: int, d: int, clusters: int, spread: float, seed: Seed) -> np.nd
     spread : float
         Standard deviation of each coordinate about its centre, positive.
     seed : int or numpy.random.Generator
-        What the draw is made from.
+        Source of the random numbers.
 
     Returns
     -------
@@ -128,8 +115,9 @@ def clustered(n: int, d: int, clusters: int, spread: float, seed: Seed) -> np.nd
     if not (np.isfinite(spread) and spread > 0):
         raise ValueError(f"spread must be a positive number; got {spread!r}")
     rng = np.random.default_rng(seed)
-    centres = uniform(_count(clusters, "clusters"), d, rng)
-    x = centres[rng.integers(clusters, size=_count(n, "n"))] + spread * rng.standard_normal((n, d))
+    centres = uniform(as_count(clusters, "clusters"), d, rng)
+    own = centres[rng.integers(clusters, size=as_count(n, "n"))]
+    x = own + spread * rng.standard_normal((n, d))
     return 1 - np.abs(1 - x % 2)
 
 
@@ -140,7 +128,7 @@ class AnalyticField:
     Parameters
     ----------
     name : str
-        What it is called.
+        Name of the function.
     values : callable
         Takes points (..., d) to values (...).
     gradient : callable
@@ -174,7 +162,7 @@ def power_of_sum(n: int) -> AnalyticField:
     ----------
     Erleben, "Field Reconstruction: A Quick Survey of Methods", University of Copenhagen (p. 40).
     """
-    n = _count(n, "n", least=0)
+    n = as_count(n, "n", 0)
 
     def values(x: ArrayLike) -> np.ndarray:
         return _points(x).sum(axis=-1) ** n
@@ -225,9 +213,3 @@ R. Franke, Scattered data interpolation: tests of some methods, Mathematics of C
 
 def _points(x: ArrayLike) -> np.ndarray:
     return as_queries(x, np.shape(x)[-1] if np.ndim(x) else 1)
-
-
-def _count(n: int, name: str, least: int = 1) -> int:
-    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < least:
-        raise ValueError(f"{name} must be a whole number, {least} or more; got {n!r}")
-    return int(n)

@@ -1,9 +1,19 @@
-"""Files: tables of samples, clouds of points, meshes, and reconstructed values."""
+"""Files: tables of samples, point clouds, meshes, fitted fields and their values.
+
+The suffix names the format: `fieldrecon.io.meshes.READERS` is the table of the readers of meshes
+and clouds, `fieldrecon.io.values.FORMATS` that of the writers of values.
+"""
 
 from fieldrecon.io.clouds import Cloud, read_cloud
-from fieldrecon.io.meshes import read_mesh, read_mesh_and_data, read_surface, write_mesh
+from fieldrecon.io.meshes import (
+    read_mesh,
+    read_mesh_and_data,
+    read_surface,
+    read_triangles,
+    write_mesh,
+    write_triangles,
+)
 from fieldrecon.io.saved_fields import load, save
-from fieldrecon.io.triangles import read_triangles, write_triangles
 
 __all__ = [
     "Cloud",

@@ -1,63 +1,62 @@
-"""Clouds of points in files: PLY, OBJ, STL, tables, and what meshio reads."""
+"""Point clouds in files: scans as meshes of any format that is read, or as tables."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from fieldrecon.io.meshes import read_vertices
-from fieldrecon.io.ply import fans, read_ply, triangles_of
-from fieldrecon.io.tables import Wanted, bare_name, read_table
-from fieldrecon.io.triangles import read_triangles
-from fieldrecon.triangles.duplicates import welded
+from fieldrecon.io.mesh_content import MeshContent
+from fieldrecon.io.meshes import READERS, read_content
+from fieldrecon.io.tables import ColumnSpec, bare_name, read_table
 
-_FEWEST = 10
-_LENGTHS_OF_NORMALS = (0.9, 1.1)
+_MIN_POINTS = 10
+_UNIT_LENGTHS = (0.9, 1.1)  # lengths at which unnamed columns are taken for normals
 _NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
 
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Points on a surface, as a file has them.
+    """Points on a surface, as read from a file.
 
     Parameters
     ----------
     points : ndarray of shape (n, 3)
         Finite.
     normals : ndarray of shape (n, 3), optional
-        Of the file, or of its triangles around each point: finite, and zero where there are none.
+        From the file, or the sums of the normals of the triangles around each point. They are
+        finite, and zero where unknown.
     triangles : ndarray of shape (m, 3)
-        Between the points; none if the file has none.
-    remarks : tuple of str
-        What was left out, in sentences.
+        Between the points; empty if the file has none.
+    warnings : tuple of str
+        What was skipped, in sentences.
     normals_of : str
-        Whose the normals are: "file" or "triangles in the file".
+        The source of the normals: "file" or "triangles in the file".
     """
 
     points: np.ndarray
     normals: np.ndarray | None
     triangles: np.ndarray
-    remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     normals_of: str = "file"
 
 
 def read_cloud(path: str | Path) -> Cloud:
-    """Read points on a surface, their normals where the file has some, and its triangles.
+    """Read points on a surface, their normals if the file has them, and its triangles.
 
     Parameters
     ----------
     path : str or pathlib.Path
         .ply (text or binary, with faces, strips or neither), .obj, .stl; .vtk, .vtu, .off and
-        .msh through meshio; anything else as a table of x, y, z and perhaps nx, ny, nz, as
-        `read_table` does. Corners of an STL that are in one place become one point.
+        .msh through meshio; any other suffix as a table of x, y, z and optionally nx, ny, nz, as
+        `read_table` does. Equal corners of an .stl file are merged.
 
     Returns
     -------
     Cloud
-        Points that are not finite are left out, and told.
+        Points with non-finite coordinates are skipped and reported.
 
     Raises
     ------
@@ -66,20 +65,14 @@ def read_cloud(path: str | Path) -> Cloud:
     FileNotFoundError
         If there is no such file.
     ImportError
-        If it takes a package that is not installed.
+        If the format takes a package that is not installed.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    readers: dict[str, Callable[[Path], Cloud]] = {
-        ".ply": _of_ply,
-        ".obj": _of_obj,
-        ".stl": _of_stl,
-        **dict.fromkeys((".vtk", ".vtu", ".off", ".msh"), _of_meshio),
-    }
-    cloud = _finite(readers.get(suffix, _of_table)(path))
-    if len(cloud.points) < _FEWEST:
+    read = _cloud_of_mesh if path.suffix.lower() in READERS else _cloud_of_table
+    cloud = _finite(read(path))
+    if len(cloud.points) < _MIN_POINTS:
         raise ValueError(
-            f"{path} holds {len(cloud.points)} points; a surface takes {_FEWEST} at least"
+            f"{path} holds {len(cloud.points)} points; a surface takes {_MIN_POINTS} at least"
         )
     m = cloud.triangles
     if len(m) and (m.min() < 0 or m.max() >= len(cloud.points)):
@@ -87,57 +80,25 @@ def read_cloud(path: str | Path) -> Cloud:
     return _with_normals(cloud)
 
 
-def _of_ply(path: Path) -> Cloud:
-    elements = read_ply(path)
-    columns = elements.get("vertex", {})
-    if not {"x", "y", "z"} <= {*columns}:
-        raise ValueError(f"{path} has no vertices with x, y and z")
-    named = next((names for names in _NORMALS if {*names} <= {*columns}), None)
-    normals = None if named is None else _columns(columns[name] for name in named)
-    return Cloud(_columns(columns[c] for c in "xyz"), normals, triangles_of(elements))
+def _cloud_of_mesh(path: Path) -> Cloud:
+    content = read_content(path).with_merged_vertices()
+    if content.points.shape[1] != 3:
+        raise ValueError(f"{path} holds points of the plane; points in space were expected")
+    return Cloud(content.points.astype(float), _point_normals(content), content.fan_triangles())
 
 
-def _columns(columns: Iterator[np.ndarray | list[np.ndarray]]) -> np.ndarray:
-    return np.column_stack([np.asarray(column, dtype=float) for column in columns])
+def _point_normals(content: MeshContent) -> np.ndarray | None:
+    """Return the data "normals", or three columns of their components, if there are such data."""
+    data = {name.lower(): values for name, values in content.point_data.items()}
+    if "normals" in data:
+        return np.asarray(data["normals"], dtype=float).reshape(-1, 3)
+    named = next((names for names in _NORMALS if {*names} <= {*data}), None)
+    if named is None:
+        return None
+    return np.column_stack([np.asarray(data[name], dtype=float) for name in named])
 
 
-def _of_stl(path: Path) -> Cloud:
-    points, triangles = read_triangles(path)
-    kept, number = np.unique(welded(points.astype(float)), return_inverse=True)
-    return Cloud(points[kept].astype(float), None, number[triangles])
-
-
-def _of_meshio(path: Path) -> Cloud:
-    points, normals, triangles = read_vertices(path)
-    return Cloud(points, normals, triangles)
-
-
-def _of_obj(path: Path) -> Cloud:
-    """Vertices, normals if there is one for each vertex, and faces as fans."""
-    vertices, normals, faces = [], [], []
-    for number, line in enumerate(path.read_bytes().splitlines(), 1):
-        kind, _, rest = line.strip().partition(b" ")
-        try:
-            if kind == b"v":
-                vertices.append([float(word) for word in rest.split()[:3]])
-            elif kind == b"vn":
-                normals.append([float(word) for word in rest.split()[:3]])
-            elif kind == b"f":
-                corners = [int(word.split(b"/")[0]) for word in rest.split()]
-                faces.append([c - 1 if c > 0 else len(vertices) + c for c in corners])
-        except ValueError:
-            raise ValueError(f"{path}, line {number}: {line.decode('latin-1')!r}") from None
-    if any(len(row) < 3 for row in (*vertices, *normals)):
-        raise ValueError(f"{path} holds a vertex with fewer than three coordinates")
-    triangles = [fans(np.array([face])) for face in faces]
-    return Cloud(
-        np.array(vertices, dtype=float).reshape(-1, 3),
-        np.array(normals) if normals and len(normals) == len(vertices) else None,
-        np.concatenate([np.empty((0, 3), dtype=np.intp), *triangles]),
-    )
-
-
-def _of_table(path: Path) -> Cloud:
+def _cloud_of_table(path: Path) -> Cloud:
     names: list[str] = []
 
     def choose(columns: list[str]) -> Sequence[int]:
@@ -152,37 +113,25 @@ def _of_table(path: Path) -> Cloud:
         names[:] = [*wanted, *columns[3:6]] if unnamed else wanted
         return [bare.index(name) for name in wanted] + [3, 4, 5] * unnamed
 
-    table = read_table(path, _Growing(choose))
+    table = read_table(path, ColumnSpec(choose))
     numbers = table.numbers
     if not len(numbers):
         raise ValueError(f"{path}, line {table.bad[0].line}: {table.bad[0].reason}")
     normals = numbers[:, 3:] if len(names) == 6 else None
     if normals is not None and "column 4" in names:
         lengths = np.linalg.norm(normals, axis=1)
-        low, high = _LENGTHS_OF_NORMALS
+        low, high = _UNIT_LENGTHS
         normals = normals if ((lengths > low) & (lengths < high)).mean() > 0.9 else None
-    remarks = []
+    warnings = []
     if table.bad:
         row, count = table.bad[0], len(table.bad)
         rows = "row was" if count == 1 else "rows were"
-        remarks = [f"{count} {rows} left out; the first, line {row.line}: {row.reason}."]
-    return Cloud(numbers[:, :3], normals, np.empty((0, 3), dtype=np.intp), tuple(remarks))
-
-
-class _Growing(Wanted):
-    """Columns of any number, each of any size."""
-
-    def __init__(self, choose: Callable[[list[str]], Sequence[int]]) -> None:
-        def counted(columns: list[str]) -> Sequence[int]:
-            chosen = choose(columns)
-            object.__setattr__(self, "limits", (np.inf,) * len(chosen))
-            return chosen
-
-        super().__init__(counted, ())
+        warnings = [f"{count} {rows} skipped; the first, line {row.line}: {row.reason}."]
+    return Cloud(numbers[:, :3], normals, np.empty((0, 3), dtype=np.intp), tuple(warnings))
 
 
 def _finite(cloud: Cloud) -> Cloud:
-    """The cloud without the points that are none, nor their triangles."""
+    """Return the cloud without points that are not finite, nor their triangles."""
     good = np.isfinite(cloud.points).all(axis=1)
     normals = cloud.normals
     if normals is not None:
@@ -195,12 +144,13 @@ def _finite(cloud: Cloud) -> Cloud:
     kept = cloud.triangles[inside.all(axis=1)]
     kept = kept[good[kept].all(axis=1)]
     points = "point has" if count == 1 else "points have"
-    remark = f"{count} {points} coordinates that are no finite numbers, and were left out."
-    return Cloud(cloud.points[good], normals, number[kept], (*cloud.remarks, remark))
+    were = "was" if count == 1 else "were"
+    warning = f"{count} {points} coordinates that are not finite, and {were} skipped."
+    return Cloud(cloud.points[good], normals, number[kept], (*cloud.warnings, warning))
 
 
 def _with_normals(cloud: Cloud) -> Cloud:
-    """The cloud with the normals of its triangles, if it has these and no others."""
+    """Return the cloud with the normals of its triangles, if it has triangles and no normals."""
     if cloud.normals is not None and cloud.normals.any():
         return cloud
     if not len(cloud.triangles):

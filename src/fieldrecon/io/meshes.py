@@ -1,19 +1,29 @@
-"""Meshes in files: VTK, Gmsh, PLY, STL, OBJ and OFF, read and written through meshio."""
+"""Meshes and surfaces of triangles in files.
+
+One table names the reader of each format. PLY, STL and OBJ are read here; meshio reads VTK, Gmsh
+and OFF, and writes all formats but binary STL.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
+from fieldrecon._core.atomic_files import whole_file, write_atomically
 from fieldrecon._core.extras import optional
+from fieldrecon.io.mesh_content import MeshContent
+from fieldrecon.io.obj import read_obj
+from fieldrecon.io.ply import read_ply
+from fieldrecon.io.stl import read_stl, stl_bytes
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.triangles.audit import as_surface
 
-_MODULES = {
+_MESHIO_MODULES = {
     ".vtk": "vtk",
     ".vtu": "vtu",
     ".msh": "gmsh",
@@ -23,18 +33,67 @@ _MODULES = {
     ".off": "off",
 }
 _SURFACES_ONLY = (".ply", ".stl", ".obj", ".off")
-_LOWER = {"triangle": {"line", "vertex"}, "tetra": {"triangle", "line", "vertex"}}
+_SIDES = {"triangle": {"line", "vertex"}, "tetra": {"triangle", "line", "vertex"}}
 _PLURAL = {"triangle": "triangles", "tetra": "tetrahedra"}
 
 Data = dict[str, np.ndarray]
+
+
+def _read_by_meshio(path: str | Path) -> MeshContent:
+    module = optional(f"meshio.{_MESHIO_MODULES[Path(path).suffix.lower()]}")
+    try:
+        content = module.read(str(path))
+    except OSError:
+        raise
+    except Exception as error:  # meshio raises whatever goes wrong inside
+        reason = " ".join(str(error).split()) or "it is not in the format that its suffix names"
+        raise ValueError(f"{path} cannot be read as a mesh: {reason}") from None
+    return MeshContent(
+        np.asarray(content.points),
+        [(block.type, np.asarray(block.data)) for block in content.cells],
+        {name: np.asarray(values) for name, values in content.point_data.items()},
+        {name: [np.asarray(v) for v in blocks] for name, blocks in content.cell_data.items()},
+    )
+
+
+READERS: Mapping[str, Callable[[str | Path], MeshContent]] = MappingProxyType(
+    {
+        ".vtk": _read_by_meshio,
+        ".vtu": _read_by_meshio,
+        ".msh": _read_by_meshio,
+        ".ply": read_ply,
+        ".stl": read_stl,
+        ".obj": read_obj,
+        ".off": _read_by_meshio,
+    }
+)
+"""The reader of each format, by its suffix."""
+
+
+def read_content(path: str | Path) -> MeshContent:
+    """Read a file by the reader of its format.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is unknown, or the file cannot be read or holds no points: with its path.
+    FileNotFoundError
+        If there is no such file.
+    ImportError
+        If the format takes meshio, which is not installed.
+    """
+    content = READERS[_known_suffix(path)](path)
+    if np.ndim(content.points) != 2 or len(content.points) == 0:
+        raise ValueError(f"{path} holds no points")
+    return content
 
 
 def read_mesh(path: str | Path) -> SimplexMesh:
     """Read the triangles or the tetrahedra of a file.
 
     The suffix names the format: .vtk and .vtu (VTK), .msh (Gmsh), .ply, .stl, .obj, .off.
-    Tetrahedra go before triangles, which then are the marked boundary, and both before lines and
-    points. The third coordinates of a mesh of triangles must all be the same, and are left out.
+    If there are tetrahedra, triangles are taken for the marked boundary and ignored; lines and
+    points always are. The third coordinates of a mesh of triangles must be equal, and are dropped.
 
     Parameters
     ----------
@@ -43,17 +102,16 @@ def read_mesh(path: str | Path) -> SimplexMesh:
     Returns
     -------
     SimplexMesh
-        In the order of the file. In .stl, where each triangle has vertices of its own, equal ones
-        are one vertex.
+        In the order of the file. Equal vertices of an .stl file are merged.
 
     Raises
     ------
     ValueError
-        If the file cannot be read, holds other cells, or they are no mesh: with its path.
+        If the file cannot be read, holds other cells, or they are not a mesh: with its path.
     FileNotFoundError
         If there is no such file.
     ImportError
-        If meshio is not installed.
+        If the format takes meshio, which is not installed.
     """
     return read_mesh_and_data(path)[0]
 
@@ -65,11 +123,11 @@ def read_mesh_and_data(path: str | Path) -> tuple[SimplexMesh, Data, Data]:
     -------
     mesh : SimplexMesh
     point_data, cell_data : dict of str to ndarray
-        Arrays of n and of c rows. Vectors in the plane may have come back with a third component,
-        because some formats know no others.
+        Arrays of n and of c rows. Vectors in the plane may have a third component, since some
+        formats store only vectors in space.
     """
-    content = _content(path)
-    kind = "tetra" if "tetra" in _kinds(content) else "triangle"
+    content = read_content(path).with_merged_vertices()
+    kind = "tetra" if "tetra" in content.kinds else "triangle"
     cells = _cells(path, content, kind)
     points = content.points
     if kind == "triangle" and points.shape[1] == 3:
@@ -82,15 +140,15 @@ def read_mesh_and_data(path: str | Path) -> tuple[SimplexMesh, Data, Data]:
         mesh = SimplexMesh(points, cells)
     except (ValueError, OverflowError) as error:
         raise ValueError(f"{path} holds no mesh: {error}") from None
-    in_cells = {name: _of_kind(content, kind, name) for name in content.cell_data}
-    return mesh, {name: np.asarray(v) for name, v in content.point_data.items()}, in_cells
+    cell_data = {name: content.cell_data_of(kind, name) for name in content.cell_data}
+    return mesh, content.point_data, cell_data
 
 
 def read_surface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """Read the triangles of a surface in space.
 
-    A surface is no `SimplexMesh`: it may be open, cross itself or have edges of three triangles,
-    and nothing is checked but that the triangles index the points.
+    The surface may be open, intersect itself or have edges of three triangles. The only check is
+    that the triangles index the points.
 
     Parameters
     ----------
@@ -99,6 +157,7 @@ def read_surface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     points : (n, 3) ndarray
+        Equal vertices of an .stl file are merged.
     triangles : (m, 3) ndarray of int
 
     Raises
@@ -108,48 +167,58 @@ def read_surface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     FileNotFoundError
         If there is no such file.
     ImportError
-        If meshio is not installed.
+        If the format takes meshio, which is not installed.
     """
-    content = _content(path)
-    triangles = _cells(path, content, "triangle").astype(np.intp)
-    n = len(content.points)
-    if triangles.min() < 0 or triangles.max() >= n:
-        raise ValueError(f"{path} holds a triangle of points that it does not hold")
-    points = np.zeros((n, 3))
-    points[:, : content.points.shape[1]] = content.points
-    return points, triangles
+    return _surface(path, read_content(path).with_merged_vertices())
 
 
-def read_vertices(path: str | Path) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
-    """Read all points of a file, whatever cells they have.
+def read_triangles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
+    """Read the triangles of a surface in space with all their errors: no vertices are merged.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        Each triangle of an .stl file has vertices of its own; the normals in the file are ignored.
+        The other formats are those of `read_surface`.
 
     Returns
     -------
     points : (n, 3) ndarray
-    normals : (n, 3) ndarray or None
-        Data at the points that are called Normals.
+        In single precision if the file is a binary .stl.
     triangles : (m, 3) ndarray of int
-        Those that there are.
 
     Raises
     ------
     ValueError
-        If the file cannot be read, or its points are not in space: with its path.
+        If the file cannot be read as triangles: with its path.
     FileNotFoundError
         If there is no such file.
-    ImportError
-        If meshio is not installed.
     """
-    content = _content(path)
-    if content.points.shape[1] != 3:
-        raise ValueError(f"{path} holds points of the plane; points in space were expected")
-    normals = {name.lower(): data for name, data in content.point_data.items()}.get("normals")
-    triangles = [block.data for block in content.cells if block.type == "triangle"]
-    return (
-        np.asarray(content.points, dtype=float),
-        None if normals is None else np.asarray(normals, dtype=float).reshape(-1, 3),
-        np.concatenate([np.empty((0, 3), dtype=np.intp), *triangles]).astype(np.intp),
-    )
+    content = read_content(path)
+    if content.separate_corners:
+        return content.points, content.cells_of("triangle")
+    return _surface(path, content)
+
+
+def _surface(path: str | Path, content: MeshContent) -> tuple[np.ndarray, np.ndarray]:
+    triangles = _cells(path, content, "triangle").astype(np.intp)
+    n, d = content.points.shape
+    if triangles.min() < 0 or triangles.max() >= n:
+        raise ValueError(f"{path} holds a triangle of points that it does not hold")
+    points = np.zeros((n, 3))
+    points[:, :d] = content.points
+    return points, triangles
+
+
+def _cells(path: str | Path, content: MeshContent, kind: str) -> np.ndarray:
+    """Return all cells of this kind; cells other than their sides are refused."""
+    kinds = content.kinds
+    others = sorted(set(kinds) - {kind} - _SIDES[kind])
+    if others or kind not in kinds:
+        found = ", ".join(_PLURAL.get(k, f"{k} cells") for k in others or kinds) or "points only"
+        wanted = "triangles or tetrahedra" if kind == "triangle" else "tetrahedra"
+        raise ValueError(f"{path} holds {found}; {wanted} were expected")
+    return content.cells_of(kind)
 
 
 def write_mesh(
@@ -163,7 +232,7 @@ def write_mesh(
     Parameters
     ----------
     path : str or pathlib.Path
-        Its suffix names the format, as for `read_mesh`. Those of surfaces, .ply, .stl, .obj
+        Its suffix names the format, as for `read_mesh`. The formats of surfaces, .ply, .stl, .obj
         and .off, hold triangles only.
     mesh : SimplexMesh
         A mesh of the plane gets third coordinates of zero.
@@ -189,8 +258,8 @@ def write_mesh(
     >>> data["area"]
     array([2., 4.])
     """
-    module = _module(path)
-    suffix, (n, d) = Path(path).suffix.lower(), mesh.points.shape
+    suffix, (n, d) = _known_suffix(path), mesh.points.shape
+    module = optional(f"meshio.{_MESHIO_MODULES[suffix]}")
     if d == 3 and suffix in _SURFACES_ONLY:
         raise ValueError(f"{path} cannot hold tetrahedra; .vtk, .vtu and .msh can")
     if (point_data or cell_data) and suffix in _SURFACES_ONLY:
@@ -200,59 +269,66 @@ def write_mesh(
     cells = mesh.cells.astype(np.int32) if n < 2**31 else mesh.cells
     kind = "triangle" if d == 2 else "tetra"
     content = optional("meshio").Mesh(_in_space(mesh.points), [(kind, cells)], at_points, in_cells)
-    module.write(str(path), content)
+    with whole_file(Path(path)) as temporary:
+        module.write(str(temporary), content)
 
 
-def _module(path: str | Path) -> Any:
-    """The module of meshio for the format that the suffix names."""
+def write_triangles(path: str | Path, points: ArrayLike, triangles: ArrayLike) -> None:
+    """Write triangles in space to a file.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        .stl is written binary, in single precision; .ply, .obj and .off through meshio.
+    points : (n, 3) array_like
+    triangles : (m, 3) array_like of int
+
+    Raises
+    ------
+    ValueError
+        If the format is unknown, or the arrays are not triangles in space.
+    ModuleNotFoundError
+        If the format takes meshio, which is not installed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "two.stl"
+    ...     write_triangles(path, corners, [[0, 1, 2], [0, 3, 1]])
+    ...     points, triangles = read_triangles(path)
+    >>> len(points), triangles.tolist()
+    (6, [[0, 1, 2], [3, 4, 5]])
+    """
+    p, t = as_surface(points, triangles)
+    if not packages_to_write(path):
+        write_atomically(Path(path), stl_bytes(p[t]))
+        return
+    meshio = optional("meshio")
+    with whole_file(Path(path)) as temporary:
+        meshio.write_points_cells(str(temporary), p, [("triangle", t.astype(np.int32))])
+
+
+def packages_to_write(path: str | Path) -> tuple[str, ...]:
+    """Return the optional packages that `write_triangles` takes for a file of this name.
+
+    Raises
+    ------
+    ValueError
+        If the format is unknown.
+    """
     suffix = Path(path).suffix.lower()
-    if suffix not in _MODULES:
-        known = ", ".join(_MODULES)
-        raise ValueError(f"{path} must end with the suffix of a known format, {known}")
-    return optional(f"meshio.{_MODULES[suffix]}")
+    if suffix not in _SURFACES_ONLY:
+        raise ValueError(f"{path} must end with .stl, .ply, .obj or .off")
+    return () if suffix == ".stl" else ("meshio",)
 
 
-def _content(path: str | Path) -> Any:
-    module = _module(path)
-    _refuse_endless_header(path)
-    try:
-        with np.errstate(all="ignore"):  # meshio takes the start of an ASCII .stl for a number
-            content = module.read(str(path))
-    except OSError:
-        raise
-    except Exception as error:  # meshio lets through whatever goes wrong inside
-        reason = " ".join(str(error).split()) or "it is not in the format that its suffix names"
-        raise ValueError(f"{path} cannot be read as a mesh: {reason}") from None
-    if np.ndim(content.points) != 2 or len(content.points) == 0:
-        raise ValueError(f"{path} holds no points")
-    return content
-
-
-def _refuse_endless_header(path: str | Path) -> None:
-    """Refuse a .ply cut off within its header, which meshio would read for ever."""
-    if Path(path).suffix.lower() == ".ply" and b"end_header" not in Path(path).read_bytes():
-        raise ValueError(f"{path} cannot be read as a mesh: its header has no end")
-
-
-def _kinds(content: Any) -> list[str]:
-    return sorted({block.type for block in content.cells if len(block.data)})
-
-
-def _cells(path: str | Path, content: Any, kind: str) -> np.ndarray:
-    """All cells of this kind; others than their sides are refused."""
-    kinds = _kinds(content)
-    others = sorted(set(kinds) - {kind} - _LOWER[kind])
-    if others or kind not in kinds:
-        found = ", ".join(_PLURAL.get(k, f"{k} cells") for k in others or kinds) or "points only"
-        wanted = "triangles or tetrahedra" if kind == "triangle" else "tetrahedra"
-        raise ValueError(f"{path} holds {found}; {wanted} were expected")
-    return np.concatenate([block.data for block in content.cells if block.type == kind])
-
-
-def _of_kind(content: Any, kind: str, name: str) -> np.ndarray:
-    """The rows of the data that belong to cells of this kind."""
-    blocks = zip(content.cells, content.cell_data[name], strict=True)
-    return np.concatenate([np.asarray(v) for block, v in blocks if block.type == kind])
+def _known_suffix(path: str | Path) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix not in READERS:
+        raise ValueError(f"{path} must end with the suffix of a known format, {', '.join(READERS)}")
+    return suffix
 
 
 def _as_data(values: ArrayLike, name: str, rows: int, of: str) -> np.ndarray:
@@ -263,7 +339,7 @@ def _as_data(values: ArrayLike, name: str, rows: int, of: str) -> np.ndarray:
 
 
 def _in_space(array: np.ndarray) -> np.ndarray:
-    """A third component of zero for vectors in the plane; an array of its own in any case."""
+    """Return a copy, with a third component of zero for vectors in the plane."""
     if array.ndim == 2 and array.shape[1] == 2:
         return np.column_stack([array, np.zeros(len(array))])
     return np.array(array)

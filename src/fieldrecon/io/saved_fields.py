@@ -1,16 +1,15 @@
-"""Fitted fields in files: what a field was made of, from which it is made again.
+"""Fitted fields in files: the method, its arguments, the sites and the data.
 
 A file is an NPZ archive of plain arrays, no pickles:
 
 - ``header``: JSON in UTF-8 as bytes, an object of ``format`` ("fieldrecon field"), ``version`` (1),
-  ``method`` and ``names`` (of the columns the data came from, or empty);
+  ``method`` and ``names`` (of the columns of the data, or empty);
 - ``points`` (n, d) and ``values`` (n, ...): the sites and the data.
 
-``method`` is an object of ``name`` (the class) and the arguments it was made with besides the
-points; a kernel is an object of ``name`` and its parameters in turn, and the method within
-`OnGlobe` is one of the arguments. To load is to fit again: the same arithmetic on the same numbers,
-so the values are the same bit for bit with the same versions of NumPy and SciPy on the same kind of
-processor, and to rounding elsewhere.
+``method`` is an object of ``name`` (the class) and the other arguments of its constructor; a kernel
+is an object of ``name`` and its parameters, and the method within `OnGlobe` is an argument. A
+loaded field is fitted again. Its values are identical with the same versions of NumPy and SciPy
+on the same kind of processor, and equal up to rounding elsewhere.
 """
 
 from __future__ import annotations
@@ -25,44 +24,45 @@ from typing import Any
 
 import numpy as np
 
+from fieldrecon import kernels, methods
 from fieldrecon._core.atomic_files import whole_file
-from fieldrecon.kernels import positive_definite, radial
-from fieldrecon.methods.globe import OnGlobe
-from fieldrecon.methods.least_squares import LeastSquares
-from fieldrecon.methods.moving_least_squares import MovingLeastSquares
-from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldrecon.methods.rbf import RBF
+from fieldrecon.kernels import Radial
 from fieldrecon.reconstruction import Field, Reconstruction
 
 FORMAT, VERSION = "fieldrecon field", 1
 
-_ARGUMENTS: Mapping[type[Reconstruction], tuple[str, ...]] = {
-    LeastSquares: ("degree",),
-    MovingLeastSquares: ("weight", "degree", "neighbors"),
-    RBF: ("kernel", "degree", "smoothing"),
-    PartitionOfUnityRBF: ("kernel", "degree", "patch_size", "smoothing"),
-    OnGlobe: ("method",),
+
+def _is_made_from_points(method: object) -> bool:
+    if not (isinstance(method, type) and issubclass(method, Reconstruction)):
+        return False
+    try:
+        method._argument_names()
+    except TypeError:
+        return False
+    return True
+
+
+_METHODS: Mapping[str, type[Reconstruction]] = {
+    name: method for name, method in vars(methods).items() if _is_made_from_points(method)
 }
-_METHODS = {method.__name__: method for method in _ARGUMENTS}
-_KERNELS: Mapping[str, type[radial.Radial]] = {
-    kernel.__name__: kernel
-    for module in (radial, positive_definite)
-    for kernel in vars(module).values()
-    if is_dataclass(kernel) and isinstance(kernel, type) and issubclass(kernel, radial.Radial)
+_KERNELS: Mapping[str, type[Radial]] = {
+    name: kernel
+    for name, kernel in vars(kernels).items()
+    if is_dataclass(kernel) and isinstance(kernel, type) and issubclass(kernel, Radial)
 }
 
 
 def save(path: str | Path, field: Field, names: Sequence[str] = ()) -> None:
-    """Write a field to a file, from which `load` makes it again; the whole file or none.
+    """Write a field to a file, which `load` reads. The file is written completely or not at all.
 
     Parameters
     ----------
     path : str or pathlib.Path
-        Written under exactly this name; .npz is usual.
+        Name of the file, usually with the suffix .npz.
     field : Field
-        Of one of the library's methods.
+        A field of one of the library's methods.
     names : sequence of str
-        What coordinates and data are called, for whoever reads the file.
+        Names of the coordinates and of the data.
 
     Raises
     ------
@@ -96,13 +96,13 @@ def load(path: str | Path) -> Field:
     Returns
     -------
     Field
-        With the same values: bit for bit where NumPy, SciPy and processor are the same, otherwise
-        to rounding.
+        With the same values: identical with the same NumPy, SciPy and processor, otherwise up to
+        rounding.
 
     Raises
     ------
     ValueError
-        If the file is not such a field, or of a later version: with its path.
+        If the file does not hold a field, or one of a later version: with its path.
     FileNotFoundError
         If there is no such file.
     """
@@ -116,7 +116,7 @@ def load_with_names(path: str | Path) -> tuple[Field, list[str]]:
         method = _method(header["method"], points)
         return method.field(values), [str(name) for name in header["names"]]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise ValueError(f"{path} holds no field that can be made again: {error}") from None
+        raise ValueError(f"{path} holds no field that can be fitted again: {error}") from None
 
 
 def _content(path: str | Path) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
@@ -143,22 +143,25 @@ def description(method: Reconstruction) -> dict[str, Any]:
     TypeError
         If method or kernel is not one of the library's.
     """
-    if type(method) not in _ARGUMENTS:
-        raise TypeError(f"a field of {type(method).__name__} cannot be saved; known methods can")
-    arguments = {name: _argument(getattr(method, name)) for name in _ARGUMENTS[type(method)]}
-    if isinstance(method, PartitionOfUnityRBF):
-        arguments["degree"] = method._levels[0].systems[0].degree  # as asked for, not what is left
-    return {"name": type(method).__name__} | arguments
+    name = type(method).__name__
+    try:
+        arguments = method._arguments()
+    except TypeError as error:
+        raise TypeError(f"a field of {name} cannot be saved: {error}") from None
+    if _METHODS.get(name) is not type(method):
+        raise TypeError(f"a field of {name} cannot be saved: fieldrecon.methods has no {name}")
+    return {"name": name} | {key: _argument(value) for key, value in arguments.items()}
 
 
 def _argument(value: Any) -> Any:
     if isinstance(value, Reconstruction):
         return description(value)
-    if not isinstance(value, radial.Radial):
+    if not isinstance(value, Radial):
         return value
-    if _KERNELS.get(type(value).__name__) is not type(value):
-        raise TypeError(f"a field with {type(value).__name__} cannot be saved; known kernels can")
-    return {"name": type(value).__name__} | asdict(value)  # type: ignore[call-overload]
+    name = type(value).__name__
+    if _KERNELS.get(name) is not type(value):
+        raise TypeError(f"a field with {name} cannot be saved: fieldrecon.kernels has no {name}")
+    return {"name": name} | asdict(value)  # type: ignore[call-overload]
 
 
 def _plain(number: Any) -> Any:
@@ -167,20 +170,22 @@ def _plain(number: Any) -> Any:
 
 
 def _method(described: Mapping[str, Any], points: np.ndarray) -> Reconstruction:
-    arguments = dict(described)
-    method = _known(_METHODS, arguments.pop("name"))
-    wanted = set(_ARGUMENTS[method])
-    if set(arguments) != wanted:
-        got = sorted(arguments)
-        raise ValueError(f"{method.__name__} is made with {sorted(wanted)}; got {got}")
-    if method is OnGlobe:
-        return OnGlobe(points, partial(_method, arguments["method"]))
-    for name in wanted & {"kernel", "weight"}:
-        arguments[name] = _kernel(arguments[name])
-    return method(points, **arguments)
+    given = dict(described)
+    method = _known(_METHODS, given.pop("name"))
+    wanted = sorted(method._argument_names())
+    if sorted(given) != wanted:
+        raise ValueError(f"{method.__name__} is made with {wanted}; got {sorted(given)}")
+    return method._made(points, **{name: _restored(value) for name, value in given.items()})
 
 
-def _kernel(described: Mapping[str, Any]) -> radial.Radial:
+def _restored(value: Any) -> Any:
+    """An argument from its description: a kernel, a function of points to a method, or itself."""
+    if not isinstance(value, Mapping):
+        return value
+    return partial(_method, value) if value.get("name") in _METHODS else _kernel(value)
+
+
+def _kernel(described: Mapping[str, Any]) -> Radial:
     parameters = dict(described)
     kernel = _known(_KERNELS, parameters.pop("name"))
     wanted = {f.name for f in fields(kernel)}

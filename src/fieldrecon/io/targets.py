@@ -1,33 +1,37 @@
-"""Places where a field is wanted: a grid, the points of a table, or the vertices of a mesh."""
+"""Targets of a reconstruction: a grid, the points of a table, or the vertices of a mesh.
+
+Also the values of a field at them, which the writers of `fieldrecon.io.values` take.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 
 import numpy as np
 
 from fieldrecon.io.meshes import read_mesh, read_surface
-from fieldrecon.io.tables import BadRow, Wanted, read_table
+from fieldrecon.io.tables import BadRow, ColumnSpec, read_table
 
-NODES = 4e8
-"""Most nodes of a grid: beyond, its files alone are larger than the memory of most machines."""
+MAX_NODES = 4e8
+"""Largest number of nodes of a grid; its files alone would exceed the memory of most machines."""
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
-    """Places, and how they hang together.
+class Targets:
+    """The points at which a field is evaluated, and their connectivity.
 
     Parameters
     ----------
     points : ndarray of shape (m, d)
     axes : tuple of ndarray
-        Coordinates along x, y and z, if the places are the nodes of a grid, x fastest.
+        Coordinates along x, y and z, if the points are the nodes of a grid; x varies fastest.
     cells : ndarray of shape (c, corners), optional
-        Triangles or tetrahedra of a mesh, whose vertices the places are.
+        Triangles or tetrahedra, if the points are the vertices of a mesh.
     bad : tuple of BadRow
-        Rows of the table that were no points.
+        Skipped rows of the table.
     """
 
     points: np.ndarray
@@ -42,15 +46,54 @@ class Places:
 
     @property
     def kind(self) -> str:
-        """What they are, in a word."""
+        """Their name: "nodes", "points" or "vertices"."""
         return "nodes" if self.axes else "points" if self.cells is None else "vertices"
 
 
-def grid_over(points: np.ndarray, counts: Sequence[int], lonlat: bool = False) -> Places:
-    """Lay a grid over the points (n, d), as wide and as high as they are.
+@dataclass(frozen=True, eq=False)
+class TargetValues:
+    """A field at targets, with its error.
 
-    Longitudes start after the widest gap between them, so that data about the date line have one
-    grid across it, whose longitudes may exceed 180.
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the coordinates and of the value.
+    targets : Targets
+    values, error : ndarray of shape (m,)
+    extrapolated : ndarray of shape (m,), of small integers
+        As `fieldrecon.selection.extrapolated` returns them.
+    lonlat : bool
+        Whether the coordinates are degrees of longitude and latitude.
+    """
+
+    names: Sequence[str]
+    targets: Targets
+    values: np.ndarray
+    error: np.ndarray
+    extrapolated: np.ndarray
+    lonlat: bool = False
+
+    @property
+    def columns(self) -> Mapping[str, np.ndarray]:
+        """The value, its error and the flag of extrapolation, under distinct names."""
+        taken = list(self.names)
+        error, flag = (unused_name(name, taken) for name in ("error", "extrapolated"))
+        return {self.names[-1]: self.values, error: self.error, flag: self.extrapolated}
+
+
+def unused_name(name: str, taken: list[str]) -> str:
+    """Return the name, with a number if it is taken, and add it to the taken ones."""
+    numbered = (name if k == 1 else f"{name}_{k}" for k in count(1))
+    unused = next(candidate for candidate in numbered if candidate not in taken)
+    taken.append(unused)
+    return unused
+
+
+def grid_over(points: np.ndarray, counts: Sequence[int], lonlat: bool = False) -> Targets:
+    """Return a grid over the bounding box of the points (n, d).
+
+    Longitudes start after the widest gap between the points, so that points on both sides of the
+    date line have one grid across it. Its longitudes may exceed 180.
 
     Raises
     ------
@@ -69,32 +112,45 @@ def grid_over(points: np.ndarray, counts: Sequence[int], lonlat: bool = False) -
     if len(counts) != d:
         sides = "x".join(map(str, counts))
         raise ValueError(f"a grid in {d} variables has {d} sides; got --grid {sides}")
-    if np.prod(np.array(counts, dtype=float)) > NODES:
+    if np.prod(np.array(counts, dtype=float)) > MAX_NODES:
         raise ValueError(
-            f"a grid must have at most {NODES:.0e} nodes; got {'x'.join(map(str, counts))}"
+            f"a grid must have at most {MAX_NODES:.0e} nodes; got {'x'.join(map(str, counts))}"
         )
     if lonlat:
-        points = np.column_stack([_unrolled(points[:, 0]), points[:, 1]])
+        points = np.column_stack([_unwrapped(points[:, 0]), points[:, 1]])
     low, high = points.min(axis=0), points.max(axis=0)
     axes = tuple(np.linspace(*side) for side in zip(low, high, counts, strict=True))
-    return Places(nodes_of(axes), axes)
+    return Targets(grid_nodes(axes), axes)
 
 
-def nodes_of(axes: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the points (m, d) of the grid over the axes, the first of which runs fastest."""
+def grid_nodes(axes: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the nodes (m, d) of the grid over the axes; the first coordinate varies fastest."""
     nodes = np.meshgrid(*reversed(axes), indexing="ij")
     return np.stack(nodes[::-1], axis=-1).reshape(-1, len(axes))
 
 
-def points_in(
+def _unwrapped(longitudes: np.ndarray) -> np.ndarray:
+    """Shift longitudes by multiples of 360 so that they start after the widest gap between them.
+
+    The smallest lies in [-180, 180).
+    """
+    ordered = np.unique(longitudes % 360)
+    gaps = np.diff(ordered, append=ordered[0] + 360)
+    widest = int(gaps.argmax())
+    cut = ordered[widest] + gaps[widest] / 2
+    unwrapped = cut + (longitudes - cut) % 360
+    return unwrapped - 360 * np.floor((unwrapped.min() + 180) / 360)
+
+
+def targets_of_table(
     path: Path, names: Sequence[str], lonlat: bool = False, strict: bool = False
-) -> Places:
-    """Read places from the columns of these names of a table; bad rows are left out, and kept told.
+) -> Targets:
+    """Read targets from the columns of a table with these names; bad rows are skipped.
 
     Raises
     ------
     ValueError
-        If a column is missing, no row is good, or, if strict, one is not: with its line.
+        If a column is missing, no row is valid, or, if strict, one is not: with its line.
     """
 
     def choose(columns: list[str]) -> list[int]:
@@ -106,41 +162,30 @@ def points_in(
                 )
         return [columns.index(name) for name in names]
 
-    limits = (np.inf, 90.0) if lonlat else (np.inf,) * len(names)
-    table = read_table(path, Wanted(choose, limits))
+    table = read_table(path, ColumnSpec(choose, (np.inf, 90.0) if lonlat else None))
     if table.bad and (strict or not len(table.numbers)):
         raise ValueError(f"{path}, line {table.bad[0].line}: {table.bad[0].reason}")
-    return Places(table.numbers, bad=tuple(table.bad))
+    return Targets(table.numbers, bad=tuple(table.bad))
 
 
-def vertices_of(path: Path, d: int) -> Places:
-    """Read a mesh, whose vertices are the places: of triangles, or of tetrahedra in space.
+def targets_of_mesh(path: Path, d: int) -> Targets:
+    """Read the vertices of a mesh of triangles, or in space also of tetrahedra, as targets.
 
     Raises
     ------
     ValueError
-        If there is no such mesh in d variables.
+        If the file holds no such mesh in d variables.
     ImportError
-        If meshio is not installed.
+        If the format takes meshio, which is not installed.
     """
     try:
         mesh = read_mesh(path)
         if mesh.points.shape[1] == d:
-            return Places(mesh.points, cells=mesh.cells)
+            return Targets(mesh.points, cells=mesh.cells)
         reason = f"{path} is a mesh in {mesh.points.shape[1]} variables; the samples have {d}"
     except ValueError as error:
         reason = str(error)
     if d != 3:
         raise ValueError(reason)
     points, triangles = read_surface(path)
-    return Places(points, cells=triangles)
-
-
-def _unrolled(longitudes: np.ndarray) -> np.ndarray:
-    """Longitudes that start after the widest gap between them, in [-180, 180)."""
-    ordered = np.unique(longitudes % 360)
-    gaps = np.diff(ordered, append=ordered[0] + 360)
-    widest = int(gaps.argmax())
-    cut = ordered[widest] + gaps[widest] / 2
-    unrolled = cut + (longitudes - cut) % 360
-    return unrolled - 360 * np.floor((unrolled.min() + 180) / 360)
+    return Targets(points, cells=triangles)

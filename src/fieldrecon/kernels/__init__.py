@@ -5,14 +5,14 @@ makes its form positive. Erleben, Field Reconstruction, p. 9-13; Wendland (2005)
 appendix.
 """
 
-from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import (
-    Radial,
-    inverse_square,
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
     multiquadric,
     polyharmonic,
     thin_plate_spline,
 )
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.weights import inverse_square
 
 __all__ = [
     "Radial",

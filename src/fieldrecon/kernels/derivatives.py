@@ -1,7 +1,7 @@
-"""Higher derivatives of radial kernels, by descent: phi_j(r) = ((1/r) d/dr)^j phi(r).
+"""Higher derivatives of radial kernels: phi_j(r) = ((1/r) d/dr)^j phi(r).
 
-The gradient of phi(|x|) is phi_1 x, its Hessian phi_1 I + phi_2 x x^T, and so on. At r = 0, where a
-descent may be infinite, it is zero: there it meets factors x that vanish faster.
+The gradient of phi(|x|) is phi_1 x, its Hessian phi_1 I + phi_2 x x^T, and so on. At r = 0, where
+phi_j may be infinite, it is taken as zero: it is multiplied by factors x that vanish faster.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ import math
 import numpy as np
 from scipy.special import gamma
 
-from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import (
-    Radial,
-    inverse_square,
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
     multiquadric,
     polyharmonic,
     thin_plate_spline,
 )
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.weights import inverse_square
 
 
 def smoothness(kernel: Radial) -> float:
-    """How many continuous derivatives phi(|x|) has at the origin."""
+    """Number of continuous derivatives of phi(|x|) at the origin."""
     match kernel:
         case thin_plate_spline():
             return 1
@@ -37,7 +37,7 @@ def smoothness(kernel: Radial) -> float:
     raise ValueError(f"the higher derivatives of {kernel!r} are not known")
 
 
-def descent(kernel: Radial, s: np.ndarray, times: int) -> np.ndarray:
+def radial_derivative(kernel: Radial, s: np.ndarray, times: int) -> np.ndarray:
     """Values of phi_j at s = r^2, j = `times`."""
     match kernel:
         case _ if times == 0:
@@ -55,7 +55,7 @@ def descent(kernel: Radial, s: np.ndarray, times: int) -> np.ndarray:
         case wendland():
             return _of_wendland(kernel, s, times)
         case thin_plate_spline():
-            return 2 * descent(polyharmonic(2), s, times)
+            return 2 * radial_derivative(polyharmonic(2), s, times)
         case polyharmonic():
             return _of_half_powers(kernel, s, times)
     raise ValueError(f"the higher derivatives of {kernel!r} are not known")
@@ -90,7 +90,7 @@ def _of_wendland(kernel: wendland, s: np.ndarray, times: int) -> np.ndarray:
     """Of phi_(d,k): a multiple of phi_(d+2,k-1); of phi_(d,0) = (1 - z)^l by the quotient rule."""
     if kernel.k > 0:
         lower = wendland(kernel.d + 2, kernel.k - 1, kernel.radius)
-        return float(kernel.slope(0.0)) * descent(lower, s, times - 1)
+        return float(kernel.slope(0.0)) * radial_derivative(lower, s, times - 1)
     z = np.sqrt(s) / kernel.radius
     inside, power = (z > 0) & (z < 1), kernel.d // 2 + 1
     z = np.where(inside, z, 0.5)

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.special import gamma, kv
 
-from fieldrecon._core.validation import as_length
-from fieldrecon.kernels.radial import Radial, Scaled, length_in_units
+from fieldrecon._core.validation import as_count, as_length
+from fieldrecon.kernels.base import Radial, Scaled, length_in_units
 
 
 @dataclass(frozen=True)
@@ -152,14 +152,8 @@ class wendland(Radial):
     order = 0
 
     def __post_init__(self) -> None:
-        if isinstance(self.d, bool) or not isinstance(self.d, int | np.integer) or self.d < 1:
-            raise ValueError(f"d must be an integer, 1 or more; got {self.d!r}")
-        if (
-            isinstance(self.k, bool)
-            or not isinstance(self.k, int | np.integer)
-            or self.k not in (0, 1, 2, 3)
-        ):
-            raise ValueError(f"k must be 0, 1, 2 or 3; got {self.k!r}")
+        as_count(self.d, "d")
+        as_count(self.k, "k", 0, 3, "0, 1, 2 or 3")
         object.__setattr__(self, "radius", as_length(self.radius, "radius"))
 
     @property

@@ -1,7 +1,7 @@
 """Meshes of triangles in the plane and of tetrahedra in space, and their duals.
 
-Cells, faces, circumcentres, which cells lie around a vertex, and Delaunay meshes of scattered
-points. Erleben, Field Reconstruction, p. 14-16.
+Cells, faces, circumcentres, the cells around a vertex, and Delaunay meshes of scattered points.
+Erleben, Field Reconstruction, p. 14-16.
 """
 
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual

@@ -1,8 +1,8 @@
-"""Delaunay cells that make a mesh: no flat one, no point left out, whatever ties the points hold.
+"""Delaunay cells that form a mesh: no flat cells, and no point left out, even with degeneracies.
 
-Qhull breaks ties by flat cells: where five points or more lie on an empty sphere, four of them in
-one plane may become a cell without volume, and one without it leaves a crack. Here ties are broken
-by the heights at which points are lifted to the paraboloid; no cell below the lifted hull is flat.
+Qhull breaks ties by flat cells: if five points or more lie on an empty sphere, four of them in one
+plane may become a cell of volume zero, and leaving it out makes a crack. Here ties are broken by
+perturbing the heights of the points on the paraboloid; no cell below the lifted hull is flat.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
+from fieldrecon._core.duplicates import refuse_coincident
 from fieldrecon.meshes import simplices
 
 _TIE = 1e-5
-"""How far ties are broken, in squares of the distance to the nearest point."""
+"""Perturbation that breaks ties, in squares of the distance to the nearest point."""
 
 _CRACK = 1e-7
-"""How much larger than the hull a boundary may be by rounding, in parts of the hull."""
+"""Relative excess of the boundary over the hull that rounding explains."""
 
 
 def delaunay_cells(points: np.ndarray) -> np.ndarray:
@@ -32,16 +33,16 @@ def delaunay_cells(points: np.ndarray) -> np.ndarray:
     ValueError
         If there are too few points, or two of them coincide.
     numpy.linalg.LinAlgError
-        If all lie on one line or plane, or so do some that the mesh has cracks without flat cells.
+        If all points lie on one line or plane, or the mesh has cracks without its flat cells.
     OverflowError
         If the extent of the points exceeds the range of floating-point numbers.
     """
     _refuse_too_few(points)
-    _refuse_repeated(points)
+    refuse_coincident(points, "points must be distinct; these coincide: {pairs}")
     local = _in_local_frame(points)
     try:
         cells = _cells_without_flat_ones(points, local)
-    except QhullError:  # its first simplex was flat already
+    except QhullError:  # its first simplex was flat
         cells = np.empty((0, points.shape[1] + 1), dtype=int)
     if len(cells) == 0:
         where = "line" if points.shape[1] == 2 else "plane"
@@ -65,7 +66,7 @@ def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarra
     flat = _flat_within_rounding(points, cells)
     if not flat.any():
         return cells
-    if points.shape[1] == 3:  # in the plane, no tie makes a cell flat
+    if points.shape[1] == 3:  # in the plane, ties make no flat cells
         cells, neighbors = _tie_broken(local)
         flat = _flat_within_rounding(points, cells)
     outer = _outer(neighbors, flat)
@@ -74,13 +75,13 @@ def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarra
 
 
 def _flat_within_rounding(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Whether moving each coordinate by its rounding could turn a cell over."""
+    """Whether a change of the coordinates by their rounding could invert each cell."""
     rounding = np.finfo(float).eps * np.abs(points).max()
     return simplices.signed_volumes(points.take(cells, axis=0), rounding)[2]
 
 
 def _outer(neighbors: np.ndarray, flat: np.ndarray) -> np.ndarray:
-    """Whether each cell is flat and hangs together with the outside through such cells."""
+    """Whether each cell is flat and connected with the outside through flat cells."""
     outside = len(neighbors)
     one, k = np.nonzero(np.broadcast_to(flat[:, None], neighbors.shape))
     two = neighbors[one, k]
@@ -107,17 +108,8 @@ def _refuse_too_few(points: np.ndarray) -> None:
         raise ValueError(f"points must be at least {d + 1} for a mesh in {d} dimensions; got {n}")
 
 
-def _refuse_repeated(points: np.ndarray) -> None:
-    order = np.lexsort(points.T[::-1])
-    same = np.flatnonzero((points[order[1:]] == points[order[:-1]]).all(axis=1))
-    if len(same):
-        i, j = sorted((int(order[same[0]]), int(order[same[0] + 1])))
-        more = f", and {len(same) - 1} more repeat another" if len(same) > 1 else ""
-        raise ValueError(f"points must be distinct; points {i} and {j} coincide{more}")
-
-
 def _refuse_cracks(points: np.ndarray, cells: np.ndarray, open_sides: np.ndarray) -> None:
-    """Refuse cells whose boundary, (d + 1, c) of their sides, is larger than the hull's."""
+    """Refuse cells whose boundary, their `open_sides` (d + 1, c), is larger than the hull."""
     d = points.shape[1]
     faces = np.concatenate([np.delete(cells[side], k, axis=1) for k, side in enumerate(open_sides)])
     edges = points[faces[:, 1:]] - points[faces[:, :1]]
@@ -130,7 +122,7 @@ def _refuse_cracks(points: np.ndarray, cells: np.ndarray, open_sides: np.ndarray
 
 
 def _refuse_left_out(points: np.ndarray, cells: np.ndarray) -> None:
-    """Refuse a point so near to another, or to the boundary, that it is a corner of no cell."""
+    """Refuse a point so close to another, or to the boundary, that it belongs to no cell."""
     missing = np.setdiff1d(np.arange(len(points)), cells)
     if len(missing):
         i = int(missing[0])

@@ -1,4 +1,4 @@
-"""The two duals of a mesh: one joins circumcentres, the other centroids, across the faces."""
+"""Two duals of a mesh, which join circumcentres or centroids across the faces."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def circumcentric_dual(mesh: SimplexMesh) -> tuple[np.ndarray, np.ndarray]:
     -------
     segments : (f, 2, d) ndarray
         Start, in the first cell of the face, and end. Cells with the same circumcentre have a dual
-        edge without length.
+        edge of length zero.
     faces : (f,) ndarray
-        Which face each segment belongs to: all, in order.
+        Face of each segment: all faces, in order.
 
     References
     ----------
@@ -60,7 +60,7 @@ def barycentric_dual(mesh: SimplexMesh) -> tuple[np.ndarray, np.ndarray]:
     segments : ((d + 1) c, 2, d) ndarray
         Start, at the centroid of a cell, and end.
     faces : ((d + 1) c,) ndarray
-        Which face each segment ends at.
+        Face at the end of each segment.
 
     Examples
     --------

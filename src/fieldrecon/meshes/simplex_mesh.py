@@ -1,7 +1,4 @@
-"""Meshes of triangles and of tetrahedra: cells, the faces between them, and what lies around.
-
-Points of a mesh; cells as distinct indices of them, not flat, and positively oriented.
-"""
+"""Meshes of triangles and of tetrahedra: cells, faces, their geometry and neighbourhoods."""
 
 from __future__ import annotations
 
@@ -21,18 +18,18 @@ from fieldrecon.meshes.topology import Topology, incidence, pattern, topology
 
 @dataclass(frozen=True, eq=False)
 class SimplexMesh:
-    """Triangles in the plane or tetrahedra in space, in the words of finite volumes.
+    """Triangles in the plane or tetrahedra in space, in the terms of finite volumes.
 
     A *cell* is a triangle or a tetrahedron; a *face*, an edge or a triangle, lies between two cells
-    or on the boundary. Arrays are computed when first asked for, and are read-only.
+    or on the boundary. Arrays are computed on first access, and are read-only.
 
     Parameters
     ----------
     points : (n, d) array_like
-        The vertices, d = 2 or 3. One that no cell has stays, and nothing uses it.
+        The vertices, d = 2 or 3. A point of no cell is kept, but not used.
     cells : (c, d + 1) array_like of int
-        Vertices of each cell, in either orientation. They are kept in the order given where that
-        is positive (anticlockwise, right-handed); otherwise the last two are exchanged.
+        Vertices of each cell, in either orientation. The last two are exchanged if the orientation
+        is not positive (anticlockwise, right-handed).
 
     Raises
     ------
@@ -44,9 +41,9 @@ class SimplexMesh:
 
     Notes
     -----
-    A cell is flat if rounding decides about its orientation, whatever the unit of length and the
-    shape: a thin one is not. Coordinates are taken for exact. Everything is computed from
-    differences to a corner of the cell, so it does not depend on where the origin lies.
+    A cell is flat if rounding decides its orientation; a merely thin cell is not. Coordinates are
+    taken as exact. All quantities are computed from differences to a corner of the cell, so they
+    do not depend on the origin.
 
     References
     ----------
@@ -73,7 +70,7 @@ class SimplexMesh:
         cells = positive(points, as_cells(self.cells, *points.shape))
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "cells", _read_only(cells))
-        self._topology  # noqa: B018  cells that do not fit together are refused now
+        self._topology  # noqa: B018  refuses cells that do not fit together
 
     def __reduce__(self) -> tuple[type[SimplexMesh], tuple[np.ndarray, np.ndarray]]:
         return type(self), (self.points, self.cells)
@@ -82,9 +79,9 @@ class SimplexMesh:
     def delaunay(cls, points: ArrayLike) -> SimplexMesh:
         """Delaunay mesh of points in the plane or in space.
 
-        Its cells fill the convex hull of the points, but for what is flat within the rounding of
-        the coordinates. Where more than d + 1 points lie on an empty circle or sphere, the mesh is
-        one of several.
+        Its cells fill the convex hull of the points, except cells that are flat within the rounding
+        of the coordinates. If more than d + 1 points lie on an empty circle or sphere, the Delaunay
+        mesh is not unique.
 
         Parameters
         ----------
@@ -94,7 +91,7 @@ class SimplexMesh:
         Raises
         ------
         ValueError
-            If there are too few points, or two coincide, be it within rounding.
+            If there are too few points, or two coincide, exactly or within rounding.
         numpy.linalg.LinAlgError
             If all points lie on one line or plane.
 
@@ -110,7 +107,7 @@ class SimplexMesh:
         except ValueError as error:  # Qhull's rounding
             raise np.linalg.LinAlgError(f"some points coincide within rounding: {error}") from None
 
-    # --- which belongs to which -----------------------------------------------------------------
+    # --- topology -------------------------------------------------------------------------------
 
     @cached_property
     def _topology(self) -> Topology:
@@ -177,26 +174,26 @@ class SimplexMesh:
         return _read_only_matrix(incidence(self.cell_faces, len(self.faces)).T.tocsr())
 
     def vertex_cells(self, i: int) -> np.ndarray:
-        """Indices of the cells at vertex i, increasing; none for a point that no cell has."""
-        vertices = self._as_vertices([index(i)])
+        """Indices of the cells at vertex i, increasing; none for a point of no cell."""
+        vertices = as_indices_of_points([index(i)], len(self.points))
         return self.vertex_cell_incidence[vertices].indices.astype(np.intp)
 
     def cells_around(self, rings: int = 1, vertices: ArrayLike | None = None) -> sparse.csr_array:
         """Cells in the first rings round vertices, as ones (v, c) in a sparse matrix.
 
-        The first ring of a vertex is its cells; each further one adds the cells of their vertices.
+        The first ring of a vertex is its cells; each further ring adds the cells of their vertices.
 
         Parameters
         ----------
         rings : int
-            How many, at least one.
+            Number of rings, at least one.
         vertices : (v,) array_like of int, optional
-            Round which; all by default.
+            The vertices; all points by default.
 
         Raises
         ------
         ValueError
-            If there are no rings, or a vertex is not an index of a point.
+            If `rings` is not positive, or a vertex is not an index of a point.
 
         Examples
         --------
@@ -204,19 +201,18 @@ class SimplexMesh:
         >>> mesh.cells_around(1).sum(axis=1).tolist(), mesh.cells_around(2).sum(axis=1).tolist()
         ([1, 2, 2, 1], [2, 2, 2, 2])
         """
-        if isinstance(rings, bool) or not isinstance(rings, int | np.integer) or rings < 1:
-            raise ValueError(f"rings must be an integer, 1 or more; got {rings!r}")
+        valid.as_count(rings, "rings")
         at = self.vertex_cell_incidence
-        around = at if vertices is None else at[self._as_vertices(vertices)]
+        around = at if vertices is None else at[as_indices_of_points(vertices, len(self.points))]
         for _ in range(rings - 1):
             around = pattern(pattern(around @ at.T) @ at)
         return around
 
     def faces_around(self, rings: int = 1, vertices: ArrayLike | None = None) -> sparse.csr_array:
-        """Faces of the cells of `cells_around`, as ones (v, f); the outer ones are among them."""
+        """Faces of the cells of `cells_around`, as ones (v, f), outer faces included."""
         return pattern(self.cells_around(rings, vertices) @ self.cell_face_incidence)
 
-    # --- where and how large --------------------------------------------------------------------
+    # --- geometry -------------------------------------------------------------------------------
 
     @cached_property
     def cell_measures(self) -> np.ndarray:
@@ -265,19 +261,6 @@ class SimplexMesh:
         mask[indices] = True
         return mask
 
-    def _as_vertices(self, vertices: ArrayLike) -> np.ndarray:
-        indices, n = np.asarray(vertices), len(self.points)
-        indices = indices.astype(np.intp) if indices.size == 0 else indices
-        if indices.ndim != 1 or indices.dtype.kind not in "iu":
-            raise ValueError(
-                f"vertices must be indices of points, shape (v,); got the type {indices.dtype} "
-                f"and the shape {indices.shape}"
-            )
-        wrong = indices[(indices < 0) | (indices >= n)]
-        if len(wrong):
-            raise ValueError(f"vertices must be indices of points, 0 to {n - 1}; got {wrong[0]}")
-        return indices
-
 
 def _in_range(measures: np.ndarray, unit: np.ndarray, power: int) -> np.ndarray:
     with np.errstate(over="ignore", under="ignore"):
@@ -302,15 +285,30 @@ def _read_only_matrix(matrix: sparse.csr_array) -> sparse.csr_array:
 
 
 def as_plane_or_space(points: ArrayLike) -> np.ndarray:
-    """Points in two or three dimensions."""
+    """Require points in two or three dimensions."""
     p = valid.as_points(points)
     if p.shape[1] not in (2, 3):
         raise ValueError(f"points must have the shape (n, 2) or (n, 3); got {p.shape}")
     return p
 
 
+def as_indices_of_points(vertices: ArrayLike, n: int) -> np.ndarray:
+    """Require indices (v,) of n points."""
+    indices = np.asarray(vertices)
+    if indices.ndim != 1 or (indices.size and indices.dtype.kind not in "iu"):
+        raise ValueError(
+            f"vertices must be indices of points, shape (v,); got the type {indices.dtype} "
+            f"and the shape {indices.shape}"
+        )
+    indices = indices.astype(np.intp)
+    wrong = indices[(indices < 0) | (indices >= n)]
+    if len(wrong):
+        raise ValueError(f"vertices must be indices of points, 0 to {n - 1}; got {wrong[0]}")
+    return indices
+
+
 def as_cells(cells: ArrayLike, n: int, d: int) -> np.ndarray:
-    """Cells as an array of their own, with d + 1 different indices below n each."""
+    """Require cells of d + 1 distinct indices below n each; a new array."""
     kind = "triangles" if d == 2 else "tetrahedra"
     try:
         given = np.asarray(cells)
@@ -333,7 +331,7 @@ def as_cells(cells: ArrayLike, n: int, d: int) -> np.ndarray:
 
 
 def positive(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """The cells, the last two vertices exchanged where the orientation is negative."""
+    """The cells, in positive orientation: the last two vertices are exchanged if necessary."""
     with np.errstate(over="ignore", invalid="ignore"):
         volumes, _, flat = simplices.signed_volumes(points.take(cells, axis=0))
     if not np.isfinite(volumes).all():

@@ -1,7 +1,7 @@
-"""Many simplices at once: volume, normal and circumcentre from differences, whatever the unit.
+"""Volumes, normals and circumcentres of many simplices at once, from differences of corners.
 
-The determinant of d edges that span a simplex is the same, but for its sign, whichever d they are.
-The shortest lose the least to cancellation, so slivers are measured along them.
+The determinant of d edges that span a simplex does not depend on the edges, up to its sign. The
+shortest edges lose the least to cancellation, so slivers are measured along them.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from itertools import combinations
 import numpy as np
 
 _FLAT = 32 * np.finfo(float).eps
-"""Volume over product of the spanning edges below which rounding decides about the sign."""
+"""Volume relative to the product of the spanning edges below which rounding decides the sign."""
 
-_SUSPECT = 1e-2  # above it any spanning edges will do
+_SUSPECT = 1e-2  # relative volume above which any spanning edges suffice
 
 
 def units(edges: np.ndarray) -> np.ndarray:
     """Powers of two (m,) near the size of each simplex; 1 for one that is a point."""
-    # the simplices last: numpy goes along a short axis in many times the time
+    # simplices last: numpy is slow along a short axis
     size = np.abs(edges).reshape(len(edges), -1).T.copy().max(axis=0, initial=0.0)
     return np.ldexp(1.0, np.frexp(np.where(size > 0, size, 1.0))[1] - 1)
 
@@ -35,7 +35,7 @@ def spanning_edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     edges : (m, k, d) ndarray
-        Differences of corners, so ordered that their orientation is that of the simplex.
+        Differences of corners, in an order with the orientation of the simplex.
     middles : (m, k, d) ndarray
         The middle of each edge.
     """
@@ -60,7 +60,7 @@ def _shortest_tree(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _spanning_trees(corners: int) -> list[tuple[tuple[int, int], ...]]:
-    """Sets of edges that connect all corners, each in an order of positive orientation."""
+    """Spanning trees of the edges, each in an order of positive orientation."""
     trees = []
     for tree in combinations(combinations(range(corners), 2), corners - 1):
         incidence = np.zeros((corners - 1, corners))
@@ -77,14 +77,14 @@ def signed_volumes(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Volume of each simplex (m, d + 1, d) with its sign, and whether it is flat.
 
-    Flat means that rounding decides about the sign: that of the computation, and, if given, that
-    of the coordinates.
+    Flat means that rounding decides the sign: rounding of the computation and, if given, of the
+    coordinates.
 
     Parameters
     ----------
     corners : (m, d + 1, d) ndarray
     rounding : float
-        By how much a coordinate may be wrong.
+        Largest error of a coordinate.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def signed_volumes(
 
 
 def _local(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The simplices with their first corner at the origin, each in its unit, and that."""
+    """The simplices with their first corner at the origin, in units of their size; the units."""
     edges = corners - corners[:, :1]
     unit = units(edges)
     return edges / unit[:, None, None], unit
@@ -135,7 +135,7 @@ def volumes(edges: np.ndarray) -> np.ndarray:
 def normals(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Unit normal of each simplex (m, d, d) of dimension d - 1, its measure, and the unit.
 
-    The normal lies to the right of a segment; round that of a triangle its corners turn
+    The normal lies to the right of a segment; seen from its tip, the corners of a triangle are
     anticlockwise. The measure is in the (d-1)-th power of the unit.
     """
     local, unit = _local(corners)
@@ -156,7 +156,8 @@ def centroids(corners: np.ndarray) -> np.ndarray:
 def circumcenters(corners: np.ndarray) -> np.ndarray:
     """Circumcentre (m, d) of each simplex, (m, k + 1, d) with k = 1, 2 or 3.
 
-    For each spanning edge t with middle q, t · (c - q) = 0; and c lies in the simplex's plane.
+    For each spanning edge t with midpoint q, t · (c - q) = 0, and c lies in the plane of the
+    simplex.
 
     References
     ----------
@@ -179,8 +180,8 @@ def circumcenters(corners: np.ndarray) -> np.ndarray:
 def _cofactors(a: np.ndarray) -> np.ndarray:
     """Cofactors of each matrix (m, d, d): Σ_k a_k · c_k = d det a, and a_j · c_k = 0, j ≠ k."""
     if a.shape[2] == 2:
-        turned = np.stack([a[..., 1], -a[..., 0]], axis=-1)
-        return np.stack([turned[:, 1], -turned[:, 0]], axis=1)
+        rotated = np.stack([a[..., 1], -a[..., 0]], axis=-1)
+        return np.stack([rotated[:, 1], -rotated[:, 0]], axis=1)
     return np.stack(
         [np.cross(a[:, 1], a[:, 2]), np.cross(a[:, 2], a[:, 0]), np.cross(a[:, 0], a[:, 1])], axis=1
     )

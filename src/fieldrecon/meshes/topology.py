@@ -1,4 +1,4 @@
-"""The faces of many cells: each once, with the cells on its sides and the side that is outward."""
+"""Faces of many cells, with the cells on both sides and the outward orientation."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _OUTWARD = {
 
 @dataclass(frozen=True)
 class Topology:
-    """Which faces cells have, and which cells lie at a face.
+    """Faces of the cells, and cells at the faces.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class Topology:
     cell_faces : (c, d + 1) ndarray
         Faces of each cell, the k-th opposite its k-th vertex.
     signs : (f,) ndarray
-        1 where the increasing order of the vertices turns as seen from outside the first cell,
+        1 if the vertices in increasing order have the outward orientation of the first cell,
         otherwise -1.
     """
 
@@ -91,7 +91,7 @@ def _sorted_by_even_permutation(rows: np.ndarray) -> np.ndarray:
 
 
 def _lexicographic_order(rows: np.ndarray, n: int) -> np.ndarray:
-    """Order of rows of numbers below n, by the first, then the second column, and so on."""
+    """Lexicographic order of rows of numbers below n."""
     if n ** rows.shape[1] >= 2**63:
         return np.lexsort(rows.T[::-1])
     key = rows[:, 0]
@@ -101,7 +101,7 @@ def _lexicographic_order(rows: np.ndarray, n: int) -> np.ndarray:
 
 
 def _first_of_equals(ordered: np.ndarray) -> np.ndarray:
-    """Whether each row differs from the one before."""
+    """Whether each row differs from the previous row."""
     differs = (ordered[1:] != ordered[:-1]).any(axis=1)
     return np.concatenate([[True], differs])
 

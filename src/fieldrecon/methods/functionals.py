@@ -9,9 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon.kernels.derivatives import descent
-from fieldrecon.kernels.radial import Radial
-from fieldrecon.polynomials import Frame, monomial_gradients, monomial_laplacians, monomials
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.derivatives import radial_derivative
+from fieldrecon.polynomials import (
+    Frame,
+    monomial_gradients,
+    monomial_laplacians,
+    monomials,
+    power_of_two_above,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +29,7 @@ class Functionals:
     Parameters
     ----------
     points : (n, d) ndarray
-        Where.
+        The points p_i.
     value : (n,) ndarray
         Factors a of the value.
     gradient : (n, d) ndarray
@@ -41,7 +47,7 @@ class Functionals:
         return len(self.points)
 
     def __getitem__(self, part: slice) -> Functionals:
-        """Some of them."""
+        """A part of the functionals."""
         return Functionals(
             self.points[part], self.value[part], self.gradient[part], self.laplacian[part]
         )
@@ -54,12 +60,11 @@ class Functionals:
     def in_frame(self, frame: Frame) -> tuple[Functionals, np.ndarray]:
         """Functionals of g(y) = f(x) of size one, and the sizes (n,): L f = size * (L' g).
 
-        Sizes are powers of two, so that scaling rounds nothing.
+        Sizes are powers of two: scaling by them rounds nothing.
         """
         gradient, laplacian = self.gradient / frame.scale, self.laplacian / frame.scale**2
         largest = np.maximum(abs(self.value), np.maximum(abs(gradient).max(axis=1), abs(laplacian)))
-        mantissa, exponent = np.frexp(largest)
-        size = np.ldexp(1.0, exponent - (mantissa == 0.5))
+        size = power_of_two_above(largest)
         local = Functionals(
             frame.local(self.points),
             self.value / size,
@@ -77,10 +82,10 @@ class Functionals:
         )
 
     def of_kernel(self, others: Functionals, kernel: Radial) -> np.ndarray:
-        """L_i M_j phi(|x - y|), L of x and M, the others, of y; (n, m).
+        """Matrix (n, m) of L_i M_j phi(|x - y|), these functionals L of x and the others M of y.
 
-        With z = x - y and the descents phi_j of the kernel, the gradient of phi(|z|) is phi_1 z,
-        the Hessian phi_1 I + phi_2 z z^T, the Laplacian d phi_1 + |z|^2 phi_2.
+        With z = x - y and the radial derivatives phi_j of the kernel, the gradient of phi(|z|) is
+        phi_1 z, the Hessian phi_1 I + phi_2 z z^T, the Laplacian d phi_1 + |z|^2 phi_2.
         """
         d = self.points.shape[1]
         offsets = [self.points[:, k, None] - others.points[:, k] for k in range(d)]
@@ -91,7 +96,7 @@ class Functionals:
             return total
         along = sum(self.gradient[:, k, None] * z for k, z in enumerate(offsets))
         against = sum(others.gradient[:, k] * z for k, z in enumerate(offsets))
-        phi = [np.zeros_like(s) if j > top else descent(kernel, s, j) for j in range(5)]
+        phi = [np.zeros_like(s) if j > top else radial_derivative(kernel, s, j) for j in range(5)]
         a, c = self.value[:, None], self.laplacian[:, None]
         total += (along * others.value - a * against) * phi[1]
         total -= self.gradient @ others.gradient.T * phi[1] + along * against * phi[2]
@@ -111,12 +116,12 @@ def values_at(points: ArrayLike) -> Functionals:
     Parameters
     ----------
     points : (n, d) array_like
-        Where.
+        The points p_i.
 
     Returns
     -------
     Functionals
-        n of them.
+        One for each point.
     """
     p = valid.as_points(points)
     return Functionals(p, np.ones(len(p)), np.zeros(p.shape), np.zeros(len(p)))
@@ -128,14 +133,14 @@ def derivatives_at(points: ArrayLike, directions: ArrayLike) -> Functionals:
     Parameters
     ----------
     points : (n, d) array_like
-        Where.
+        The points p_i.
     directions : (n, d) or (d,) array_like
         Vectors b, not zero; their lengths count.
 
     Returns
     -------
     Functionals
-        n of them.
+        One for each point.
 
     Raises
     ------
@@ -159,12 +164,12 @@ def laplacians_at(points: ArrayLike) -> Functionals:
     Parameters
     ----------
     points : (n, d) array_like
-        Where.
+        The points p_i.
 
     Returns
     -------
     Functionals
-        n of them.
+        One for each point.
     """
     p = valid.as_points(points)
     return Functionals(p, np.zeros(len(p)), np.zeros(p.shape), np.ones(len(p)))

@@ -1,9 +1,9 @@
-"""Fields on the globe: distances are chords in space, so no date line and no pole is special.
+"""Fields on the globe: distances are chords in space, so the date line and the poles are regular.
 
 A site at longitude l and latitude b is the unit vector (cos b cos l, cos b sin l, sin b). A kernel
-of the distance in space is a kernel on the sphere, and what is positive definite there stays so;
+of the distance in space is a kernel on the sphere, and positive definite if the former is;
 its lengths are in radii of the sphere. Methods on such sites need polynomials of degree one at
-most: the square of the distance from the middle is constant on the sphere.
+most, since the squared distance from the centre is constant on the sphere.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon._core import validation as valid
+from fieldrecon._core.chunks import Progress
 from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 
@@ -25,7 +26,7 @@ def to_unit(lonlat: ArrayLike) -> np.ndarray:
     Parameters
     ----------
     lonlat : (..., 2) array_like
-        Longitude and latitude in degrees; longitudes may go round more than once.
+        Longitude and latitude in degrees; longitudes may exceed a whole turn.
 
     Returns
     -------
@@ -50,7 +51,7 @@ def to_unit(lonlat: ArrayLike) -> np.ndarray:
 
 
 def principal(lonlat: ArrayLike) -> np.ndarray:
-    """The same places with longitudes in [-180, 180), and zero at the poles.
+    """The same points with longitudes in [-180, 180), which are zero at the poles.
 
     Examples
     --------
@@ -65,11 +66,12 @@ def principal(lonlat: ArrayLike) -> np.ndarray:
 
 
 class OnGlobe(Reconstruction):
-    """A method on the unit vectors of sites on the globe, asked by longitude and latitude.
+    """A method on the unit vectors of sites on the globe, evaluated at longitudes and latitudes.
 
-    s(l, b) = t(u(l, b)) with u as in `to_unit`. The gradient holds the changes by a degree of
-    longitude and by a degree of latitude, which are not lengths: east is
-    (180 / (pi R cos b)) times the first, north (180 / (pi R)) times the second, R the radius.
+    s(l, b) = t(u(l, b)) with u as in `to_unit`. The components of the gradient are the
+    derivatives by a degree of longitude and by a degree of latitude, which are not lengths: the
+    derivative by the distance to the east is (180 / (pi R cos b)) times the first, to the north
+    (180 / (pi R)) times the second, with R the radius.
 
     Parameters
     ----------
@@ -120,6 +122,9 @@ class OnGlobe(Reconstruction):
         """
         values = valid.as_values(values, len(self.points))
         return Field(self, values, lambda columns: self.method.field(columns, **how)._prepared)
+
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
+        return self.method._leave_one_out(values, progress)
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
         return self.method._weight_rows(to_unit(x))
@@ -178,12 +183,12 @@ def _cos_sin(degrees: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _as_lonlat(lonlat: ArrayLike) -> np.ndarray:
-    places = valid.as_queries(lonlat, 2)
-    beyond = np.argwhere(abs(places[..., 1]) > 90)
+    lonlat = valid.as_queries(lonlat, 2)
+    beyond = np.argwhere(abs(lonlat[..., 1]) > 90)
     if len(beyond):
-        lon, lat = places[tuple(beyond[0])]
+        lon, lat = lonlat[tuple(beyond[0])]
         raise ValueError(
             f"latitudes must lie within ±90 degrees; got {lat:g} at longitude {lon:g}: are they "
-            "the other way round?"
+            "swapped?"
         )
-    return places
+    return lonlat

@@ -1,4 +1,4 @@
-"""Radial basis functions through data of any kind: values, derivatives, Laplacians."""
+"""Hermite interpolation by radial basis functions: values, derivatives and Laplacians as data."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import rows_of
+from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.saddle_point import SaddlePoint
+from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import smoothness
-from fieldrecon.kernels.radial import Radial
 from fieldrecon.methods.functionals import Functionals, derivatives_at, together, values_at
 from fieldrecon.methods.solvability import (
     as_augmentation,
@@ -37,7 +38,7 @@ class HermiteRBF(Reconstruction):
     Parameters
     ----------
     functionals : Functionals or sequence of them
-        What is known: `values_at`, `derivatives_at`, `laplacians_at`. The data come in this order.
+        From `values_at`, `derivatives_at` and `laplacians_at`. The data follow this order.
     kernel : Radial
         With twice as many continuous derivatives as the functionals have.
     degree : int, optional
@@ -46,7 +47,7 @@ class HermiteRBF(Reconstruction):
     Attributes
     ----------
     functionals : Functionals
-        All of them; `points` are theirs.
+        All functionals; `points` are their points.
 
     Raises
     ------
@@ -61,7 +62,7 @@ class HermiteRBF(Reconstruction):
 
     Examples
     --------
-    >>> from fieldrecon.kernels.radial import polyharmonic
+    >>> from fieldrecon.kernels import polyharmonic
     >>> method = HermiteRBF(
     ...     [values_at([[0, 0]]), derivatives_at([[0, 0], [1, 0]], [[1, 0], [0, 1]])],
     ...     polyharmonic(3),
@@ -93,7 +94,7 @@ class HermiteRBF(Reconstruction):
         self._unit_kernel = as_finite(kernel.in_units(self._frame.scale))
         a = self._of_kernel(self._local)
         self._largest = abs(within_range(a, f"derivatives of {kernel!r}")).max()
-        self._system = valid.without_warnings(SaddlePoint, np.asfortranarray(a), p)
+        self._system = valid.quiet_evaluate(SaddlePoint, np.asfortranarray(a), p)
 
     def field(self, values: ArrayLike) -> HermiteField:
         """Field of these data.
@@ -106,7 +107,7 @@ class HermiteRBF(Reconstruction):
         Returns
         -------
         HermiteField
-            Callable at any points, with a gradient, and open to other functionals.
+            Callable at any points, with a gradient and other functionals.
         """
         return HermiteField(self, valid.as_values(values, len(self.points)))
 
@@ -116,7 +117,7 @@ class HermiteRBF(Reconstruction):
         Parameters
         ----------
         functionals : Functionals or sequence of them
-            m of them.
+            m functionals.
 
         Returns
         -------
@@ -128,11 +129,11 @@ class HermiteRBF(Reconstruction):
         MemoryError
             If the matrix would exceed DENSE_LIMIT_BYTES.
         ValueError
-            If the field has not so many derivatives.
+            If the field does not have the derivatives.
         """
         asked = self._as_asked(functionals)
         self._refuse_if_too_large(len(asked))
-        return valid.finite_rows(valid.without_warnings(self._weights_of, asked), asked.points)
+        return valid.check_finite(valid.quiet_evaluate(self._weights_of, asked), asked.points)
 
     def _as_asked(self, functionals: Functionals | Sequence[Functionals]) -> Functionals:
         asked = together(functionals)
@@ -147,7 +148,7 @@ class HermiteRBF(Reconstruction):
         return asked
 
     def _of_kernel(self, local: Functionals) -> np.ndarray:
-        return valid.without_warnings(local.of_kernel, self._local, self._unit_kernel)
+        return valid.quiet_evaluate(local.of_kernel, self._local, self._unit_kernel)
 
     def _weights_of(self, asked: Functionals) -> np.ndarray:
         local, size = asked.in_frame(self._frame)
@@ -217,25 +218,25 @@ class HermiteField(Field):
         Parameters
         ----------
         functionals : Functionals or sequence of them
-            m of them, of no more derivatives than the field has.
+            m functionals, of no higher order than the field has derivatives.
 
         Returns
         -------
         (m, *v) ndarray
-            One for each.
+            One value for each functional.
 
         Raises
         ------
         ValueError
-            If the field has not so many derivatives.
+            If the field does not have the derivatives.
         """
         asked = self.method._as_asked(functionals)
         result = np.empty((len(asked), *self._shape), dtype=self._dtype)
         rows = self.method._chunk_rows(int(np.prod(self._shape, dtype=int)))
         for start in range(0, len(asked), rows):
             part = asked[start : start + rows]
-            values = valid.without_warnings(self.method._applied, part, self._prepared)
-            values = valid.finite_rows(values, part.points)
+            values = valid.quiet_evaluate(self.method._applied, part, self._prepared)
+            values = valid.check_finite(values, part.points)
             result[start : start + rows] = values.reshape((len(part), *self._shape))
         return result
 
@@ -249,11 +250,11 @@ def _refuse_a_rough_kernel(kernel: Radial, order: int) -> None:
 
 
 def _refuse_dependent(local: Functionals) -> None:
-    """Functionals at one point that say the same, or of which one follows from the others."""
+    """Refuse linearly dependent functionals at one point."""
     rows = np.column_stack([local.value, local.gradient, local.laplacian])
-    _, group = np.unique(local.points + 0.0, axis=0, return_inverse=True)
-    order = np.argsort(group.ravel(), kind="stable")
-    starts = np.flatnonzero(np.diff(group.ravel()[order], prepend=-1))
+    group = coincidence_labels(local.points)
+    order = np.argsort(group, kind="stable")
+    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
     for members in np.split(order, starts[1:]):
         if len(members) > 1 and np.linalg.matrix_rank(rows[members]) < len(members):
             which = ", ".join(str(i) for i in members[:5])

@@ -1,7 +1,8 @@
-"""The kernel between queries and sites, in blocks: all pairs, or the near ones of compact support.
+"""Kernel matrices between queries and sites, in blocks: dense, or sparse for compact support.
 
-Both say the same: `values(x)` yields parts of the sites with phi(|x_i - p_j|), and `gradients(x)`
-with its derivatives by each variable of x, as dense or as sparse matrices (m, sites of the part).
+Both classes have the same methods: `values(x)` yields parts of the sites with phi(|x_i - p_j|), and
+`gradients(x)` yields them with its derivatives by each variable of x, as matrices (m, sites of the
+part).
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ from scipy.spatial.distance import cdist
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon._numerics.saddle_point import SaddlePoint, SparseSaddlePoint, entries_of_factor
-from fieldrecon.kernels.radial import Radial
+from fieldrecon.kernels.base import Radial
 from fieldrecon.methods.solvability import refuse_beyond_memory, within_range
 
 TILE = 1024
-"""Centres at once: their distances from a chunk of queries stay in the cache."""
+"""Number of centres at once: their distances from a chunk of queries stay in the cache."""
 
 Block: TypeAlias = np.ndarray | sparse.csr_array
 
@@ -34,14 +35,14 @@ def tiles(n: int) -> Iterator[slice]:
 
 
 class AllPairs:
-    """Every query with every site, densely.
+    """Dense kernel matrices of every query with every site.
 
     Parameters
     ----------
     sites : (n, d) ndarray
         Centres.
     kernel : Radial
-        In the sites' unit of length.
+        Kernel in the sites' unit of length.
     """
 
     def __init__(self, sites: np.ndarray, kernel: Radial) -> None:
@@ -55,11 +56,11 @@ class AllPairs:
         for part, block in chunked(self._rows, np.arange(n), rows_of(64 * n)):
             a[part.start :, part] = block.T
         a[np.diag_indices_from(a)] += smoothing
-        return valid.without_warnings(SaddlePoint, a, p)
+        return valid.quiet_evaluate(SaddlePoint, a, p)
 
     def _rows(self, rows: np.ndarray) -> np.ndarray:
         squared = cdist(self.sites[rows], self.sites[rows[0] :], "sqeuclidean")
-        values = valid.without_warnings(self.kernel.of_squared, squared)
+        values = valid.quiet_evaluate(self.kernel.of_squared, squared)
         return within_range(values, f"values of {self.kernel!r}")
 
     def values(self, x: np.ndarray) -> Iterator[tuple[slice, Block]]:
@@ -83,14 +84,14 @@ class AllPairs:
 
 
 class NearPairs:
-    """Queries with the sites within the support of the kernel, sparsely.
+    """Sparse kernel matrices of queries with the sites within the support of the kernel.
 
     Parameters
     ----------
     sites : (n, d) ndarray
         Centres.
     kernel : Radial
-        Of compact support and positive definite, in the sites' unit of length.
+        Positive definite kernel of compact support, in the sites' unit of length.
     """
 
     def __init__(self, sites: np.ndarray, kernel: Radial) -> None:
@@ -137,7 +138,7 @@ class NearPairs:
 
 
 def pairs_of(sites: np.ndarray, kernel: Radial) -> AllPairs | NearPairs:
-    """Near pairs where the factor of their sparse system is the smaller one, else all pairs."""
+    """Near pairs if the factor of their sparse system is the smaller one, else all pairs."""
     n, d = sites.shape
     if kernel.order == 0 and math.isfinite(kernel.support):
         near = NearPairs(sites, kernel)

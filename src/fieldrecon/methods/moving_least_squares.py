@@ -1,13 +1,9 @@
-"""Moving least squares: a polynomial for each query, its weights falling with the distance.
-
-The fits of moving least squares at a batch of queries, each in its own frame.
-"""
+"""Moving least squares: a polynomial for each query, its weights falling with the distance."""
 
 from __future__ import annotations
 
 import math
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +11,8 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
-from fieldrecon._core.validation import place
+from fieldrecon._core.duplicates import coincidence_labels
+from fieldrecon._core.validation import format_point
 from fieldrecon._numerics.neighbor_search import (
     AllSites,
     Nearest,
@@ -23,31 +20,35 @@ from fieldrecon._numerics.neighbor_search import (
     Search,
     WithinRadius,
     as_neighbors,
-    gathered,
-    places,
+    group_rows,
 )
-from fieldrecon._numerics.weighted_least_squares import Undetermined, coefficient_weights
-from fieldrecon.kernels.radial import Radial, inverse_square
-from fieldrecon.methods.least_squares import half_sum_of_squares, monomial_matrix
+from fieldrecon._numerics.weighted_least_squares import (
+    Undetermined,
+    coefficient_weights,
+    residuals,
+    weights_of_changing_weights,
+)
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.weights import as_weight, inverse_square, log_square_slope, relative_weights
+from fieldrecon.methods.least_squares import ACCURATE, half_sum_of_squares, monomial_matrix
 from fieldrecon.polynomials import (
     EPS,
     Frame,
     dimension,
     monomials,
+    power_of_two_above,
     refuse_too_few,
     require_unisolvent,
     undetermined,
 )
 from fieldrecon.reconstruction import Reconstruction, Weights
 
-if TYPE_CHECKING:
-    pass
-
 
 class MovingLeastSquares(Reconstruction):
     """Moving least squares, c(x) = argmin 1/2 |W(x) (B c - V)|^2 and f(x) = b(x)^T c(x).
 
-    The weights enter squared, as on the slides: with w = 1/(r^2 + epsilon^2) a site counts by w^2.
+    The weights enter squared, as on the slides: a squared residual has the weight w^2, for instance
+    with w = 1/(r^2 + epsilon^2).
     Each query is solved in its own frame, shifted to x and scaled to the neighbourhood. The
     gradient is that of the field as it is, derivative of the weights included.
 
@@ -92,15 +93,7 @@ class MovingLeastSquares(Reconstruction):
     ) -> None:
         self.points = valid.as_points(points)
         self.degree = valid.as_degree(degree)
-        if not isinstance(weight, Radial):
-            raise ValueError(
-                f"weight must be a radial function such as inverse_square(0.1); got {weight!r}"
-            )
-        if weight.order > 0 or weight.homogeneity > 0:
-            raise ValueError(
-                f"weight must be positive and fall with the distance; {weight!r} does not"
-            )
-        self.weight = weight
+        self.weight = as_weight(weight)
         self.neighbors = as_neighbors(neighbors, len(self.points))
         refuse_too_few(self.points, self.degree)
         frame = Frame.around(self.points)
@@ -108,19 +101,19 @@ class MovingLeastSquares(Reconstruction):
             self.points, monomials(frame.local(self.points), self.degree), self.degree
         )
         # Lengths in a unit of the cloud's size: no square of a distance overflows. Coordinates are
-        # not shifted here, which would round close points together; differences are local anyway.
+        # not shifted, which would round close points together; differences are local anyway.
         self.unit = frame.scale
         self.sites = self.points / self.unit
         self.search = self._searched()
-        self.place = places(self.points)
-        self.coincident = int(self.place.max()) + 1 < len(self.points)
+        self.labels = coincidence_labels(self.points)
+        self.coincident = int(self.labels.max()) + 1 < len(self.points)
         self.interpolates = self._interpolates()
 
     def _interpolates(self) -> bool:
         n, d = self.points.shape
         infinite = isinstance(self.weight, inverse_square) and self.weight.epsilon == 0
         exact = (self.neighbors or n) == dimension(d, self.degree)
-        # where sites coincide, their data cannot all come back
+        # the data of coincident sites cannot all be interpolated
         return (infinite or exact) and not self.coincident
 
     def _searched(self) -> Search:
@@ -202,11 +195,11 @@ class MovingLeastSquares(Reconstruction):
         return psi / (fit.weight**2).sum(axis=1)[:, None] if normalized else psi
 
     def in_units(self, x: np.ndarray) -> np.ndarray:
-        """Queries (m, d) in units of the cloud's size, no farther than squares of distances go."""
+        """Queries (m, d) in units of the cloud's size, refused if squares of distances overflow."""
         local = x / self.unit
         far = np.flatnonzero(~(np.abs(local).max(axis=1, initial=0.0) < 1e150))
         if len(far):
-            where = valid.place(x[far[0]])
+            where = valid.format_point(x[far[0]])
             raise OverflowError(
                 f"the query ({where}) is too far away: the square of its distance from the sites "
                 "exceeds the range of floating-point numbers"
@@ -216,41 +209,48 @@ class MovingLeastSquares(Reconstruction):
     def _true_weights(self, near: Neighborhood) -> np.ndarray:
         """Weights w(r) in the points' own unit of length."""
         if near.reach is not None:
-            # where all of them coincide with the query, so does the one that sets the scale
+            # the scale is zero if all of them coincide with the query
             return self.weight(near.distance / np.where(near.reach > 0, near.reach, 1.0)[:, None])
         r = np.where(near.missing, 0.0, near.distance) * self.unit
         return np.where(near.missing, 0.0, self.weight(r))
 
-    def left_out(
-        self,
-        values: ArrayLike,
-        sites: np.ndarray | None = None,
-        progress: Progress | None = None,
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
+        """Residuals r_i / (1 - h_ii); by a refit where h_ii is nearly one, or neighbours change."""
+        every = np.arange(len(self.points))
+        if self.neighbors is not None:
+            return values - self.predictions_from_others(values, every, progress)
+        rest = 1.0 - self.own_weights()
+        accurate = rest > ACCURATE
+        result = (values - self.field(values)(self.points)) / np.where(accurate, rest, 1.0)[:, None]
+        dropped = every[~accurate]
+        if len(dropped):
+            result[dropped] = values[dropped] - self.predictions_from_others(values, dropped)
+        return result
+
+    def predictions_from_others(
+        self, values: np.ndarray, sites: np.ndarray, progress: Progress | None = None
     ) -> np.ndarray:
-        """Values at sites (all by default), each reconstructed from the data of the other sites."""
+        """Values (m, v) at sites (m,), each reconstructed from the data (n, v) of the others."""
         n, k = len(self.points), self.neighbors
         if k is not None and k + 2 > n:
             raise ValueError(
                 f"to leave one point out, neighbors={k} needs {k + 2} points: {k}, the next one, "
                 f"which sets the scale, and the one left out; got {n}"
             )
-        values = valid.as_values(values, n)
-        columns = values.reshape(n, -1)
-        sites = np.arange(len(columns)) if sites is None else sites
-        result = np.empty_like(columns[sites])
-        work = partial(self._left_out, columns)
-        rows = self._chunk_rows(columns.shape[1])
-        for part, rows_of_result in chunked(work, sites, rows, progress=progress):
-            result[part] = rows_of_result
-        return result.reshape((len(sites), *values.shape[1:]))
+        result = np.empty_like(values[sites])
+        work = partial(self._predicted_from_others, values)
+        rows = self._chunk_rows(values.shape[1])
+        for part, predictions in chunked(work, sites, rows, progress=progress):
+            result[part] = predictions
+        return result
 
-    def _left_out(self, columns: np.ndarray, sites: np.ndarray) -> np.ndarray:
+    def _predicted_from_others(self, values: np.ndarray, sites: np.ndarray) -> np.ndarray:
         fit = LocalFit(self, self.points[sites], without=sites)
         weights = fit.coefficient_weights(1)[:, 0]
-        return np.einsum("mk,mkv->mv", weights, columns[fit.near.index])
+        return np.einsum("mk,mkv->mv", weights, values[fit.near.index])
 
     def own_weights(self) -> np.ndarray:
-        """Diagonal (n,) of H(X): how much each datum decides the value at its own site."""
+        """Diagonal (n,) of H(X): the weight of each datum in the value at its own site."""
         result = np.empty(len(self.points))
         rows = self._chunk_rows(1)
         for start in range(0, len(result), rows):
@@ -315,13 +315,8 @@ class MovingLeastSquares(Reconstruction):
         return rows_of(8 * (k * (2 * q + 4 * self.points.shape[1] + columns + 6) + 2 * q * q))
 
 
-# A weight this much above those at the size of the cloud stands for infinity: the difference is far
-# below rounding, and its square and the inverse of that are still numbers.
-_INFINITE = 1e120
-
-
 class LocalFit:
-    """The fits at a batch of queries: neighbourhoods, frames, bases and weights, of size one."""
+    """The fits at a batch of queries, each in its own frame, with bases and weights of size one."""
 
     def __init__(
         self,
@@ -336,101 +331,78 @@ class LocalFit:
         there = np.isfinite(near.distance)
         distance = np.where(there, near.distance, 0.0)
         size = distance.max(axis=1, initial=0.0) if near.reach is None else near.reach
-        # a power of two, so that scaling rounds nothing
-        self.size = np.exp2(np.ceil(np.log2(np.where(size > 0, size, 1.0))))[:, None]
+        self.size = power_of_two_above(size)[:, None]
         offset = method.sites.take(near.index, axis=0)  # in half the time of sites[index]
         offset -= local[:, None, :]
         offset *= (there / self.size)[..., None]
         self.offset = offset
         self.basis = monomials(self.offset, method.degree)
         self.scaled_weight, self.r = self._scaled(near, distance)
-        w = np.where(there, np.minimum(self.scaled_weight(self.r), _INFINITE), 0.0)
-        top = w.max(axis=1, initial=0.0)
-        self.weight = w / np.where(top > 0, top, 1.0)[:, None]
+        self.weight = relative_weights(self.scaled_weight, self.r, there)
 
     def _scaled(self, near: Neighborhood, distance: np.ndarray) -> tuple[Radial, np.ndarray]:
-        """The weight, and the distances as it sees them."""
+        """The weight function, and the distances (m, k) in its unit."""
         if near.reach is not None:
             reach = np.where(near.reach > 0, near.reach, 1.0)
             return self.method.weight, distance / reach[:, None]
         return self.method.weight.in_units(self.method.unit), distance
 
     def coefficient_weights(self, rows: int) -> np.ndarray:
-        """C (m, rows, k): C f are the first local coefficients, and the very first is the value."""
+        """C (m, rows, k): C f are the first local coefficients, of which c_0 is the value."""
         try:
             if self.method.coincident:
                 return self._shared_weights(rows)
             return coefficient_weights(self.basis, self.weight, rows, self._tolerance())
         except Undetermined as error:
-            where = place(self.x[error.query])
+            where = format_point(self.x[error.query])
             counted = int((self.weight[error.query] > 0).sum())
             who = f"the {counted} sites that count at the query ({where}) do"
             d, degree = self.x.shape[1], self.method.degree
             raise undetermined(d, degree, error.rank, who) from None
 
     def _shared_weights(self, rows: int) -> np.ndarray:
-        """C where sites coincide: one counts for all in the fit, and all share its weights.
+        """C where sites coincide: one site of each group enters the fit, and all share its weights.
 
-        Alike rows are redundant, and the rounding in them may outweigh all lighter rows.
+        Equal rows are redundant, and the rounding in them may outweigh all lighter rows.
         """
         k = self.weight.shape[1]
         nowhere = len(self.method.points) + np.arange(k)
-        place = np.where(self.near.missing, nowhere, self.method.place[self.near.index])
-        lead, count = gathered(place)
+        label = np.where(self.near.missing, nowhere, self.method.labels[self.near.index])
+        lead, count = group_rows(label)
         w = np.where(lead == np.arange(k), np.sqrt(count) * self.weight, 0.0)
         c = coefficient_weights(self.basis, w, rows, self._tolerance())
         return np.take_along_axis(c, lead[:, None, :], axis=2) / count[:, None, :]
 
     def residuals(self, data: np.ndarray) -> np.ndarray:
-        """Residuals V - B c (m, k, v) of the data (m, k, v).
-
-        Sum_i w_i^2 r_i = 0: the residual of the heaviest site, which rounding spoils and its weight
-        magnifies, is found from those of the others.
-        """
+        """Residuals V - B c (m, k, v) of the data (m, k, v)."""
         c = self.coefficient_weights(self.basis.shape[-1])
-        r = data - self.basis @ (c @ data)
-        np.put_along_axis(r, self._heaviest, 0.0, axis=1)
-        rest = (self.weight[..., None] ** 2 * r).sum(axis=1, keepdims=True)
-        np.put_along_axis(r, self._heaviest, -rest, axis=1)
-        return r
-
-    @property
-    def _heaviest(self) -> np.ndarray:
-        return np.argmax(self.weight, axis=1)[:, None, None]
+        return residuals(c, self.basis, self.weight, data)
 
     def gradient_weights(self) -> np.ndarray:
         """Weights (m, k, d) of the data in the gradient, per unit of the cloud's size.
 
-        grad f = (c_1 ... c_d) + sum_i a_i (grad w_i^2 / w_i^2) r_i, with r = V - B c
-        and a the first row of C.
+        The gradient is (c_1 ... c_d), and the change of c_0 with the weights.
         """
         d = self.offset.shape[-1]
         c = self.coefficient_weights(self.basis.shape[-1])
-        a = c[:, 0]
-        u = a[..., None] * self._log_gradient()
-        # the residual of the heaviest site by those of the others, as in `residuals`
-        u = u - self.weight[..., None] ** 2 * np.take_along_axis(u, self._heaviest, axis=1)
-        change = u - (c.mT @ (self.basis.mT @ u))
+        change = weights_of_changing_weights(c, self.basis, self.weight, self._log_gradient())
         if self.method.degree == 0:
             return change
         return c[:, 1 : d + 1].mT / self.size[..., None] + change
 
     def _log_gradient(self) -> np.ndarray:
         """Gradient of log w_i^2 by x, (m, k, d), per unit of the cloud's size."""
-        steepness = 2 * self.scaled_weight.slope(self.r) / self.scaled_weight(self.r)
-        # a site without weight has no part in it, nor one of infinite weight, where x - p = 0
-        known = (self.weight > 0) & np.isfinite(steepness)
-        steepness = np.where(known, steepness, 0.0)[..., None]
+        slope = log_square_slope(self.scaled_weight, self.r, self.weight)[..., None]
         offset = self.offset * self.size[..., None]
         if self.near.reach is None or self.near.reach_index is None:
-            return -steepness * offset
+            return -slope * offset
         # w(r / rho): rho moves with x as well
         rho = np.where(self.near.reach > 0, self.near.reach, 1.0)[:, None, None]
         local = self.x / self.method.unit
         to_reach = (self.method.sites[self.near.reach_index] - local)[:, None, :]
-        return -steepness * (offset - self.r[..., None] ** 2 * to_reach) / rho**2
+        return -slope * (offset - self.r[..., None] ** 2 * to_reach) / rho**2
 
     def _tolerance(self) -> np.ndarray:
-        """Rounding of the offsets relative to their size, (m,): below it a rank means nothing."""
+        """Rounding (m,) of the offsets relative to their size; smaller singular values are zero."""
         reach = np.abs(self.x).max(axis=1) / (self.size[:, 0] * self.method.unit)
         return 4 * EPS * (max(self.basis.shape[1:]) + max(self.method.degree, 1) * (1 + reach))

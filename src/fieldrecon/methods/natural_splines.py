@@ -1,4 +1,4 @@
-"""Natural cubic splines: the interpolant of least curvature, and the way from there to r^3."""
+"""Natural cubic splines: the interpolants of least energy, and their radial form with r^3."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class NaturalCubicSpline(Reconstruction):
 
         s(x) = (1 - u) f_i + u f_(i+1) + h^2/6 ([(1 - u)^3 - (1 - u)] M_i + [u^3 - u] M_(i+1)),
 
-    where M_1 = M_n = 0 and s' is continuous: a tridiagonal positive definite system. Making it, a
-    field, and a value cost O(n), O(n) and O(log n). One variable needs no axis: sites have the
-    shape (n,), queries any shape, and the gradient is the derivative.
+    where M_1 = M_n = 0 and s' is continuous: a tridiagonal positive definite system. The
+    spline takes O(n) for the sites, O(n) for data, and O(log n) for a value. One variable needs no
+    axis: sites have the shape (n,), queries any shape, and the gradient is the derivative.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class NaturalCubicSpline(Reconstruction):
 
     @valid.finite("the energies")
     def energy(self, values: ArrayLike) -> np.ndarray:
-        """Energy, the integral of |s''|^2 over the line: of all interpolants the least.
+        """Energy, the integral of |s''|^2 over the line: the least of all interpolants.
 
         Parameters
         ----------
@@ -179,6 +179,10 @@ class NaturalCubicSpline(Reconstruction):
         beta = self._frame.global_coefficients(beta, 1)
         return (unit * alpha).reshape((-1, *shape)), beta.reshape((2, *shape))
 
+    @classmethod
+    def _argument_names(cls) -> list[str]:
+        raise TypeError("NaturalCubicSpline is not made from points (n, d): they have no axis")
+
     def _queries(self, x: ArrayLike) -> np.ndarray:
         return super()._queries(np.asarray(x)[..., None])
 
@@ -221,9 +225,9 @@ class NaturalCubicSpline(Reconstruction):
         return rows_of(8 * (24 + 3 * columns))
 
     def _value_matrices(self, x: np.ndarray) -> tuple[sparse.csr_array, sparse.csr_array]:
-        """Of data and of moments, (m, n) each: s(x) is the one times f plus the other times M."""
+        """Matrices (m, n) of data and moments: s(x) is the sum of their products with f and M."""
         i, h, u = self._intervals(x)
-        # beyond the outer sites the cubics go on as their tangents
+        # beyond the outer sites the cubics continue as their tangents
         v = np.clip(u, 0.0, 1.0)
         a, b = _cubics(v)
         da, db = _slopes_of_cubics(v)
@@ -241,14 +245,14 @@ class NaturalCubicSpline(Reconstruction):
         return self._two_columns(i, -rise, rise), self._two_columns(i, bent * da, bent * db)
 
     def _intervals(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Left site, length in the frame, and place u in it, in [0, 1] if not outside."""
+        """Left site, length in the frame, and position u in the interval, in [0, 1] if inside."""
         last = len(self._h) - 1
         i = np.clip(np.searchsorted(self._knots, x[:, 0], side="right") - 1, 0, last)
         h = self._h[i]
         return i, h, (x[:, 0] / self._frame.scale - self._knots[i] / self._frame.scale) / h
 
     def _two_columns(self, i: np.ndarray, left: np.ndarray, right: np.ndarray) -> sparse.csr_array:
-        """The matrix (m, n) with two entries in each row, in the columns i and i + 1."""
+        """Matrix (m, n) with two entries in each row, in the columns i and i + 1."""
         m = len(i)
         entries = np.stack([left, right], axis=1).ravel()
         columns = np.stack([i, i + 1], axis=1).ravel()
@@ -265,7 +269,7 @@ class NaturalSpline(Field):
 
 
 def _moment_matrix(h: np.ndarray) -> np.ndarray:
-    """Diagonal and subdiagonal (2, n) of what makes s' continuous, and the outer moments zero."""
+    """Diagonal and subdiagonal (2, n): s' is continuous, and the outer moments are zero."""
     diagonal = np.concatenate([[1.0], (h[:-1] + h[1:]) / 3, [1.0]])
     below = np.zeros(len(h) + 1)
     below[1:-2] = h[1:-1] / 6

@@ -11,8 +11,8 @@ from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import rows_of
-from fieldrecon.kernels.radial import Radial
+from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon.kernels.base import Radial
 from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of, tiles
 from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix
 from fieldrecon.methods.solvability import (
@@ -22,7 +22,7 @@ from fieldrecon.methods.solvability import (
     refuse_a_miss,
     refuse_duplicates,
     refuse_sites,
-    within_range,
+    unit_smoothing,
 )
 from fieldrecon.polynomials import (
     Frame,
@@ -99,7 +99,8 @@ class RBF(Reconstruction):
         self._corners = None if kernel.differentiable else cKDTree(self.points)
         sites = self.points / self._frame.scale
         self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))
-        self._system = self._pairs.system(p, self._unit_smoothing())
+        smoothing = unit_smoothing(self.smoothing, kernel, self._frame.scale)
+        self._system = self._pairs.system(p, smoothing)
 
     @valid.finite("the entries of H_RBF")
     def matrix(self) -> np.ndarray:
@@ -155,11 +156,17 @@ class RBF(Reconstruction):
         shape = values.shape[1:]
         if self.degree < 0:
             return lam.reshape((len(lam), *shape)), np.zeros((0, *shape))
-        # What the kernels leave of the data is the polynomial; a change of unit of r^2 log r adds
-        # to it, so it is found here anew.
+        # The data minus the kernels is the polynomial; a change of unit of r^2 log r adds
+        # to it, so it is computed here again.
         rest = columns - self._kernel_sum(lam) - self.smoothing * lam
         c = LeastSquares(self.points, self.degree).coefficients(rest)
         return lam.reshape((len(lam), *shape)), c.reshape((len(c), *shape))
+
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:  # noqa: ARG002
+        """Residuals lambda_i / (H^-1)_ii (Rippa 1999)."""
+        if self.degree >= 0:
+            LeastSquares(self.points, self.degree).refuse_indispensable()
+        return self._prepare(values)[0] / self.inverse_diagonal()[:, None]
 
     def inverse_diagonal(self) -> np.ndarray:
         """Diagonal (n,) of the inverse of H_RBF, up to the kernel's unit, for leave-one-out."""
@@ -173,14 +180,6 @@ class RBF(Reconstruction):
         for part, values in type(self._pairs)(self.points, self.kernel).values(self.points):
             total += values @ lam[part]
         return total
-
-    def _unit_smoothing(self) -> float:
-        power = np.array([-self.kernel.homogeneity])
-        if self.smoothing == 0:
-            return 0.0
-        unit = powers_of_scale(self._frame.scale, power, "the smoothing")
-        smoothing = valid.without_warnings(np.multiply, self.smoothing, unit)
-        return float(within_range(smoothing, "values of the smoothing")[0])
 
     def _basis(self, x: np.ndarray) -> np.ndarray:
         return monomials(self._frame.local(x), self.degree)

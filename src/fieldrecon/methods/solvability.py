@@ -1,4 +1,4 @@
-"""What makes a system of radial basis functions solvable; where it is missing, words say so."""
+"""Conditions under which a system of radial basis functions is solvable; errors if they fail."""
 
 from __future__ import annotations
 
@@ -6,16 +6,17 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
+from fieldrecon._core.duplicates import refuse_coincident
 from fieldrecon._core.memory import memory_limit
-from fieldrecon._numerics.neighbor_search import places
-from fieldrecon.kernels.radial import Radial
-from fieldrecon.polynomials import EPS
+from fieldrecon.kernels.base import Radial
+from fieldrecon.polynomials import EPS, powers_of_scale
 
-_TOLERATED_MISS = 1e-2  # of the size of the data, before a field is refused
+TOLERATED_MISS = 1e-2
+"""Error of a field at its data, as a part of their size, beyond which it is refused."""
 
 
 def as_kernel(kernel: Radial, d: int) -> Radial:
-    """A radial function that is conditionally positive definite in d variables."""
+    """Require a radial function that is conditionally positive definite in d variables."""
     if not isinstance(kernel, Radial):
         raise ValueError(
             f"kernel must be a radial function such as thin_plate_spline(); got {kernel!r}"
@@ -29,14 +30,14 @@ def as_kernel(kernel: Radial, d: int) -> Radial:
 
 
 def as_finite(kernel: Radial) -> Radial:
-    """The kernel, finite where sites meet themselves."""
+    """Require a kernel that is finite at distance zero."""
     if not np.abs(kernel(0.0)) < 1e100:
         raise ValueError(f"kernel must be finite at r = 0; {kernel!r} is not")
     return kernel
 
 
 def within_range(entries: np.ndarray, what: str) -> np.ndarray:
-    """Entries of the system, far enough from the end of the numbers to compute with."""
+    """Require entries of the system whose products do not overflow."""
     if not np.abs(entries).max(initial=0.0) < 1e150:
         raise OverflowError(
             f"{what} exceed 1e150 in units of the cloud's size, too large to compute with; choose "
@@ -46,42 +47,28 @@ def within_range(entries: np.ndarray, what: str) -> np.ndarray:
 
 
 def as_augmentation(degree: int | None, kernel: Radial) -> int:
-    """Degree of the polynomial: `kernel.order - 1` by default, and no less."""
+    """Degree of the polynomial: `kernel.order - 1` by default, and not less."""
     least = kernel.order - 1
     if degree is None:
         return least
-    if (
-        isinstance(degree, int | np.integer)
-        and not isinstance(degree, bool)
-        and -1 <= degree < least
-    ):
+    if valid.as_degree(degree, lowest=-1) < least:
         raise ValueError(
             f"{kernel!r} needs polynomials of degree {least} or more "
             f"(order {kernel.order}); got {degree}"
         )
-    return valid.as_degree(degree, lowest=-1)
+    return int(degree)
 
 
 def refuse_duplicates(
     points: np.ndarray, remedy: str = "merge them, or give smoothing > 0"
 ) -> None:
-    """Two equal rows of the system make it singular."""
-    if any((np.diff(np.sort(axis)) > 0).all() for axis in points.T):
-        return  # no two are equal in one coordinate: the usual case, and told ten times as fast
-    place = places(points)
-    if place.max() + 1 < len(points):
-        first = np.unique(place, return_index=True)[1][place]
-        twice = np.flatnonzero(first != np.arange(len(points)))
-        pairs = [f"{first[j]} and {j}" for j in twice[:5]]
-        more = f" and {len(twice) - 5} more" if len(twice) > 5 else ""
-        raise ValueError(
-            f"points must be distinct to be interpolated; these coincide: {', '.join(pairs)}"
-            f"{more}; {remedy}"
-        )
+    """Refuse points that coincide: two equal rows of the system make it singular."""
+    wanted = "points must be distinct to be interpolated; these coincide: {pairs}; "
+    refuse_coincident(points, wanted + remedy)
 
 
 def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
-    """A matrix of n^2 numbers, or a sparse factor of so many, that memory cannot hold."""
+    """Refuse a matrix of n^2 numbers, or a sparse factor of `entries`, that memory cannot hold."""
     needed = 8 * n * n if entries is None else 12 * entries
     available = memory_limit()
     form = "matrix" if entries is None else "sparse factor"
@@ -94,26 +81,40 @@ def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
 
 
 def refuse_sites(kernel: Radial, x: np.ndarray, sites: cKDTree) -> None:
-    """Queries at which a field of this kernel has no gradient."""
+    """Refuse queries at sites, where a field of this kernel has no gradient."""
     distance, _ = sites.query(x)
     if (distance == 0).any():
-        where = valid.place(x[int(np.argmin(distance))])
+        where = valid.format_point(x[int(np.argmin(distance))])
         raise ValueError(f"{kernel!r} has no gradient at a site, and the query ({where}) is one")
 
 
 def refuse_a_miss(lam: np.ndarray, phi: np.ndarray, values: np.ndarray) -> None:
-    """Coefficients (n, v) so large that rounding in their field exceeds the data (n, v).
+    """Refuse coefficients (n, v) so large that rounding in their field exceeds the data (n, v).
 
-    In s(p) = sum_j lambda_j phi(|p - p_j|) it is about eps |lambda| max |phi|, as in a sum of
-    random signs, and that is by how much the field misses its data.
+    In s(p) = sum_j lambda_j phi(|p - p_j|) the rounding is about eps |lambda| max |phi|, as in a
+    sum of random signs. The field has this error at its data.
     """
     size = np.abs(values).max(axis=0)
     relative = lam / np.where(size > 0, size, 1.0)  # squares of the data need not be numbers
     miss = EPS * np.abs(phi).max() * np.linalg.norm(relative, axis=0)
-    wrong = np.isfinite(miss) & (miss > _TOLERATED_MISS)
+    wrong = np.isfinite(miss) & (miss > TOLERATED_MISS)
     if wrong.any():
-        raise np.linalg.LinAlgError(
-            f"the field would miss its data by about {miss[wrong].max():.0e} of their size, by "
-            "rounding: the kernel is too flat for sites this close and data this rough; choose a "
-            "smaller scale, a rougher kernel or some smoothing"
-        )
+        raise too_flat("the field", miss[wrong].max())
+
+
+def too_flat(who: str, miss: float) -> np.linalg.LinAlgError:
+    """The error for a kernel so flat that rounding makes the field miss its data."""
+    by = f" by about {miss:.0e} of their size" if np.isfinite(miss) else ""
+    return np.linalg.LinAlgError(
+        f"{who} would miss its data{by}, by rounding: the kernel is too flat for sites this close "
+        "and data this rough; choose a smaller scale, a rougher kernel or some smoothing"
+    )
+
+
+def unit_smoothing(smoothing: float, kernel: Radial, scale: float) -> float:
+    """The smoothing in units of the kernel on sites that were divided by the scale."""
+    if smoothing == 0:
+        return 0.0
+    unit = powers_of_scale(scale, np.array([-kernel.homogeneity]), "the smoothing")
+    scaled = valid.quiet_evaluate(np.multiply, smoothing, unit)
+    return float(within_range(scaled, "values of the smoothing")[0])

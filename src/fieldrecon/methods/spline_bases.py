@@ -13,28 +13,28 @@ from fieldrecon._core.validation import as_degree, as_line, as_queries
 
 
 def b_splines(knots: ArrayLike, degree: int, x: ArrayLike) -> np.ndarray:
-    """B-splines by recursion: non-negative, of local support, and between them a sum of one.
+    """B-splines by recursion: non-negative, of local support, with the sum one.
 
     B_(i,0) = 1 on [t_i, t_(i+1)), else 0, and
 
         B_(i,k)(x) = (x - t_i) / (t_(i+k) - t_i) B_(i,k-1)(x)
                    + (t_(i+k+1) - x) / (t_(i+k+1) - t_(i+1)) B_(i+1,k-1)(x),
 
-    where a quotient by zero, of knots that coincide, counts as zero.
+    where a quotient by zero, of coincident knots, counts as zero.
 
     Parameters
     ----------
     knots : (n,) array_like
-        t, ascending; those that coincide make the splines less smooth there.
+        Knots t, ascending; coincident knots make the splines less smooth there.
     degree : int
         Degree k, 0 or more; n >= k + 2.
     x : (...) array_like
-        Where.
+        Evaluation points.
 
     Returns
     -------
     (..., n - k - 1) ndarray
-        The values of all of them; continuous from the right.
+        Values of all B-splines; continuous from the right.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def b_splines_by_divided_differences(knots: ArrayLike, degree: int, x: ArrayLike
 
     B_(i,k)(x) = (t_(i+k+1) - t_i) [t_i, ..., t_(i+k+1)] (. - x)_+^k. Where j + 1 knots coincide the
     difference is the derivative of order j over j!. The powers cancel far from their support:
-    the definition explains, `b_splines` computes.
+    use `b_splines` for computing.
 
     Parameters
     ----------
@@ -73,12 +73,12 @@ def b_splines_by_divided_differences(knots: ArrayLike, degree: int, x: ArrayLike
     degree : int
         Degree k, 0 or more; n >= k + 2.
     x : (...) array_like
-        Where.
+        Evaluation points.
 
     Returns
     -------
     (..., n - k - 1) ndarray
-        The values of all of them; continuous from the right.
+        Values of all B-splines; continuous from the right.
 
     References
     ----------
@@ -95,15 +95,15 @@ def b_splines_by_divided_differences(knots: ArrayLike, degree: int, x: ArrayLike
 def cardinal_b_spline(degree: int, x: ArrayLike) -> np.ndarray:
     """B-spline on the knots 0, 1, ..., degree + 1 by convolution, N_k = N_(k-1) * N_0.
 
-    N_k(x) = integral of N_(k-1) over [x - 1, x], so that piece i of N_k, in u = x - i, is what of
-    the pieces i - 1 and i of N_(k-1) lies in that window: int_u^1 and int_0^u.
+    N_k(x) = integral of N_(k-1) over [x - 1, x], so that piece i of N_k, in u = x - i, is the
+    integral of piece i - 1 of N_(k-1) from u to 1 and that of piece i from 0 to u.
 
     Parameters
     ----------
     degree : int
         Degree k, 0 or more.
     x : (...) array_like
-        Where.
+        Evaluation points.
 
     Returns
     -------

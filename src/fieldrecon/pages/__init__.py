@@ -1,1 +1,1 @@
-"""Pages of HTML that the commands write beside their results."""
+"""Pages of HTML and other reports that the commands write beside their results."""

@@ -1,4 +1,4 @@
-"""The files of an audit: what is wrong with a mesh, as JSON, and a picture of it."""
+"""The files of ``fieldrecon audit``: the errors of a mesh as JSON, and a picture of them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PICTURE_FORMATS = ("png", "svg")
 def write_audit(
     folder: Path, audit: MeshAudit, points: np.ndarray, triangles: np.ndarray
 ) -> list[Path]:
-    """Write ``audit.json``, and the picture if the packages that draw are there; return them."""
+    """Write ``audit.json``, and a picture if its packages are installed; return the files."""
     text = json.dumps(audit.as_dict(), indent=1) + "\n"
     findings = write_atomically(folder / "audit.json", text.encode())
     if absent(*PICTURES):

@@ -1,12 +1,41 @@
-"""A page of HTML that is complete in itself: pictures, what to know, tables, parameters."""
+"""A self-contained page of HTML: pictures, warnings, tables and parameters.
+
+All HTML is made by `fill`, which escapes every text that is not HTML already.
+"""
 
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.metadata import version
+from string import Template
 from typing import Any
+
+
+class Html(str):
+    """A text that is HTML, and is not escaped again."""
+
+
+def fill(template: str, **values: object) -> Html:
+    """Substitute values for the names in a template; all but `Html` are escaped.
+
+    Examples
+    --------
+    >>> fill("<b>$name</b>$more", name="a < b", more=Html("<hr>"))
+    '<b>a &lt; b</b><hr>'
+    """
+    escaped = {k: v if isinstance(v, Html) else escape(str(v)) for k, v in values.items()}
+    return Html(Template(template).substitute(escaped))
+
+
+NOTHING = Html()
+
+
+def joined(parts: Iterable[Html]) -> Html:
+    """Concatenate pieces of HTML."""
+    return Html("".join(parts))
+
 
 _STYLE = """
 :root { color-scheme: light dark; --paper: #fff; --ink: #1c1c1c; --quiet: #56606b; --line: #d5d9df;
@@ -39,76 +68,86 @@ td.number + td.number, th.number + th.number { padding-right: 0; }
 tr > :first-child { white-space: nowrap; }
 td.words { min-width: 10rem; overflow-wrap: break-word; }
 """
+_PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$title</title>
+<style>$style</style>
+</head>
+<body>
+<main>
+<h1>$title</h1>
+<p class="quiet">$lead</p>
+<div class="pictures">$figures</div>
+<h2>What to know</h2>
+<ul>$warnings</ul>
+$sections
+<h2>Parameters</h2>
+$parameters
+</main>
+</body>
+</html>
+"""
+_FIGURE = (
+    '<figure><img alt="$caption" src="data:image/png;base64,$image">'
+    "<figcaption>$caption</figcaption></figure>"
+)
+_TABLE = '<div class="scroll"><table>$head<tbody>$rows</tbody></table></div>'
+_PAIR = '<tr><th scope="row">$name</th><td class="words">$value</td></tr>'
 
 
 def page(
     title: str,
     lead: str,
     pictures: Mapping[str, bytes],
-    remarks: Sequence[str],
-    middle: str,
+    warnings: Sequence[str],
+    sections: Html,
     parameters: Mapping[str, Any],
 ) -> str:
-    """HTML of the page.
+    """Return the HTML of a page.
 
     Parameters
     ----------
     title, lead : str
-        What it is about, in a few words and in a sentence.
+        The subject, in a few words and in a sentence.
     pictures : mapping of str to bytes
-        PNG by what it shows.
-    remarks : sequence of str
-        What a reader should know.
-    middle : str
-        HTML of more sections.
+        PNG by caption.
+    warnings : sequence of str
+        What a reader has to know.
+    sections : Html
+        More sections.
     parameters : mapping
-        What it was made with; the version is added.
+        Parameters of the computation; the version is added.
     """
-    figures = "".join(_figure(caption, png) for caption, png in pictures.items())
-    told = "".join(f"<li>{escape(remark)}</li>" for remark in remarks)
-    made = dict(parameters) | {"fieldrecon": version("fieldrecon")}
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{escape(title)}</title>
-<style>{_STYLE}</style>
-</head>
-<body>
-<main>
-<h1>{escape(title)}</h1>
-<p class="quiet">{escape(lead)}</p>
-<div class="pictures">{figures}</div>
-<h2>What to know</h2>
-<ul>{told}</ul>
-{middle}
-<h2>Parameters</h2>
-<div class="scroll"><table><tbody>{pairs(made)}</tbody></table></div>
-</main>
-</body>
-</html>
-"""
-
-
-def _figure(caption: str, png: bytes) -> str:
-    image = b64encode(png).decode()
-    text = escape(caption, quote=True)
-    return (
-        f'<figure><img alt="{text}" src="data:image/png;base64,{image}">'
-        f"<figcaption>{text}</figcaption></figure>"
+    figures = (
+        fill(_FIGURE, caption=caption, image=b64encode(png).decode())
+        for caption, png in pictures.items()
+    )
+    return fill(
+        _PAGE,
+        title=title,
+        style=Html(_STYLE),
+        lead=lead,
+        figures=joined(figures),
+        warnings=joined(fill("<li>$text</li>", text=text) for text in warnings),
+        sections=sections,
+        parameters=pairs(dict(parameters) | {"fieldrecon": version("fieldrecon")}),
     )
 
 
-def pairs(parameters: Mapping[str, Any]) -> str:
-    """Rows of a table: a name and a value each."""
-    return "".join(
-        f'<tr><th scope="row">{escape(key)}</th><td class="words">{escape(_typed(value))}</td></tr>'
-        for key, value in parameters.items()
-    )
+def table(rows: Iterable[Html], head: Html = NOTHING) -> Html:
+    """Return a table of these rows, which scrolls if it is too wide."""
+    return fill(_TABLE, head=head, rows=joined(rows))
 
 
-def _typed(value: Any) -> str:
+def pairs(parameters: Mapping[str, Any]) -> Html:
+    """Return a table with a row for each name and value."""
+    return table(fill(_PAIR, name=k, value=_formatted(v)) for k, v in parameters.items())
+
+
+def _formatted(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, Sequence) and not isinstance(value, str):

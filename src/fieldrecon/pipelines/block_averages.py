@@ -1,4 +1,4 @@
-"""Fewer samples for a noisy field: the means of blocks of neighbours."""
+"""Means of blocks of neighbouring samples: fewer samples with less noise."""
 
 from __future__ import annotations
 
@@ -6,32 +6,32 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._numerics.kd_partition import Boxes
+from fieldrecon._numerics.kd_partition import KDPartition
 
 
 def block_means(points: ArrayLike, values: ArrayLike, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Mean points and mean values of blocks of neighbours, (1/m) sum_i p_i and (1/m) sum_i f_i.
 
-    Space is halved until there are so many boxes, which hold equally many samples, or one more. A
-    mean of m samples has a root of m times less noise than each of them, and linear functions pass
-    unchanged. What varies within a block is lost: a bend c of the field makes an error of about
-    c h^2 / 24 for boxes of side h.
+    Space is bisected until there are `count` boxes or more, whose numbers of samples differ by at
+    most one. The noise of a mean of m samples is smaller by the factor 1 / sqrt(m), and linear
+    functions are reproduced. A second derivative c of the field causes an error of about
+    c h^2 / 24 in boxes of side h.
 
     Parameters
     ----------
     points : (n, d) array_like
-        Where the samples are.
+        Sites of the samples.
     values : (n, ...) array_like
-        Samples.
+        Values of the samples.
     count : int
-        Number of blocks, at least; at most a fifth more.
+        Smallest number of blocks; there are at most a fifth more.
 
     Returns
     -------
     points : (b, d) ndarray
-        Means of the blocks' points.
+        Means of the points of each block.
     values : (b, ...) ndarray
-        Means of their values.
+        Means of the values of each block.
 
     Raises
     ------
@@ -53,11 +53,10 @@ def block_means(points: ArrayLike, values: ArrayLike, count: int) -> tuple[np.nd
     """
     points = valid.as_points(points)
     values = valid.as_values(values, len(points))
-    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
-        raise ValueError(f"count must be a positive integer; got {count!r}")
+    valid.as_count(count, "count", wanted="a positive integer")
     if count > len(points):
         raise ValueError(f"count must be at most {len(points)}, the number of points; got {count}")
-    sites = Boxes.around(points, len(points) / count).sites
+    sites = KDPartition.around(points, len(points) / count).sites
     there = sites >= 0
     held = there.sum(axis=1)
     starts = (np.cumsum(held) - held)[held > 0]
@@ -66,7 +65,7 @@ def block_means(points: ArrayLike, values: ArrayLike, count: int) -> tuple[np.nd
 
 
 def _means(rows: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Means of consecutive rows (n, ...), those of a block from its start on."""
+    """Means of consecutive rows (n, ...) of each block, which begins at its start."""
     sizes = np.diff(np.append(starts, len(rows)))
     sums = np.add.reduceat(rows, starts, axis=0)
     return sums / sizes.reshape(-1, *(1 for _ in rows.shape[1:]))

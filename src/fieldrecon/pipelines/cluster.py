@@ -1,6 +1,6 @@
-"""Fields on a cluster of machines, by Dask: patches are solved and queries answered there.
+"""Fields on a cluster of machines, by Dask: its workers solve the patches and evaluate queries.
 
-Dask is an extra, `fieldrecon[dask]`; nothing else needs it.
+Dask is an extra, `fieldrecon[dask]`.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 
 class Cluster(Executor):
-    """The workers of a `dask.distributed` client, as an executor for all that takes one.
+    """The workers of a `dask.distributed` client, as an executor.
 
-    The sites go to each worker once; chunks of patches or of queries follow, and their results come
-    back in order. What a worker that dies had to do is done by another; the results are the same
-    bits as on one machine, since chunks do not depend on who computes them.
+    The sites are sent to each worker once, then chunks of patches or of queries; the results are
+    returned in order. If a worker dies, another one repeats its tasks. The results are identical to
+    those on one machine, since the chunks do not depend on the workers.
 
     Parameters
     ----------
@@ -41,8 +41,8 @@ class Cluster(Executor):
         self._client = client
 
     @contextmanager
-    def holding(self, work: Callable[[np.ndarray], Any]) -> Iterator[Any]:
-        """The work on every worker, until all chunks are done."""
+    def shared_work(self, work: Callable[[np.ndarray], Any]) -> Iterator[Any]:
+        """Send the work to every worker, and release it when all chunks are done."""
         held = self._client.scatter(work, broadcast=True, hash=False)
         try:
             yield held
@@ -50,24 +50,24 @@ class Cluster(Executor):
             held.release()
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
-        """Start a task, whose future is Dask's; `fn` may be what `holding` gave."""
+        """Start a task, whose future is Dask's; `fn` may be what `shared_work` gave."""
         return self._client.submit(_call, fn, *args, pure=False, **kwargs)
 
 
 def evaluated(field: Field, x: dask.array.Array) -> dask.array.Array:
-    """Values of a field at queries in a Dask array, computed when and where Dask wants them.
+    """Evaluate a field lazily at queries in a Dask array.
 
     Parameters
     ----------
     field : Field
-        Made by any method.
+        A field of any method.
     x : dask.array.Array of shape (m, d)
-        Queries, in chunks of rows.
+        Queries in chunks of rows.
 
     Returns
     -------
     dask.array.Array of shape (m, *v)
-        In the same chunks of rows.
+        Values in the same chunks of rows.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Samples of a field from a table of a few or of millions of rows, its columns chosen by name."""
+"""Samples of a field from a table with up to millions of rows; columns are chosen by name."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from fieldrecon._core.chunks import Progress
-from fieldrecon.io.tables import BadRow, Wanted, bare_name, chosen_columns, read_table
+from fieldrecon._core.duplicates import coincidence_labels
+from fieldrecon.io.tables import BadRow, ColumnSpec, bare_name, chosen_columns, read_table
 from fieldrecon.methods.globe import principal
 
 _IN_METRES = ("east", "north")
-_ROUNDED = 9  # decimals of degrees within which places are one: a tenth of a millimetre
+_ROUNDED = 9  # decimals of degrees to which points are compared: a tenth of a millimetre
 _SHOWN = 5
 
 
@@ -25,22 +26,21 @@ class Samples:
     Parameters
     ----------
     names : tuple of str
-        Of the columns that hold the coordinates and the value.
+        Names of the columns of the coordinates and of the value.
     points : ndarray of shape (n, d)
     values : ndarray of shape (n,)
     lonlat : bool
         Whether the coordinates are degrees of longitude and latitude.
     merged : int
-        How many rows were left out because they repeat a point, which bears the mean of the values
-        given there.
+        Number of rows that repeat a point. The value of a repeated point is the mean of its rows.
     conflicts : int
-        At how many points these values differ.
+        Number of points whose rows have different values.
     spread : float
-        By how much, at the most.
+        The largest difference between such values.
     bad : tuple of BadRow
-        Rows that were left out because they are not numbers.
-    left : tuple of str
-        The columns that were not read.
+        Skipped rows.
+    unread : tuple of str
+        Columns that were not read.
     """
 
     names: tuple[str, ...]
@@ -51,22 +51,22 @@ class Samples:
     conflicts: int = 0
     spread: float = 0.0
     bad: tuple[BadRow, ...] = ()
-    left: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
 
     @property
-    def remarks(self) -> list[str]:
-        """What a reader of the field should know of its samples, in sentences."""
-        return [*self._of_rows(), *self._of_columns()]
+    def warnings(self) -> list[str]:
+        """What a reader of the field has to know of its samples, in sentences."""
+        return [*self._row_warnings(), *self._column_warnings()]
 
-    def _of_rows(self) -> Iterator[str]:
+    def _row_warnings(self) -> Iterator[str]:
         if self.bad:
             shown = "; ".join(f"{row.line}: {row.reason}" for row in self.bad[:_SHOWN])
             more = f"; and {len(self.bad) - _SHOWN} more" if len(self.bad) > _SHOWN else ""
-            yield f"{_count(len(self.bad), 'row')} left out, by line: {shown}{more}."
+            yield f"{_count(len(self.bad), 'row')} skipped, by line: {shown}{more}."
         if self.merged:
             yield (
-                f"{_count(self.merged, 'row')} repeat{'s' * (self.merged == 1)} a point; it bears "
-                "the mean of its values, which "
+                f"{_count(self.merged, 'row')} repeat{'s' * (self.merged == 1)} a point; its value "
+                "is the mean of the values given there, which "
                 + (
                     f"differ at {_count(self.conflicts, 'point')}, by up to {self.spread:.4g}."
                     if self.conflicts
@@ -74,7 +74,7 @@ class Samples:
                 )
             )
 
-    def _of_columns(self) -> Iterator[str]:
+    def _column_warnings(self) -> Iterator[str]:
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         sizes = np.maximum(abs(low), abs(high))
         bare = [bare_name(name) for name in self.names[:-1]]
@@ -91,7 +91,7 @@ class Samples:
             and not (any(name.startswith(_IN_METRES) for name in bare))
         ):
             yield "If the coordinates, all within ±180 and ±90, are degrees, add --lonlat."
-        if unread := [name for name in self.left if bare_name(name) == "z"]:
+        if unread := [name for name in self.unread if bare_name(name) == "z"]:
             yield (
                 f"The column {unread[0]} was not read: the points lie in a plane. "
                 f"--z {unread[0]} makes them points in space."
@@ -106,74 +106,76 @@ def read_samples(
     z: str | None = None,
     lonlat: bool = False,
     strict: bool = False,
+    *,
     progress: Progress | None = None,
 ) -> Samples:
-    """Read samples from a table: text, NPZ or Parquet, see `read_table`.
+    """Read samples from a table: text, NPZ or Parquet, see `fieldrecon.io.tables.read_table`.
 
     Parameters
     ----------
     path : Path
     x, y, value : str, optional
-        Names of the columns. Where not given, usual names are looked for, and the value may be
-        the only column left.
+        Names of the columns. If they are not given, columns with usual names are taken; the value
+        may also be the only column that remains.
     z : str, optional
         Name of the third coordinate, of points in space.
     lonlat : bool
-        Whether x and y are degrees; longitudes become those in [-180, 180).
+        Whether x and y are degrees; longitudes are converted to [-180, 180).
     strict : bool
-        Refuse the table for a bad row, instead of leaving the row out.
+        Refuse a table with a bad row, instead of skipping the row.
     progress : callable, optional
         Called as progress(done, total), in bytes or rows.
 
     Raises
     ------
     ValueError
-        If a column cannot be found, no row is good, or, if strict, one is not: with its line.
+        If a column cannot be found, no row is valid, or, if strict, one is not: with its line.
     ImportError
-        If it is Parquet and pyarrow is not installed.
+        If the table is Parquet and pyarrow is not installed.
     """
     if lonlat and z is not None:
-        raise ValueError("--lonlat is for places on the globe, --z for points in space: not both")
+        raise ValueError("--lonlat is for points on the globe, --z for points in space: not both")
     names = {"x": x, "y": y} | ({} if z is None else {"z": z}) | {"value": value}
     columns: list[str] = []
-    limits = (360.0, 90.0, np.inf) if lonlat else (np.inf,) * len(names)
 
     def choose(found: list[str]) -> list[int]:
         columns[:] = found
         return chosen_columns(path, found, names)
 
-    table = read_table(path, Wanted(choose, limits), progress)
+    table = read_table(
+        path, ColumnSpec(choose, (360.0, 90.0, np.inf) if lonlat else None), progress
+    )
     if table.bad and (strict or not len(table.numbers)):
         row = table.bad[0]
         raise ValueError(f"{path}, line {row.line}: {row.reason}")
     if lonlat and len(table.bad) > len(table.numbers):
         row = table.bad[0]
         raise ValueError(
-            f"most rows of {path} are no degrees of longitude and latitude, such as line "
+            f"most rows of {path} are not degrees of longitude and latitude, such as line "
             f"{row.line}: {row.reason}; are they lengths, or the other way round?"
         )
     points = table.numbers[:, :-1]
-    places = np.round(principal(points), _ROUNDED) if lonlat else points
+    coordinates = np.round(principal(points), _ROUNDED) if lonlat else points
     return _merged(
         partial(
             Samples,
             tuple(table.names),
             lonlat=lonlat,
             bad=tuple(table.bad),
-            left=tuple(name for name in columns if name not in table.names),
+            unread=tuple(name for name in columns if name not in table.names),
         ),
-        places,
+        coordinates,
         table.numbers[:, -1],
     )
 
 
 def refuse_flat(samples: Samples) -> None:
-    """Refuse samples all on a line, or in a plane of space, in words.
+    """Refuse samples that all lie on a line, or in space in a plane.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        If they are: beside it, any field would do.
+        If they do: the samples do not determine the field beside it.
     """
     points = samples.points
     n, d = points.shape
@@ -184,12 +186,12 @@ def refuse_flat(samples: Samples) -> None:
     rank = int((stretch > max(1e-7, rounding / (size or 1.0))).sum())
     if samples.lonlat or rank == d:
         return
-    where = ("at one place", "on one straight line", "in one plane")[rank]
+    where = ("at one point", "on one straight line", "in one plane")[rank]
     remedy = (
         "; take the distance along it as the only coordinate of fieldrecon.RBF" if rank == 1 else ""
     )
     raise np.linalg.LinAlgError(
-        f"all {n} points lie {where}: they do not say what the field is beside it{remedy}"
+        f"all {n} points lie {where}: they do not determine the field beside it{remedy}"
     )
 
 
@@ -198,24 +200,20 @@ def _count(count: int, what: str) -> str:
 
 
 def _merged(samples: partial[Samples], points: np.ndarray, values: np.ndarray) -> Samples:
-    """Give each point once, in the order of the file, with the mean of its values."""
-    order = np.lexsort(points.T)
-    ordered, own = points[order], values[order]
-    new = np.append(True, (ordered[1:] != ordered[:-1]).any(axis=1))
-    start = np.flatnonzero(new)
+    """Merge repeated points, which get the mean of their values; the order is that of the file."""
+    label = coincidence_labels(points)
+    order = np.argsort(label, kind="stable")
+    start = np.searchsorted(label[order], np.arange(label.max() + 1))
     if len(start) == len(points):
         return samples(points=points, values=values)
-    count = np.diff(np.append(start, len(points)))
-    with np.errstate(over="ignore"):  # numbers that lie too far apart to be subtracted
+    own, count = values[order], np.diff(np.append(start, len(points)))
+    with np.errstate(over="ignore"):  # the difference of two large values
         spread = np.maximum.reduceat(own, start) - np.minimum.reduceat(own, start)
-    # divided before they are added, so that the sum of large values is a number too
+    # divided before they are added, so that the sum of large values does not overflow
     means = np.add.reduceat(own / np.repeat(count, count), start)
-    means = np.where(spread > 0, means, own[start])
-    first = np.minimum.reduceat(order, start)
-    kept = np.argsort(first)
     return samples(
-        points=points[first[kept]],
-        values=means[kept],
+        points=points[order[start]],
+        values=np.where(spread > 0, means, own[start]),
         merged=len(points) - len(start),
         conflicts=int((spread > 0).sum()),
         spread=float(spread.max()),

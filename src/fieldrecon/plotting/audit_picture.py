@@ -18,7 +18,7 @@ _VIEWS = {
 
 
 def plot(audit: MeshAudit, points: np.ndarray, triangles: np.ndarray) -> Figure:
-    """Draw the mesh from two sides with each error marked; faintly what lies behind."""
+    """Draw the mesh from two sides with each error marked; hidden errors are faint."""
     found = marks(audit, triangles)
     with figure(height=3.6, columns=2) as (page, axes):
         for panel, (title, toward) in zip(axes, _VIEWS.items(), strict=True):

@@ -72,11 +72,11 @@ def font_bytes(name: str) -> bytes:
     >>> font_bytes("LibertinusSerif-Regular")[:4]
     b'OTTO'
     """
-    start, end = _places().get(name, (0, 0))
+    start, end = _offsets().get(name, (0, 0))
     if not end:
         raise LookupError(
             f"the font {name} is not in the Typst wheel {version('typst')} (it has "
-            f"{', '.join(sorted(_places())) or 'none'}): install the version in requirements.lock"
+            f"{', '.join(sorted(_offsets())) or 'none'}): install the version in requirements.lock"
         )
     with _library().open("rb") as library:
         library.seek(start)
@@ -90,8 +90,8 @@ def _library() -> Path:
 
 
 @cache
-def _places() -> dict[str, tuple[int, int]]:
-    """Where each face lies in the library: PostScript name -> (start, end)."""
+def _offsets() -> dict[str, tuple[int, int]]:
+    """Offsets (start, end) of each face in the library, by PostScript name."""
     library = _library().read_bytes()
     return {name: (start, end) for name, start, end in _opentype_files(library)}
 
@@ -129,7 +129,7 @@ def _postscript_name(library: bytes, cff: int) -> str:
 
 
 def copy_font_list(folder: Path) -> None:
-    """Copy matplotlib's list of fonts, which takes it longer to make than all else to start."""
+    """Copy matplotlib's list of fonts, whose creation takes most of its start-up time."""
     import matplotlib as mpl
     from matplotlib import font_manager
 

@@ -1,4 +1,4 @@
-"""Pictures of triangles in space: hidden surfaces, light, the edges, and errors marked."""
+"""Pictures of triangles in space: hidden surfaces, shading, edges, and marked errors."""
 
 from __future__ import annotations
 
@@ -14,36 +14,36 @@ from matplotlib.colors import to_rgb
 from fieldrecon.triangles.audit import CONCERNS, MeshAudit
 
 COLORS = dict(zip(CONCERNS, ("#cc3f8e", "#d55e00", "#0072b2", "#c99700", "#009e73"), strict=True))
-"""Of errors, by what they concern."""
+"""Colours of errors by concern."""
 MARKERS = dict(zip(CONCERNS, "sD^vo", strict=True))
 CONCERN_OF = {kind: concern for concern, kinds in CONCERNS.items() for kind in kinds}
 LIGHT = np.array([-0.35, 0.5, 0.8]) / np.linalg.norm([-0.35, 0.5, 0.8])
 OUTSIDE, INSIDE = np.array(to_rgb("#d9dde3")), np.array(to_rgb("#a9927d"))
 """Colours of the two sides of a triangle: normals point away from the outer one."""
 
-_AT_ONCE = 2**21  # pixels looked at in one go
-_MOST_MARKS = 2000  # of each kind; more are a cloud
-_NEAR = 0.36  # part of the whole that a picture from near shows
-_WIDE = 7.0  # pixels of an edge, in the median, from which on edges are drawn
+_CHUNK = 2**21  # pixels at once
+_MAX_MARKS = 2000  # of each kind of error
+_NEAR = 0.36  # share of the mesh in a close-up
+_WIDE = 7.0  # median length of the edges in pixels, beyond which edges are drawn
 
 
 @dataclass(frozen=True)
 class Marks:
-    """Where the errors of one kind are: triangles (t,), edges (e, 2), vertices (v,)."""
+    """The errors of one kind as triangles (t,), edges (e, 2) and vertices (v,)."""
 
     triangles: np.ndarray
     edges: np.ndarray
     vertices: np.ndarray
 
     def of_vertices(self, triangles: np.ndarray) -> np.ndarray:
-        """All vertices of what is marked."""
+        """All vertices of the marked triangles and edges, and the marked vertices."""
         return np.concatenate(
             [triangles[self.triangles].ravel(), self.edges.ravel(), self.vertices]
         )
 
 
 def marks(audit: MeshAudit, triangles: np.ndarray) -> dict[str, Marks]:
-    """Return where the errors of each kind that was found are."""
+    """Return the marks of the errors of each kind that was found."""
     return {kind: _marks(kind, getattr(audit, kind), triangles) for kind in audit.found}
 
 
@@ -67,18 +67,18 @@ def _marks(kind: str, found: np.ndarray, triangles: np.ndarray) -> Marks:
 
 
 class Picture:
-    """Triangles as seen from afar, drawn pixel by pixel.
+    """A parallel projection of triangles, drawn pixel by pixel.
 
     Parameters
     ----------
     points : (n, 3) ndarray
     triangles : (m, 3) ndarray of int
     toward : (3,) ndarray
-        Direction to the viewer; up is up in the picture.
+        Direction to the viewer; the z axis points up in the picture.
     pixels : int
-        Along the longer side.
+        Number of pixels along the longer side.
     middle : ndarray of int, optional
-        Points that are to be in the middle of a square picture from near.
+        Points at the centre of a square close-up.
     """
 
     def __init__(
@@ -91,10 +91,10 @@ class Picture:
     ) -> None:
         self.triangles = triangles
         self.axes = _view(toward)
-        seen = (points - points.min(axis=0)) / np.ptp(points, axis=0).max() @ self.axes
-        low, high = seen.min(axis=0), seen.max(axis=0)
+        projected = (points - points.min(axis=0)) / np.ptp(points, axis=0).max() @ self.axes
+        low, high = projected.min(axis=0), projected.max(axis=0)
         scale = (pixels - 8) / (high - low)[:2].max()
-        self.points = (seen - low) * scale + 4
+        self.points = (projected - low) * scale + 4
         rows, columns = (int(s) for s in np.ceil((high - low)[1::-1] * scale) + 8)
         if middle is not None:
             rows = columns = pixels
@@ -104,15 +104,15 @@ class Picture:
         self.shape = rows, columns
         self.depth = np.full(self.shape[0] * self.shape[1], -np.inf)
         self.front = np.full(len(self.depth), -1)
-        self.rim = np.zeros(len(self.depth), dtype=bool)
+        self.near_edge = np.zeros(len(self.depth), dtype=bool)
         for pixel, triangle, depth, near_edge in self._fragments():
             np.maximum.at(self.depth, pixel, depth)
             on_top = np.flatnonzero(depth == self.depth[pixel])
             self.front[pixel[on_top]] = triangle[on_top]
-            self.rim[pixel[on_top]] = near_edge[on_top]
+            self.near_edge[pixel[on_top]] = near_edge[on_top]
 
     def image(self, tints: dict[int, np.ndarray] | None = None) -> np.ndarray:
-        """Colours (rows, columns, 4), from below; triangles may have a tint of their own."""
+        """Colours (rows, columns, 4), the lowest row first; triangles may be tinted."""
         a, b, c = self.points[self.triangles].swapaxes(0, 1)
         normal = np.cross(b - a, c - a)
         length = np.linalg.norm(normal, axis=1)[:, None]
@@ -126,35 +126,35 @@ class Picture:
         there = self.front >= 0
         image[there, :3], image[there, 3] = color[self.front[there]], 1
         if self._edge_width() > _WIDE:
-            image[there & self.rim, :3] *= 0.6
+            image[there & self.near_edge, :3] *= 0.6
         return np.clip(image, 0, 1).reshape(*self.shape, 4)
 
-    def hidden(self, places: np.ndarray) -> np.ndarray:
-        """Whether places (k, 3) of the picture lie behind something."""
-        column, row = np.clip(places[:, :2].astype(int), 0, np.array(self.shape[::-1]) - 1).T
+    def hidden(self, points: np.ndarray) -> np.ndarray:
+        """Whether points (k, 3) of the picture are hidden."""
+        column, row = np.clip(points[:, :2].astype(int), 0, np.array(self.shape[::-1]) - 1).T
         slack = 0.02 * max(self.shape)
-        return places[:, 2] < self.depth[row * self.shape[1] + column] - slack
+        return points[:, 2] < self.depth[row * self.shape[1] + column] - slack
 
     def _edge_width(self) -> float:
         corners = self.points[self.triangles[:: max(1, len(self.triangles) // 1000)], :2]
         return float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
 
     def _fragments(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
-        """Yield pixels, the triangles that cover them, how near they are, whether at an edge."""
+        """Yield pixels, the triangles that cover them, their depths, and whether near an edge."""
         corners = self.points[self.triangles]
         low = np.maximum(np.ceil(corners[:, :, :2].min(axis=1) - 0.5), 0).astype(int)
         high = np.floor(corners[:, :, :2].max(axis=1) - 0.5).astype(int)
         size = np.maximum(np.minimum(high, np.array(self.shape[::-1]) - 1) - low + 1, 0)
         count = size.prod(axis=1)
         starts = np.concatenate([[0], np.cumsum(count)])
-        cuts = np.searchsorted(starts, np.arange(0, starts[-1] + _AT_ONCE, _AT_ONCE))
+        cuts = np.searchsorted(starts, np.arange(0, starts[-1] + _CHUNK, _CHUNK))
         for first, last in pairwise(cuts):
-            some = np.arange(first, min(last, len(count)))
-            triangle = np.repeat(some, count[some])
+            rows_of_chunk = np.arange(first, min(last, len(count)))
+            triangle = np.repeat(rows_of_chunk, count[rows_of_chunk])
             if len(triangle) == 0:
                 continue
-            place = np.arange(starts[some[0]], starts[some[-1] + 1]) - starts[triangle]
-            row, column = np.divmod(place, size[triangle, 0])
+            offset = np.arange(starts[first], starts[rows_of_chunk[-1] + 1]) - starts[triangle]
+            row, column = np.divmod(offset, size[triangle, 0])
             row, column = row + low[triangle, 1], column + low[triangle, 0]
             yield self._covered(corners, triangle, row, column)
 
@@ -188,7 +188,7 @@ def draw(
 ) -> None:
     """Draw a mesh with its errors: triangles tinted, edges and vertices marked.
 
-    What lies behind something is marked faintly. A picture from near has the errors in its middle.
+    Hidden errors are marked faintly. With `near`, the picture is a close-up of the errors.
     """
     marked = [mark.of_vertices(triangles) for mark in found.values()]
     middle = np.concatenate(marked) if near else None
@@ -201,8 +201,8 @@ def draw(
     rows, columns = picture.shape
     panel.imshow(picture.image(tints), extent=(0, columns, 0, rows), interpolation="antialiased")
     for kind, mark in found.items():
-        _draw_edges(panel, picture, mark.edges[:_MOST_MARKS], COLORS[CONCERN_OF[kind]])
-        _draw_vertices(panel, picture, mark.vertices[:_MOST_MARKS], CONCERN_OF[kind])
+        _draw_edges(panel, picture, mark.edges[:_MAX_MARKS], COLORS[CONCERN_OF[kind]])
+        _draw_vertices(panel, picture, mark.vertices[:_MAX_MARKS], CONCERN_OF[kind])
     panel.set(xlim=(0, columns), ylim=(0, rows), aspect="equal")
     panel.set_axis_off()
 
@@ -218,11 +218,11 @@ def _draw_edges(panel: Axes, picture: Picture, edges: np.ndarray, color: str) ->
 
 
 def _draw_vertices(panel: Axes, picture: Picture, vertices: np.ndarray, concern: str) -> None:
-    places = picture.points[vertices]
-    hidden = picture.hidden(places)
+    marked = picture.points[vertices]
+    hidden = picture.hidden(marked)
     color = COLORS[concern]
     for behind, fill, opacity in ((True, "none", 0.5), (False, color, 1.0)):
-        x, y = places[hidden == behind, :2].T
+        x, y = marked[hidden == behind, :2].T
         panel.plot(
             x,
             y,
@@ -236,7 +236,7 @@ def _draw_vertices(panel: Axes, picture: Picture, vertices: np.ndarray, concern:
 
 
 def _twice_area(p: np.ndarray, q: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Twice the signed area of p, q and a place, as seen."""
+    """Twice the signed area of the triangle p, q, (x, y) in the picture."""
     return (q[:, 0] - p[:, 0]) * (y - p[:, 1]) - (q[:, 1] - p[:, 1]) * (x - p[:, 0])
 
 

@@ -1,4 +1,4 @@
-"""The one style of all figures: fonts of the text, printed width, a fixed look for every method.
+"""The style of all figures: fonts of the text, printed width, colours and lines of the methods.
 
 ``figure`` opens a figure whose style travels with it: drawing and saving need nothing else.
 
@@ -58,7 +58,7 @@ METHOD_COLORS = {
     "truth": "#000000",
     "data": "#000000",
 }
-"""A colour per method. Lightness falls by ten and more from each to the next, for grey print."""
+"""A colour for each method. The lightness differs by ten or more, for printing in grey."""
 
 METHOD_LINESTYLES: Mapping[str, Any] = {
     "LS": (0, (5, 1.5)),
@@ -73,7 +73,7 @@ METHOD_MARKERS = {"LS": "s", "MLS": "o", "PU": "D", "RBF": "^", "truth": "", "da
 SEQUENTIAL = "viridis"
 """Colour map for amounts: perceptually even, rises in grey."""
 DIVERGING = "PuOr_r"
-"""Colour map for signed errors, centred at zero; dashed negative contours tell the sign in grey."""
+"""Colour map for signed errors, centred at zero; negative contours are dashed, for grey."""
 RC: Any = {
     "font.family": SERIF,
     "font.size": 9,
@@ -132,7 +132,7 @@ NO_CLOCK: Mapping[str, Mapping[str, None]] = {
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     "png": {"Software": None},
 }
-"""Metadata that would make two builds differ, left out per format."""
+"""Metadata of each format that are omitted, since they would make two builds differ."""
 
 
 class StyledFigure(Figure):
@@ -228,12 +228,12 @@ def line(method: str, **changes: Any) -> dict[str, Any]:
 
 
 def shades(method: str, count: int, **changes: Any) -> list[dict[str, Any]]:
-    """Tell `count` variants of one method apart: its colour from dark to light, own markers.
+    """Distinguish `count` variants of one method by shades of its colour and by markers.
 
     Parameters
     ----------
     method : str
-        A key of `METHOD_COLORS`; ``"truth"`` gives greys for families that are no method.
+        A key of `METHOD_COLORS`; ``"truth"`` gives greys for families of other curves.
     count : int
         Number of variants.
     **changes

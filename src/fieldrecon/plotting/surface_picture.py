@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress
-from fieldrecon.pipelines.scan import GAP, Scan
+from fieldrecon.pipelines.surface import GAP, ScanResult
 from fieldrecon.plotting.style import figure
 from fieldrecon.solids.ray_tracing import OUTSIDE, View, ray_traced
 
@@ -21,19 +21,19 @@ _VIEWS = {"from the front": (0.35, -0.9, 0.25), "from behind": (-0.6, 0.75, 0.3)
 """Directions to the viewer: to the right, backward and up, if z is up."""
 
 
-def plot(scan: Scan, up: Sequence[float], progress: Progress | None = None) -> Figure:
-    """Draw the surface from two sides, straight from its field; in colour where it is invented."""
+def plot(scan: ScanResult, up: Sequence[float], *, progress: Progress | None = None) -> Figure:
+    """Ray-trace the surface from two sides; it is coloured where it is far from all points."""
     mesh, tree = scan.mesh, cKDTree(scan.body.points)
     margin = 2 * mesh.spacing
     box = [mesh.points.min(axis=0) - margin, mesh.points.max(axis=0) + margin]
 
-    def color(places: np.ndarray) -> np.ndarray:
-        far = tree.query(places)[0] > GAP * scan.body.spacing
+    def color(points: np.ndarray) -> np.ndarray:
+        far = tree.query(points)[0] > GAP * scan.body.spacing
         return np.where(far[:, None], to_rgb(_INVENTED), OUTSIDE)
 
     with figure(height=2.9, columns=2) as (drawn, axes):
         for panel, (title, toward) in zip(axes, _VIEWS.items(), strict=True):
-            view = View.of_box(box, _turned(toward, up), _PIXELS, up)
+            view = View.of_box(box, _rotated(toward, up), _PIXELS, up)
             image = ray_traced(
                 scan.body, view, mesh.spacing, near=mesh.points, color=color, progress=progress
             )
@@ -47,7 +47,7 @@ def plot(scan: Scan, up: Sequence[float], progress: Progress | None = None) -> F
     return drawn
 
 
-def _turned(toward: Sequence[float], up: Sequence[float]) -> np.ndarray:
-    """A direction as it is said for z up, where another axis is."""
+def _rotated(toward: Sequence[float], up: Sequence[float]) -> np.ndarray:
+    """Permute the components of a direction that is given for z up."""
     axis = int(np.argmax(up))
     return np.roll(toward, axis - 2)

@@ -1,20 +1,20 @@
-"""The choice of a method by the data, and the error of a reconstructed field.
+"""Selection of a method by the data, and the error of a reconstructed field.
 
 Leave-one-out and cross-validation errors, prediction intervals, and points that are extrapolated.
 """
 
-from fieldrecon.selection.cross_validation import Judge, Trial, best
+from fieldrecon.selection.cross_validation import CrossValidator, ModelScore, best
 from fieldrecon.selection.extrapolation import extrapolated
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldrecon.selection.models import CANDIDATES, Candidate
+from fieldrecon.selection.models import MODELS, Model
 from fieldrecon.selection.prediction_intervals import ErrorEstimate
 
 __all__ = [
-    "CANDIDATES",
-    "Candidate",
+    "MODELS",
+    "CrossValidator",
     "ErrorEstimate",
-    "Judge",
-    "Trial",
+    "Model",
+    "ModelScore",
     "best",
     "extrapolated",
     "leave_one_out",

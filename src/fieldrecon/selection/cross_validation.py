@@ -1,9 +1,9 @@
-"""Which method misses left-out samples least.
+"""Cross-validation: the errors of models at samples that were held out.
 
-Up to some thousands of samples each is left out in turn, of all the others. Of more, a method is
-judged at samples in the midst of blocks of neighbours, drawn at random: of their density and their
-noise, as the whole cloud is, and enough for any method whose value depends on the samples near by.
-A polynomial for the whole domain is fitted to these and to others drawn at random from all of it.
+Up to some thousands of samples, each is left out in turn. With more, a model is evaluated at
+samples in the midst of blocks of neighbours, drawn at random. A block has the density and the noise
+of the whole cloud, and suffices for any method whose value depends only on the samples near by. A
+polynomial for the whole domain is fitted to the blocks and to others drawn at random from all.
 """
 
 from __future__ import annotations
@@ -16,35 +16,35 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldrecon.selection.models import Candidate, Maker
+from fieldrecon.selection.models import Maker, Model
 
 NO_FIELD = (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError)
 FEW = 8000
-"""Samples of which each one is left out."""
+"""Up to this number of samples, each one is left out."""
 EVERYWHERE = 40_000
-"""Samples of more that a polynomial is fitted to."""
+"""Of more samples, the number drawn from all, to which a polynomial is fitted."""
 BLOCKS, BLOCK, MIDST = 24, 1000, 250
-"""Blocks of samples, how many each has, and how many of these, the most central, are judged."""
+"""Number of blocks, samples of each, and how many of these, the most central, are held out."""
 
-Found = TypeVar("Found")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
-    """What came of a method on the samples: residuals where left out, or why there are none.
+class ModelScore:
+    """Result of a model on the samples: residuals at held-out samples, or why there are none.
 
     Parameters
     ----------
-    candidate : Candidate
+    model : Model
     maker : callable, optional
-        The variant that misses least; takes points to the method on these.
+        The variant of least error; takes points to the method on these.
     residuals : ndarray of shape (m,), optional
-        At the samples judged, each value less the field of all the others there.
+        At each held-out sample, its value less the field of the others there.
     reason : str
-        Why the method was not tried or does not exist, otherwise empty.
+        Why the model was not tried or has no field, otherwise empty.
     """
 
-    candidate: Candidate
+    model: Model
     maker: Maker | None
     residuals: np.ndarray | None
     reason: str = ""
@@ -56,13 +56,13 @@ class Trial:
 
     @property
     def largest(self) -> float:
-        """Largest residual in size."""
+        """Largest absolute residual; infinite without any."""
         return np.inf if self.residuals is None else float(np.abs(self.residuals).max())
 
 
 @dataclass(frozen=True, eq=False)
-class Judge:
-    """Samples, and the blocks of them in whose midst methods are judged; none of few samples.
+class CrossValidator:
+    """Samples, and the blocks of them in whose midst samples are held out; none of few samples.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Judge:
     everywhere: np.ndarray | None = None
 
     @classmethod
-    def of(cls, points: np.ndarray, values: np.ndarray, seed: int = 0) -> Judge:
+    def of(cls, points: np.ndarray, values: np.ndarray, seed: int = 0) -> CrossValidator:
         """Draw the blocks, if there are more than a few samples."""
         n = len(points)
         if n <= FEW:
@@ -92,32 +92,32 @@ class Judge:
         return cls(points, values, blocks, np.setdiff1d(drawn, blocks[:, :MIDST]))
 
     @property
-    def judged(self) -> int:
-        """How many samples are left out for each method, some perhaps in two blocks."""
+    def n_held_out(self) -> int:
+        """Number of samples held out for each model; one in two blocks counts twice."""
         return len(self.points) if self.blocks is None else self.blocks[:, :MIDST].size
 
-    def trial(self, candidate: Candidate, asked_for: bool = False) -> Trial:
-        """Leave samples out and see how far the others miss them.
+    def evaluate(self, model: Model, asked_for: bool = False) -> ModelScore:
+        """Residuals of the model's best variant at held-out samples.
 
-        A method that cannot be had on these points, or would take too long, says why.
+        A model that has no field on these points, or would take too long, has a reason instead.
         """
-        if len(self.points) > candidate.most and not asked_for:
-            most = f"{candidate.most:g}"
-            return Trial(candidate, None, None, f"not tried on more than {most} samples unasked")
-        trials, reason = [], ""
-        for maker in candidate.makers(self.points):
+        if len(self.points) > model.max_samples and not asked_for:
+            reason = f"not tried on more than {model.max_samples:g} samples unasked"
+            return ModelScore(model, None, None, reason)
+        scores, reason = [], ""
+        for maker in model.makers(self.points):
             try:
-                trials.append(Trial(candidate, maker, self._residuals(maker, candidate)))
+                scores.append(ModelScore(model, maker, self._residuals(maker, model)))
             except NO_FIELD as error:
                 reason = reason or str(error)
-        if trials:
-            return min(trials, key=lambda trial: trial.rms)
-        return Trial(candidate, None, None, reason)
+        if scores:
+            return min(scores, key=lambda score: score.rms)
+        return ModelScore(model, None, None, reason)
 
-    def _residuals(self, maker: Maker, candidate: Candidate) -> np.ndarray:
+    def _residuals(self, maker: Maker, model: Model) -> np.ndarray:
         if self.blocks is None or self.everywhere is None:
             return leave_one_out(maker(self.points), self.values)
-        if candidate.family == "LS":
+        if model.family == "LS":
             midst = self.blocks[:, :MIDST].ravel()
             own = np.append(np.unique(midst), self.everywhere)
             residuals = leave_one_out(maker(self.points[own]), self.values[own])
@@ -129,18 +129,20 @@ class Judge:
             yield leave_one_out(maker(self.points[block]), self.values[block])[:MIDST]
 
 
-def best(trials: Sequence[Trial], attempt: Callable[[Trial], Found]) -> tuple[Trial, Found]:
-    """Return the trial of least rms for which the attempt succeeds, and what came of it.
+def best(
+    scores: Sequence[ModelScore], attempt: Callable[[ModelScore], Result]
+) -> tuple[ModelScore, Result]:
+    """Return the score of least rms for which the attempt succeeds, and the attempt's result.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        If there is none; the reason is that of the first, the simplest method.
+        If there is none; the reason is that of the first, the simplest model.
     """
-    reasons = [f"{trial.candidate.name}: {trial.reason}" for trial in trials if trial.reason]
-    for trial in sorted(trials, key=lambda trial: trial.rms)[: len(trials) - len(reasons)]:
+    reasons = [f"{score.model.name}: {score.reason}" for score in scores if score.reason]
+    for score in sorted(scores, key=lambda score: score.rms)[: len(scores) - len(reasons)]:
         try:
-            return trial, attempt(trial)
+            return score, attempt(score)
         except NO_FIELD as error:
-            reasons.append(f"{trial.candidate.name}: {error}")
+            reasons.append(f"{score.model.name}: {error}")
     raise np.linalg.LinAlgError(f"no field from these samples by {reasons[0]}")

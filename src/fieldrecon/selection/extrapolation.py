@@ -1,10 +1,10 @@
-"""Where a field is more than a guess: among the samples, in a gap between them, or outside.
+"""Extrapolation: whether a query lies among the samples, in a gap between them, or outside.
 
-A place lies outside if the convex hull of the samples does not hold it; on the globe, the hull that
-great circles bound, if the samples lie within a hemisphere. It lies in a gap if the sample nearest
-to it has more than a few samples nearer than the place: in clouds without structure, once in a
-million places. Between the tracks of a ship or the isolines of a map nearly all places lie in gaps,
-and rightly so: samples along the track tell nothing of what is beside it.
+A query lies outside if it is not in the convex hull of the samples; on the globe, the hull is
+bounded by great circles, and exists if the samples lie within a hemisphere. A query lies in a gap
+if its nearest sample has at least 16 other samples closer to it than the query. In clouds without
+structure this happens once in a million queries. Between the tracks of a ship or the isolines of a
+map nearly all queries lie in gaps: samples along a track do not determine the field beside it.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from fieldrecon._core.chunks import chunked, rows_of
 AMONG, GAP, OUTSIDE = 0, 1, 2
 MEANINGS = ("among the samples", "in a gap", "outside")
 NEIGHBORS = 16
-"""Samples that the nearest one has nearer than a place in a gap."""
-_HEMISPHERE = 0.1  # cosine of the angle from the middle within which hulls are drawn
+"""Number of samples that are closer to the nearest sample than a query in a gap is."""
+_HEMISPHERE = 0.1  # least cosine of the angle between the samples and their mean direction
 
 
 def extrapolated(points: np.ndarray, x: np.ndarray, on_globe: bool = False) -> np.ndarray:
-    """Tell of each query (m, d) whether it is AMONG the points (n, d), in a GAP, or OUTSIDE.
+    """Classify queries (m, d): AMONG the points (n, d), in a GAP, or OUTSIDE.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def extrapolated(points: np.ndarray, x: np.ndarray, on_globe: bool = False) -> n
 
 
 def outside_hull(points: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Tell which queries (m, d) lie outside the convex hull of the points; its edge is inside.
+    """Whether queries (m, d) lie outside the convex hull of the points; its boundary is inside.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def outside_hull(points: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 def _outside_on_globe(points: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """By the projection from the middle of the globe, where great circles are straight lines."""
+    """By central projection, under which great circles are straight lines."""
     pole = points.mean(axis=0)
     pole /= max(np.linalg.norm(pole), np.finfo(float).tiny)
     if (points @ pole).min() < _HEMISPHERE:
@@ -99,7 +99,7 @@ def _in_gap(points: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 def _in_parts(function, x, bytes_per_row, kind):  # type: ignore[no-untyped-def]
-    """The function of all queries, a chunk of them at a time."""
+    """The function of all queries, in chunks."""
     result = np.empty(len(x), dtype=kind)
     for part, values in chunked(function, x, rows_of(bytes_per_row)):
         result[part] = values

@@ -1,4 +1,4 @@
-"""Methods that may be tried on samples, by the names that are typed."""
+"""Models to choose from: methods with their parameters, by the names that a user types."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
@@ -24,34 +24,34 @@ _NEIGHBORS_PER_COEFFICIENT = 4
 _STRENGTHS = tuple(10.0**k for k in range(-6, 1))
 _PATCH_STRENGTHS = tuple(10.0**k for k in range(-1, 7))
 _NOISY_PATCH = 60
-_TYPICAL = 5000  # samples whose neighbours tell how far apart samples are
+_TYPICAL = 5000  # samples from whose neighbours the typical distance of samples is found
 
 Maker: TypeAlias = Callable[[np.ndarray], Reconstruction]
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """A method that may be tried on samples.
+class Model:
+    """A method with its parameters, possibly in several variants, to be tried on samples.
 
     Parameters
     ----------
     name : str
-        As it is typed.
+        The name that a user types.
     family : str
         LS, MLS, RBF or PU.
     meaning : str
-        What it is, in a few words.
+        A description in a few words.
     makers : callable
         Takes all the points (n, d) to variants, each of which takes points to the method on these.
-    most : float
-        Most samples on which it is tried unasked: global kernels cost as n³.
+    max_samples : float
+        Number of samples up to which it is tried unasked: global kernels take O(n³).
     """
 
     name: str
     family: str
     meaning: str
     makers: Callable[[np.ndarray], Sequence[Maker]]
-    most: float = np.inf
+    max_samples: float = np.inf
 
 
 def _least_squares(degree: int, _: np.ndarray) -> list[Maker]:
@@ -74,7 +74,7 @@ def _interpolant(power: int, _: np.ndarray) -> list[Maker]:
 
 
 def _smoothed(points: np.ndarray) -> list[Maker]:
-    """Thin plates whose smoothing is measured in squares of the extent."""
+    """Thin plates, their smoothing in squares of the extent."""
     unit = np.ptp(points, axis=0).max() ** 2
     plate = partial(RBF, kernel=thin_plate_spline())
     return [partial(plate, smoothing=unit * s) for s in _STRENGTHS]
@@ -85,28 +85,28 @@ def _patches(power: int, _: np.ndarray) -> list[Maker]:
 
 
 def _smoothed_patches(points: np.ndarray) -> list[Maker]:
-    """Patches of r³ whose smoothing is measured in cubes of the distance between neighbours."""
+    """Patches of r³, their smoothing in cubes of the distance between neighbours."""
     few = points[:: max(1, len(points) // _TYPICAL)]
     unit = np.median(cKDTree(points).query(few, 2)[0][:, 1]) ** 3 if len(points) > 1 else 1.0
     patches = partial(PartitionOfUnityRBF, kernel=polyharmonic(3), patch_size=_NOISY_PATCH)
     return [partial(patches, smoothing=unit * s) for s in _PATCH_STRENGTHS]
 
 
-CANDIDATES: Mapping[str, Candidate] = MappingProxyType(
+MODELS: Mapping[str, Model] = MappingProxyType(
     {
-        candidate.name: candidate
-        for candidate in (
-            Candidate("ls1", "LS", "least squares, plane", partial(_least_squares, 1)),
-            Candidate("ls2", "LS", "least squares, degree 2", partial(_least_squares, 2)),
-            Candidate("ls4", "LS", "least squares, degree 4", partial(_least_squares, 4)),
-            Candidate("mls1", "MLS", "moving least squares, degree 1", partial(_moving, 1)),
-            Candidate("mls2", "MLS", "moving least squares, degree 2", partial(_moving, 2)),
-            Candidate("tps", "RBF", "thin-plate spline", partial(_interpolant, 2), 3000),
-            Candidate("cubic", "RBF", "cubic spline r³", partial(_interpolant, 3), 3000),
-            Candidate("smooth", "RBF", "thin plate, smoothed", _smoothed, 2000),
-            Candidate("pu3", "PU", "patches of r³, blended", partial(_patches, 3)),
-            Candidate("pu", "PU", "patches of r⁵, blended", partial(_patches, 5)),
-            Candidate("pusmooth", "PU", "patches of r³, smoothed", _smoothed_patches),
+        model.name: model
+        for model in (
+            Model("ls1", "LS", "least squares, plane", partial(_least_squares, 1)),
+            Model("ls2", "LS", "least squares, degree 2", partial(_least_squares, 2)),
+            Model("ls4", "LS", "least squares, degree 4", partial(_least_squares, 4)),
+            Model("mls1", "MLS", "moving least squares, degree 1", partial(_moving, 1)),
+            Model("mls2", "MLS", "moving least squares, degree 2", partial(_moving, 2)),
+            Model("tps", "RBF", "thin-plate spline", partial(_interpolant, 2), 3000),
+            Model("cubic", "RBF", "cubic spline r³", partial(_interpolant, 3), 3000),
+            Model("smooth", "RBF", "thin plate, smoothed", _smoothed, 2000),
+            Model("pu3", "PU", "patches of r³, blended", partial(_patches, 3)),
+            Model("pu", "PU", "patches of r⁵, blended", partial(_patches, 5)),
+            Model("pusmooth", "PU", "patches of r³, smoothed", _smoothed_patches),
         )
     }
 )

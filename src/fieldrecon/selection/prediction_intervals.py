@@ -1,14 +1,14 @@
-"""How far a field may be off at a place, from how far it misses samples near by that are left out.
+"""Prediction intervals for a field, from the residuals of left-out samples near by.
 
-The estimate is t r(x), with r(x) the root mean square of the leave-one-out residuals of the k
+The half-width is t r(x), with r(x) the root mean square of the leave-one-out residuals of the k
 samples nearest to x, weighted by (1 - (distance / that of the next one)^2)^2, so that it is
-continuous. The factor t is such that 95 of 100 samples, when left out, are missed by no
-more than t times the r of the others about them, the few nearest passed over, whose residuals bear
-the noise of the one that was left out; a new place has lent its noise to none. So it holds for the
-samples by construction, and for a place among them as far as it is like them. It is a band for what
-would be measured there, its noise included; where the samples are sparser than anywhere among them,
-in gaps and outside, it promises nothing. The idea is that of conformal prediction, scaled locally,
-with residuals from leaving one out.
+continuous. The factor t is calibrated on the samples: 95 of 100 of them have a residual of at most
+t times the r of the other samples near by. The few nearest ones are passed over, since their
+residuals contain the noise of the sample that was left out; a new point has affected none. So the
+coverage holds for the samples by construction, and for a new point as far as it resembles them. The
+interval is one for a new measurement, its noise included. Where the samples are sparser than
+anywhere among them, in gaps and outside, there is no guarantee. This is conformal prediction,
+scaled locally, with leave-one-out residuals.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 
 COVERAGE = 0.95
-"""Part of the samples that are missed by no more than the estimate."""
-_CALIBRATED_AT = 100_000  # samples, which fix the factor to a thousandth and less
-_FLOOR = 1e-6  # of the root mean square of all residuals
+"""Fraction of the samples whose residuals are within the estimate."""
+_CALIBRATED_AT = 100_000  # samples, which determine the factor to a thousandth or better
+_FLOOR = 1e-6  # fraction of the root mean square of all residuals
 
 
 class ErrorEstimate:
-    """Band t r(x) that holds 95 of 100 samples when they are left out.
+    """Half-width t r(x) of a band that contains 95 of 100 samples when they are left out.
 
     Parameters
     ----------
     points : (n, d) array_like
         Samples, or those at which there are residuals; n is 2 or more.
     residuals : (n,) array_like
-        What `leave_one_out` tells of the method there.
+        Residuals of the method there by `leave_one_out`.
 
     Attributes
     ----------
     neighbors : int
-        Number k of samples whose residuals count at a place: 8 (d + 1), if there are as many.
+        Number k of samples whose residuals count at a query: 8 (d + 1), if there are as many.
     factor : float
-        Number t.
+        Factor t.
     covered : float
-        Part of the samples within the band.
+        Fraction of the samples within the band.
 
     References
     ----------
@@ -66,7 +66,9 @@ class ErrorEstimate:
         self.points = valid.as_points(points)
         n, d = self.points.shape
         if n < 2:
-            raise ValueError("points must be 2 or more, to judge one by the others; got 1")
+            raise ValueError(
+                "points must be 2 or more, so that one can be predicted from the others; got 1"
+            )
         self._squares = abs(valid.as_values(residuals, n, name="residuals")) ** 2
         self._floor = _FLOOR**2 * self._squares.mean()
         self._tree = cKDTree(self.points)
@@ -81,7 +83,7 @@ class ErrorEstimate:
         self.covered = float(np.mean(ratios <= self.factor))
 
     def __call__(self, x: np.ndarray, progress: Progress | None = None) -> np.ndarray:
-        """Estimate at places (m, d), in the unit of the values: (m,)."""
+        """Estimates (m,) at queries (m, d), in the unit of the values."""
         x = valid.as_queries(x, self.points.shape[1])
         result = np.empty(len(x))
         for part, near in self._chunks(self._near, x, progress):
@@ -97,15 +99,15 @@ class ErrorEstimate:
         return self._mean(distance, nearest)
 
     def _of_others(self, sites: np.ndarray) -> np.ndarray:
-        """The same at sites, of the others near to them but for the nearest."""
+        """The same at sites, from the other samples near by without the nearest ones."""
         first = 2 + self._passed_over
         ranks = range(first, first + self.neighbors + 1)
         return self._mean(*self._tree.query(self.points[sites], ranks))
 
     def _mean(self, distance: np.ndarray, nearest: np.ndarray) -> np.ndarray:
-        """Of the residuals of all but the last of the nearest, whose distance sets the scale.
+        """Weighted mean over all but the last of the nearest, whose distance sets the scale.
 
-        Where there are too few points, distances are infinite and residuals beyond the end.
+        If there are too few points, distances are infinite and indices point beyond the end.
         """
         reach = np.where(np.isfinite(distance[:, -1:]), distance[:, -1:], 0.0)
         far = np.divide(distance, reach, out=np.zeros_like(distance), where=reach > 0)[:, :-1]

@@ -1,4 +1,4 @@
-"""Solids as functions that are positive inside: set operations, shapes, extraction, and rays.
+"""Solids as functions that are positive inside: set operations, shapes, extraction, ray tracing.
 
 Union, intersection, difference and blending (Wendland (2005), section 1.1), the surface of a
 solid as triangles by marching cubes, and pictures by ray tracing.

@@ -1,6 +1,6 @@
-"""Bodies as fields, positive inside: union, intersection, difference.
+"""Constructive solid geometry: bodies as fields, positive inside, and operations on them.
 
-Bodies blended, deformed into each other, and moved.
+Set operations, blending, morphing and rigid transformations; Wendland (2005), section 1.1.
 """
 
 from __future__ import annotations
@@ -13,23 +13,21 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 
-__all__ = ["Solid", "as_solid", "difference", "intersection", "union"]
-
 
 class Solid(ABC):
-    """A body {F > 0} in space, by a field F that is about the distance to its surface.
+    """A body {F > 0} in space, given by a field F that approximates the signed distance.
 
-    Called at points it gives F, positive inside. `a | b`, `a & b` and `a - b` are the union, the
-    intersection and the difference.
+    A solid is called at points and returns F, positive inside. `a | b`, `a & b` and `a - b` are the
+    union, the intersection and the difference.
 
     Attributes
     ----------
     box : (2, 3) ndarray
-        Low and high corner of a box that holds the body.
+        Low and high corner of a box that contains the body.
     near : (n, 3) ndarray or None
-        Points near every part of the surface, where they are known.
+        Points near every part of the surface, if they are known.
     spacing : float or None
-        How fine the surface is known: the distance of the points that it was made from.
+        Resolution of the surface: the spacing of the points from which it was made.
     """
 
     box: np.ndarray
@@ -45,12 +43,12 @@ class Solid(ABC):
         """Gradients (m, 3) at points (m, 3)."""
 
     def __call__(self, x: ArrayLike) -> np.ndarray:
-        """F at points.
+        """Values of F.
 
         Parameters
         ----------
         x : (..., 3) array_like
-            Where.
+            Points.
 
         Returns
         -------
@@ -61,12 +59,12 @@ class Solid(ABC):
         return self._values(q.reshape(-1, 3)).reshape(q.shape[:-1])[()]
 
     def gradient(self, x: ArrayLike) -> np.ndarray:
-        """Gradient of F at points (..., 3): where two parts meet at an edge, that of one."""
+        """Gradients of F at points (..., 3); on an edge between two parts, the gradient of one."""
         q = valid.as_queries(x, 3)
         return self._gradients(q.reshape(-1, 3)).reshape(q.shape)
 
     def normals(self, x: ArrayLike) -> np.ndarray:
-        """Outward unit normals -grad F / |grad F| at points (..., 3), zero where there is none."""
+        """Outward unit normals -grad F / |grad F| at points (..., 3); zero where grad F = 0."""
         g = self.gradient(x)
         length = np.linalg.norm(g, axis=-1, keepdims=True)
         return -np.divide(g, length, out=np.zeros_like(g), where=length > 0)
@@ -85,12 +83,12 @@ class Solid(ABC):
 
 
 def union(*solids: Solid) -> Solid:
-    """What is in one of the bodies, F = max F_i.
+    """Union of bodies, F = max F_i.
 
     Parameters
     ----------
     *solids : Solid
-        Two bodies or more.
+        Two or more bodies.
 
     References
     ----------
@@ -108,12 +106,12 @@ def union(*solids: Solid) -> Solid:
 
 
 def intersection(*solids: Solid) -> Solid:
-    """What is in all of the bodies, F = min F_i.
+    """Intersection of bodies, F = min F_i.
 
     Parameters
     ----------
     *solids : Solid
-        Two bodies or more.
+        Two or more bodies.
 
     Examples
     --------
@@ -129,12 +127,12 @@ def intersection(*solids: Solid) -> Solid:
 
 
 def difference(solid: Solid, other: Solid) -> Solid:
-    """What is in the first body and not in the second, F = min(F_1, -F_2).
+    """Difference of two bodies, F = min(F_1, -F_2).
 
     Parameters
     ----------
     solid, other : Solid
-        The body, and what is taken away from it.
+        The body, and the body to subtract from it.
 
     Examples
     --------
@@ -153,31 +151,31 @@ def as_solid(
     near: ArrayLike | None = None,
     spacing: float | None = None,
 ) -> Solid:
-    """Any field with a gradient as a body: what is called at points, and has `gradient`.
+    """Make a body of a field with a gradient.
 
     Parameters
     ----------
     field : callable
-        Takes points (..., 3), positive inside; `field.gradient` likewise.
+        A function of points (..., 3), positive inside, with a method `gradient`.
     box : (2, 3) array_like
-        Low and high corner of a box that holds the body.
+        Low and high corner of a box that contains the body.
     near : (n, 3) array_like, optional
         Points near every part of its surface.
     spacing : float, optional
-        How fine the surface is known.
+        Resolution of the surface, a length.
 
     Raises
     ------
     ValueError
-        If the field has no gradient, or the box is none.
+        If the field has no gradient, or the box is invalid.
     """
     if not callable(field) or not callable(getattr(field, "gradient", None)):
         raise ValueError(f"field must be callable and have a gradient; got {field!r}")
-    return _Given(field, as_box(box), None if near is None else valid.as_points(near), spacing)
+    return _FieldSolid(field, as_box(box), None if near is None else valid.as_points(near), spacing)
 
 
 def as_box(box: ArrayLike) -> np.ndarray:
-    """Low and high corner (2, 3), the first below the second."""
+    """Validate the low and high corner (2, 3) of a box."""
     b = valid.as_queries(box, 3)
     if b.shape != (2, 3) or not (b[0] < b[1]).all():
         raise ValueError(f"box must be a low and a high corner, (2, 3); got {b.tolist()}")
@@ -211,7 +209,7 @@ class _Extreme(Solid):
         return g
 
 
-class _Given(Solid):
+class _FieldSolid(Solid):
     def __init__(
         self,
         field: Callable[[np.ndarray], np.ndarray],
@@ -229,43 +227,43 @@ class _Given(Solid):
 
 
 def as_solids(solids: tuple[Solid, ...]) -> tuple[Solid, ...]:
-    """Bodies, one or more."""
+    """Validate one or more bodies."""
     for s in solids:
         if not isinstance(s, Solid):
             raise ValueError(f"a body must be a Solid, such as Ball(1.0) or as_solid; got {s!r}")
     if not solids:
-        raise ValueError("there must be a body at least; got none")
+        raise ValueError("at least one body is needed; got none")
     return solids
 
 
 def around(boxes: list[np.ndarray]) -> np.ndarray:
-    """The box that holds all boxes."""
+    """The bounding box of boxes."""
     low, high = np.array(boxes).swapaxes(0, 1)
     return np.array([low.min(axis=0), high.max(axis=0)])
 
 
 def points_of(parts: tuple[Solid, ...]) -> np.ndarray | None:
-    """Points near all surfaces, if they are known of each."""
+    """Points near all surfaces, if they are known for each body."""
     near = [s.near for s in parts if s.near is not None]
     return np.concatenate(near) if len(near) == len(parts) else None
 
 
 def finest(parts: tuple[Solid, ...]) -> float | None:
-    """The least spacing that is known."""
+    """The smallest known spacing."""
     return min((s.spacing for s in parts if s.spacing is not None), default=None)
 
 
 def blend(solid: Solid, other: Solid, radius: float) -> Solid:
-    """Union with its seam rounded, F = max(F_1, F_2) + r h^2 / 4, h = (1 - |F_1 - F_2| / r)_+.
+    """Union with a rounded seam, F = max(F_1, F_2) + r h^2 / 4 with h = (1 - |F_1 - F_2| / r)_+.
 
-    The gradient is continuous; where the fields differ by r or more it is the union.
+    The gradient is continuous. Where the fields differ by r or more, F is that of the union.
 
     Parameters
     ----------
     solid, other : Solid
         The bodies.
     radius : float
-        Width r of what is rounded, as a length, positive.
+        Width r of the rounded seam: a positive length.
 
     References
     ----------
@@ -282,14 +280,14 @@ def blend(solid: Solid, other: Solid, radius: float) -> Solid:
 
 
 def morph(solid: Solid, other: Solid, t: float) -> Solid:
-    """A body between two, F = (1 - t) F_1 + t F_2: the first at t = 0, the second at t = 1.
+    """Interpolate between two bodies, F = (1 - t) F_1 + t F_2.
 
     Parameters
     ----------
     solid, other : Solid
-        The bodies; what comes of them is whole if they overlap.
+        The bodies at t = 0 and at t = 1. The result is connected if they overlap.
     t : float
-        Time, from 0 to 1.
+        From 0 to 1.
 
     Raises
     ------
@@ -304,7 +302,7 @@ def morph(solid: Solid, other: Solid, t: float) -> Solid:
     """
     if not 0 <= t <= 1:
         raise ValueError(f"t must be from 0 to 1; got {t!r}")
-    return _Between(as_solids((solid, other)), float(t))
+    return _Morph(as_solids((solid, other)), float(t))
 
 
 def transform(
@@ -313,7 +311,7 @@ def transform(
     shift: ArrayLike = (0.0, 0.0, 0.0),
     scale: float = 1.0,
 ) -> Solid:
-    """A body turned, made larger and shifted: x -> scale R x + shift of its points.
+    """Rotate, scale and translate a body: its points x become scale R x + shift.
 
     Parameters
     ----------
@@ -322,7 +320,7 @@ def transform(
     rotation : (3, 3) array_like, optional
         Orthogonal matrix R.
     shift : (3,) array_like
-        Where the origin comes to lie.
+        The image of the origin.
     scale : float
         Positive.
 
@@ -341,13 +339,13 @@ def transform(
     if r.shape != (3, 3) or not np.allclose(r @ r.T, np.eye(3), atol=1e-9):
         raise ValueError(f"rotation must be an orthogonal matrix (3, 3); got {r.tolist()}")
     to = valid.as_queries(shift, 3)
-    return _Moved(as_solids((solid,))[0], r, to, valid.as_length(scale, "scale"))
+    return _Transformed(as_solids((solid,))[0], r, to, valid.as_length(scale, "scale"))
 
 
 class _Blend(Solid):
     def __init__(self, parts: tuple[Solid, ...], radius: float) -> None:
         self._parts, self._radius = parts, radius
-        # the surface moves out by r / 4 at the most
+        # the surface is displaced outward by at most r / 4
         self.box = around([s.box for s in parts]) + 0.25 * radius * np.array([[-1.0], [1.0]])
         self.near, self.spacing = points_of(parts), finest(parts)
 
@@ -362,7 +360,7 @@ class _Blend(Solid):
         return ((1 + u) * self._parts[0].gradient(x) + (1 - u) * self._parts[1].gradient(x)) / 2
 
 
-class _Between(Solid):
+class _Morph(Solid):
     def __init__(self, parts: tuple[Solid, ...], t: float) -> None:
         self._parts, self._t = parts, t
         self.box = around([s.box for s in parts])
@@ -376,23 +374,23 @@ class _Between(Solid):
         return (1 - self._t) * a + self._t * b
 
 
-class _Moved(Solid):
+class _Transformed(Solid):
     def __init__(self, solid: Solid, r: np.ndarray, shift: np.ndarray, scale: float) -> None:
         self._solid, self._r, self._shift, self._scale = solid, r, shift, scale
         corners = np.stack(np.meshgrid(*solid.box.T, indexing="ij"), axis=-1).reshape(-1, 3)
-        there = self._out(corners)
-        self.box = np.array([there.min(axis=0), there.max(axis=0)])
-        self.near = None if solid.near is None else self._out(solid.near)
+        corners_there = self._to_world(corners)
+        self.box = np.array([corners_there.min(axis=0), corners_there.max(axis=0)])
+        self.near = None if solid.near is None else self._to_world(solid.near)
         self.spacing = None if solid.spacing is None else scale * solid.spacing
 
-    def _out(self, x: np.ndarray) -> np.ndarray:
+    def _to_world(self, x: np.ndarray) -> np.ndarray:
         return self._scale * x @ self._r.T + self._shift
 
-    def _back(self, x: np.ndarray) -> np.ndarray:
+    def _to_body(self, x: np.ndarray) -> np.ndarray:
         return (x - self._shift) @ self._r / self._scale
 
     def _values(self, x: np.ndarray) -> np.ndarray:
-        return self._scale * self._solid(self._back(x))
+        return self._scale * self._solid(self._to_body(x))
 
     def _gradients(self, x: np.ndarray) -> np.ndarray:
-        return self._solid.gradient(self._back(x)) @ self._r.T
+        return self._solid.gradient(self._to_body(x)) @ self._r.T

@@ -1,6 +1,7 @@
-"""Triangles on the surface of a body, by marching cubes and Newton steps.
+"""Extraction of the surface of a body by marching cubes, with vertices refined by Newton steps.
 
-The cells of a grid that a surface goes through, found from some of them by following it.
+Only the cells that the surface crosses are evaluated: from the cells of known points, the surface
+is followed from cell to cell.
 """
 
 from __future__ import annotations
@@ -23,19 +24,22 @@ from fieldrecon.solids.constructive import Solid, as_box, intersection
 from fieldrecon.solids.shapes import Box
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh
 
-__all__ = ["ExtractedSurface", "extract_surface"]
+_CELLS = 64  # along the longest side of the box, by default
+_MAX_STEPS = 60  # each is a Newton step or a bisection
+_SETTLED = 1e-9  # of an edge: tolerance of the vertices
+_SPECK = 3  # cells: smaller parts of the surface are dropped
+_ROUNDINGS = 64  # of the largest coordinate, if larger
+_APART = 1e-6  # of an edge: smallest distance of a vertex from its ends
+NODE_LIMIT = 2**28
+"""Largest number of nodes of a grid, which takes 10 bytes for each."""
 
-_CELLS = 64  # along the longest side of the box, where nobody says how fine
-_STEPS = 60  # each either a Newton step or the middle of what is left
-_SETTLED = 1e-9  # of an edge: a vertex that moves less has arrived
-_SPECK = 3  # cells: a part of the surface that extends less says nothing
-_ROUNDINGS = 64  # of the largest coordinate, if these are more
-_APART = 1e-6  # of an edge: what vertices keep from its ends
+_CORNERS = np.array(list(product((0, 1), repeat=3)))
+_STRIDE = 4  # cells along the edge of a coarse cell
 
 
 @dataclass(frozen=True, eq=False)
 class ExtractedSurface:
-    """Triangles on the surface of a body, seen anticlockwise from outside.
+    """Triangles on the surface of a body, counter-clockwise when seen from outside.
 
     Attributes
     ----------
@@ -47,9 +51,9 @@ class ExtractedSurface:
     spacing : float
         Edge of the cells.
     cut : (k,) ndarray of int
-        Vertices on the wall of the box: there the surface would have gone on.
+        Vertices on the wall of the box, where the surface was cut off.
     missed : (k,) ndarray of int
-        Those of the points `near` that no vertex is within two cells of.
+        The points of `near` that are farther than two cells from all vertices.
     """
 
     points: np.ndarray
@@ -66,7 +70,7 @@ class ExtractedSurface:
 
     @cached_property
     def audit(self) -> MeshAudit:
-        """What is wrong with the triangles; `audit.clean` where nothing is."""
+        """The errors of the triangles; `audit.clean` if there are none."""
         return audit_mesh(self.points, self.triangles)
 
     @property
@@ -76,7 +80,7 @@ class ExtractedSurface:
 
     @property
     def volume(self) -> float:
-        """Volume that they enclose, positive if they are oriented outward."""
+        """Enclosed volume, positive if the triangles are oriented outward."""
         corner = self.points[self.triangles[:, 0]] - self.points[0]
         return float(np.einsum("ij,ij->", corner, self._twice_areas()) / 6)
 
@@ -96,35 +100,35 @@ def extract_surface(
 ) -> ExtractedSurface:
     """Triangles on the surface {F = 0} of a body.
 
-    Marching cubes joins the edges of a grid whose ends differ in sign; on each such edge the vertex
-    is led to F = 0 by Newton steps. Cells are looked at only where the surface is: from those that
-    contain points near it, it is followed through the faces that it crosses, to its end. It comes
-    out closed, oriented and without self-intersections, whatever the field. Sharp edges are cut
-    off by less than a cell, what is thinner than a cell may be lost, and parts of the surface that
-    extend over less than three cells are left out.
+    Marching cubes connects the edges of a grid whose ends have different signs; on each of these
+    edges the vertex is moved to F = 0 by Newton steps. From the cells that contain points near the
+    surface, the surface is followed through the faces that it crosses. The result is closed,
+    oriented and without self-intersections for any field. Sharp edges are cut off by less than a
+    cell, parts thinner than a cell may be lost, and parts that extend over fewer than three cells
+    are dropped.
 
     Parameters
     ----------
     solid : Solid
         The body; `as_solid` makes one of a field.
     spacing : float, optional
-        Edge of the cells; by default that of the points that the body was made from, else the 64th
-        part of the longest side of the box.
+        Edge of the cells; by default the spacing of the points from which the body was made, else
+        a 64th of the longest side of the box.
     near : (n, 3) array_like, optional
-        Points near the surface; by default those of the body, and without any the whole box is
-        searched, where parts smaller than four cells may be missed.
+        Points near the surface; by default those of the body. Without them the whole box is
+        searched, and parts smaller than four cells may be missed.
     box : (2, 3) array_like, optional
-        Where; by default the box of the body. What would go beyond is closed by its walls.
+        The region; by default the box of the body. The surface is closed by the walls of the box.
     within : float, optional
-        Leave out triangles that are farther from the points `near`: there the surface is invented.
-        It has a rim then.
+        Drop triangles farther than this length from all points `near`, where the surface is
+        invented. The result then has a boundary.
     progress : callable, optional
         Called as progress(done, total) with numbers of nodes; the total grows with the surface.
 
     Returns
     -------
     ExtractedSurface
-        Points, triangles, and what is to be said about them.
+        Points, triangles, and where the surface is cut off or missing.
 
     Raises
     ------
@@ -154,13 +158,13 @@ def extract_surface(
     wall = Box(room[1] - room[0] + 2 * spacing, (room[0] + room[1]) / 2)
     closed = intersection(solid, wall)
     given = solid.near if near is None else valid.as_points(near, "near")
-    seeds = searched(closed, grid) if given is None else grid.cells_of(given)
-    values, crossed = followed(closed, grid, seeds, progress)
+    seeds = search_box(closed, grid) if given is None else grid.cells_of(given)
+    values, crossed = follow_surface(closed, grid, seeds, progress=progress)
     if len(crossed) == 0:
         raise ValueError(
             "the body has no surface in the box, or none near the points: F has one sign there"
         )
-    ends, triangles = _marched(values, crossed, grid)
+    ends, triangles = _marching_cubes(values, crossed, grid)
     ends, triangles = _without_specks(ends, triangles)
     points = _on_edges(closed, grid, ends, values)
     cut = np.flatnonzero(np.abs(wall(points)) <= 1e-3 * spacing)
@@ -170,14 +174,14 @@ def extract_surface(
     return ExtractedSurface(points, triangles, solid, spacing, cut, missed)
 
 
-def _marched(
+def _marching_cubes(
     values: np.ndarray, crossed: np.ndarray, grid: Grid
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """Lower ends (n, 3) and axes (n,) of the edges that bear vertices, and the triangles."""
+    """Lower ends (n, 3) and axes (n,) of the edges with vertices, and the triangles."""
     measure = optional("skimage.measure")
     mask = np.zeros(grid.shape, dtype=bool)
     mask.ravel()[grid.corners(crossed)[:, -1]] = True
-    # of signs alone: each vertex comes to the middle of its edge, which names the edge exactly
+    # of the signs only: each vertex is the midpoint of its edge, which identifies the edge
     signs = np.where(values > 0, np.float32(1), np.float32(-1))
     middle, triangles, _, _ = measure.marching_cubes(
         signs, 0.0, mask=mask, method="lorensen", gradient_direction="ascent"
@@ -189,7 +193,7 @@ def _marched(
 def _without_specks(
     ends: tuple[np.ndarray, np.ndarray], triangles: np.ndarray
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """What is left without the parts of two cells or less, but for the largest."""
+    """Drop the parts of two cells or less, except for the largest."""
     lower, axis = ends
     joints = (triangles.ravel(), np.roll(triangles, 1, axis=1).ravel())
     graph = sparse.csr_array((np.ones(triangles.size, dtype=bool), joints), (len(lower),) * 2)
@@ -209,7 +213,7 @@ def _without_specks(
 def _on_edges(
     solid: Solid, grid: Grid, ends: tuple[np.ndarray, np.ndarray], values: np.ndarray
 ) -> np.ndarray:
-    """Zeros of F on edges: Newton steps, and the middle of the bracket where one would leave it."""
+    """Zeros of F on edges, by Newton steps with bisection if a step leaves the bracket."""
     lower, axis = ends
     step = np.eye(3, dtype=np.int64)[axis]
     start = values[tuple(lower.T)].astype(float)
@@ -219,7 +223,7 @@ def _on_edges(
     t = start / (start - end)
     apart = max(_APART, _ROUNDINGS * EPS * float(np.abs(base).max()) / grid.spacing)
     active = np.arange(len(base))
-    for _ in range(_STEPS):
+    for _ in range(_MAX_STEPS):
         a, k = active, axis[active]
         x = base[a] + grid.spacing * t[a, None] * step[a]
         f = solid(x)
@@ -244,7 +248,7 @@ def _trimmed(
     near: np.ndarray | None,
     within: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What is within a distance of the points."""
+    """Drop the triangles farther than a distance from all points."""
     if near is None:
         raise ValueError("within needs points near the surface; this body has none")
     far = _far_from(near, points, valid.as_length(within, "within"))
@@ -256,21 +260,14 @@ def _trimmed(
 
 
 def _far_from(points: np.ndarray, x: np.ndarray, distance: float) -> np.ndarray:
-    """Which of x are farther than a distance from all of the points."""
+    """Indices of x that are farther than a distance from all points."""
     found = cKDTree(points - x[0]).query(x - x[0], distance_upper_bound=distance, workers=-1)[0]
     return np.flatnonzero(np.isinf(found))
 
 
-NODE_LIMIT = 2**28
-"""Nodes of a grid at the most: 10 bytes each."""
-
-_CORNERS = np.array(list(product((0, 1), repeat=3)))
-_STRIDE = 4  # cells along the edge of a coarse cell
-
-
 @dataclass(frozen=True)
 class Grid:
-    """Nodes low + spacing (i, j, k).
+    """A grid of nodes low + spacing (i, j, k).
 
     Attributes
     ----------
@@ -286,7 +283,7 @@ class Grid:
 
     @classmethod
     def over(cls, box: np.ndarray, spacing: float) -> Grid:
-        """The grid that reaches beyond the box by a cell and a half on each side."""
+        """Return a grid that extends beyond the box by a cell and a half on each side."""
         counts = np.ceil((box[1] - box[0]) / spacing) + 4
         if counts.prod() > NODE_LIMIT:
             raise ValueError(
@@ -302,11 +299,11 @@ class Grid:
         return tuple(n - 1 for n in self.shape)
 
     def nodes(self, index: np.ndarray) -> np.ndarray:
-        """Points of indices (..., 3)."""
+        """The nodes with indices (..., 3)."""
         return self.low + self.spacing * index
 
     def cells_of(self, x: np.ndarray) -> np.ndarray:
-        """Flat indices of the cells that contain points (n, 3), each once."""
+        """Flat indices of the cells that contain points (n, 3), without duplicates."""
         index = np.floor((x - self.low) / self.spacing).astype(np.int64)
         inside = ((index >= 0) & (index < self.cells)).all(axis=1)
         return np.unique(np.ravel_multi_index(tuple(index[inside].T), self.cells))
@@ -317,13 +314,13 @@ class Grid:
         return first[:, None] + np.ravel_multi_index(tuple(_CORNERS.T), self.shape)
 
 
-def followed(
-    solid: Solid, grid: Grid, seeds: np.ndarray, progress: Progress | None = None
+def follow_surface(
+    solid: Solid, grid: Grid, seeds: np.ndarray, *, progress: Progress | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Values at nodes, NaN where none was needed, and the cells the surface goes through.
+    """Values at nodes, NaN where not evaluated, and the cells that the surface crosses.
 
-    From cell to cell through each face whose corners differ in sign: a surface that is entered is
-    followed to its end, so that it is closed.
+    The traversal goes from cell to cell through each face whose corners differ in sign. It follows
+    a surface to its end, so the result is closed.
     """
     values = np.full(np.prod(grid.shape), np.nan, dtype=np.float32)
     seen = np.zeros(np.prod(grid.cells), dtype=bool)
@@ -339,14 +336,14 @@ def followed(
         inside = values[corners] > 0
         cut = inside.any(axis=1) & ~inside.all(axis=1)
         crossed.append(front[cut])
-        ahead = _through_faces(grid, front[cut], inside[cut])
+        ahead = _across_faces(grid, front[cut], inside[cut])
         front = ahead[~seen[ahead]]
         seen[front] = True
     return values.reshape(grid.shape), np.concatenate(crossed)
 
 
-def _through_faces(grid: Grid, cells: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Cells beyond the faces whose corners differ in sign."""
+def _across_faces(grid: Grid, cells: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """The neighbouring cells across the faces whose corners differ in sign."""
     index, found = np.stack(np.unravel_index(cells, grid.cells)), [np.empty(0, dtype=np.int64)]
     for axis, side in product(range(3), (0, 1)):
         face = inside[:, _CORNERS[:, axis] == side]
@@ -358,11 +355,11 @@ def _through_faces(grid: Grid, cells: np.ndarray, inside: np.ndarray) -> np.ndar
     return np.unique(np.concatenate(found))
 
 
-def searched(solid: Solid, grid: Grid) -> np.ndarray:
-    """Cells from which all of the surface is found that a grid four times as coarse meets.
+def search_box(solid: Solid, grid: Grid) -> np.ndarray:
+    """Cells from which to follow the surface, found on a grid four times as coarse.
 
-    A coarse cell counts if its corners differ in sign, or if the surface is nearer to its middle
-    than its corners, to first order.
+    A coarse cell is included if its corners differ in sign, or if the surface is nearer to its
+    centre than its corners, to first order.
     """
     coarse = Grid(grid.low, _STRIDE * grid.spacing, tuple(-(-n // _STRIDE) + 1 for n in grid.cells))
     index = np.stack(np.meshgrid(*map(np.arange, coarse.shape), indexing="ij"), axis=-1)

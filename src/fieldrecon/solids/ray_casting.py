@@ -1,4 +1,4 @@
-"""Where rays first meet the zeros of a function: all march at once."""
+"""Ray casting: the first intersections of rays with the zeros of a function."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
 
-_REFINEMENTS = 100
+_MAX_REFINEMENTS = 100
 _EXACT = 4e-16  # of the distance travelled
 
 
@@ -21,41 +21,43 @@ def ray_intersections(
     direction: ArrayLike,
     lengths: ArrayLike,
     step: float,
+    *,
     near: ArrayLike | None = None,
     slope: float | None = None,
     tolerance: float = 0.0,
     progress: Progress | None = None,
 ) -> np.ndarray:
-    """How far rays go until the function becomes positive.
+    """Distances along rays to the first zero of a function.
 
-    All rays march at once. Where the function changes sign between two places of a ray, regula
-    falsi after Illinois finds the zero, with bisection where that is slow.
+    All rays advance together. When the function changes sign between two points of a ray, the
+    Illinois variant of regula falsi finds the zero, with bisection where that is slow.
 
     Parameters
     ----------
     solid : callable
-        Values (k,) at places (k, d), positive inside; negative where rays begin.
+        Values (k,) at points (k, d), positive inside, and negative at the origins.
     origins : (k, d) array_like
     direction : (d,) array_like
         Unit vector.
     lengths : float or (k,) array_like
-        How far rays go at most.
+        Lengths of the rays.
     step : float
-        Distance of the places that are looked at: what is thinner may be missed.
+        Distance of the points at which the function is evaluated; thinner parts may be missed.
     near : (n, d) array_like, optional
-        Places within 2 steps of which the surface lies everywhere: rays go on to them at once.
+        Points such that the surface is nowhere farther than 2 steps from all of them. Rays skip
+        the space between them.
     slope : float, optional
-        Most by which the function changes in a unit of length; with it rays go on by |F| / slope
-        where that is more than a step (sphere tracing).
+        A Lipschitz constant of the function. With it, rays advance by |F| / slope if that is more
+        than a step (sphere tracing).
     tolerance : float
-        By how much a distance may be off; to rounding by default.
+        Tolerance of the distances; the rounding error by default.
     progress : callable, optional
         Called as progress(done, total) with numbers of rays.
 
     Returns
     -------
     (k,) ndarray
-        Distances; inf where a ray meets nothing.
+        Distances; inf for rays without an intersection.
 
     References
     ----------
@@ -75,30 +77,30 @@ def ray_intersections(
     t, before = np.zeros(len(o)), np.zeros(len(o))
     bracketed = np.zeros(len(o), dtype=bool)
     ends = np.zeros((2, len(o)))
-    going = np.flatnonzero(lengths >= 0)
-    while len(going):
-        places = o[going] + t[going, None] * ahead
-        on = np.full(len(going), step)
-        looked = np.arange(len(going))
+    active = np.flatnonzero(lengths >= 0)
+    while len(active):
+        points = o[active] + t[active, None] * ahead
+        on = np.full(len(active), step)
+        evaluated = np.arange(len(active))
         if tree is not None:
-            free = tree.query(places)[0] - 2 * step
+            free = tree.query(points)[0] - 2 * step
             on = np.maximum(free, step)
-            looked = np.flatnonzero(free <= 0)
-        values = solid(places[looked])
+            evaluated = np.flatnonzero(free <= 0)
+        values = solid(points[evaluated])
         found = values >= 0
-        ends[1, going[looked]] = values
-        bracketed[going[looked[found]]] = True
+        ends[1, active[evaluated]] = values
+        bracketed[active[evaluated[found]]] = True
         if slope is not None:
-            on[looked] = np.maximum(on[looked], -values / slope)
-        on[looked[found]] = np.inf
-        still = np.isfinite(on)
-        before[going[still]] = t[going[still]]
-        ends[0, going[still]] = np.minimum(ends[1, going[still]], 0)
-        t[going[still]] += on[still]
-        going = going[still]
-        going = going[t[going] <= lengths[going]]
+            on[evaluated] = np.maximum(on[evaluated], -values / slope)
+        on[evaluated[found]] = np.inf
+        advancing = np.isfinite(on)
+        before[active[advancing]] = t[active[advancing]]
+        ends[0, active[advancing]] = np.minimum(ends[1, active[advancing]], 0)
+        t[active[advancing]] += on[advancing]
+        active = active[advancing]
+        active = active[t[active] <= lengths[active]]
         if progress is not None:
-            progress(len(o) - len(going), len(o))
+            progress(len(o) - len(active), len(o))
     distance = np.full(len(o), np.inf)
     hit = np.flatnonzero(bracketed)
     bracket = np.stack([before[hit], t[hit]])
@@ -114,25 +116,25 @@ def _refined(
     values: np.ndarray,
     tolerance: float,
 ) -> np.ndarray:
-    """Zeros (k,) between the ends (2, k), the first outside and the second inside."""
+    """Zeros (k,) in brackets (2, k), whose first end is outside and whose second is inside."""
     (a, b), (fa, fb) = bracket.copy(), values.copy()
     side = np.zeros(len(a))
-    going = np.arange(len(a))
-    for k in range(_REFINEMENTS):
-        lo, hi, flo, fhi = a[going], b[going], fa[going], fb[going]
+    active = np.arange(len(a))
+    for k in range(_MAX_REFINEMENTS):
+        lo, hi, flo, fhi = a[active], b[active], fa[active], fb[active]
         share = np.where(fhi - flo > 0, -flo / np.where(fhi - flo > 0, fhi - flo, 1), 0.5)
         middle = lo + (0.5 if k % 4 == 3 else np.clip(share, 0, 1)) * (hi - lo)
-        value = solid(origins[going] + middle[:, None] * ahead)
+        value = solid(origins[active] + middle[:, None] * ahead)
         outside = value < 0
-        again = side[going] == np.where(outside, -1, 1)
-        a[going] = np.where(outside, middle, lo)
-        b[going] = np.where(outside, hi, middle)
-        fa[going] = np.where(outside, value, np.where(again, flo / 2, flo))
-        fb[going] = np.where(outside, np.where(again, fhi / 2, fhi), value)
-        side[going] = np.where(outside, -1, 1)
-        done = (value == 0) | (b[going] - a[going] <= tolerance + _EXACT * b[going])
-        b[going[value == 0]] = middle[value == 0]
-        going = going[~done]
-        if not len(going):
+        again = side[active] == np.where(outside, -1, 1)
+        a[active] = np.where(outside, middle, lo)
+        b[active] = np.where(outside, hi, middle)
+        fa[active] = np.where(outside, value, np.where(again, flo / 2, flo))
+        fb[active] = np.where(outside, np.where(again, fhi / 2, fhi), value)
+        side[active] = np.where(outside, -1, 1)
+        done = (value == 0) | (b[active] - a[active] <= tolerance + _EXACT * b[active])
+        b[active[value == 0]] = middle[value == 0]
+        active = active[~done]
+        if not len(active):
             break
     return b

@@ -1,4 +1,4 @@
-"""Pictures of a surface straight from its implicit function: a ray for every pixel."""
+"""Ray tracing of the zeros of an implicit function: a parallel ray for every pixel."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from fieldrecon._core.chunks import Progress
 from fieldrecon.solids.ray_casting import ray_intersections
 
 LIGHT = (-0.35, 0.5, 0.8)
-"""Direction to the lamp in the picture: from the left, above, and the viewer's side."""
+"""Direction to the light: from the left, from above, and from the side of the viewer."""
 OUTSIDE = (0.851, 0.867, 0.890)
 _AMBIENT, _DIFFUSE, _SPECULAR, _SHININESS = 0.28, 0.66, 0.16, 24
-_FINE = 1e-3  # of a step: nobody sees less
+_INVISIBLE = 1e-3  # of a step
 
 
 class Implicit(Protocol):
     """A function that is positive inside a body, with its gradient."""
 
     def __call__(self, x: np.ndarray, /) -> np.ndarray:
-        """Values (...) at the places (..., 3)."""
+        """Values (...) at points (..., 3)."""
 
     def gradient(self, x: np.ndarray, /) -> np.ndarray:
         """Gradients (..., 3)."""
@@ -38,9 +38,9 @@ class View:
     axes : (3, 3) ndarray
         Columns that point right, up, and to the viewer.
     origins : (rows, columns, 3) ndarray
-        Where the rays enter the box, the lowest row first.
+        Points at which the rays enter the box, the lowest row first.
     lengths : (rows, columns) ndarray
-        How far they go in it; negative where they pass it by.
+        Lengths of the rays in the box; negative for rays that miss it.
     """
 
     axes: np.ndarray
@@ -51,7 +51,7 @@ class View:
     def of_box(
         cls, box: ArrayLike, toward: ArrayLike, pixels: int = 400, up: ArrayLike = (0, 0, 1)
     ) -> View:
-        """Look at a box from a direction.
+        """Return the view of a box from a direction.
 
         Parameters
         ----------
@@ -60,9 +60,9 @@ class View:
         toward : (3,) array_like
             Direction to the viewer.
         pixels : int
-            Along the longer side.
+            Number of pixels along the longer side.
         up : (3,) array_like
-            What points up in the picture.
+            Direction that points up in the picture.
 
         Examples
         --------
@@ -72,8 +72,8 @@ class View:
         low, high = np.asarray(box, dtype=float)
         axes = _axes(np.asarray(toward, dtype=float), np.asarray(up, dtype=float))
         corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), axis=-1)
-        seen = (corners.reshape(-1, 3) - low) @ axes
-        first, last = seen.min(axis=0), seen.max(axis=0)
+        projected = (corners.reshape(-1, 3) - low) @ axes
+        first, last = projected.min(axis=0), projected.max(axis=0)
         size = (last - first)[:2].max() / pixels
         columns, rows = np.ceil((last - first)[:2] / size - 1e-9).astype(int)
         middle = (first + last)[:2] / 2
@@ -96,7 +96,7 @@ def ray_traced(
     color: ArrayLike | Callable[[np.ndarray], np.ndarray] = OUTSIDE,
     progress: Progress | None = None,
 ) -> np.ndarray:
-    """Picture of the zeros of a function, lit after Phong with its gradient.
+    """Picture of the zeros of a function, with Phong shading by its gradient.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def ray_traced(
     step, near, slope
         As for `ray_intersections`.
     color : (3,) array_like or callable
-        Of the surface, red, green and blue between 0 and 1; or what takes places (k, 3) on it to
+        Red, green and blue of the surface, from 0 to 1; or a function from points (k, 3) on it to
         colours (k, 3).
     progress : callable, optional
         Called as progress(done, total) with numbers of rays.
@@ -114,25 +114,32 @@ def ray_traced(
     Returns
     -------
     (rows, columns, 4) ndarray
-        Colours and opacity, the lowest row first; transparent where no surface is seen.
+        Colours and opacity, the lowest row first; transparent where no surface is visible.
     """
     rays, lengths = view.origins.reshape(-1, 3), view.lengths.ravel()
     ahead = -view.axes[:, 2]
-    tolerance = _FINE * step
     distance = ray_intersections(
-        solid, rays, ahead, lengths, step, near, slope, tolerance, progress
+        solid,
+        rays,
+        ahead,
+        lengths,
+        step,
+        near=near,
+        slope=slope,
+        tolerance=_INVISIBLE * step,
+        progress=progress,
     )
     hit = np.isfinite(distance)
-    places = rays[hit] + distance[hit, None] * ahead
+    points = rays[hit] + distance[hit, None] * ahead
     image = np.zeros((len(rays), 4))
-    own = color(places) if callable(color) else np.asarray(color, dtype=float)
-    image[hit, :3] = phong(-solid.gradient(places) @ view.axes, own)
+    own = color(points) if callable(color) else np.asarray(color, dtype=float)
+    image[hit, :3] = phong(-solid.gradient(points) @ view.axes, own)
     image[hit, 3] = 1
     return image.reshape(*view.origins.shape[:2], 4)
 
 
 def phong(normals: np.ndarray, color: np.ndarray) -> np.ndarray:
-    """Colours (k, 3) of a surface with these normals (right, up, to the viewer), of any length."""
+    """Colours (k, 3) of a surface with normals (right, up, to the viewer) of any length."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     n = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
     lamp = np.array(LIGHT) / np.linalg.norm(LIGHT)
@@ -147,6 +154,6 @@ def _axes(toward: np.ndarray, up: np.ndarray) -> np.ndarray:
     towards = toward / np.linalg.norm(toward)
     right = np.cross(up, towards)
     if np.linalg.norm(right) == 0:
-        raise ValueError(f"up must be another direction than that to the viewer; got {up}")
+        raise ValueError(f"up must not be parallel to the direction to the viewer; got {up}")
     right /= np.linalg.norm(right)
     return np.column_stack([right, np.cross(towards, right), towards])

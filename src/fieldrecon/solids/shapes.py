@@ -1,4 +1,4 @@
-"""Bodies by their formulas, and points on their surfaces as a scanner takes them."""
+"""Bodies given by formulas, and simulated scans of their surfaces."""
 
 from __future__ import annotations
 
@@ -9,16 +9,14 @@ from fieldrecon._core import validation as valid
 from fieldrecon.datasets.synthetic import Seed
 from fieldrecon.solids.constructive import Solid
 
-__all__ = ["Ball", "Box", "Cylinder", "Torus", "roughened", "sample_surface", "scanned"]
-
 _ORIGIN = (0.0, 0.0, 0.0)
-_SHELL = 0.01  # points are drawn so near to the surface, in parts of the box
-_DRAWS = 200  # after so many without enough points there is no surface
-_MARCH = 64  # steps of a ray from a point to the eye
+_SHELL = 0.01  # of the box: points are drawn this near to the surface
+_MAX_DRAWS = 200
+_MAX_STEPS = 64  # of a ray from a point to the scanner
 
 
 class _Shape(Solid):
-    """A body about a centre; F and its gradient in coordinates from there."""
+    """A body with a centre; F and its gradient in coordinates relative to the centre."""
 
     def __init__(self, half: ArrayLike, center: ArrayLike) -> None:
         self._center = valid.as_queries(center, 3)
@@ -60,12 +58,12 @@ class Ball(_Shape):
 
 
 class Box(_Shape):
-    """A box with edges along the axes; F is the distance to its surface, signed.
+    """A box with edges along the axes; F is the signed distance.
 
     Parameters
     ----------
     size : (3,) array_like or float
-        Lengths of the edges, positive. A small one makes a sheet.
+        Positive lengths of the edges.
     center : (3,) array_like
         The origin by default.
 
@@ -96,12 +94,12 @@ class Box(_Shape):
 
 
 class Torus(_Shape):
-    """A ring about the z axis, F = tube - |(|(x, y)| - radius, z)|.
+    """A torus about the z axis, F = tube - |(|(x, y)| - radius, z)|.
 
     Parameters
     ----------
     radius, tube : float
-        Of the circle in the middle, and of the tube about it, positive.
+        Radii of the centre circle and of the tube, positive.
     center : (3,) array_like
         The origin by default.
 
@@ -125,7 +123,7 @@ class Torus(_Shape):
 
 
 class Cylinder(_Shape):
-    """A cylinder about the z axis, closed by discs; F is the distance to its surface, signed.
+    """A cylinder about the z axis, closed by discs; F is the signed distance.
 
     Parameters
     ----------
@@ -161,9 +159,9 @@ class Cylinder(_Shape):
 
 
 def sample_surface(solid: Solid, n: int, seed: Seed) -> tuple[np.ndarray, np.ndarray]:
-    """Points on the surface of a body, about uniformly, and its outward normals there.
+    """Draw points on the surface of a body, about uniformly, with the outward normals.
 
-    Points of the box near the surface are led to it along the gradient.
+    Random points of the box near the surface are projected onto it along the gradient.
 
     Parameters
     ----------
@@ -172,7 +170,7 @@ def sample_surface(solid: Solid, n: int, seed: Seed) -> tuple[np.ndarray, np.nda
     n : int
         Number of points.
     seed : int or numpy.random.Generator
-        What the draw is made from.
+        Seed of the random numbers.
 
     Returns
     -------
@@ -194,13 +192,13 @@ def sample_surface(solid: Solid, n: int, seed: Seed) -> tuple[np.ndarray, np.nda
     shell = _SHELL * size.max()
     low, span = solid.box[0] - shell, size + 2 * shell
     found, count = [np.empty((0, 3))], 0
-    for _ in range(_DRAWS):
+    for _ in range(_MAX_DRAWS):
         if count >= n:
             break
         x = low + span * rng.random((min(max(4 * n, 4096), 2**18), 3))
         x = x[np.abs(solid(x)) < shell]
-        foot = _led(solid, x)
-        # from beyond an edge all would come to lie on it, askew to the normal
+        foot = _projected(solid, x)
+        # points beyond an edge would all be projected onto the edge
         along = np.abs(np.einsum("ij,ij->i", x - foot, solid.normals(foot)))
         straight = along > 0.999 * np.linalg.norm(x - foot, axis=1)
         found.append(foot[straight & (np.abs(solid(foot)) < 1e-9 * shell)])
@@ -211,8 +209,8 @@ def sample_surface(solid: Solid, n: int, seed: Seed) -> tuple[np.ndarray, np.nda
     return points, solid.normals(points)
 
 
-def _led(solid: Solid, x: np.ndarray) -> np.ndarray:
-    """Points led to the surface along the gradient."""
+def _projected(solid: Solid, x: np.ndarray) -> np.ndarray:
+    """Project points onto the surface along the gradient."""
     for _ in range(8):
         g = solid.gradient(x)
         x = x - (solid(x) / np.maximum(np.einsum("ij,ij->i", g, g), 1e-12))[:, None] * g
@@ -220,16 +218,16 @@ def _led(solid: Solid, x: np.ndarray) -> np.ndarray:
 
 
 def roughened(points: ArrayLike, normals: ArrayLike, noise: float, seed: Seed) -> np.ndarray:
-    """Points shifted along their normals, normally distributed.
+    """Displace points along their normals by normally distributed noise.
 
     Parameters
     ----------
     points, normals : (n, 3) array_like
-        Points of a surface, and its normals.
+        Points on a surface, and its normals.
     noise : float
-        Standard deviation, as a length.
+        Standard deviation, a length.
     seed : int or numpy.random.Generator
-        What the draw is made from.
+        Seed of the random numbers.
 
     Returns
     -------
@@ -243,20 +241,20 @@ def roughened(points: ArrayLike, normals: ArrayLike, noise: float, seed: Seed) -
 def scanned(
     solid: Solid, points: ArrayLike, normals: ArrayLike, eyes: ArrayLike, slant: float = 0.2
 ) -> np.ndarray:
-    """Which points of a surface are seen from one of the eyes: the others lie in shadow.
+    """Return which points of a surface are visible from a position of a scanner.
 
-    A ray goes from the point to the eye in steps of the distance to the body.
+    A ray goes from the point to the scanner in steps of the distance to the body.
 
     Parameters
     ----------
     solid : Solid
         The body.
     points, normals : (n, 3) array_like
-        Points of its surface, and its outward normals.
+        Points on its surface, and its outward normals.
     eyes : (k, 3) array_like
-        Where the scanner stood, outside the body.
+        Positions of the scanner, outside the body.
     slant : float
-        Cosine of the angle to the normal beyond which the scanner sees nothing.
+        Cosine of the largest angle to the normal at which the scanner sees a point.
 
     Returns
     -------
@@ -272,23 +270,23 @@ def scanned(
     p, outward = valid.as_points(points), valid.as_points(normals, "normals")
     seen = np.zeros(len(p), dtype=bool)
     for eye in valid.as_points(eyes, "eyes"):
-        way = eye - p
-        length = np.linalg.norm(way, axis=1)
-        way /= length[:, None]
-        facing = np.flatnonzero(np.einsum("ij,ij->i", way, outward) > slant)
-        seen[facing[_reaches(solid, p[facing], way[facing], length[facing])]] = True
+        toward = eye - p
+        length = np.linalg.norm(toward, axis=1)
+        toward /= length[:, None]
+        facing = np.flatnonzero(np.einsum("ij,ij->i", toward, outward) > slant)
+        seen[facing[_reaches(solid, p[facing], toward[facing], length[facing])]] = True
     return seen
 
 
-def _reaches(solid: Solid, p: np.ndarray, way: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """Whether rays meet the body nowhere after they have left it."""
+def _reaches(solid: Solid, p: np.ndarray, toward: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """Whether rays from the surface do not meet the body again."""
     least = 1e-3 * float((solid.box[1] - solid.box[0]).max())
     t, free = np.full(len(p), 4 * least), np.ones(len(p), dtype=bool)
-    for _ in range(_MARCH):
+    for _ in range(_MAX_STEPS):
         under_way = np.flatnonzero(free & (t < length))
         if len(under_way) == 0:
             break
-        outside = -solid(p[under_way] + t[under_way, None] * way[under_way])
+        outside = -solid(p[under_way] + t[under_way, None] * toward[under_way])
         free[under_way] = outside > 0
         t[under_way] += np.maximum(outside, least)
     return free

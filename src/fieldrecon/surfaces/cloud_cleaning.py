@@ -1,4 +1,4 @@
-"""A cloud made ready: copies and outliers left out, normals that can be trusted, and the noise."""
+"""Cleaning of a cloud: duplicates and outliers removed, reliable normals, and the noise."""
 
 from __future__ import annotations
 
@@ -8,34 +8,35 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.duplicates import first_of_equal
 from fieldrecon.polynomials import monomials
 from fieldrecon.surfaces.normal_orientation import orient_normals
 from fieldrecon.surfaces.normals import PointNormals, as_cloud, estimate_normals
 from fieldrecon.surfaces.off_surface import as_oriented, spacing_of
 
-_ALONE = 1.5  # times the reach of its neighbours: a point with one other nearer is an outlier
-_NEIGHBORS = 8  # that a point has about it, with whom it is compared
-_SAMPLE = 2000  # points of which the noise is judged
-_QUADRIC = 12  # neighbours through which a paraboloid is laid
-_AGREEMENT = 0.5  # of a normal with those about it, in the mean of the cosines
-_AGAINST = 0.3  # of those about in the mean: a direction that contradicts them is none
-_OFF_MIDDLE = 0.2  # of the reach: a point so far off the middle of its neighbours is at a rim
-_ROUGH = 0.2  # of the spacing: noise from which on a plane takes more neighbours
+_ALONE = 1.5  # times the reach of its neighbours: an outlier has at most one other point nearer
+_NEIGHBORS = 8  # with which a point is compared
+_SAMPLE = 2000  # points from which the noise is estimated
+_QUADRIC = 12  # neighbours to which a paraboloid is fitted
+_AGREEMENT = 0.5  # smallest mean cosine of a normal with its neighbours
+_AGAINST = 0.3  # weighted mean cosine, negative, at which a direction is rejected
+_OFF_CENTER = 0.2  # of the reach: distance from the centroid of its neighbours at a boundary
+_ROUGH = 0.2  # of the spacing: noise at which planes are fitted to more neighbours
 
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Points of a surface that count, distinct.
+    """Distinct points of a surface, without outliers, with normals.
 
     Attributes
     ----------
     points, outward : (n, 3) ndarray
     trusted, beside : (n,) ndarray of bool
-        Whether the normal is that of a plane through the neighbours, in agreement with theirs; or
-        a direction outward, as at an edge or a rim. Otherwise it means nothing.
+        Whether `outward` is the normal of a plane through the neighbours that agrees with theirs,
+        or an outward direction as at an edge or boundary. Otherwise it is meaningless.
     left_out : (k,) ndarray of int
     spacing, noise : float
-    remarks : tuple of str
+    warnings : tuple of str
     """
 
     points: np.ndarray
@@ -45,17 +46,17 @@ class Cloud:
     left_out: np.ndarray
     spacing: float
     noise: float
-    remarks: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
-    """What counts of a cloud, and what is to be said of it."""
+    """Clean a cloud, and estimate its normals if they are not given."""
     given = as_cloud(points)
     n = None if normals is None else as_oriented(points, normals)[1]
-    first = np.sort(np.unique(given + 0.0, axis=0, return_index=True)[1])
+    first = np.flatnonzero(first_of_equal(given) == np.arange(len(given)))
     if len(first) < 4:
         raise np.linalg.LinAlgError(
-            f"a surface takes four different points or more; got {len(first)}"
+            f"a surface takes at least four different points; got {len(first)}"
         )
     alone = outliers(given[first])
     kept = first[~alone]
@@ -63,28 +64,28 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
     spacing = spacing_of(p)
     noise = noise_of(p)
     if n is None:
-        estimate = _estimated(p, noise > _ROUGH * spacing)
+        estimate = _estimate(p, noise > _ROUGH * spacing)
         if not estimate.planar.any():
             raise np.linalg.LinAlgError(
-                "the points lie on no surface: nowhere does a plane fit their neighbours"
+                "the points do not lie on a surface: no plane fits the neighbours of any point"
             )
         outward = orient_normals(p, estimate.vectors, estimate.neighbors[:, :9])
-        outward, trusted, beside = _agreed(p, outward, estimate.planar, estimate.neighbors)
+        outward, trusted, beside = _with_agreement(p, outward, estimate.planar, estimate.neighbors)
     else:
         outward, trusted = n[kept], np.ones(len(p), dtype=bool)
         beside = ~trusted
-    said = (
+    findings = (
         (len(given) - len(first), "{} repeat others and count once"),
-        (int(alone.sum()), "{} lie apart from all others and are left out"),
+        (int(alone.sum()), "{} lie apart from all others and are ignored"),
         (int((~trusted).sum()), "{} have no normal: no plane fits their neighbours, as at edges"),
     )
-    remarks = [sentence.format(_points(count)) + "." for count, sentence in said if count]
+    warnings = [sentence.format(_points(count)) + "." for count, sentence in findings if count]
     left_out = np.setdiff1d(np.arange(len(given)), kept)
-    return Cloud(p, outward, trusted, beside, left_out, spacing, noise, tuple(remarks))
+    return Cloud(p, outward, trusted, beside, left_out, spacing, noise, tuple(warnings))
 
 
-def _estimated(p: np.ndarray, rough: bool) -> PointNormals:
-    """Normals by more neighbours where there is noise, and by fewer where these are no plane."""
+def _estimate(p: np.ndarray, rough: bool) -> PointNormals:
+    """Normals by more neighbours if there is noise, and by fewer where no plane fits."""
     wide = estimate_normals(p, 32 if rough else 16)
     if rough:
         return wide
@@ -93,10 +94,10 @@ def _estimated(p: np.ndarray, rough: bool) -> PointNormals:
     return replace(wide, vectors=vectors, planar=wide.planar | close.planar)
 
 
-def _agreed(
+def _with_agreement(
     p: np.ndarray, outward: np.ndarray, planar: np.ndarray, neighbors: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Normals, or directions outward at edges and rims, and which are the one and the other."""
+    """Normals, or outward directions at edges and boundaries, and masks of both."""
     weight = planar[neighbors] * _beside(p, outward, neighbors)
     around = np.einsum("nk,nki->ni", weight, outward[neighbors])
     count = np.maximum(weight.sum(axis=1), np.finfo(float).tiny)
@@ -106,13 +107,13 @@ def _agreed(
     directions = outward.copy()
     directions[beside] = around[beside] / length[beside, None]
     rest = np.flatnonzero(~trusted & ~beside)
-    directions[rest], beside[rest] = _at_rims(p, outward, trusted, neighbors[rest])
+    directions[rest], beside[rest] = _at_boundaries(p, outward, trusted, neighbors[rest])
     beside &= ~_against(p, directions, trusted | beside, neighbors)
     return directions, trusted, beside
 
 
 def _beside(p: np.ndarray, outward: np.ndarray, neighbors: np.ndarray) -> np.ndarray:
-    """1 - (e . n_k)^2 / |e|^2 of neighbours (n, k): none of those across a sheet."""
+    """1 - (e . n_k)^2 / |e|^2 of neighbours (n, k); zero for those across a thin sheet."""
     e = p[neighbors] - p[:, None]
     along, squared = np.einsum("nki,nki->nk", e, outward[neighbors]) ** 2, (e**2).sum(axis=2)
     return 1 - np.divide(along, squared, out=np.zeros_like(along), where=squared > 0)
@@ -121,34 +122,35 @@ def _beside(p: np.ndarray, outward: np.ndarray, neighbors: np.ndarray) -> np.nda
 def _against(
     p: np.ndarray, directions: np.ndarray, known: np.ndarray, neighbors: np.ndarray
 ) -> np.ndarray:
-    """Which directions (n,) are against those about, the nearest counting most."""
+    """Whether directions (n,) contradict their neighbours, weighted by inverse squared distance."""
     squared = ((p[neighbors] - p[:, None]) ** 2).sum(axis=2)
     weight = np.divide(known[neighbors], squared, out=np.zeros_like(squared), where=squared > 0)
     cosine = np.einsum("nki,ni->nk", directions[neighbors], directions)
     return (weight * cosine).sum(axis=1) < -_AGAINST * weight.sum(axis=1)
 
 
-def _at_rims(
+def _at_boundaries(
     p: np.ndarray, outward: np.ndarray, trusted: np.ndarray, neighbors: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Directions where normals cancel: away from the neighbours, or towards them in a slit.
 
-    From the middle of the neighbours the normals of a sheet look away, those of a slit do not.
+    The normals of a thin sheet point away from the centroid of the neighbours, those of a slit
+    towards it.
     """
     offsets = p[neighbors] - p[neighbors].mean(axis=1, keepdims=True)
     away = offsets[:, 0]
     far, reach = np.linalg.norm(away, axis=1), np.linalg.norm(offsets, axis=2).max(axis=1)
     looking = np.einsum("nki,nki,nk->n", offsets, outward[neighbors], trusted[neighbors])
     sign = np.where(looking < 0, -1.0, 1.0)
-    known = (far > _OFF_MIDDLE * reach) & (looking != 0)
+    known = (far > _OFF_CENTER * reach) & (looking != 0)
     directions = np.where(known, sign / np.maximum(far, np.finfo(float).tiny), 0.0)[:, None] * away
     return np.where(known[:, None], directions, outward[neighbors[:, 0]]), known
 
 
 def outliers(p: np.ndarray) -> np.ndarray:
-    """Points (n,) that have hardly another as near as their neighbours have eight.
+    """Mask (n,) of points with at most one other as near as their neighbours have eight.
 
-    Two strays together are found too; the neighbours' reach allows for a changing density.
+    Pairs of outliers are also found. The reach of the neighbours allows for a varying density.
     """
     if len(p) <= _NEIGHBORS + 1:
         return np.zeros(len(p), dtype=bool)
@@ -158,16 +160,16 @@ def outliers(p: np.ndarray) -> np.ndarray:
 
 
 def noise_of(p: np.ndarray) -> float:
-    """Standard deviation of the points from paraboloids through their neighbours, the median.
+    """Median of the standard deviations of points from paraboloids fitted to their neighbours.
 
-    Of k neighbours a paraboloid takes six: the squares of what is left are divided by k - 6.
+    A paraboloid has six coefficients, so the sum of squared residuals is divided by k - 6.
     """
     k = min(_QUADRIC, len(p))
     if k <= 6:
         return 0.0
-    some = np.random.default_rng(0).permutation(len(p))[:_SAMPLE]
+    sample = np.random.default_rng(0).permutation(len(p))[:_SAMPLE]
     local = p - p[0]
-    y = local[cKDTree(local).query(local[some], k)[1]]
+    y = local[cKDTree(local).query(local[sample], k)[1]]
     y = y - y.mean(axis=1, keepdims=True)
     axes = np.linalg.eigh(y.mT @ y)[1]
     y = y @ axes
@@ -175,8 +177,8 @@ def noise_of(p: np.ndarray) -> float:
     y = y / np.where(size > 0, size, 1.0)
     basis = np.linalg.qr(monomials(y[..., 1:], 2))[0]
     heights = y[..., :1]
-    rest = heights - basis @ (basis.mT @ heights)
-    return float(np.median(np.linalg.norm(rest, axis=(1, 2)) * size[:, 0, 0]) / np.sqrt(k - 6))
+    residuals = heights - basis @ (basis.mT @ heights)
+    return float(np.median(np.linalg.norm(residuals, axis=(1, 2)) * size[:, 0, 0]) / np.sqrt(k - 6))
 
 
 def _points(count: int) -> str:

@@ -1,4 +1,4 @@
-"""Points off a surface, with their signed distances: what keeps a field from being zero."""
+"""Points off a surface with signed distances, which keep a field from vanishing everywhere."""
 
 from __future__ import annotations
 
@@ -12,11 +12,9 @@ from fieldrecon._core import validation as valid
 from fieldrecon.polynomials import EPS
 from fieldrecon.surfaces.normals import as_cloud
 
-__all__ = ["OffSurface", "classified_points", "off_surface_points"]
-
-_ROUNDS = 50  # a ball that still shrinks after so many holds a point at its rim
-_MARGIN = 0.5  # an off-surface point keeps half of the way to where another site is as near
-_LEAST = 0.05  # of the distance asked for: nearer ones say nothing that their site does not
+_MAX_ROUNDS = 50  # a ball that still shrinks touches a point to rounding
+_MARGIN = 0.5  # of the radius of the empty ball
+_LEAST = 0.05  # of the requested distance: nearer points are dropped
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +27,7 @@ class OffSurface:
     values : (m,) ndarray
         Signed distances from the surface, positive inside.
     sites : (m,) ndarray of int
-        The point of the surface that each belongs to, which is the nearest.
+        The point of the surface from which each was made, which is the nearest.
     """
 
     points: np.ndarray
@@ -42,34 +40,33 @@ def off_surface_points(
 ) -> OffSurface:
     """Points p_j +- d_j n_j along the normals, with the values -d_j outside and +d_j inside.
 
-    Of each d_j, p_j has to be the nearest site of p_j + d_j n_j: else the point could lie in
-    another part of the body, or beyond it. The ball that touches the surface in p_j from that side
-    is shrunk until no other site p_k is in it, to the radius
+    p_j must be the nearest site of p_j + d_j n_j; otherwise the point could lie in another part of
+    the body, or beyond it. So the ball that touches the surface at p_j from that side is shrunk
+    until it contains no other site p_k, to the radius
 
         min_k |p_k - p_j|^2 / (2 n_j . (p_k - p_j)),   n_j . (p_k - p_j) > 0,
 
-    and d_j is half of that, or the distance if it is less. Sites next to which there is no room
-    for a twentieth of the distance get no point on that side.
+    and d_j is half of the radius, but at most the distance. A side on which d_j would be less than
+    a twentieth of the distance gets no point.
 
     Parameters
     ----------
     points : (n, 3) array_like
-        Points on a surface. Of copies each has a point of its own.
+        Points on a surface. Each duplicate gets points of its own.
     normals : (n, 3) array_like
-        Their outward normals; they are made unit vectors.
+        Their outward normals, of any length.
     distance : float, optional
-        How far from the surface, at most; by default the spacing of the points, as
-        `spacing_of` finds it.
+        Largest distance from the surface; by default the spacing of the points by `spacing_of`.
 
     Returns
     -------
     OffSurface
-        First those outside, then those inside.
+        The points outside, then those inside.
 
     Raises
     ------
     ValueError
-        If the arguments are no points and normals in space.
+        If the arguments are not points and normals in space.
 
     References
     ----------
@@ -106,27 +103,27 @@ def off_surface_points(
 def classified_points(
     points: ArrayLike, normals: ArrayLike, x: ArrayLike, cosine: float = 0.5
 ) -> OffSurface:
-    """Any points, told inside from outside by the nearest site.
+    """Classify points as inside or outside by the nearest site.
 
-    If p_j is the nearest site of x and the ray from p_j to x makes an angle of less than 90 degrees
-    with the normal n_j, x is outside; if more, inside. The value is -n_j . (x - p_j), the distance
-    from the tangent plane. That is right where the sites are dense against the distance of x, and
-    can be wrong beside edges.
+    If p_j is the nearest site of x, x is outside if the angle between the ray from p_j to x and the
+    normal n_j is less than 90 degrees, and inside if it is more. The value is -n_j . (x - p_j), the
+    signed distance from the tangent plane. This is right if the spacing of the sites is small
+    compared with the distance of x, and can be wrong near edges.
 
     Parameters
     ----------
     points, normals : (n, 3) array_like
         Points on a surface, and their outward normals.
     x : (m, 3) array_like
-        Points to be told.
+        Points to classify.
     cosine : float
-        From 0 to 1: points whose ray makes a smaller cosine, to either side, are left out, for the
-        surface may be anywhere there.
+        From 0 to 1: points whose ray has a smaller absolute cosine with the normal are dropped,
+        since the side is uncertain.
 
     Returns
     -------
     OffSurface
-        Of `x`, those that were told.
+        The points of `x` that were classified.
 
     References
     ----------
@@ -146,15 +143,15 @@ def classified_points(
         raise ValueError(f"cosine must be from 0 to 1; got {cosine!r}")
     far, site = cKDTree(p - p[0]).query(q - p[0])
     above = np.einsum("ij,ij->i", q - p[site], n[site])
-    told = (np.abs(above) >= cosine * far) & (above != 0)
-    return OffSurface(q[told], -above[told], site[told])
+    classified = (np.abs(above) >= cosine * far) & (above != 0)
+    return OffSurface(q[classified], -above[classified], site[classified])
 
 
 def spacing_of(points: ArrayLike, neighbors: int = 9) -> float:
-    """Spacing of points on a surface: the edge of the square that each has on the average.
+    """Spacing of points on a surface: the edge of the square with the mean area of a point.
 
-    The ball to the k-th neighbour holds k points on a disc of area pi r^2; the median over the
-    points of r sqrt(pi / k).
+    The ball to the k-th neighbour contains k points on a disc of area pi r^2. The spacing is the
+    median of r sqrt(pi / k).
 
     Parameters
     ----------
@@ -174,7 +171,7 @@ def spacing_of(points: ArrayLike, neighbors: int = 9) -> float:
 
 
 def as_oriented(points: ArrayLike, normals: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 3), and as many unit vectors."""
+    """Validate points (n, 3) and their normals, which are normalized."""
     p = as_cloud(points)
     n = valid.as_points(normals, "normals")
     if n.shape != p.shape:
@@ -186,9 +183,9 @@ def as_oriented(points: ArrayLike, normals: ArrayLike) -> tuple[np.ndarray, np.n
 
 
 def _empty_balls(p: np.ndarray, n: np.ndarray, tree: cKDTree, largest: float) -> np.ndarray:
-    """Radii of the largest balls that touch the surface at p from the side of n, and are empty."""
+    """Radii of the largest empty balls that touch the surface at p from the side of n."""
     radius, active = np.full(len(p), largest), np.arange(len(p))
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         center = p[active] + radius[active, None] * n[active]
         found = tree.query(center, workers=-1)[1]
         e = p[found] - p[active]

@@ -1,6 +1,6 @@
-"""A closed surface from loose polygons: implicit moving least squares with integrated weights.
+"""Implicit function of a polygon soup: moving least squares with weights integrated over polygons.
 
-The body that loose triangles of a file bound, ready to be meshed.
+`PolygonSoup` is the function, `PolygonSoupSolid` the body that loose triangles of a file bound.
 """
 
 from __future__ import annotations
@@ -18,13 +18,17 @@ from fieldrecon.reconstruction import DENSE_LIMIT_BYTES
 from fieldrecon.solids.constructive import Solid
 from fieldrecon.surfaces.triangle_integrals import over_segments, over_triangles
 
+CELLS = 80
+"""Default number of cells of the mesh along the longest side."""
+_TOLERANCE = 1e-4
+_MARGIN = 4.0  # of the box around the triangles, in edges or epsilons
 LEAST_EPSILON = 1e-9
-"""In sizes of the soup, below which the weight is not distinguished from the singular one."""
+"""Smallest epsilon, relative to the size of the soup, that is distinguished from zero."""
 _RULE_ERROR = 0.02
 """Relative error of the rules below, times the sixth power of the distance in diameters."""
-_MOST_SWEEPS = 200
+_MAX_SWEEPS = 200
 _SETTLED = 1e-3  # in epsilons
-_IDLE, _WORTH_IT = 5, 0.99  # sweeps that improve on nothing, until the search ends
+_MAX_IDLE, _PROGRESS = 5, 0.99  # sweeps without progress, and the ratio that is progress
 
 _A, _B = (6 - 15**0.5) / 21, (6 + 15**0.5) / 21
 _CORNERWISE = [*([c] * i + [1 - 2 * c] + [c] * (2 - i) for c in (_A, _B) for i in range(3))]
@@ -36,7 +40,7 @@ _RULES = {
         np.array([9 / 40, *[(155 - 15**0.5) / 1200] * 3, *[(155 + 15**0.5) / 1200] * 3]),
     ),
 }
-"""Barycentric places (q, d) and weights (q,): Gauss's rule for segments, Radon's for triangles."""
+"""Barycentric nodes (q, d) and weights (q,): Gauss's rule for segments, Radon's for triangles."""
 
 
 class PolygonSoup:
@@ -44,33 +48,34 @@ class PolygonSoup:
 
         F(x) = sum_k A_k(x) S_k(x) / sum_k A_k(x),    A_k(x) = int_k dp / (|x - p|^2 + epsilon^2)^2,
 
-    with S_k(x) = o_k - n_k . (x - q_k), the signed distance from the plane of polygon k: a
-    function for each polygon instead of a value, which is what keeps F from being zero everywhere.
-    It is moving least squares of degree 0 whose points fill the polygons. They need not share
-    corners, may leave gaps, cross or repeat each other; only their sides must be right.
+    with the signed distance S_k(x) = o_k - n_k . (x - q_k) from the plane of polygon k. This is
+    moving least squares of degree 0 with the points of all polygons as sites. A function for each
+    polygon, in place of the value zero, keeps F from vanishing everywhere. The polygons need not
+    share corners, may leave gaps, and may cross or repeat each other. Only their orientation must
+    be right.
 
-    With epsilon = 0 the zeros of F contain the polygons, and its gradient there is -n_k. Greater
-    ones smooth away what is smaller than epsilon; `enclosing` puts the zeros back around it.
+    With epsilon = 0 the zeros of F contain the polygons, and the gradient there is -n_k. A larger
+    epsilon smooths away smaller details; `enclosing` moves the zeros outside the polygons.
 
     Parameters
     ----------
     points : (n, d) array_like
         Corners, in the plane or in space.
     polygons : (m, d) array_like of int
-        Segments, with the outside on the right, or triangles, counterclockwise from outside. Those
-        without length or area do not count. A convex polygon is a fan of triangles.
+        Segments with the outside on the right, or triangles counter-clockwise when seen from
+        outside. Degenerate ones are ignored. A convex polygon is a fan of triangles.
     epsilon : float
         Length below which details are smoothed.
     offsets : (m,) array_like, optional
-        o_k, by how much each polygon moves outward; zero by default.
+        The outward displacement o_k of each polygon; zero by default.
     tolerance : float
-        Relative error of each A_k. Near a polygon the integral is taken in closed form, and from
-        a distance on that depends on it by quadrature.
+        Relative error of each A_k. The integral is evaluated in closed form near a polygon, and by
+        quadrature beyond a distance that depends on the tolerance.
 
     Raises
     ------
     ValueError
-        If an argument has the wrong form, or no polygon has an extent.
+        If an argument has the wrong form, or all polygons are degenerate.
 
     References
     ----------
@@ -106,7 +111,7 @@ class PolygonSoup:
         extent = np.linalg.norm(normals, axis=1)
         kept = extent > 0
         if not kept.any():
-            raise ValueError("polygons must hold one at least that has a length or an area")
+            raise ValueError("polygons must not all be degenerate: none has a length or an area")
         self._kept, self._middle = kept, self.points.mean(axis=0)
         self._corners = corners[kept] - self._middle
         self._normals = normals[kept] / extent[kept, None]
@@ -115,20 +120,20 @@ class PolygonSoup:
         self._centers = self._corners.mean(axis=1)
         self._heights = np.einsum("md,md->m", self._normals, self._centers) + self.offsets[kept]
         shape, weights = _RULES[d]
-        self._places = np.einsum("qc,mcd->mqd", shape, self._corners)
+        self._nodes = np.einsum("qc,mcd->mqd", shape, self._corners)
         self._shares = (extent[kept] / (d - 1))[:, None] * weights
         self._reach = (_RULE_ERROR / self.tolerance) ** (1 / 6) * self._diameters
         size = np.ptp(self.points, axis=0).max()
         self._epsilon = max(self.epsilon, LEAST_EPSILON * size)
 
-    def __call__(self, x: ArrayLike, progress: Progress | None = None) -> np.ndarray:
+    def __call__(self, x: ArrayLike, *, progress: Progress | None = None) -> np.ndarray:
         """Values of F.
 
         Parameters
         ----------
         x : (..., d) array_like
         progress : callable, optional
-            Called as progress(done, total) with numbers of places.
+            Called as progress(done, total) with numbers of points.
 
         Returns
         -------
@@ -136,13 +141,13 @@ class PolygonSoup:
         """
         return self._in_chunks(self._values, x, (), progress)
 
-    def gradient(self, x: ArrayLike, progress: Progress | None = None) -> np.ndarray:
+    def gradient(self, x: ArrayLike, *, progress: Progress | None = None) -> np.ndarray:
         """Gradients (..., d) of F."""
         d = self.points.shape[1]
         return self._in_chunks(self._gradients, x, (d,), progress)
 
     def weights(self, x: ArrayLike) -> np.ndarray:
-        """Weights A_k / sum_j A_j of the polygons with an extent at the places, (m, k).
+        """Weights A_k / sum_j A_j of the polygons that are not degenerate at points, (m, k).
 
         Raises
         ------
@@ -152,35 +157,35 @@ class PolygonSoup:
         k = len(self._normals)
         if 8 * k * (np.size(x) // self.points.shape[1]) > DENSE_LIMIT_BYTES:
             raise MemoryError(
-                f"the weights of {k:,} polygons at {np.size(x) // self.points.shape[1]:,} places "
+                f"the weights of {k:,} polygons at {np.size(x) // self.points.shape[1]:,} points "
                 f"would take more than {DENSE_LIMIT_BYTES / 2**30:.0f} GiB; take fewer polygons"
             )
         return self._in_chunks(self._weights, x, (k,), None).reshape(-1, k)
 
     def enclosing(self) -> PolygonSoup:
-        """Return the soup with offsets such that F >= 0 at all corners, and about 0 at most.
+        """Return the soup with offsets such that F >= 0 at all corners, and near 0.
 
-        Each polygon moves by what its worst corner lacks, again and again, and after each sweep all
-        of them together by what is still lacking. The sweep that leaves the least F at the corners,
-        in the mean, is taken: where polygons contradict each other, more sweeps make it worse.
+        In each sweep every polygon is displaced by the smallest F at its corners, and then all
+        together by the smallest F that remains. The result is the sweep with the smallest mean F at
+        the corners, since more sweeps make it worse if polygons contradict each other.
         """
         used = self.polygons[self._kept]
-        own, places = np.unique(used, return_inverse=True)
-        places = places.reshape(used.shape)
+        own, index = np.unique(used, return_inverse=True)
+        index = index.reshape(used.shape)
         weights = self.weights(self.points[own])
         x = self.points[own] - self._middle
         offsets = self.offsets[self._kept]
         base = np.einsum("vm,vm->v", weights, self._heights - offsets - x @ self._normals.T)
         best, least, idle = offsets, np.inf, 0
-        for _ in range(_MOST_SWEEPS):
+        for _ in range(_MAX_SWEEPS):
             values = base + weights @ offsets
             shifted, slack = offsets - values.min(), float((values - values.min()).mean())
-            idle = 0 if slack < _WORTH_IT * least else idle + 1
+            idle = 0 if slack < _PROGRESS * least else idle + 1
             if slack < least:
                 best, least = shifted, slack
-            if idle == _IDLE or least <= _SETTLED * self._epsilon:
+            if idle == _MAX_IDLE or least <= _SETTLED * self._epsilon:
                 break
-            offsets = offsets - values[places].min(axis=1)
+            offsets = offsets - values[index].min(axis=1)
         every = self.offsets.copy()
         every[self._kept] = best
         return PolygonSoup(self.points, self.polygons, self.epsilon, every, self.tolerance)
@@ -230,9 +235,9 @@ class PolygonSoup:
         return self._heights - x @ self._normals.T
 
     def _integrals(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """A_k (q, m), and whether each was taken in closed form."""
+        """A_k (q, m), and a mask of those in closed form."""
         near = cdist(x, self._centers, "sqeuclidean") < self._reach**2
-        squared = cdist(x, self._places.reshape(-1, x.shape[1]), "sqeuclidean") + self._epsilon**2
+        squared = cdist(x, self._nodes.reshape(-1, x.shape[1]), "sqeuclidean") + self._epsilon**2
         weight = (self._shares.ravel() / squared**2).reshape(len(x), *self._shares.shape)
         a = weight.sum(axis=2)
         a[near] = self._near_integrals(x, near, slopes=False)[0]
@@ -246,17 +251,17 @@ class PolygonSoup:
         return closed(x[query], self._corners[k], self._normals[k], self._epsilon, slopes)
 
     def _far_slopes(self, x: np.ndarray, rest: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Sum over the far polygons of the gradients of A_k, times the rest (q, m)."""
-        places = self._places.reshape(-1, x.shape[1])
-        squared = cdist(x, places, "sqeuclidean") + self._epsilon**2
+        """Sum over the far polygons of the gradients of A_k, times the factors `rest` (q, m)."""
+        nodes = self._nodes.reshape(-1, x.shape[1])
+        squared = cdist(x, nodes, "sqeuclidean") + self._epsilon**2
         weight = (self._shares.ravel() / squared**3).reshape(len(x), *self._shares.shape)
         weight *= np.where(near, 0, -4 * rest)[..., None]
         weight = weight.reshape(len(x), -1)
-        return weight.sum(axis=1, keepdims=True) * x - weight @ places
+        return weight.sum(axis=1, keepdims=True) * x - weight @ nodes
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:
-    """Normals (m, d), as long as the segment, or as twice the area of the triangle."""
+    """Normals (m, d), whose length is that of the segment, or twice the area of the triangle."""
     if corners.shape[2] == 2:
         along = corners[:, 1] - corners[:, 0]
         return np.stack([along[:, 1], -along[:, 0]], axis=1)
@@ -264,7 +269,7 @@ def _normals(corners: np.ndarray) -> np.ndarray:
 
 
 def _as_polygons(polygons: ArrayLike, points: np.ndarray) -> np.ndarray:
-    """Corners by index, (m, d)."""
+    """Validate the indices (m, d) of corners."""
     n, d = points.shape
     if d not in _RULES:
         raise ValueError(f"points must lie in the plane or in space; got the shape {points.shape}")
@@ -279,14 +284,8 @@ def _as_polygons(polygons: ArrayLike, points: np.ndarray) -> np.ndarray:
     return array
 
 
-CELLS = 80
-"""Triangles of the mesh along the longest side, where nobody says how fine."""
-_TOLERANCE = 1e-4
-_MARGIN = 4.0  # edges or epsilons that the box keeps from the triangles
-
-
-class SoupBody(Solid):
-    """The body of a `PolygonSoup` of triangles, through them or, if epsilon is positive, around.
+class PolygonSoupSolid(Solid):
+    """The body of a `PolygonSoup` of triangles; it encloses them if epsilon is positive.
 
     Parameters
     ----------
@@ -294,14 +293,14 @@ class SoupBody(Solid):
     triangles : (m, 3) ndarray of int
     epsilon : float
     spacing : float, optional
-        How fine it is to be known.
+        Resolution of the surface, a length.
 
     Attributes
     ----------
     points : (k, 3) ndarray
-        Places on the triangles, `spacing` apart or less.
-    remarks : tuple of str
-        What is to be known, in sentences.
+        Points on the triangles, at most `spacing` apart.
+    warnings : tuple of str
+        Warnings about the triangles, in sentences.
     """
 
     spacing: float
@@ -318,11 +317,11 @@ class SoupBody(Solid):
         corners = points[triangles]
         low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
         self.spacing = float((high - low).max() / CELLS) if spacing is None else spacing
-        self.points = self.near = places_on(corners, self.spacing)
+        self.points = self.near = points_on_triangles(corners, self.spacing)
         margin = _MARGIN * max(self.spacing, epsilon)
         self.box = np.array([low - margin, high + margin])
         where = f"around them, smoothed below {epsilon:.3g}" if epsilon else "through them"
-        self.remarks = (f"The {len(triangles):,} triangles are loose; the surface goes {where}.",)
+        self.warnings = (f"The {len(triangles):,} triangles are loose; the surface goes {where}.",)
 
     def _values(self, x: np.ndarray) -> np.ndarray:
         return self.soup(x)
@@ -331,12 +330,12 @@ class SoupBody(Solid):
         return self.soup.gradient(x)
 
 
-def places_on(corners: np.ndarray, spacing: float) -> np.ndarray:
-    """Places (k, 3) on triangles (m, 3, 3), their corners among them, not farther apart.
+def points_on_triangles(corners: np.ndarray, spacing: float) -> np.ndarray:
+    """Points (k, 3) on triangles (m, 3, 3), corners included, at most `spacing` apart.
 
     Examples
     --------
-    >>> len(places_on(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]), 0.5))
+    >>> len(points_on_triangles(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]), 0.5))
     10
     """
     sides = corners - np.roll(corners, 1, axis=1)

@@ -1,12 +1,12 @@
-"""Integrals of the weight 1 / (|x - p|^2 + epsilon^2)^2 over segments and triangles, and slopes.
+"""Integrals of 1 / (|x - p|^2 + epsilon^2)^2 over segments and triangles, and their gradients.
 
 In the plane of a triangle, with the height h of x above it and eta^2 = h^2 + epsilon^2, the
 integrand is 1 / (rho^2 + eta^2)^2. In polar coordinates about the foot of x each edge contributes
 
     d E / (2 eta^2),    E = int ds / (s^2 + g^2) = [atan(s / g) / g],    g^2 = d^2 + eta^2,
 
-with the distance d of its line from the foot, positive to the inner side, and s along it. All
-functions take pairs: one place and one simplex in every row; without slopes those are zero.
+with the distance d of its line from the foot, positive on the inner side, and s along it. All
+functions take one point and one simplex in every row; without `slopes` the gradients are zero.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from __future__ import annotations
 import numpy as np
 
 _SLENDER = 0.02
-"""Part of the distance along a line below which g is so small that series do better."""
+"""Ratio of g to the distance along a line below which series are more accurate."""
 _BESIDE = 0.1
-"""In eta: nearer to an edge nothing cancels, and rounding could decide on which side x is."""
+"""In eta: distance from an edge below which nothing cancels, and the side of x is uncertain."""
 
 
 def over_segments(
@@ -58,7 +58,7 @@ def over_triangles(
             second = _second(s, t, g**2)
             moment += d * second
             gradient += second[:, None] * inward
-    # outside of the triangle the angles sum to zero, which is left out before it can cancel
+    # outside the triangle the angles sum to zero, and are omitted so that nothing cancels
     integral = np.where(outside, beyond, within / squared) / 2
     if slopes:
         gradient -= (2 * h / squared * (integral + moment / 2))[:, None] * normals
@@ -66,10 +66,10 @@ def over_triangles(
 
 
 def by_rule(
-    x: np.ndarray, places: np.ndarray, shares: np.ndarray, epsilon: float
+    x: np.ndarray, nodes: np.ndarray, shares: np.ndarray, epsilon: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the same by quadrature, places (k, q, d) and shares (k, q): a second route."""
-    offset = x[:, None] - places
+    """Return the same by quadrature with nodes (k, q, d) and weights (k, q), for comparison."""
+    offset = x[:, None] - nodes
     weight = 1 / ((offset**2).sum(axis=2) + epsilon**2)
     slope = np.einsum("kq,kqd->kd", -4 * shares * weight**3, offset)
     return np.einsum("kq,kq->k", shares, weight**2), slope
@@ -83,7 +83,7 @@ def _beyond(
     squared: np.ndarray,
     angle: np.ndarray,
 ) -> np.ndarray:
-    """(sign(d) times the angle of the edge at the foot, less d E) / eta^2, without a difference."""
+    """(sign(d) times the angle of the edge at the foot - d E) / eta^2, without cancellation."""
     distance = np.abs(d)
     low, high = (
         np.arctan2(u * squared, (g + distance) * (distance * g + u**2)) / squared for u in (s, t)
@@ -129,7 +129,7 @@ def _unless_slender(
     power: int,
     binomial: tuple[float, ...],
 ) -> np.ndarray:
-    """The closed form; where s and t lie far on one side of the foot it cancels: the series."""
+    """The closed form, or the series where s and t lie far on one side of the foot."""
     nearest = np.where(s * t > 0, np.minimum(np.abs(s), np.abs(t)), 0)
     slender = squared < (_SLENDER * nearest) ** 2
     low, high, g2 = (a[slender] for a in (s, t, squared))

@@ -1,4 +1,7 @@
-"""Variational implicit functions: shapes of least bending, and one shape turning into another."""
+"""Variational implicit functions: shapes of least bending energy, and their transformation.
+
+Turk and O'Brien (1999, 2002); Wendland (2005), section 1.1, for the blending of shapes.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon.kernels.radial import Radial, polyharmonic
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, values_at
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.rbf import RBF
@@ -24,31 +28,31 @@ def variational_implicit(
     kernel: Radial | None = None,
     offset: float | None = None,
 ) -> Field:
-    """Field of least energy that is zero at points and falls along their normals.
+    """Field of least energy that is zero at points and decreases along their normals.
 
     Parameters
     ----------
     points : (n, d) array_like
-        Points on a closed curve (d = 2), surface (d = 3) or what takes its place beyond.
+        Points on a closed curve (d = 2), surface (d = 3), or hypersurface.
     normals : (n, d) array_like
         Outward, of any length.
     kernel : Radial
-        r^3 by default, theirs in space. Without an offset it must be twice differentiable.
+        r^3 by default. Without an offset it must be twice differentiable.
     offset : float, optional
-        With it, normals are told as Turk and O'Brien do: the value `offset` at the points that lie
-        so far inside along the normal. Without, as slopes, grad F . n = -1 at the points.
+        With an offset, F has the value `offset` at the points at this distance inside along the
+        normals, as by Turk and O'Brien. Without, grad F . n = -1 at the points.
 
     Returns
     -------
     Field
-        Positive inside, about the distance near the points.
+        Positive inside, and about the distance near the points.
 
     Raises
     ------
     ValueError
         If the normals have another shape than the points, or vanish.
     numpy.linalg.LinAlgError
-        If the points determine no linear polynomial: in a plane, of offsets too.
+        If the points, with the offset ones, do not determine a linear polynomial.
 
     References
     ----------
@@ -76,20 +80,20 @@ def variational_implicit(
 
 
 class ShapeTransformation:
-    """Shapes at several times, and all between, as slices of one field of one variable more.
+    """Transformation between shapes: slices of one field with time as an additional variable.
 
-    The points of a shape at the time t become (p, t) and its normals (n, 0): one variational
-    implicit function through all of them. No point of one shape corresponds to a point of another,
-    and the number of parts or holes may change on the way.
+    A variational implicit function interpolates the points (p, t) of all shapes, with the normals
+    (n, 0). No correspondence between the points of two shapes is needed, and the number of parts or
+    holes may change.
 
     Parameters
     ----------
     shapes : sequence of (points, normals)
-        Two or more, each as in `variational_implicit`.
+        Two or more shapes, each as for `variational_implicit`.
     times : sequence of float
-        When each is reached, in units of length: the nearer, the less the shapes blend.
+        The time of each shape, as a length: nearer shapes blend less.
     kernel, offset
-        As in `variational_implicit`, of d + 1 variables.
+        As for `variational_implicit`, in d + 1 variables.
 
     References
     ----------
@@ -115,7 +119,7 @@ class ShapeTransformation:
         self.times = valid.as_line(times, "times")[:, 0]
         if len(shapes) != len(self.times) or len(set(self.times)) < 2:
             raise ValueError(
-                "times must be different numbers, one for each shape, and shapes two or more; got "
+                "times must be different numbers, one for each of two or more shapes; got "
                 f"{len(shapes)} shapes and the times {list(times)}"
             )
         lifted = [_lifted(*shape, t) for shape, t in zip(shapes, self.times, strict=True)]
@@ -128,13 +132,13 @@ class ShapeTransformation:
 
 
 class Slice:
-    """A field of d + 1 variables with the last one fixed; made by `ShapeTransformation.at`."""
+    """A field of d + 1 variables with a fixed last one, as `ShapeTransformation.at` returns it."""
 
     def __init__(self, field: Field, last: float) -> None:
         self.field, self.last = field, last
 
     def __call__(self, x: ArrayLike) -> np.ndarray:
-        """Values (...) at the places (..., d)."""
+        """Values (...) at points (..., d)."""
         return self.field(self._lifted(x))
 
     def gradient(self, x: ArrayLike) -> np.ndarray:

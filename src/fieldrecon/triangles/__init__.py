@@ -1,7 +1,7 @@
 """Surfaces of triangles in space: their errors, found and repaired.
 
-Duplicates, holes, inconsistent orientation, self-intersections and T-junctions, with predicates
-that are exact where rounding could decide. The list of errors is that of the appendix.
+Duplicates, holes, inconsistent orientation, self-intersections and T-junctions, found by exact
+predicates. The list of errors is that of the appendix.
 """
 
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh

@@ -1,7 +1,4 @@
-"""What is wrong with a mesh of triangles in space, and what of it concerns what.
-
-The errors of a mesh: those of its connection, and those of where its vertices are.
-"""
+"""Errors of a mesh of triangles in space, in its connectivity and in its geometry."""
 
 from __future__ import annotations
 
@@ -13,10 +10,16 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
-from fieldrecon.triangles.duplicates import coincident, first_alike, rows_in, three_corners, welded
-from fieldrecon.triangles.half_edges import Sheets
+from fieldrecon.triangles.duplicates import (
+    coincident_vertices,
+    first_duplicates,
+    has_three_corners,
+    merged_vertices,
+    rows_in,
+)
+from fieldrecon.triangles.half_edges import HalfEdges
 from fieldrecon.triangles.intersections import close_pairs, contacts
-from fieldrecon.triangles.orientation import inside_out, turned
+from fieldrecon.triangles.orientation import inconsistently_oriented, inverted
 from fieldrecon.triangles.predicates import collinear
 
 CONCERNS: dict[str, tuple[str, ...]] = {
@@ -31,7 +34,7 @@ CONCERNS: dict[str, tuple[str, ...]] = {
     "orientation": ("flipped_triangles", "one_sided_triangles", "inside_out_triangles"),
     "embedding": ("crossings", "overlaps", "t_junctions", "touching_vertices"),
 }
-"""Which findings of a `MeshAudit` concern what."""
+"""The findings of a `MeshAudit` by concern."""
 
 ROUNDING = 4.0
 """The default tolerance in roundings of the largest coordinate."""
@@ -39,46 +42,46 @@ ROUNDING = 4.0
 
 @dataclass(frozen=True, eq=False)
 class MeshAudit:
-    """Findings about a mesh, each as indices of its vertices or triangles.
+    """The errors of a mesh, as indices of its vertices or triangles.
 
     Attributes
     ----------
     vertices, triangles, parts : int
-        How many there are; parts are connected by edges.
+        Their numbers; parts are connected by edges.
     tolerance : float
-        By how much points may be off.
+        The largest error of the coordinates, a length.
     soup : bool
-        Whether each triangle has vertices of its own, as in STL files. That is the format, and no
-        error: what follows is said of the surface with equal vertices welded, and a vertex is
-        called by the first in its place.
+        Whether each triangle has vertices of its own, as in STL files. This is a property of the
+        format and not an error: equal vertices are merged for all the other findings, and a vertex
+        is given by the first that coincides with it.
     duplicate_vertices : (k, 2) ndarray
-        A vertex, and an earlier one in its place; to weld them joins edges that are one to the eye.
+        A vertex and an earlier one that coincides with it, whose merging joins coincident edges.
     unreferenced_vertices : (k,) ndarray
-        Those that no triangle has.
+        Vertices of no triangle.
     duplicate_triangles : (k, 2) ndarray
-        A triangle, and the first with its vertices, in whatever order.
+        A triangle and the first with the same vertices, in any order.
     degenerate_triangles : (k,) ndarray
-        Those without area: with equal corners, or all three on a line.
+        Triangles without area: with equal or with collinear corners.
     nonmanifold_edges : (k, 2) ndarray
-        Ends of the edges of more than two triangles, copies not counted.
+        Ends of the edges of more than two triangles; duplicate triangles do not count.
     bow_tie_vertices : (k,) ndarray
-        Those whose triangles hang together at the vertex only.
+        Vertices whose triangles are connected at the vertex only.
     boundary_loops : tuple of ndarray
-        Vertices round each hole or rim, in order.
+        Vertices around each hole or boundary, in order.
     free_edge_pairs : (k, 4) ndarray
-        Ends of two edges of the boundary that are one to the eye: a seam that is not sewn.
+        Ends of two boundary edges that coincide, whose vertices are not merged.
     flipped_triangles : (k,) ndarray
-        Those turned against most of their neighbourhood.
+        Triangles oriented against most of their patch.
     one_sided_triangles : (k,) ndarray
-        Those of parts, like the Möbius band, that no turning of triangles orients.
+        Triangles of parts that cannot be oriented, such as the Möbius band.
     inside_out_triangles : (k,) ndarray
-        Those of closed parts whose normals point into the body.
+        Triangles of closed parts whose normals point into the body.
     crossings, overlaps : (k, 2) ndarray
-        Two triangles that share more than corners and edges, in two planes or in one.
+        Two triangles that share more than corners and edges, not coplanar or coplanar.
     t_junctions : (k, 3) ndarray
-        A vertex inside an edge of a triangle that does not have it, and the ends of that edge.
+        A vertex inside an edge of a triangle of which it is not a corner, and the ends of the edge.
     touching_vertices : (k, 2) ndarray
-        A vertex, and an earlier one in its place, of sheets that touch at that point only.
+        A vertex and an earlier one that coincides with it, where the surface only touches itself.
 
     References
     ----------
@@ -109,7 +112,7 @@ class MeshAudit:
 
     @property
     def counts(self) -> dict[str, dict[str, int]]:
-        """How many of each kind were found, by what they concern."""
+        """Number of errors of each kind, by concern."""
         return {
             concern: {kind: len(getattr(self, kind)) for kind in kinds}
             for concern, kinds in CONCERNS.items()
@@ -117,16 +120,16 @@ class MeshAudit:
 
     @property
     def found(self) -> dict[str, int]:
-        """How many of each kind were found, of those that were."""
+        """Number of errors of each kind that occurs."""
         return {kind: n for kinds in self.counts.values() for kind, n in kinds.items() if n}
 
     @property
     def clean(self) -> bool:
-        """Whether nothing was found: a closed, oriented surface without self-intersections."""
+        """Whether there are no errors: a closed, oriented surface without self-intersections."""
         return not self.found
 
     def as_dict(self) -> dict[str, Any]:
-        """All of it in lists and numbers, as for JSON."""
+        """The audit as lists and numbers, for JSON."""
         indices = {
             kind: [loop.tolist() for loop in value] if isinstance(value, tuple) else value.tolist()
             for kind in self.found
@@ -141,24 +144,25 @@ def audit_mesh(
     points: ArrayLike,
     triangles: ArrayLike,
     tolerance: float | None = None,
+    *,
     progress: Progress | None = None,
 ) -> MeshAudit:
-    """Look for all that is wrong with a mesh of triangles in space.
+    """Find the errors of a mesh of triangles in space.
 
     Parameters
     ----------
     points : (n, 3) array_like
-        The vertices. Coordinates are taken for exact; one that is 10⁶⁰ times smaller than the
-        largest is taken for zero.
+        The vertices. Coordinates count as exact; one that is 10⁶⁰ times smaller than the largest
+        counts as zero.
     triangles : (m, 3) array_like of int
         Vertices of each triangle.
     tolerance : float, optional
-        By how much points may be off. Vertices so near to one another are one; a vertex is on an
-        edge, a triangle flat, and two in one plane, if to move points so far could make it so. By
-        default four roundings of the largest coordinate, in the precision of `points`; with 0
-        every decision is exact.
+        The largest error of the coordinates, a length. Vertices no farther apart coincide; a vertex
+        is on an edge, a triangle degenerate, or two triangles coplanar, if a displacement of the
+        points by the tolerance could make it so. By default four roundings of the largest
+        coordinate in the precision of `points`; with 0 every decision is exact.
     progress : callable, optional
-        Called with what is done and the total while self-intersections are looked for.
+        Called as progress(done, total) during the search for self-intersections.
 
     Raises
     ------
@@ -167,10 +171,10 @@ def audit_mesh(
 
     Notes
     -----
-    What one error brings along is not told twice: of triangles that repeat one another one counts
-    for edges and orientation, and triangles with equal corners do not. Triangles without area
-    cannot cross. The signs that decide are those of determinants, computed anew in integers where
-    rounding could change them.
+    Consequences of an error are not reported again: of duplicate triangles only the first counts
+    for edges and orientation, and triangles with equal corners do not count. Degenerate triangles
+    do not cross. The decisions depend on the signs of determinants, which are computed again in
+    integers where rounding could change them.
 
     References
     ----------
@@ -194,22 +198,22 @@ def audit_mesh(
     tolerance = valid.as_length(tolerance, "tolerance", zero_allowed=True)
     unit = unit_of(p)
     p = np.where(np.abs(p / unit) > 2.0**-200, p / unit, 0.0)
-    place = welded(p, tolerance / unit)
+    merged = merged_vertices(p, tolerance / unit)
     referenced = np.bincount(t.ravel(), minlength=len(p))
-    soup = bool((referenced <= 1).all() and (place[t] != t).any())
+    soup = bool((referenced <= 1).all() and (merged[t] != t).any())
     return MeshAudit(
         vertices=len(p),
         triangles=len(t),
         tolerance=tolerance,
         soup=soup,
         unreferenced_vertices=np.flatnonzero(referenced == 0),
-        **connection_errors(p, place[t] if soup else t, place),
-        **geometric_errors(p, place[t], tolerance / unit, progress),
+        **connection_errors(p, merged[t] if soup else t, merged),
+        **geometric_errors(p, merged[t], tolerance / unit, progress=progress),
     )
 
 
 def in_words(kind: str, n: int) -> str:
-    """How many of a kind, as it is said.
+    """Return the number of errors of a kind in words.
 
     Examples
     --------
@@ -223,7 +227,7 @@ def in_words(kind: str, n: int) -> str:
 
 
 def as_surface(points: ArrayLike, triangles: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Points in space, and triangles that index them."""
+    """Validate points in space, and triangles that index them."""
     p = valid.as_points(points)
     if p.shape[1] != 3:
         raise ValueError(f"points must have the shape (n, 3); got {p.shape}")
@@ -256,51 +260,51 @@ def unit_of(p: np.ndarray) -> float:
     return float(np.ldexp(1.0, int(np.frexp(np.abs(p).max())[1]) - 1))
 
 
-def connection_errors(p: np.ndarray, t: np.ndarray, place: np.ndarray) -> dict[str, Any]:
-    """Errors of triangles t (m, 3) on points p (n, 3), each of which is at place (n,)."""
-    real = np.flatnonzero(three_corners(t))
-    first = first_alike(t[real], len(p))
+def connection_errors(p: np.ndarray, t: np.ndarray, merged: np.ndarray) -> dict[str, Any]:
+    """Errors in the connectivity of triangles t (m, 3); merged[v] is the first duplicate of v."""
+    real = np.flatnonzero(has_three_corners(t))
+    first = first_duplicates(t[real], len(p))
     once = first == np.arange(len(real))
     kept = real[once]
-    sheets = Sheets(t[kept], len(p))
-    flipped, one_sided = turned(sheets)
-    inner = inside_out(p, sheets, flipped) & ~one_sided
-    either_way = np.isin(np.flatnonzero(once), first[~once])  # its copy may be the right one
+    half_edges = HalfEdges(t[kept], len(p))
+    flipped, one_sided = inconsistently_oriented(half_edges)
+    inner = inverted(p, half_edges, flipped) & ~one_sided
+    either_way = np.isin(np.flatnonzero(once), first[~once])  # its duplicate may be the right one
     used = np.zeros(len(p), dtype=bool)
     used[t] = True
     return {
-        "parts": int(sheets.parts.max(initial=-1)) + 1,
-        "nonmanifold_edges": sheets.crowded_edges,
-        "bow_tie_vertices": sheets.bow_ties,
-        "boundary_loops": sheets.rims,
+        "parts": int(half_edges.parts.max(initial=-1)) + 1,
+        "nonmanifold_edges": half_edges.nonmanifold_edges,
+        "bow_tie_vertices": half_edges.bow_ties,
+        "boundary_loops": half_edges.boundary_loops,
         "flipped_triangles": kept[flipped & ~either_way],
         "one_sided_triangles": kept[one_sided],
         "inside_out_triangles": kept[inner],
-        **coincident(sheets, place, np.flatnonzero(used)),
+        **coincident_vertices(half_edges, merged, np.flatnonzero(used)),
     }
 
 
 def geometric_errors(
-    p: np.ndarray, t: np.ndarray, tolerance: float = 0.0, progress: Progress | None = None
+    p: np.ndarray, t: np.ndarray, tolerance: float = 0.0, *, progress: Progress | None = None
 ) -> dict[str, Any]:
-    """Errors of triangles t (m, 3) whose different vertices are in different places p (n, 3)."""
-    three = three_corners(t)
+    """Errors in the geometry of triangles t (m, 3) whose coincident vertices are merged."""
+    three = has_three_corners(t)
     flat = ~three
     flat[three] = collinear(*(p[t[three, c]] for c in range(3)), tolerance=tolerance)
     real = np.flatnonzero(three)
-    first = first_alike(t[real], len(p))
-    copies = first != np.arange(len(real))
-    solid = real[~copies & ~flat[real]]
+    first = first_duplicates(t[real], len(p))
+    duplicates = first != np.arange(len(real))
+    solid = real[~duplicates & ~flat[real]]
     pairs = np.empty((0, 2), dtype=np.intp)
     if len(solid):
-        pairs = solid[close_pairs(p, t[solid], tolerance, progress)]
+        pairs = solid[close_pairs(p, t[solid], tolerance, progress=progress)]
     meet = contacts(p, t, pairs, tolerance)
     corners = np.sort(meet.corners_on_edges, axis=1)
-    sewn = rows_in(corners, np.sort(t[flat & three], axis=1))  # by a triangle without area
+    closed = rows_in(corners, np.sort(t[flat & three], axis=1))  # by a degenerate triangle
     return {
-        "duplicate_triangles": np.column_stack([real[copies], real[first[copies]]]),
+        "duplicate_triangles": np.column_stack([real[duplicates], real[first[duplicates]]]),
         "degenerate_triangles": np.flatnonzero(flat),
         "crossings": pairs[meet.crossing],
         "overlaps": pairs[meet.overlapping],
-        "t_junctions": meet.corners_on_edges[~sewn],
+        "t_junctions": meet.corners_on_edges[~closed],
     }

@@ -13,12 +13,12 @@ _VERTICES = 6
 
 
 def distances_to_triangles(
-    x: np.ndarray, points: np.ndarray, triangles: np.ndarray, progress: Progress | None = None
+    x: np.ndarray, points: np.ndarray, triangles: np.ndarray, *, progress: Progress | None = None
 ) -> np.ndarray:
-    """Distance of places to the triangles about the vertices that are nearest to them.
+    """Distances of points to the triangles around their nearest vertices.
 
-    That is the distance to the surface where its triangles are about as long as they are wide;
-    elsewhere it may be more, never less.
+    They are the distances to the surface where its triangles are about as long as they are wide,
+    and upper bounds elsewhere.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def distances_to_triangles(
         Vertices.
     triangles : (m, 3) ndarray of int
     progress : callable, optional
-        Called as progress(done, total) with numbers of places.
+        Called as progress(done, total) with numbers of points.
 
     Returns
     -------
@@ -40,8 +40,8 @@ def distances_to_triangles(
     Examples
     --------
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
-    >>> places = np.array([[0.2, 0.2, 3.0], [-1, 0, 0], [1, 1, 0]])
-    >>> distances_to_triangles(places, corners, np.array([[0, 1, 2]])).round(6)
+    >>> queries = np.array([[0.2, 0.2, 3.0], [-1, 0, 0], [1, 1, 0]])
+    >>> distances_to_triangles(queries, corners, np.array([[0, 1, 2]])).round(6)
     array([3.      , 1.      , 0.707107])
     """
     middle = points.mean(axis=0)
@@ -49,17 +49,17 @@ def distances_to_triangles(
     used = np.unique(triangles)
     tree = cKDTree(p[used])
     rows, corners = np.repeat(np.arange(len(triangles)), 3), triangles.ravel()
-    about = sparse.csr_array(
+    incidence = sparse.csr_array(
         (np.ones(len(rows), dtype=np.int8), (corners, rows)), shape=(len(p), len(triangles))
     )
 
-    def work(some: np.ndarray) -> np.ndarray:
-        nearest = tree.query(some, range(1, min(_VERTICES, len(used)) + 1))[1]
-        incident = about[used[nearest.ravel()]]
-        place = np.repeat(np.arange(nearest.size) // nearest.shape[1], np.diff(incident.indptr))
-        squared = _squared(some[place], p[triangles[incident.indices]])
-        least = np.full(len(some), np.inf)
-        np.minimum.at(least, place, squared)
+    def work(queries: np.ndarray) -> np.ndarray:
+        nearest = tree.query(queries, range(1, min(_VERTICES, len(used)) + 1))[1]
+        incident = incidence[used[nearest.ravel()]]
+        row = np.repeat(np.arange(nearest.size) // nearest.shape[1], np.diff(incident.indptr))
+        squared = _squared(queries[row], p[triangles[incident.indices]])
+        least = np.full(len(queries), np.inf)
+        np.minimum.at(least, row, squared)
         return np.sqrt(least)
 
     result = np.empty(len(x))
@@ -69,7 +69,7 @@ def distances_to_triangles(
 
 
 def _squared(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Squared distance (k,) of each place (k, 3) to its triangle (k, 3, 3)."""
+    """Squared distance (k,) of each point (k, 3) to its triangle (k, 3, 3)."""
     a, b, c = corners.swapaxes(0, 1)
     normal = np.cross(b - a, c - a)
     inside = np.ones(len(x), dtype=bool)

@@ -1,62 +1,43 @@
-"""Vertices in one place: exactly, or within a tolerance.
-
-Triangles that repeat one another, edges and vertices that are one to the eye.
-"""
+"""Duplicate vertices, triangles and edges: equal, or coincident within a tolerance."""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.spatial import KDTree
 
-from fieldrecon.triangles.half_edges import Sheets, labels
+from fieldrecon._core.duplicates import first_of_equal, heights
+from fieldrecon.triangles.half_edges import HalfEdges, component_labels
 
-_DIRECTION = (0.5773, 0.6217, 0.5293)
-"""Along no axis, diagonal or edge that is likely: few points that differ are at one height."""
-_CROWDED = 64  # neighbours of each vertex within the tolerance, on average, that are too many
+_MAX_NEIGHBORS = 64  # within the tolerance of a vertex, on average
 
 
-def welded(points: np.ndarray, tolerance: float = 0.0) -> np.ndarray:
-    """For each point (n, 3), the first one in its place.
+def merged_vertices(points: np.ndarray, tolerance: float = 0.0) -> np.ndarray:
+    """Return for each point (n, 3) the index of the first point that it is merged with.
 
-    Points not farther apart than the tolerance are in one place, and so are chains of them.
+    Points no farther apart than the tolerance are merged, and so are chains of such points.
 
     Raises
     ------
     ValueError
-        If the tolerance would weld nearly everything.
+        If the tolerance would merge most of the points.
     """
-    first = _equal(points)
+    first = first_of_equal(points)
     if tolerance == 0:
         return first
-    places = np.flatnonzero(first == np.arange(len(points)))
-    pairs = _near(points[places], tolerance)
-    return first if len(pairs) == 0 else joined(len(points), places[pairs])[first]
+    distinct = np.flatnonzero(first == np.arange(len(points)))
+    pairs = _near_pairs(points[distinct], tolerance)
+    return first if len(pairs) == 0 else component_minimum(len(points), distinct[pairs])[first]
 
 
-def _equal(points: np.ndarray) -> np.ndarray:
-    """For each point the first one that is equal to it."""
-    height = _heights(points)
-    order = np.argsort(height, kind="stable")
-    level = height[order[1:]] == height[order[:-1]]
-    tied = np.concatenate([[False], level]) | np.concatenate([level, [False]])
-    some = order[tied]
-    some = some[np.lexsort((some, *points[some].T))]
-    starts = np.ones(len(some), dtype=bool)
-    starts[1:] = (points[some[1:]] != points[some[:-1]]).any(axis=1)
-    first = np.arange(len(points))
-    first[some] = some[starts][np.cumsum(starts) - 1] if len(some) else some
-    return first
-
-
-def _near(points: np.ndarray, tolerance: float) -> np.ndarray:
-    """Pairs (k, 2) of different points not farther apart than the tolerance."""
-    height = _heights(points)
+def _near_pairs(points: np.ndarray, tolerance: float) -> np.ndarray:
+    """Pairs (k, 2) of different points no farther apart than the tolerance."""
+    height = heights(points)
     order = np.argsort(height)
     reach = 2 * tolerance + 8 * np.finfo(float).eps * np.abs(height).max()
-    upto = np.searchsorted(height[order], height[order] + reach, side="right")
-    count = upto - np.arange(len(order)) - 1
-    if count.sum() > _CROWDED * len(points):  # heights tell little here
-        return _near_by_tree(points, tolerance)
+    stop = np.searchsorted(height[order], height[order] + reach, side="right")
+    count = stop - np.arange(len(order)) - 1
+    if count.sum() > _MAX_NEIGHBORS * len(points):  # the projection does not separate these points
+        return _near_pairs_by_tree(points, tolerance)
     one = np.repeat(np.arange(len(order)), count)
     other = one + 1 + np.arange(len(one)) - np.repeat(np.cumsum(count) - count, count)
     pairs = order[np.column_stack([one, other])]
@@ -64,36 +45,31 @@ def _near(points: np.ndarray, tolerance: float) -> np.ndarray:
     return pairs[np.einsum("ki,ki->k", apart, apart) <= tolerance**2]
 
 
-def _near_by_tree(points: np.ndarray, tolerance: float) -> np.ndarray:
+def _near_pairs_by_tree(points: np.ndarray, tolerance: float) -> np.ndarray:
     tree = KDTree(points)
-    if tree.count_neighbors(tree, tolerance) > _CROWDED * len(points):
+    if tree.count_neighbors(tree, tolerance) > _MAX_NEIGHBORS * len(points):
         raise ValueError(
-            f"tolerance {tolerance:g} is too large for these points: it would weld most of them"
+            f"tolerance {tolerance:g} is too large for these points: it would merge most of them"
         )
     return tree.query_pairs(tolerance, output_type="ndarray")
 
 
-def _heights(points: np.ndarray) -> np.ndarray:
-    x, y, z = (c * a for c, a in zip(points.T, _DIRECTION, strict=True))
-    return x + y + z
-
-
-def joined(n: int, links: np.ndarray) -> np.ndarray:
-    """For each number below n, the least one that links (l, 2) join it to."""
-    label = labels(n, links)
+def component_minimum(n: int, links: np.ndarray) -> np.ndarray:
+    """Return for each of n nodes the smallest node that links (l, 2) connect it to."""
+    label = component_labels(n, links)
     first = np.full(n, n)
     np.minimum.at(first, label, np.arange(n))
     return first[label]
 
 
-def three_corners(triangles: np.ndarray) -> np.ndarray:
-    """Whether each triangle (m, 3) has three different vertices."""
+def has_three_corners(triangles: np.ndarray) -> np.ndarray:
+    """Return whether each triangle (m, 3) has three different vertices."""
     a, b, c = triangles.T
     return (a != b) & (b != c) & (c != a)
 
 
-def first_alike(triangles: np.ndarray, n: int) -> np.ndarray:
-    """For each triangle (m, 3) of numbers below n, the first one with the same vertices."""
+def first_duplicates(triangles: np.ndarray, n: int) -> np.ndarray:
+    """Return for each triangle (m, 3) on n vertices the first one with the same vertices."""
     rows = np.sort(triangles, axis=1)
     if n**3 < 2**63:
         key = (rows[:, 0] * n + rows[:, 1]) * n + rows[:, 2]
@@ -111,48 +87,52 @@ def first_alike(triangles: np.ndarray, n: int) -> np.ndarray:
 
 
 def rows_in(rows: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Whether each row is among the known ones."""
+    """Return whether each row is among the known ones."""
     _, number = np.unique(np.concatenate([known, rows]), axis=0, return_inverse=True)
     number = number.ravel()
     return np.isin(number[len(known) :], number[: len(known)])
 
 
-def coincident(sheets: Sheets, place: np.ndarray, used: np.ndarray) -> dict[str, np.ndarray]:
-    """Vertices in one place, and seams that are not sewn.
+def coincident_vertices(
+    half_edges: HalfEdges, merged: np.ndarray, used: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Find coincident vertices, and pairs of boundary edges that coincide.
 
-    To weld some of them joins edges that are one to the eye: these are duplicates. Other sheets
-    only touch at the vertex, and to weld them would make a bow-tie.
+    Vertices are duplicates if merging them joins coincident edges. At other coincident vertices
+    the surface only touches itself, and merging them would make a bow-tie.
 
     Parameters
     ----------
-    sheets : Sheets
-    place : (n,) ndarray of int
-        For each vertex the first in its place.
+    sheets : HalfEdges
+    merged : (n,) ndarray of int
+        For each vertex the first that coincides with it.
     used : (u,) ndarray of int
         The vertices of the triangles.
     """
-    shared = np.bincount(place[used], minlength=len(place)) > 1
-    edges = sheets.edges[shared[place[sheets.edges]].any(axis=1)]
-    pairs = _edge_pairs(edges, place)
+    shared = np.bincount(merged[used], minlength=len(merged)) > 1
+    edges = half_edges.edges[shared[merged[half_edges.edges]].any(axis=1)]
+    pairs = _edge_pairs(edges, merged)
     links = np.concatenate([pairs[:, [0, 2]], pairs[:, [1, 3]]])
-    same = joined(len(place), links) if len(links) else np.arange(len(place))
-    least = np.full(len(place), len(place))
-    np.minimum.at(least, place[used], used)
+    same = component_minimum(len(merged), links) if len(links) else np.arange(len(merged))
+    least = np.full(len(merged), len(merged))
+    np.minimum.at(least, merged[used], used)
     again = used[same[used] != used]
-    touching = used[(same[used] == used) & (least[place[used]] != used)]
-    free = np.column_stack([sheets.start[sheets.free_sides], sheets.end[sheets.free_sides]])
+    touching = used[(same[used] == used) & (least[merged[used]] != used)]
+    free = np.column_stack(
+        [half_edges.start[half_edges.free_sides], half_edges.end[half_edges.free_sides]]
+    )
     return {
         "duplicate_vertices": np.column_stack([again, same[again]]),
-        "touching_vertices": np.column_stack([touching, least[place[touching]]]),
-        "free_edge_pairs": _edge_pairs(free[shared[place[free]].any(axis=1)], place),
+        "touching_vertices": np.column_stack([touching, least[merged[touching]]]),
+        "free_edge_pairs": _edge_pairs(free[shared[merged[free]].any(axis=1)], merged),
     }
 
 
-def _edge_pairs(edges: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Pairs (k, 4) of edges in one place, the ends in one place in the same order."""
-    over = place[edges[:, 0]] > place[edges[:, 1]]
+def _edge_pairs(edges: np.ndarray, merged: np.ndarray) -> np.ndarray:
+    """Pairs (k, 4) of coincident edges; their coincident ends are in the same order."""
+    over = merged[edges[:, 0]] > merged[edges[:, 1]]
     edges = np.where(over[:, None], edges[:, ::-1], edges)
-    ends = place[edges]
+    ends = merged[edges]
     order = np.lexsort((edges[:, 1], edges[:, 0], ends[:, 1], ends[:, 0]))
     edges, ends = edges[order], ends[order]
     same = (ends[1:] == ends[:-1]).all(axis=1)

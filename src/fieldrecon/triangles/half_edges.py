@@ -1,4 +1,4 @@
-"""How triangles hang together: edges, what is connected, fans round vertices, boundary loops."""
+"""Half-edges of triangles: edges, connected parts, fans around vertices, boundary loops."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 
-class Sheets:
-    """Triangles (m, 3) as combinatorics; three distinct vertices each, and no two have the same.
+class HalfEdges:
+    """The connectivity of triangles (m, 3), with three distinct vertices each and no duplicates.
 
-    A *side* 3 t + k of triangle t goes from its k-th vertex to the next; the *corner* 3 t + k is
-    at its k-th vertex. Sides with the same ends are one edge.
+    The half-edge, or *side*, 3 t + k of triangle t goes from its k-th vertex to the next; its
+    *corner* 3 t + k is at its k-th vertex. Sides with the same ends form one edge.
     """
 
     def __init__(self, triangles: np.ndarray, n: int) -> None:
@@ -31,41 +31,41 @@ class Sheets:
 
     @cached_property
     def links(self) -> np.ndarray:
-        """Pairs (l, 2) of sides at a common edge; k - 1 of them where there are k sides."""
+        """Pairs (l, 2) of sides at a common edge; k - 1 pairs at an edge of k sides."""
         return np.column_stack([self._order[self._linked - 1], self._order[self._linked]])
 
     @cached_property
     def manifold_links(self) -> np.ndarray:
-        """Those of the links (l, 2) where exactly two sides meet."""
+        """Pairs (l, 2) of sides at the edges of exactly two sides."""
         first = self._first[self._count == 2]
         return np.column_stack([self._order[first], self._order[first + 1]])
 
     @cached_property
     def edges(self) -> np.ndarray:
-        """Ends (e, 2) of each edge, the lower first."""
+        """Ends (e, 2) of each edge, the smaller index first."""
         return self._ends(self._order[self._first])
 
     @cached_property
-    def crowded_edges(self) -> np.ndarray:
+    def nonmanifold_edges(self) -> np.ndarray:
         """Ends (k, 2) of the edges of more than two triangles."""
         return self._ends(self._order[self._first[self._count > 2]])
 
     @cached_property
     def free_sides(self) -> np.ndarray:
-        """Sides (b,) that no other triangle has, increasing."""
+        """Boundary sides (b,), which no other triangle shares, increasing."""
         return np.sort(self._order[self._first[self._count == 1]])
 
     @cached_property
     def parts(self) -> np.ndarray:
-        """Number (m,) of the part that each triangle is in; parts are connected by edges."""
-        return labels(len(self.triangles), self.links // 3)
+        """Label (m,) of the part of each triangle; parts are connected by edges."""
+        return component_labels(len(self.triangles), self.links // 3)
 
     @cached_property
     def closed_parts(self) -> np.ndarray:
         """Whether each part has two triangles at every edge."""
         closed = np.ones(self.parts.max(initial=-1) + 1, dtype=bool)
         closed[self.parts[self.free_sides // 3]] = False
-        if len(self.crowded_edges):
+        if len(self.nonmanifold_edges):
             links = self.links
             usual = np.isin(links[:, 0], self.manifold_links[:, 0])
             closed[self.parts[links[~usual, 0] // 3]] = False
@@ -73,43 +73,43 @@ class Sheets:
 
     @cached_property
     def fans(self) -> np.ndarray:
-        """Number (3m,) of the fan that each corner is in.
+        """Label (3m,) of the fan of each corner.
 
-        A fan is the corners at a vertex that are connected by edges which end there.
+        A fan consists of the corners at a vertex that are connected by edges at that vertex.
         """
         one, other = self.links.T
         along = (self.start[one] == self.start[other])[:, None]
         corners = np.column_stack([one, other]), np.column_stack([_next(one), _next(other)])
-        straight = np.where(along, corners[0], np.column_stack([one, _next(other)]))
-        turned = np.where(along, corners[1], np.column_stack([_next(one), other]))
-        return labels(len(self.start), np.concatenate([straight, turned]))
+        first = np.where(along, corners[0], np.column_stack([one, _next(other)]))
+        second = np.where(along, corners[1], np.column_stack([_next(one), other]))
+        return component_labels(len(self.start), np.concatenate([first, second]))
 
     @cached_property
     def bow_ties(self) -> np.ndarray:
-        """Vertices of more than one fan, increasing."""
+        """Vertices with more than one fan, increasing."""
         count = self.fans.max(initial=-1) + 1
         vertex = np.empty(count, dtype=np.intp)
         vertex[self.fans] = self.start
         return np.flatnonzero(np.bincount(vertex, minlength=self.n) > 1)
 
     @cached_property
-    def loops(self) -> tuple[np.ndarray, ...]:
-        """Sides round each hole, in order, most of them in their own direction.
+    def loop_sides(self) -> tuple[np.ndarray, ...]:
+        """Sides around each hole, in order, most of them in their own direction.
 
-        At a vertex with several fans the loop stays in one. What ends at an edge of more than two
-        triangles is a chain.
+        At a vertex with several fans the loop stays in one of them. A sequence that ends at an edge
+        of more than two triangles is open.
         """
         return tuple(self.free_sides[walk // 2] for walk in self._walks)
 
     @cached_property
-    def rims(self) -> tuple[np.ndarray, ...]:
-        """Vertices round each hole: where each side of a loop is entered, whichever way it runs."""
+    def boundary_loops(self) -> tuple[np.ndarray, ...]:
+        """Vertices around each hole: the first end of each side along the loop."""
         ends = np.column_stack([self.start[self.free_sides], self.end[self.free_sides]]).ravel()
         return tuple(ends[walk] for walk in self._walks)
 
     @cached_property
     def _walks(self) -> tuple[np.ndarray, ...]:
-        """Ends of the free sides at which a walk round each hole enters them; two for each side."""
+        """Ends of the free sides at which a walk around each hole enters them."""
         free = self.free_sides
         if len(free) == 0:
             return ()
@@ -117,10 +117,10 @@ class Sheets:
         where = np.arange(len(fan))
         onward = _partners(fan)[where ^ 1]
         label, rank = _cycles(onward)
-        smaller = np.lexsort((rank, label))
-        place = np.empty_like(smaller)
-        place[smaller] = where
-        seen = smaller[place[smaller] < place[smaller ^ 1]]  # each side once, one way round
+        order = np.lexsort((rank, label))
+        position = np.empty_like(order)
+        position[order] = where
+        seen = order[position[order] < position[order ^ 1]]  # each side once, in one direction
         return tuple(np.split(seen, np.flatnonzero(np.diff(label[seen])) + 1))
 
     def _ends(self, sides: np.ndarray) -> np.ndarray:
@@ -129,8 +129,8 @@ class Sheets:
         return ends
 
 
-def labels(n: int, links: np.ndarray) -> np.ndarray:
-    """Number of the part that each of n things is in, given the links (l, 2) between them."""
+def component_labels(n: int, links: np.ndarray) -> np.ndarray:
+    """Label of the connected component of each of n nodes, given the links (l, 2) between them."""
     ones = np.ones(len(links), dtype=np.int8)
     graph = sparse.csr_array((ones, (links[:, 0], links[:, 1])), shape=(n, n))
     return connected_components(graph, directed=False)[1]
@@ -142,21 +142,21 @@ def _next(sides: np.ndarray) -> np.ndarray:
 
 
 def _partners(groups: np.ndarray) -> np.ndarray:
-    """For each element another of its group, two and two; itself where none is left."""
+    """Pair the elements of each group; the last of an odd number is its own partner."""
     order = np.argsort(groups, kind="stable")
     ordered = groups[order]
     starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
     size = np.diff(starts, append=len(groups))
-    place = np.arange(len(groups)) - np.repeat(starts, size)
-    other = np.arange(len(groups)) + 1 - 2 * (place % 2)
-    alone = (place % 2 == 0) & (place == np.repeat(size, size) - 1)
+    position = np.arange(len(groups)) - np.repeat(starts, size)
+    other = np.arange(len(groups)) + 1 - 2 * (position % 2)
+    alone = (position % 2 == 0) & (position == np.repeat(size, size) - 1)
     partner = np.empty_like(order)
     partner[order] = order[np.where(alone, np.arange(len(groups)), other)]
     return partner
 
 
 def _cycles(onward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of a permutation: the least element of the cycle of each element, and the steps from it."""
+    """The smallest element of the cycle of each element of a permutation, and the steps from it."""
     label, jump = np.arange(len(onward)), onward
     for _ in range(len(onward).bit_length()):
         label, jump = np.minimum(label, label[jump]), jump[jump]

@@ -1,31 +1,30 @@
-"""Which triangles are turned the wrong way: against their neighbours, or against the outside."""
+"""Triangles oriented inconsistently with their neighbours, and closed parts that are inverted."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from fieldrecon.triangles.bounding_volumes import BoxTree, overlapping
-from fieldrecon.triangles.half_edges import Sheets, labels
+from fieldrecon.triangles.bounding_volumes import BVH, intersecting_pairs
+from fieldrecon.triangles.half_edges import HalfEdges, component_labels
 from fieldrecon.triangles.predicates import orient2d, orient3d
 
 _NOTHING = 1e-12
-"""Volume of a body over the sum of those of its pieces below which it has none."""
+"""Volume of a body, relative to the sum of its absolute terms, below which it is zero."""
 
 
-def turned(sheets: Sheets) -> tuple[np.ndarray, np.ndarray]:
-    """Whether each triangle is turned against the most of its patch, and is in a one-sided one.
+def inconsistently_oriented(half_edges: HalfEdges) -> tuple[np.ndarray, np.ndarray]:
+    """Whether each triangle is oriented against most of its patch, and is in a one-sided patch.
 
-    A patch is connected by edges of two triangles. In a patch that can be oriented the fewer are
-    turned against the others, of as many the ones without the first. The patch is looked at twice,
-    once as it is and once turned over, as a surface with two sides is: if both are connected, it
-    has but one side.
+    A patch is connected by edges of two triangles. The triangles of an orientable patch have two
+    orientations; the minority is reported, and in a tie the triangles unlike the first. A patch is
+    one-sided if its two sides, as copies of the patch, are connected.
 
     Returns
     -------
-    turned, one_sided : (m,) ndarray of bool
+    reversed, one_sided : (m,) ndarray of bool
     """
-    m, links = len(sheets.triangles), sheets.manifold_links
-    against = sheets.start[links[:, 0]] == sheets.start[links[:, 1]]
+    m, links = len(half_edges.triangles), half_edges.manifold_links
+    against = half_edges.start[links[:, 0]] == half_edges.start[links[:, 1]]
     if not against.any():
         return np.zeros(m, dtype=bool), np.zeros(m, dtype=bool)
     one, other = (links // 3).T
@@ -33,8 +32,8 @@ def turned(sheets: Sheets) -> tuple[np.ndarray, np.ndarray]:
     cover = np.concatenate(
         [np.column_stack([one, other + across]), np.column_stack([one + m, other + m - across])]
     )
-    side = labels(2 * m, cover)
-    patch = labels(m, links // 3)
+    side = component_labels(2 * m, cover)
+    patch = component_labels(m, links // 3)
     one_sided = side[:m] == side[m:]
     count = patch.max() + 1
     first = np.full(count, m)
@@ -44,84 +43,86 @@ def turned(sheets: Sheets) -> tuple[np.ndarray, np.ndarray]:
     return (unlike ^ many[patch]) & ~one_sided, one_sided
 
 
-def inside_out(points: np.ndarray, sheets: Sheets, flipped: np.ndarray) -> np.ndarray:
-    """Whether each triangle is in a closed part whose normals point to the wrong side.
+def inverted(points: np.ndarray, half_edges: HalfEdges, flipped: np.ndarray) -> np.ndarray:
+    """Whether each triangle is in a closed part whose normals point into the body.
 
-    They are to point out of the body, hence into the cavity from a part that lies inside an odd
-    number of others.
+    A part inside an odd number of others bounds a cavity, and its normals point into that cavity
+    if they are right.
 
     Parameters
     ----------
     points : (n, 3) ndarray
-    sheets : Sheets
+    sheets : HalfEdges
     flipped : (m,) ndarray of bool
-        Triangles that are to be turned first.
+        Triangles to be reversed first.
     """
-    closed = sheets.closed_parts
+    closed = half_edges.closed_parts
     if not closed.any():
         return np.zeros(len(flipped), dtype=bool)
-    outward = _outward(points, sheets, flipped)
-    inner = _depths(points, sheets) % 2 == 1
-    return (closed & (outward == np.where(inner, 1, -1)))[sheets.parts]
+    outward = _outward(points, half_edges, flipped)
+    inner = _depths(points, half_edges) % 2 == 1
+    return (closed & (outward == np.where(inner, 1, -1)))[half_edges.parts]
 
 
-def _outward(points: np.ndarray, sheets: Sheets, flipped: np.ndarray) -> np.ndarray:
-    """Sign of the volume that is inside of each part; 0 where rounding decides."""
-    parts, count = sheets.parts, sheets.parts.max() + 1
-    some = np.zeros(count, dtype=np.intp)
-    some[parts] = sheets.triangles[:, 0]
-    a, b, c = (points[sheets.triangles[:, k]] - points[some[parts]] for k in range(3))
+def _outward(points: np.ndarray, half_edges: HalfEdges, flipped: np.ndarray) -> np.ndarray:
+    """Sign of the volume that each part encloses; 0 if rounding would decide."""
+    parts, count = half_edges.parts, half_edges.parts.max() + 1
+    sample = np.zeros(count, dtype=np.intp)
+    sample[parts] = half_edges.triangles[:, 0]
+    a, b, c = (points[half_edges.triangles[:, k]] - points[sample[parts]] for k in range(3))
     volume = np.einsum("ki,ki->k", a, np.cross(b, c))
     total = np.bincount(parts, np.where(flipped, -volume, volume), minlength=count)
     terms = np.bincount(parts, np.abs(volume), minlength=count)
     return np.where(np.abs(total) > _NOTHING * terms, np.sign(total), 0)
 
 
-def _depths(points: np.ndarray, sheets: Sheets) -> np.ndarray:
-    """In how many closed parts each closed part lies.
+def _depths(points: np.ndarray, half_edges: HalfEdges) -> np.ndarray:
+    """Number of closed parts that contain each closed part.
 
-    A ray upward from one of its vertices goes out through a part that it is in once more than in.
+    A part contains another if an upward ray from a vertex of that one crosses it an odd number of
+    times.
     """
-    parts, closed = sheets.parts, sheets.closed_parts
+    parts, closed = half_edges.parts, half_edges.closed_parts
     count = len(closed)
     if closed.sum() < 2:
         return np.zeros(count, dtype=np.intp)
-    walls = np.flatnonzero(closed[parts])
+    faces = np.flatnonzero(closed[parts])
     origin = np.zeros(count, dtype=np.intp)
-    origin[parts] = sheets.triangles[:, 0]
+    origin[parts] = half_edges.triangles[:, 0]
     which = np.flatnonzero(closed)
     start = points[origin[which]]
-    corners = points[sheets.triangles[walls]]
+    corners = points[half_edges.triangles[faces]]
     top = np.broadcast_to([0.0, 0.0, points[:, 2].max()], start.shape)
     low, high = corners.min(axis=1), corners.max(axis=1)
-    rays = BoxTree(start, np.maximum(start, top * [0, 0, 1] + start * [1, 1, 0]), low.min(axis=0))
-    tree = BoxTree(low, high, low.min(axis=0))
+    rays = BVH(start, np.maximum(start, top * [0, 0, 1] + start * [1, 1, 0]), low.min(axis=0))
+    tree = BVH(low, high, low.min(axis=0))
     boxes = np.full((2, count, 3), np.inf)
-    np.minimum.at(boxes[0], parts[walls], low)
-    np.minimum.at(boxes[1], parts[walls], -high)
+    np.minimum.at(boxes[0], parts[faces], low)
+    np.minimum.at(boxes[1], parts[faces], -high)
 
     def pierced(i: np.ndarray, j: np.ndarray) -> np.ndarray:
-        ray, wall = rays.order[i], tree.order[j]
-        within = _inside_boxes(boxes[:, which[ray]], boxes[:, parts[walls[wall]]])
-        ray, wall = ray[within], wall[within]
-        above = _below(start[ray], corners[wall])
-        return np.column_stack([which[ray[above]], parts[walls[wall[above]]]])
+        ray, face = rays.order[i], tree.order[j]
+        within = _inside_boxes(boxes[:, which[ray]], boxes[:, parts[faces[face]]])
+        ray, face = ray[within], face[within]
+        above = _below(start[ray], corners[face])
+        return np.column_stack([which[ray[above]], parts[faces[face[above]]]])
 
-    hits = overlapping(rays, pierced, tree)
+    hits = intersecting_pairs(rays, pierced, tree)
     crossed, times = np.unique(hits, axis=0, return_counts=True)
     return np.bincount(crossed[times % 2 == 1, 0], minlength=count)
 
 
 def _inside_boxes(inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
-    """Whether boxes (2, k, 3), of low and of negative high corners, lie strictly inside others."""
+    """Whether boxes (2, k, 3), as low and negative high corners, lie strictly inside others."""
     return np.logical_and.reduce(inner > outer, axis=(0, 2))
 
 
 def _below(p: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Whether triangles (k, 3, 3) are above points; of those at a common edge, one at most is.
+    """Whether triangles (k, 3, 3) are above points; at a common edge, at most one of them is.
 
-    Seen from above, a triangle holds a point if a line from there to the right crosses its edges
-    an odd number of times; an edge is crossed or not, whichever triangle asks.
+    In the projection from above, a triangle contains a point if a line to the right of the point
+    crosses its edges an odd number of times. The crossing of an edge does not depend on the
+    triangle.
     """
     odd = np.zeros(len(p), dtype=bool)
     for e, f in ((0, 1), (1, 2), (2, 0)):

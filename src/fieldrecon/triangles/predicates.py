@@ -1,8 +1,8 @@
-"""On which side many points lie: signs of determinants, exact where rounding could decide.
+"""Exact geometric predicates: the signs of determinants of many points.
 
-A sign is taken from floating-point arithmetic where it exceeds a bound of its rounding error; the
-few others are computed again in integers, which is what floating-point numbers are but for a
-power of two.
+The sign of a determinant is taken from floating-point arithmetic if its value exceeds a bound of
+the rounding error. The few others are computed again in integers, since floating-point numbers
+are integers times a power of two.
 
 References
 ----------
@@ -23,7 +23,7 @@ BOUND_3D = 4 * _EPS
 def orient2d(a: np.ndarray, b: np.ndarray, c: np.ndarray, *, tolerance: float = 0.0) -> np.ndarray:
     """Sign of det(b - a, c - a): 1 where a, b, c (k, 2) turn anticlockwise, -1 clockwise, else 0.
 
-    It is 0, too, where to move the points by the tolerance could make it so.
+    It is also 0 if a displacement of the points by the tolerance could make it so.
     """
     u, v = b - a, c - a
     left, right = u[:, 0] * v[:, 1], u[:, 1] * v[:, 0]
@@ -37,9 +37,9 @@ def orient3d(
 ) -> np.ndarray:
     """Sign of det(b - a, c - a, d - a): 1 where d lies where the normal of a, b, c (k, 3) points.
 
-    It is also that of how the line a b passes the line c d. It is 0, too, where to move the points
-    by the tolerance could make it so: the determinant grows by that times the areas of the
-    tetrahedron's faces.
+    It is also the sign of the side on which the line a b passes the line c d. It is also 0 if a
+    displacement of the points by the tolerance could make it so: the determinant changes by the
+    tolerance times the areas of the faces of the tetrahedron.
     """
     u, v, w = b - a, c - a, d - a
     normal, terms = cross_with_terms(u, v)
@@ -53,19 +53,19 @@ def orient3d(
 
 
 def collinear(a: np.ndarray, b: np.ndarray, c: np.ndarray, *, tolerance: float = 0.0) -> np.ndarray:
-    """Whether points (k, 3) lie on one line, or could if moved by the tolerance.
+    """Whether points (k, 3) lie on one line, or could if displaced by the tolerance.
 
-    Points do so if and only if their projections along all three axes do.
+    Points are collinear if and only if their projections along all three axes are.
     """
     u, v = b - a, c - a
     normal, terms = cross_with_terms(u, v)
     flat = _length(normal) <= tolerance * (_length(u) + _length(v) + _length(v - u))
-    doubtful = np.flatnonzero((np.abs(normal) <= BOUND_2D * terms).all(axis=1))
-    on_line = np.ones(len(doubtful), dtype=bool)
+    uncertain = np.flatnonzero((np.abs(normal) <= BOUND_2D * terms).all(axis=1))
+    on_line = np.ones(len(uncertain), dtype=bool)
     for axes in ([0, 1], [1, 2], [2, 0]):
-        x, y, z = (p[doubtful][:, axes] for p in (a, b, c))
+        x, y, z = (p[uncertain][:, axes] for p in (a, b, c))
         on_line &= orient2d(x, y, z) == 0
-    flat[doubtful] = on_line | (flat[doubtful] & (tolerance > 0))
+    flat[uncertain] = on_line | (flat[uncertain] & (tolerance > 0))
     return flat
 
 
@@ -83,10 +83,10 @@ def _length(vectors: np.ndarray) -> np.ndarray:
 def _signs(
     value: np.ndarray, bound: np.ndarray, points: tuple[np.ndarray, ...], slack: np.ndarray | float
 ) -> np.ndarray:
-    """Signs of determinants: of the value, or exact; 0 where it does not exceed the slack."""
+    """Signs of determinants, exact where rounding could decide; 0 below the slack."""
     signs = np.sign(value).astype(np.int8)
-    doubtful = np.flatnonzero((np.abs(value) <= bound) & (bound > 0))
-    signs[doubtful] = _exact_signs(tuple(p[doubtful] for p in points))
+    uncertain = np.flatnonzero((np.abs(value) <= bound) & (bound > 0))
+    signs[uncertain] = _exact_signs(tuple(p[uncertain] for p in points))
     signs[(slack > 0) & (np.abs(value) <= slack)] = 0
     return signs
 
@@ -109,7 +109,7 @@ def _exact_signs(points: tuple[np.ndarray, ...]) -> np.ndarray:
 
 
 def _as_integers(numbers: np.ndarray) -> np.ndarray:
-    """The numbers, all times the same power of two, as Python's integers."""
+    """The numbers times a common power of two, as Python integers."""
     mantissa, exponent = np.frexp(numbers)
     digits = np.ldexp(mantissa, 53).astype(np.int64)
     used = digits != 0

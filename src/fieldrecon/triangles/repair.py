@@ -1,10 +1,7 @@
-"""A mesh of triangles in space put right where that can be done without asking.
+"""Repair of a mesh of triangles in space.
 
-The steps of a repair: each changes triangles, and points where it must, and counts what it did.
-
-Points are never moved and never renumbered; new ones follow the old.
-
-Patches over small holes: of all triangulations of a loop the one of least area.
+Each step changes triangles, and adds points where it must; points are never displaced or
+renumbered. Small holes are filled by the triangulation of their boundary loop with the least area.
 
 References
 ----------
@@ -22,16 +19,16 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
 from fieldrecon.triangles.audit import MeshAudit, as_surface, audit_mesh, unit_of
-from fieldrecon.triangles.duplicates import first_alike, three_corners, welded
-from fieldrecon.triangles.half_edges import Sheets
+from fieldrecon.triangles.duplicates import first_duplicates, has_three_corners, merged_vertices
+from fieldrecon.triangles.half_edges import HalfEdges
 from fieldrecon.triangles.intersections import close_pairs, contacts
-from fieldrecon.triangles.orientation import inside_out, turned
+from fieldrecon.triangles.orientation import inconsistently_oriented, inverted
 from fieldrecon.triangles.predicates import collinear
 
 
 @dataclass(frozen=True, eq=False)
 class MeshRepair:
-    """A mesh after its repair, what was done, and what was found before and after.
+    """A repaired mesh, the repairs, and the errors before and after.
 
     Attributes
     ----------
@@ -39,9 +36,9 @@ class MeshRepair:
     triangles : (m, 3) ndarray of int
     before, after : MeshAudit
     done : dict of str to int
-        Welded vertices; removed triangles, without area or repeated; edges split where a vertex lay
-        inside them; vertices split at bow-ties; turned triangles; filled holes and the triangles
-        that fill them; removed vertices, which no triangle had. Zeros are left out.
+        Numbers of repairs, without zeros: merged vertices; removed degenerate and duplicate
+        triangles; edges split at a vertex inside them; vertices split at bow-ties; reversed
+        triangles; filled holes and the triangles that fill them; removed unreferenced vertices.
     """
 
     points: np.ndarray
@@ -56,15 +53,16 @@ def repair_mesh(
     triangles: ArrayLike,
     tolerance: float | None = None,
     largest_hole: float = 0.1,
+    *,
     progress: Progress | None = None,
 ) -> MeshRepair:
-    """Repair what is wrong with a mesh of triangles in space, and leave alone what is right.
+    """Repair the errors of a mesh of triangles in space that have an unambiguous repair.
 
-    Vertices that `audit_mesh` calls duplicates are welded, in a soup all that are in one place.
-    Triangles that have no area or repeat others are removed. Free edges are split where a vertex
-    of the boundary lies inside them, and bow-ties are made into one vertex for each sheet.
-    Triangles are turned like most around them, and bodies outward; small holes are filled; vertices
-    that no triangle has are removed.
+    Vertices that `audit_mesh` reports as duplicates are merged; in a soup, all that coincide.
+    Degenerate and duplicate triangles are removed. Boundary edges are split where a boundary vertex
+    lies inside them, and a bow-tie vertex is split into one vertex for each fan. Triangles are
+    oriented like most of their patch, and closed parts outward. Small holes are filled, and
+    unreferenced vertices removed.
 
     Parameters
     ----------
@@ -73,27 +71,27 @@ def repair_mesh(
     tolerance : float, optional
         As for `audit_mesh`.
     largest_hole : float
-        A hole is filled if its patch has at most this share of the area of the part around it, and
-        its rim at most 32 edges; with 0 none is.
+        A hole is filled if its triangles have at most this share of the area of the part around it,
+        and its boundary has at most 32 edges; with 0 none is filled.
     progress : callable, optional
-        Called with what is done and the total, in the audit before and in that after.
+        Called as progress(done, total), in the audits before and after.
 
     Returns
     -------
     MeshRepair
-        No point has moved; points and triangles are in the given order, new ones follow. A mesh in
-        which nothing is found comes back as it is.
+        No point is displaced; points and triangles are in the given order, and new ones follow. A
+        mesh without errors is returned unchanged.
 
     Raises
     ------
     ValueError
-        As for `audit_mesh`, and if no triangle is left.
+        As for `audit_mesh`, and if all triangles are degenerate.
 
     Notes
     -----
-    Edges of three triangles or more, self-intersections, and surfaces with one side remain, since
-    it is not the mesh that tells what was meant; `after` lists them. A patch that would cross
-    something is not put in.
+    Edges of three or more triangles, self-intersections and one-sided surfaces remain, since the
+    mesh does not determine their repair; `after` lists them. A hole is not filled if its triangles
+    would cross others.
 
     References
     ----------
@@ -114,31 +112,31 @@ def repair_mesh(
     """
     p, given = as_surface(points, triangles)
     largest_hole = valid.as_length(largest_hole, "largest_hole", zero_allowed=True)
-    before = audit_mesh(points, given, tolerance, progress)
+    before = audit_mesh(points, given, tolerance, progress=progress)
     if before.clean and not before.soup:
         return MeshRepair(p.copy(), given, before, before, {})
     unit = unit_of(p)
     p, tolerance = p / unit, before.tolerance / unit
-    place = _places(before, p, tolerance)
-    t = without_copies(place[given], len(p))
+    merged = _merge_targets(before, p, tolerance)
+    t = without_duplicates(merged[given], len(p))
     t = without_flat(p, t, tolerance)
     if len(t) == 0:
         raise ValueError("triangles must not all be degenerate; none is left to repair")
     kept = len(t)
-    t = sewn(p, t, tolerance)
-    p_new, t = parted(p, t)
+    t = split_free_edges(p, t, tolerance)
+    p_new, t = split_bow_ties(p, t)
     faces = oriented(p_new, t)
     patches, hole = hole_patches(p_new, faces, largest_hole)
-    result, after, put_in = _patched(p_new, faces, patches, hole, tolerance, progress)
+    result, after, used = _patched(p_new, faces, patches, hole, tolerance, progress)
     done = {
-        "welded_vertices": int((place != np.arange(len(p))).sum()),
+        "welded_vertices": int((merged != np.arange(len(p))).sum()),
         "removed_triangles": len(given) - kept,
         "split_edges": len(t) - kept,
         "split_vertices": len(p_new) - len(p),
-        "turned_triangles": _turned(t, result[1]),
-        "filled_holes": len(np.unique(hole[put_in])),
-        "filling_triangles": int(put_in.sum()),
-        "removed_vertices": int((np.bincount(place, minlength=len(p)) > 0).sum())
+        "turned_triangles": _count_reversed(t, result[1]),
+        "filled_holes": len(np.unique(hole[used])),
+        "filling_triangles": int(used.sum()),
+        "removed_vertices": int((np.bincount(merged, minlength=len(p)) > 0).sum())
         + len(p_new)
         - len(p)
         - len(result[0]),
@@ -148,13 +146,13 @@ def repair_mesh(
     return MeshRepair(result[0] * unit, result[1], before, after, done)
 
 
-def _places(before: MeshAudit, p: np.ndarray, tolerance: float) -> np.ndarray:
-    """For each vertex the one it is welded to."""
+def _merge_targets(before: MeshAudit, p: np.ndarray, tolerance: float) -> np.ndarray:
+    """Return for each vertex the one it is merged with."""
     if before.soup:
-        return welded(p, tolerance)
-    place = np.arange(len(p))
-    place[before.duplicate_vertices[:, 0]] = before.duplicate_vertices[:, 1]
-    return place
+        return merged_vertices(p, tolerance)
+    merged = np.arange(len(p))
+    merged[before.duplicate_vertices[:, 0]] = before.duplicate_vertices[:, 1]
+    return merged
 
 
 def _patched(
@@ -165,17 +163,17 @@ def _patched(
     tolerance: float,
     progress: Progress | None,
 ) -> tuple[tuple[np.ndarray, np.ndarray], MeshAudit, np.ndarray]:
-    """The mesh with those patches that cross nothing, oriented, its audit, and which they are."""
-    put_in = np.ones(len(patches), dtype=bool)
+    """Add the patches that cross nothing; return the mesh, its audit and a mask of them."""
+    used = np.ones(len(patches), dtype=bool)
     while True:
-        whole = oriented(p, np.concatenate([t, patches[put_in]]))
+        whole = oriented(p, np.concatenate([t, patches[used]]))
         mesh = _without_unused(p, whole)
-        after = audit_mesh(*mesh, tolerance, progress)
+        after = audit_mesh(*mesh, tolerance, progress=progress)
         crossed = np.unique(np.concatenate([after.crossings.ravel(), after.overlaps.ravel()]))
-        wrong = np.flatnonzero(put_in)[crossed[crossed >= len(t)] - len(t)]
+        wrong = np.flatnonzero(used)[crossed[crossed >= len(t)] - len(t)]
         if len(wrong) == 0:
-            return mesh, after, put_in
-        put_in &= ~np.isin(hole, hole[wrong])
+            return mesh, after, used
+        used &= ~np.isin(hole, hole[wrong])
 
 
 def _without_unused(p: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -184,8 +182,8 @@ def _without_unused(p: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return p[used], (np.cumsum(used) - 1)[t]
 
 
-def _turned(before: np.ndarray, after: np.ndarray) -> int:
-    """How many of the first triangles, numbered anew in the same order, were turned."""
+def _count_reversed(before: np.ndarray, after: np.ndarray) -> int:
+    """Number of reversed triangles; their vertices may be renumbered in the same order."""
     same = np.argsort(np.argsort(before, axis=1), axis=1)
     now = np.argsort(np.argsort(after[: len(before)], axis=1), axis=1)
     return int((same != now).any(axis=1).sum())
@@ -194,19 +192,19 @@ def _turned(before: np.ndarray, after: np.ndarray) -> int:
 _ROUNDS = 64  # each halves the edges that still have vertices inside
 
 
-def without_copies(t: np.ndarray, n: int) -> np.ndarray:
-    """The triangles that are the first with their vertices."""
-    return t[first_alike(t, n) == np.arange(len(t))]
+def without_duplicates(t: np.ndarray, n: int) -> np.ndarray:
+    """Remove all but the first of the triangles with the same vertices."""
+    return t[first_duplicates(t, n) == np.arange(len(t))]
 
 
 def without_flat(p: np.ndarray, t: np.ndarray, tolerance: float) -> np.ndarray:
-    """The triangles that have an area."""
-    t = t[three_corners(t)]
+    """Remove the triangles without area."""
+    t = t[has_three_corners(t)]
     return t[~collinear(*(p[t[:, c]] for c in range(3)), tolerance=tolerance)]
 
 
-def sewn(p: np.ndarray, t: np.ndarray, tolerance: float) -> np.ndarray:
-    """The triangles, those with a free edge split where a vertex of the boundary lies inside it."""
+def split_free_edges(p: np.ndarray, t: np.ndarray, tolerance: float) -> np.ndarray:
+    """Split triangles at boundary vertices that lie inside their boundary edges."""
     for _ in range(_ROUNDS):
         side, vertex = _inside_free_edges(p, t, tolerance)
         if len(side) == 0:
@@ -223,82 +221,82 @@ def sewn(p: np.ndarray, t: np.ndarray, tolerance: float) -> np.ndarray:
 def _inside_free_edges(
     p: np.ndarray, t: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """At most one free side of each triangle, and the vertex that lies nearest to its middle."""
-    sheets = Sheets(t, len(p))
-    free = sheets.free_sides
-    ends = np.sort(np.column_stack([sheets.start[free], sheets.end[free]]), axis=1)
-    rim = np.zeros(len(p), dtype=bool)
-    rim[ends] = True
-    near = t[rim[t].any(axis=1)]
+    """Return at most one boundary side of each triangle, and the vertex nearest to its midpoint."""
+    half_edges = HalfEdges(t, len(p))
+    free = half_edges.free_sides
+    ends = np.sort(np.column_stack([half_edges.start[free], half_edges.end[free]]), axis=1)
+    loop = np.zeros(len(p), dtype=bool)
+    loop[ends] = True
+    near = t[loop[t].any(axis=1)]
     if len(near) == 0:
         return free[:0], free[:0]
     found = contacts(p, near, close_pairs(p, near, tolerance), tolerance).corners_on_edges
-    found = found[rim[found[:, 0]]]
+    found = found[loop[found[:, 0]]]
     n = len(p)
     order = np.argsort(ends[:, 0] * n + ends[:, 1])
     key, wanted = (ends[:, 0] * n + ends[:, 1])[order], found[:, 1] * n + found[:, 2]
-    place = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
-    on_free = key[place] == wanted
-    side, vertex = free[order[place[on_free]]], found[on_free, 0]
-    off = np.abs(2 * p[vertex] - p[sheets.start[side]] - p[sheets.end[side]]).max(axis=1)
+    position = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+    on_free = key[position] == wanted
+    side, vertex = free[order[position[on_free]]], found[on_free, 0]
+    off = np.abs(2 * p[vertex] - p[half_edges.start[side]] - p[half_edges.end[side]]).max(axis=1)
     best = np.lexsort((off, side // 3))
     _, first = np.unique(side[best] // 3, return_index=True)
     return side[best[first]], vertex[best[first]]
 
 
-def parted(p: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points and triangles, a vertex with several fans of triangles made one for each."""
-    sheets = Sheets(t, len(p))
-    corner = np.flatnonzero(np.isin(sheets.start, sheets.bow_ties))
-    fan, first = np.unique(sheets.fans[corner], return_index=True)
-    vertex = sheets.start[corner[first]]
+def split_bow_ties(p: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Split each vertex with several fans of triangles into one vertex for each fan."""
+    half_edges = HalfEdges(t, len(p))
+    corner = np.flatnonzero(np.isin(half_edges.start, half_edges.bow_ties))
+    fan, first = np.unique(half_edges.fans[corner], return_index=True)
+    vertex = half_edges.start[corner[first]]
     order = np.lexsort((first, vertex))
     further = order[1:][vertex[order[1:]] == vertex[order[:-1]]]
-    new = np.full(sheets.fans.max(initial=-1) + 1, -1)
+    new = np.full(half_edges.fans.max(initial=-1) + 1, -1)
     new[fan[further]] = len(p) + np.arange(len(further))
-    moved = new[sheets.fans]
-    split = np.where(moved >= 0, moved, sheets.start).reshape(-1, 3)
+    vertex_of = new[half_edges.fans]
+    split = np.where(vertex_of >= 0, vertex_of, half_edges.start).reshape(-1, 3)
     return np.concatenate([p, p[vertex[further]]]), split
 
 
 def oriented(p: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """The triangles, turned like most around them, and outward where they close a body."""
-    sheets = Sheets(t, len(p))
-    flipped, one_sided = turned(sheets)
-    wrong = flipped ^ (inside_out(p, sheets, flipped) & ~one_sided)
+    """Orient the triangles like most of their patch, and closed parts outward."""
+    half_edges = HalfEdges(t, len(p))
+    flipped, one_sided = inconsistently_oriented(half_edges)
+    wrong = flipped ^ (inverted(p, half_edges, flipped) & ~one_sided)
     return np.where(wrong[:, None], t[:, [0, 2, 1]], t)
 
 
 def hole_patches(p: np.ndarray, t: np.ndarray, largest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles (k, 3) over the small holes of oriented triangles, and which hole each is over.
+    """Triangles (k, 3) that fill the small holes of oriented triangles, and the hole of each.
 
-    A hole is small if it has at most so many edges, and the patch at most the given share of the
-    area of the part around it. No patch brings an edge that there already is.
+    A hole is small if its boundary has at most MAX_LOOP edges, and its patch at most the given
+    share of the area of the part around it. A patch must not have an edge inside that exists.
     """
-    sheets = Sheets(t, len(p))
+    half_edges = HalfEdges(t, len(p))
     normal = np.cross(p[t[:, 1]] - p[t[:, 0]], p[t[:, 2]] - p[t[:, 0]])
-    area = np.bincount(sheets.parts, np.sqrt(np.einsum("ki,ki->k", normal, normal)) / 2)
-    known = _keys(sheets.edges, len(p))
+    area = np.bincount(half_edges.parts, np.sqrt(np.einsum("ki,ki->k", normal, normal)) / 2)
+    known = _keys(half_edges.edges, len(p))
     found, hole, count = [t[:0]], [t[:0, 0]], 0
-    for sides in _rims_by_length(sheets):
-        rim = sheets.start[sides]
-        order, size = patches(p[rim])
-        new = np.take_along_axis(rim, order.reshape(len(rim), -1), axis=1).reshape(order.shape)
-        part = sheets.parts[sides[:, 0] // 3]
+    for sides in _loops_by_length(half_edges):
+        loop = half_edges.start[sides]
+        order, size = minimum_area_patches(p[loop])
+        new = np.take_along_axis(loop, order.reshape(len(loop), -1), axis=1).reshape(order.shape)
+        part = half_edges.parts[sides[:, 0] // 3]
         fits = (size <= largest * area[part]) & ~_has_known_diagonals(order, new, known, len(p))
         found.append(new[fits][..., ::-1].reshape(-1, 3))
-        hole.append(np.repeat(count + np.arange(fits.sum()), rim.shape[1] - 2))
+        hole.append(np.repeat(count + np.arange(fits.sum()), loop.shape[1] - 2))
         count += int(fits.sum())
     return np.concatenate(found), np.concatenate(hole)
 
 
-def _rims_by_length(sheets: Sheets) -> Iterator[np.ndarray]:
-    """Yield loops (l, k) of sides that follow one another, all those of one length at once."""
+def _loops_by_length(half_edges: HalfEdges) -> Iterator[np.ndarray]:
+    """Yield the loops (l, k) of k successive sides together, for each length k."""
     by_length: dict[int, list[np.ndarray]] = {}
-    for loop in sheets.loops:
-        if len(loop) <= LONGEST:
+    for loop in half_edges.loop_sides:
+        if len(loop) <= MAX_LOOP:
             for sides in (loop, loop[::-1]):
-                if (sheets.end[sides] == np.roll(sheets.start[sides], -1)).all():
+                if (half_edges.end[sides] == np.roll(half_edges.start[sides], -1)).all():
                     by_length.setdefault(len(loop), []).append(sides)
     for _, loops in sorted(by_length.items()):
         yield np.array(loops)
@@ -307,7 +305,7 @@ def _rims_by_length(sheets: Sheets) -> Iterator[np.ndarray]:
 def _has_known_diagonals(
     order: np.ndarray, new: np.ndarray, known: np.ndarray, n: int
 ) -> np.ndarray:
-    """Whether a patch (l, k - 2, 3) has an edge inside that the mesh has already."""
+    """Whether a patch (l, k - 2, 3) has an interior edge that is already in the mesh."""
     k = order.shape[1] + 2
     result = np.zeros(len(order), dtype=bool)
     for a, b in ((0, 1), (1, 2), (0, 2)):
@@ -321,17 +319,17 @@ def _keys(ends: np.ndarray, n: int) -> np.ndarray:
     return ends[..., 0] * n + ends[..., 1]
 
 
-LONGEST = 32
-"""Edges of the longest loop that is filled; the work grows with the third power."""
+MAX_LOOP = 32
+"""Largest number of edges of a loop that is filled; the cost grows with its third power."""
 
 
-def patches(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles of least total area over many loops (l, k, 3) of equal length.
+def minimum_area_patches(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangulations of least area of many loops (l, k, 3) of equal length.
 
     Returns
     -------
     triangles : (l, k - 2, 3) ndarray of int
-        By the places of the corners in the loop, in its direction round.
+        Indices of corners in the loop, in its direction.
     areas : (l,) ndarray
     """
     loops, k = corners.shape[:2]
@@ -349,12 +347,12 @@ def patches(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _chosen(choice: np.ndarray) -> np.ndarray:
-    """Follow the choices (l, k, k): the triangle over a span, then those over its two parts."""
+    """Follow the choices (l, k, k): the triangle over a span, then those over its two halves."""
     loops, k = choice.shape[:2]
     triangles = np.empty((loops, k - 2, 3), dtype=np.intp)
     row = np.arange(loops)
     spans = np.tile([0, k - 1], (loops, k, 1))
-    waiting = np.ones(loops, dtype=np.intp)  # spans of each loop that still lack their triangle
+    waiting = np.ones(loops, dtype=np.intp)  # spans of each loop without a triangle
     for t in range(k - 2):
         waiting -= 1
         i, j = spans[row, waiting].T

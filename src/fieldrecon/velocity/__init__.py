@@ -1,7 +1,7 @@
-"""Velocities and gradients on meshes, from what is known at faces and cells.
+"""Velocities and gradients on meshes, from data at faces and cells.
 
-Vertex velocities and cell velocities from the normal velocities of the faces, the way from the
-cells to the vertices, and gradients of a pressure. Erleben, Field Reconstruction, p. 3-26 and
+Vertex velocities and cell velocities from the normal velocities of the faces, vertex velocities
+from those of the cells, and gradients of a pressure. Erleben, Field Reconstruction, p. 3-26 and
 36-44.
 """
 

@@ -16,7 +16,7 @@ from fieldrecon.velocity.vertices import as_normal_velocities
 
 @dataclass(frozen=True)
 class CellVelocities:
-    """Constant velocities of cells, and what the data hold that no constant field explains.
+    """Constant velocities of cells, and the residual of the data.
 
     Attributes
     ----------
@@ -24,8 +24,8 @@ class CellVelocities:
         Velocity of each cell.
     defect : (c, ...) ndarray
         |l . v| / |l|, with l the measures of the faces and v the velocities out of the cell: the
-        norm of the residual, which is the divergence of the data. A field that is free of
-        divergence has none, and may still be far from constant.
+        norm of the residual, which is the divergence of the data. It is zero for a divergence-free
+        field, even one that is far from constant.
     """
 
     values: np.ndarray
@@ -40,9 +40,9 @@ def cell_velocities(mesh: SimplexMesh, v: ArrayLike) -> CellVelocities:
 
         u = sum_a (K - q_a) v_a / h_a ,  K = sum_a h_a^-2 q_a / sum_a h_a^-2 ,
 
-    the field of Raviart and Thomas at the symmedian point K. Of a field that turns like a rigid
-    body it is the value at the circumcentre in the plane; of one that expands, that at K. In
-    general it lies within the size of the cell times the gradient of all of these.
+    the field of Raviart and Thomas at the symmedian point K. For a rigid rotation in the plane it
+    is the value at the circumcentre, and for an expansion the value at K. In general it differs
+    from these by at most the size of the cell times the gradient.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def raviart_thomas(mesh: SimplexMesh, v: ArrayLike, x: ArrayLike | None = None) 
     """Field of Raviart and Thomas of lowest order, at one point for each cell.
 
     u(x) = sum_a (x - q_a) v_a / h_a: in each cell the field a + b x with these normal velocities.
-    At the circumcentres, in the plane, fields that expand and fields that turn come back exactly.
+    At the circumcentres, in the plane, expansions and rotations are reproduced exactly.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def raviart_thomas(mesh: SimplexMesh, v: ArrayLike, x: ArrayLike | None = None) 
     v : (f, ...) array_like
         Normal velocity, or several, of each face, in the direction of `mesh.face_normals`.
     x : (c, d) array_like, optional
-        A point for each cell, in it or not; the circumcentres by default.
+        A point for each cell, inside it or not; the circumcentres by default.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def raviart_thomas(mesh: SimplexMesh, v: ArrayLike, x: ArrayLike | None = None) 
 
 
 class _Cells:
-    """The cells with their data; in all arrays the cells come last, where memory is contiguous."""
+    """The cells with their data; in all arrays, cells are the last axis, which is contiguous."""
 
     def __init__(self, mesh: SimplexMesh, v: np.ndarray) -> None:
         self.mesh = mesh
@@ -146,27 +146,27 @@ class _Cells:
         self.normals = np.ascontiguousarray(mesh.face_normals.T)
 
     def scalars(self) -> np.ndarray:
-        """Room for a real number for each cell and column."""
+        """Empty array of a real number for each cell and column."""
         return np.empty((len(self.mesh.cells), len(self.columns)))
 
     def vectors(self) -> np.ndarray:
-        """Room for a vector for each cell and column."""
+        """Empty array of a vector for each cell and column."""
         shape = (len(self.mesh.cells), len(self.columns), len(self.points))
         return np.empty(shape, dtype=self.columns.dtype)
 
     def shaped(self, result: np.ndarray) -> np.ndarray:
-        """The result with the axes of the data."""
+        """The result, reshaped to the axes of the data."""
         return result.reshape(len(result), *self.shape, *result.shape[2:])
 
     def all(self, work: Callable[[np.ndarray], np.ndarray]) -> None:
-        """All cells in chunks, on threads."""
+        """Call `work` for all cells, in chunks on threads."""
         d = len(self.points)
         rows = rows_of(8 * (d + 1) * (3 * d + 2 * len(self.columns) * d))
         for _ in chunked(work, np.arange(len(self.mesh.cells)), rows):
             pass
 
     def fluxes(self, some: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Vertices (d, a, m) from the first one, heights (a, m), velocities out (columns, a, m)."""
+        """Vertices (d, a, m) from the first one, heights (a, m), outward fluxes (columns, a, m)."""
         vertices = np.ascontiguousarray(self.mesh.cells[some].T)
         faces = np.ascontiguousarray(self.mesh.cell_faces[some].T)
         corners = self.points.take(vertices, axis=1)

@@ -1,4 +1,4 @@
-"""From the circumcentres of the cells to the vertices: Voronoi coordinates of x_i itself."""
+"""Vertex velocities from cell velocities, by the Voronoi coordinates of the vertices."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from fieldrecon.polynomials import monomials
 from fieldrecon.velocity.stencils import (
     LocalWeights,
     MatrixOfWeights,
-    Stars,
+    Stencils,
+    amplification,
     as_vertices,
     fit_on_rings,
     scaled_offsets,
@@ -26,7 +27,7 @@ def vertex_velocities_from_cells(
 ) -> np.ndarray:
     """Velocities at vertices from those at the circumcentres of the cells.
 
-    The mean of `circumcenter_weights`. Affine fields come back exactly.
+    The weighted mean by `circumcenter_weights`. Affine fields are reproduced exactly.
 
     Parameters
     ----------
@@ -35,7 +36,7 @@ def vertex_velocities_from_cells(
     u : (c, ..., d) array_like
         One velocity, or several, for each cell, at its circumcentre.
     vertices : (m,) array_like of int, optional
-        Where; at all points by default.
+        Vertices; all points by default.
 
     Returns
     -------
@@ -85,7 +86,7 @@ def circumcenter_weights(mesh: SimplexMesh, vertices: ArrayLike | None = None) -
     mesh : SimplexMesh
         The mesh.
     vertices : (m,) array_like of int, optional
-        Where; at all points by default.
+        Vertices; all points by default.
 
     Returns
     -------
@@ -112,28 +113,29 @@ def circumcenter_weights(mesh: SimplexMesh, vertices: ArrayLike | None = None) -
     """
     vertices = as_vertices(mesh, vertices)
     open_ = mesh.boundary_vertices[vertices]
-    # rows by place in `vertices`: the closed cells first, then the open ones
+    # the vertices with closed cells first, then those with open ones
     closed = voronoi_weights(mesh, vertices[~open_], mesh.points[vertices[~open_]])
     found = MatrixOfWeights(1, (int(open_.sum()), len(mesh.cells)))
-    what = ("circumcentres", "an affine field at it")
-    fit_on_rings(mesh, None, vertices[open_], _AffineFit(mesh), found, what)
-    place = np.argsort(np.concatenate([np.flatnonzero(~open_), np.flatnonzero(open_)]))
-    return sparse.csr_array(sparse.vstack([closed, *found.matrices()], format="csr")[place])
+    names = ("circumcentres", "an affine field at it")
+    fit_on_rings(mesh, None, vertices[open_], _AffineFit(mesh), found, names)
+    order = np.argsort(np.concatenate([np.flatnonzero(~open_), np.flatnonzero(open_)]))
+    return sparse.csr_array(sparse.vstack([closed, *found.matrices()], format="csr")[order])
 
 
 class _AffineFit:
-    """The fits of affine functions to values at the circumcentres about vertices."""
+    """Fits of affine functions to values at the circumcentres about vertices."""
 
     def __init__(self, mesh: SimplexMesh) -> None:
         self.mesh = mesh
 
-    def __call__(self, stars: Stars) -> LocalWeights:
+    def __call__(self, stencils: Stencils) -> LocalWeights:
         """Weights of the cells in the value at each vertex."""
-        offset = self.mesh.circumcenters[stars.index] - self.mesh.points[stars.vertices][:, None]
-        y, _ = scaled_offsets(offset, stars.there)
+        offset = (
+            self.mesh.circumcenters[stencils.index] - self.mesh.points[stencils.vertices][:, None]
+        )
+        y, _ = scaled_offsets(offset, stencils.there)
         squared = np.einsum("mkd,mkd->mk", y, y)
-        nearest = np.where(stars.there, squared, np.inf).min(axis=1)
-        w = np.where(stars.there, 2 / (1 + squared / nearest[:, None]), 0.0)
+        nearest = np.where(stencils.there, squared, np.inf).min(axis=1)
+        w = np.where(stencils.there, 2 / (1 + squared / nearest[:, None]), 0.0)
         c = estimable_weights(monomials(y, 1), w, 1)
-        amplification = np.linalg.norm(c[:, 0], axis=1)
-        return LocalWeights(c, amplification, np.count_nonzero(w, axis=1))
+        return LocalWeights(c, amplification(c), np.count_nonzero(w, axis=1))

@@ -1,8 +1,7 @@
 """Gradients at the vertices of a mesh from values at its cells, such as those of a pressure.
 
-Gradients at a point from the sites about it, by the three methods, for many points at once.
-
-Each is a callable that makes weights of the data in the gradient from the sites.
+Each of the three methods is a callable that takes the sites about many vertices to the weights of
+the data in the gradients.
 """
 
 from __future__ import annotations
@@ -14,23 +13,28 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._numerics.weighted_least_squares import estimable_weights
-from fieldrecon.kernels.radial import Radial, thin_plate_spline
+from fieldrecon._numerics.weighted_least_squares import (
+    estimable_weights,
+    weights_of_changing_weights,
+)
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
+from fieldrecon.kernels.weights import as_weight, log_square_slope
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.polynomials import Frame, monomials
+from fieldrecon.polynomials import Frame, monomials, power_of_two_above
 from fieldrecon.velocity.stencils import (
     LocalWeights,
-    Stars,
+    Stencils,
     ValuesOfWeights,
+    amplification,
     as_vertices,
-    as_weight,
     fit_on_rings,
     number_that_count,
-    relative_weights,
+    weights_at,
 )
 
-# A site this many times farther than the middle one is no neighbour: the circumcentres of flat
-# cells on the boundary lie anywhere.
+# A site farther than this multiple of the median distance is ignored: the circumcentres of flat
+# cells on the boundary may be anywhere.
 _FAR = 10.0
 
 
@@ -44,7 +48,7 @@ def vertex_gradients(
     """Gradients at vertices from values at the cells.
 
     About each vertex a field is fitted to the values of the cells of one, two, ... rings, as many
-    as determine an affine function, and differentiated at the vertex. Affine fields come back
+    as determine an affine function, and differentiated at the vertex. Affine fields are reproduced
     exactly. In general the error falls like the size of the cells, and like its square where they
     lie symmetrically about the vertex.
 
@@ -58,10 +62,10 @@ def vertex_gradients(
         `local_least_squares()`, the default, `local_moving_least_squares(weight)` or
         `local_rbf()`.
     sites : (c, d) array_like, optional
-        Where the values belong; at the circumcentres by default. For cell averages give
+        Points to which the values belong; the circumcentres by default. For cell averages give
         `mesh.cell_centers`.
     vertices : (m,) array_like of int, optional
-        Where; at all points by default.
+        Vertices; all points by default.
 
     Returns
     -------
@@ -73,8 +77,7 @@ def vertex_gradients(
     ValueError
         If there is not a finite value for each cell.
     numpy.linalg.LinAlgError
-        If all the cells there are do not determine an affine function; if a point belongs to no
-        cell.
+        If all cells together do not determine an affine function; if a point belongs to no cell.
 
     References
     ----------
@@ -103,74 +106,6 @@ def vertex_gradients(
     return found.values.reshape(len(vertices), *values.shape[1:], d)
 
 
-def _as_sites(mesh: SimplexMesh, sites: ArrayLike | None) -> np.ndarray:
-    if sites is None:
-        return mesh.circumcenters
-    p = valid.as_points(sites)
-    wanted = (len(mesh.cells), mesh.points.shape[1])
-    if p.shape != wanted:
-        raise ValueError(f"sites must be one point for each cell, shape {wanted}; got {p.shape}")
-    return p
-
-
-class _LocalGradients:
-    """The fits of a method to the values of the cells about vertices."""
-
-    def __init__(self, mesh: SimplexMesh, method: LocalGradient, sites: np.ndarray) -> None:
-        self.mesh, self.method, self.sites = mesh, method, sites
-        self.unit = Frame.around(mesh.points).scale
-
-    def __call__(self, stars: Stars) -> LocalWeights:
-        """Weights of the cells in the gradient at each vertex."""
-        offset = self.sites[stars.index] - self.mesh.points[stars.vertices][:, None]
-        w = relative_weights(self.method.weight, self.unit, offset, stars.there)
-        distance, typical = _distances(offset, w > 0)
-        counted = number_that_count(w)
-        w = np.where(distance <= _FAR * typical[:, None], w, 0.0)
-        length = np.exp2(np.ceil(np.log2(np.where(np.isfinite(typical), typical, 1.0))))
-        y = offset / length[:, None, None] * (w > 0)[..., None]
-        affine = estimable_weights(monomials(y, 1), (w > 0).astype(float), y.shape[2] + 1)
-        size = np.sqrt(np.einsum("mdk,mdk->md", affine, affine)[:, 1:].max(axis=1))
-        weights = np.full(affine[:, 1:].shape, np.nan)
-        ok = np.flatnonzero(np.isfinite(size))
-        batch = CellStars(y[ok], w[ok], affine[ok], length[ok] / self.unit, self.unit)
-        weights[ok] = self.method(batch) / length[ok, None, None]
-        return LocalWeights(weights, size, counted)
-
-
-def _distances(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distances (m, k) of the sites, infinite where there is none, and their medians (m,)."""
-    distance = np.where(there, np.linalg.norm(offset, axis=2), np.inf)
-    middle = np.maximum(np.count_nonzero(there, axis=1) - 1, 0) // 2
-    typical = np.take_along_axis(np.sort(distance, axis=1), middle[:, None], axis=1)[:, 0]
-    return distance, typical
-
-
-@dataclass(frozen=True)
-class CellStars:
-    """Sites about a batch of m vertices, in units of their own; they determine affine functions.
-
-    Attributes
-    ----------
-    y : (m, k, d) ndarray
-        Sites from the vertex.
-    w : (m, k) ndarray
-        Weights, the largest of each vertex one; zero where there is no site.
-    affine : (m, d + 1, k) ndarray
-        Weights of the data in value and gradient of the affine least-squares fit.
-    length : (m,) ndarray
-        Unit of y, a typical distance, in units of `unit`.
-    unit : float
-        Size of the mesh.
-    """
-
-    y: np.ndarray
-    w: np.ndarray
-    affine: np.ndarray
-    length: np.ndarray
-    unit: float
-
-
 @dataclass(frozen=True)
 class local_least_squares:
     """Gradient of the affine least-squares fit to the cells about a vertex.
@@ -182,9 +117,9 @@ class local_least_squares:
 
     weight: ClassVar[Radial | None] = None
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
         """Weights (m, d, k) of the data in the gradient."""
-        return stars.affine[:, 1:]
+        return stencils.affine[:, 1:]
 
 
 @dataclass(frozen=True)
@@ -207,38 +142,30 @@ class local_moving_least_squares:
     weight: Radial
 
     def __post_init__(self) -> None:
-        as_weight(self.weight, none_allowed=False)
+        as_weight(self.weight)
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
-        """Weights (m, d, k) of the data in the gradient.
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
+        """Weights (m, d, k) of the data in the gradient."""
+        b = monomials(stencils.y, 1)
+        c = estimable_weights(b, stencils.w, b.shape[-1])
+        change = weights_of_changing_weights(c, b, stencils.w, self._log_gradient(stencils))
+        return c[:, 1:] + change.mT
 
-        grad f = (c_1 ... c_d) + sum_i a_i (grad w_i^2 / w_i^2) (f - B c)_i, a the weights of c_0.
-        """
-        b = monomials(stars.y, 1)
-        c = estimable_weights(b, stars.w, b.shape[-1])
-        u = c[:, 0, :, None] * self._log_gradient(stars)
-        # sum_i w_i^2 r_i = 0 gives the residual of the heaviest site, which rounding spoils
-        heaviest = np.argmax(stars.w, axis=1)[:, None, None]
-        u = u - stars.w[..., None] ** 2 * np.take_along_axis(u, heaviest, axis=1)
-        return c[:, 1:] + u.mT - (u.mT @ b) @ c
-
-    def _log_gradient(self, stars: CellStars) -> np.ndarray:
+    def _log_gradient(self, stencils: CellStencils) -> np.ndarray:
         """Gradient (m, k, d) of log w_i^2 by x."""
-        weight, length = self.weight.in_units(stars.unit), stars.length[:, None]
-        r = np.linalg.norm(stars.y, axis=2) * length
-        with np.errstate(all="ignore"):
-            steepness = 2 * weight.slope(r) / weight(r) * length**2
-        known = (stars.w > 0) & np.isfinite(steepness)
-        return -np.where(known, steepness, 0.0)[..., None] * stars.y
+        length = stencils.length[:, None]
+        r = np.linalg.norm(stencils.y, axis=2) * length
+        slope = log_square_slope(self.weight.in_units(stencils.unit), r, stencils.w) * length**2
+        return -slope[..., None] * stencils.y
 
 
 @dataclass(frozen=True)
 class local_rbf:
     """Gradient of radial functions with an affine part, fitted to the cells about a vertex.
 
-    Circumcentres come as close as they like, and coincide where cells share their circle, as in
-    the two triangles of a rectangle. So the fit interpolates but for a smoothing that shows only
-    where sites are much closer than most: there their mean counts.
+    Circumcentres may be arbitrarily close, and coincide if cells share their circle, as do the
+    two triangles of a rectangle. So the fit has a small smoothing, which has an effect only where
+    sites are much closer than most: there their mean counts.
 
     Parameters
     ----------
@@ -272,9 +199,9 @@ class local_rbf:
             )
         valid.as_length(self.smoothing, "smoothing", zero_allowed=True)
 
-    def __call__(self, stars: CellStars) -> np.ndarray:
+    def __call__(self, stencils: CellStencils) -> np.ndarray:
         """Weights (m, d, k) of the data in the gradient: H (g, mu) = (grad phi, grad b)."""
-        y, there = stars.y, stars.w > 0
+        y, there = stencils.y, stencils.w > 0
         m, k, d = y.shape
         squared = np.zeros((m, k, k))
         for axis in range(d):
@@ -297,3 +224,71 @@ class local_rbf:
 
 
 LocalGradient = local_least_squares | local_moving_least_squares | local_rbf
+
+
+@dataclass(frozen=True)
+class CellStencils:
+    """Sites about a batch of m vertices, in local units; they determine affine functions.
+
+    Attributes
+    ----------
+    y : (m, k, d) ndarray
+        Sites relative to the vertex.
+    w : (m, k) ndarray
+        Weights, the largest of each vertex one; zero where there is no site.
+    affine : (m, d + 1, k) ndarray
+        Weights of the data in value and gradient of the affine least-squares fit.
+    length : (m,) ndarray
+        Unit of y, a typical distance, in units of `unit`.
+    unit : float
+        Size of the mesh.
+    """
+
+    y: np.ndarray
+    w: np.ndarray
+    affine: np.ndarray
+    length: np.ndarray
+    unit: float
+
+
+class _LocalGradients:
+    """Fits of a method to the values of the cells about vertices."""
+
+    def __init__(self, mesh: SimplexMesh, method: LocalGradient, sites: np.ndarray) -> None:
+        self.mesh, self.method, self.sites = mesh, method, sites
+        self.unit = Frame.around(mesh.points).scale
+
+    def __call__(self, stencils: Stencils) -> LocalWeights:
+        """Weights of the cells in the gradient at each vertex."""
+        offset = self.sites[stencils.index] - self.mesh.points[stencils.vertices][:, None]
+        w = weights_at(self.method.weight, self.unit, offset, stencils.there)
+        distance, typical = _distances(offset, w > 0)
+        counted = number_that_count(w)
+        w = np.where(distance <= _FAR * typical[:, None], w, 0.0)
+        length = power_of_two_above(np.where(np.isfinite(typical), typical, 1.0))
+        y = offset / length[:, None, None] * (w > 0)[..., None]
+        affine = estimable_weights(monomials(y, 1), (w > 0).astype(float), y.shape[2] + 1)
+        size = amplification(affine[:, 1:])
+        weights = np.full(affine[:, 1:].shape, np.nan)
+        ok = np.flatnonzero(np.isfinite(size))
+        batch = CellStencils(y[ok], w[ok], affine[ok], length[ok] / self.unit, self.unit)
+        weights[ok] = self.method(batch) / length[ok, None, None]
+        return LocalWeights(weights, size, counted)
+
+
+def _as_sites(mesh: SimplexMesh, sites: ArrayLike | None) -> np.ndarray:
+    if sites is None:
+        return mesh.circumcenters
+    p = valid.as_points(sites)
+    wanted = (len(mesh.cells), mesh.points.shape[1])
+    if p.shape != wanted:
+        raise ValueError(f"sites must be one point for each cell, shape {wanted}; got {p.shape}")
+    return p
+
+
+def _distances(offset: np.ndarray, there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distances (m, k) of the sites, infinite for missing ones, and their medians (m,)."""
+    distance = np.where(there, np.linalg.norm(offset, axis=2), np.inf)
+    middle = np.maximum(np.count_nonzero(there, axis=1) - 1, 0) // 2
+    typical = np.take_along_axis(np.sort(distance, axis=1), middle[:, None], axis=1)[:, 0]
+    return distance, typical

@@ -10,21 +10,22 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._numerics.weighted_least_squares import estimable_weights
-from fieldrecon.kernels.radial import Radial
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.weights import as_weight
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import Frame
 from fieldrecon.velocity.stencils import (
+    Accumulate,
     LocalWeights,
     MatrixOfWeights,
-    Stars,
-    Take,
+    Stencils,
     ValuesOfWeights,
+    amplification,
     as_vertices,
-    as_weight,
     fit_on_rings,
     number_that_count,
-    relative_weights,
     scaled_offsets,
+    weights_at,
 )
 
 
@@ -69,7 +70,7 @@ def normal_velocities(mesh: SimplexMesh, u: ArrayLike) -> np.ndarray:
 
 
 def divergence(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
-    """Discrete divergence of the cells, what flows out by volume: sum_a l_a v_a / V.
+    """Discrete divergence of the cells, the outflow per volume: sum_a l_a v_a / V.
 
     Of an affine field this is its divergence.
 
@@ -102,14 +103,14 @@ def divergence(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
 
 @dataclass(frozen=True)
 class VertexVelocities:
-    """Velocities at vertices, and how far the data were fetched for each.
+    """Velocities at vertices, and the number of rings of cells that each needed.
 
     Attributes
     ----------
     values : (m, ..., d) ndarray
         Velocity at each vertex.
     rings : (m,) ndarray of int
-        How many rings of cells round the vertex gave their faces: the fewest that determine it.
+        Number of rings of cells whose faces entered the fit: the fewest that determine it.
     """
 
     values: np.ndarray
@@ -126,9 +127,9 @@ def vertex_velocities(
 
     About each vertex x_i the affine field u(x) = c_0 + sum_k (x - x_i)_k c_k that minimises
     sum_a w_a^2 (n_a . u(p_a) - v_a)^2, with p_a the centroids of the faces of the cells round it;
-    its value is u(x_i) = c_0. Where those faces do not determine it, as at a vertex with three or
-    four triangles, those of the next ring of cells join in, and so on. What has to be determined
-    is c_0, not the whole field. An affine field comes back exactly.
+    its value is u(x_i) = c_0. If those faces do not determine it, as at a vertex with three or
+    four triangles, the faces of the next ring of cells are added, and so on. Only c_0 has to be
+    determined, not the whole field. An affine field is reproduced exactly.
 
     Parameters
     ----------
@@ -140,7 +141,7 @@ def vertex_velocities(
         Weight w(r) of a face at the distance r of p_a, such as `inverse_square(epsilon)`; it
         enters squared, as on the slides. Without one, all faces count alike.
     vertices : (m,) array_like of int, optional
-        Where; at all points by default.
+        Vertices; all points by default.
 
     Returns
     -------
@@ -152,12 +153,12 @@ def vertex_velocities(
     ValueError
         If there is not a finite normal velocity for each face.
     numpy.linalg.LinAlgError
-        If all the faces there are, or that have a weight, do not determine the velocity at a
-        vertex; if a point belongs to no cell.
+        If all faces with a weight do not determine the velocity at a vertex; if a point belongs to
+        no cell.
 
     References
     ----------
-    Erleben, Field Reconstruction, p. 18-22, where one ring always suffices; it does not: in the
+    Erleben, Field Reconstruction, p. 18-22. There one ring is said to suffice always; but in the
     plane its faces determine the affine field if and only if its vertices lie on no common conic.
 
     Examples
@@ -173,7 +174,7 @@ def vertex_velocities(
     vertices = as_vertices(mesh, vertices)
     d = mesh.points.shape[1]
     found = ValuesOfWeights(d, len(vertices), v.reshape(len(v), -1))
-    rings = _AffineVelocity(mesh, as_weight(weight)).at(vertices, found)
+    rings = _AffineVelocity(mesh, weight).at(vertices, found)
     return VertexVelocities(found.values.reshape(len(vertices), *v.shape[1:], d), rings)
 
 
@@ -182,7 +183,7 @@ def velocity_weights(
 ) -> tuple[sparse.csr_array, ...]:
     """Weights of the normal velocities in each component of `vertex_velocities`.
 
-    They depend on the mesh alone; for a mesh that stays, make them once.
+    They depend only on the mesh; for a fixed mesh, compute them once.
 
     Parameters
     ----------
@@ -191,7 +192,7 @@ def velocity_weights(
     weight : Radial, optional
         As for `vertex_velocities`.
     vertices : (m,) array_like of int, optional
-        Where; at all points by default.
+        Vertices; all points by default.
 
     Returns
     -------
@@ -209,42 +210,43 @@ def velocity_weights(
     """
     vertices = as_vertices(mesh, vertices)
     found = MatrixOfWeights(mesh.points.shape[1], (len(vertices), len(mesh.faces)))
-    _AffineVelocity(mesh, as_weight(weight)).at(vertices, found)
+    _AffineVelocity(mesh, weight).at(vertices, found)
     return found.matrices()
 
 
 class _AffineVelocity:
-    """The fits B'c = V': affine velocity fields about vertices, seen through the faces."""
+    """The fits B'c = V' of affine velocity fields about vertices to the normal velocities."""
 
     def __init__(self, mesh: SimplexMesh, weight: Radial | None) -> None:
         self.mesh = mesh
-        self.weight = weight
+        self.weight = None if weight is None else as_weight(weight)
         self.unit = Frame.around(mesh.points).scale
         first, *others = (mesh.points.take(corner, axis=0) for corner in mesh.faces.T)
         to_center = sum(other - first for other in others) / len(mesh.faces.T)
-        # together, so that one fetch brings all there is to know of a face
+        # in one array, so that one `take` fetches all data of a face
         self.faces = np.stack([first, to_center, mesh.face_normals], axis=1)
 
-    def at(self, vertices: np.ndarray, take: Take) -> np.ndarray:
-        """Give the weights at vertices to `take`; return the rings."""
-        what = ("faces", "its velocity")
-        return fit_on_rings(self.mesh, self.mesh.cell_face_incidence, vertices, self, take, what)
+    def at(self, vertices: np.ndarray, accumulate: Accumulate) -> np.ndarray:
+        """Give the weights at vertices to `accumulate`; return the rings."""
+        names = ("faces", "its velocity")
+        return fit_on_rings(
+            self.mesh, self.mesh.cell_face_incidence, vertices, self, accumulate, names
+        )
 
-    def __call__(self, stars: Stars) -> LocalWeights:
+    def __call__(self, stencils: Stencils) -> LocalWeights:
         """Weights of the faces in the velocity at each vertex."""
-        corner, to_center, normals = np.moveaxis(self.faces.take(stars.index, axis=0), 2, 0)
-        # by differences of points, and not of centroids, which the distance to the origin rounds
-        offset = corner - self.mesh.points[stars.vertices][:, None] + to_center
-        y, _ = scaled_offsets(offset, stars.there)
-        w = relative_weights(self.weight, self.unit, offset, stars.there)
+        corner, to_center, normals = np.moveaxis(self.faces.take(stencils.index, axis=0), 2, 0)
+        # by differences of points, not of centroids, which are rounded far from the origin
+        offset = corner - self.mesh.points[stencils.vertices][:, None] + to_center
+        y, _ = scaled_offsets(offset, stencils.there)
+        w = weights_at(self.weight, self.unit, offset, stencils.there)
         m, k, d = normals.shape
         b = np.empty((m, k, 1 + d, d))  # rows n, y_1 n, ..., y_d n
         b[:, :, 0] = normals
         for i, j in np.ndindex(d, d):  # numpy's loop over an axis of two or three is slow
             np.multiply(y[..., i], normals[..., j], out=b[:, :, 1 + i, j])
         c = estimable_weights(b.reshape(m, k, d + d * d), w, d)
-        amplification = np.sqrt(np.einsum("mdk,mdk->md", c, c).max(axis=1))
-        return LocalWeights(c, amplification, number_that_count(w))
+        return LocalWeights(c, amplification(c), number_that_count(w))
 
 
 def as_normal_velocities(v: ArrayLike, mesh: SimplexMesh) -> np.ndarray:

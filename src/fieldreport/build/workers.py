@@ -8,11 +8,11 @@ from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from typing import Any
 
-from fieldrecon._core.worker_processes import Processes
+from fieldrecon._core.worker_processes import WorkerPool
 from fieldreport.build import pinned_kernels
 
 
-class PinnedProcesses(Processes):
+class PinnedProcesses(WorkerPool):
     """Processes whose OpenBLAS and NumPy use the pinned kernels in every environment of the caller.
 
     They are spawned: a fork server would keep the environment in which it was started.

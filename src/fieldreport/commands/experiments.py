@@ -70,7 +70,8 @@ def _print_experiment(experiment: Experiment) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from fieldrecon.cli.terminal import print_files, progress
+    from fieldrecon.cli.console import print_files
+    from fieldrecon.cli.progress import progress
     from fieldreport.framework import result_files as files
     from fieldreport.framework.parameters import replace_parameters
 

@@ -19,17 +19,15 @@ from fieldgrade.authoring import (
     build,
     bundle,
     catalogue,
-    kernels,
     leaks,
-    mutants,
     notebooks,
-    proof,
-    secret,
+    secret_salt,
 )
-from fieldgrade.authoring.known import answers_file, same_answers
+from fieldgrade.authoring.known_answers import answers_file, same_answers
 from fieldgrade.authoring.publish import publish
 from fieldgrade.authoring.sources import Source
 from fieldgrade.authoring.trials import trials
+from fieldgrade.grader_validation import blas_kernels, known_verdicts, mutants
 from fieldrecon.cli.main import main
 
 SOURCES = build.all_sources(ROOT)
@@ -54,7 +52,7 @@ def test_the_student_notebook_is_that_of_its_source(source):
 def test_headers_alone_tell_the_questions_in_words(source):
     """As the whole notebook does, which takes long to read."""
     told = {c.answer: float(c.metadata.get("points", 0)) for c in source.cells if c.answer}
-    assert source.words == told
+    assert source.written_points == told
     assert told
 
 
@@ -175,7 +173,7 @@ def test_the_answer_asked_for_is_the_only_function_of_its_cell(source):
 def test_the_graders_are_proved(source):
     """The solution scores all and the stub nothing; mistakes hear their own sentence; other right
     answers score all; small changes to the solution lose points."""
-    proofs = list(proof.prove(source, PUBLIC_SALT))
+    proofs = list(known_verdicts.grader_reports(source, PUBLIC_SALT))
     assert [p.question for p in proofs] == list(source.answer_cells())
     assert not [f"{p.question}: {problem}" for p in proofs for problem in p.problems]
 
@@ -208,20 +206,24 @@ def damage(path, old, new):
 
 
 def problems(source, question):
-    return [problem for p in proof.prove(source, PUBLIC_SALT, question) for problem in p.problems]
+    return [
+        problem
+        for p in known_verdicts.grader_reports(source, PUBLIC_SALT, question)
+        for problem in p.problems
+    ]
 
 
 def test_the_proof_needs_other_right_answers(course):
     """A question with too few other right answers is told."""
     damage(course.path.parent / "alternatives" / course.path.name, '@answers("01.5")\n', "")
-    assert any("only 2 right answers in other ways" in p for p in problems(course, "01.5"))
+    assert any("only 2 alternative right answers" in p for p in problems(course, "01.5"))
 
 
 def test_the_proof_finds_a_right_answer_that_is_refused(course):
     """A right answer that is told otherwise is a fault of the grader."""
     path = course.path.parent / "alternatives" / course.path.name
     damage(path, "(coefficients[np.newaxis, 1:]", "(coefficients[np.newaxis, :-1]")
-    assert any("the right answer 'repeated' is told: 01.5" in p for p in problems(course, "01.5"))
+    assert any("the right answer 'repeated' gets: 01.5" in p for p in problems(course, "01.5"))
 
 
 def test_the_proof_finds_a_mistake_that_is_none(course):
@@ -229,7 +231,7 @@ def test_the_proof_finds_a_mistake_that_is_none(course):
     path = course.path.parent / "misconceptions" / course.path.name
     damage(path, "return coefficients[1:] * x", "return coefficients[1:] + 0 * x")
     found = problems(course, "01.5")
-    assert any("'times the place' is told that it is right" in p for p in found)
+    assert any("'times the place' gets the verdict right" in p for p in found)
     assert any("tolerances apart" in p for p in found)
 
 
@@ -538,48 +540,52 @@ def git(folder, *arguments):
 def repository(tmp_path):
     """A repository that ignores the file of the secret."""
     git(tmp_path, "init", "-q")
-    (tmp_path / ".gitignore").write_text(f"{secret.FILE}\n")
+    (tmp_path / ".gitignore").write_text(f"{secret_salt.FILE}\n")
     return tmp_path
 
 
 def test_a_secret_salt_is_made_once_a_year(repository):
     """It is random, for its owner's eyes only, and replaced only when that is asked for."""
-    assert not secret.read_salt(repository).secret
-    made = secret.make_salt(repository, 2031)
-    assert secret.read_salt(repository) == made
+    assert not secret_salt.read_salt(repository).secret
+    made = secret_salt.make_salt(repository, 2031)
+    assert secret_salt.read_salt(repository) == made
     assert made.secret
-    assert (repository / secret.FILE).stat().st_mode & 0o077 == 0
-    with pytest.raises(ValueError, match="is there, for 2031; with --renew"):
-        secret.make_salt(repository, 2032)
-    assert secret.make_salt(repository, 2032, renew=True).text != made.text
+    assert (repository / secret_salt.FILE).stat().st_mode & 0o077 == 0
+    with pytest.raises(ValueError, match="exists, for 2031; with --renew"):
+        secret_salt.make_salt(repository, 2032)
+    assert secret_salt.make_salt(repository, 2032, renew=True).text != made.text
 
 
 def test_a_secret_that_git_knows_is_refused(repository):
     """Whether it is tracked already, or would be by the next commit."""
-    secret.make_salt(repository, 2031)
-    git(repository, "add", "--force", secret.FILE)
+    secret_salt.make_salt(repository, 2031)
+    git(repository, "add", "--force", secret_salt.FILE)
     with pytest.raises(ValueError, match="git tracks"):
-        secret.read_salt(repository)
-    git(repository, "rm", "--cached", "-q", secret.FILE)
+        secret_salt.read_salt(repository)
+    git(repository, "rm", "--cached", "-q", secret_salt.FILE)
     (repository / ".gitignore").write_text("")
     with pytest.raises(ValueError, match="git does not ignore"):
-        secret.make_salt(repository, 2031, renew=True)
+        secret_salt.make_salt(repository, 2031, renew=True)
 
 
 def test_a_damaged_secret_is_told(tmp_path):
     """Rather than replaced: it may be needed to grade again."""
-    (tmp_path / secret.FILE).write_text("{}")
+    (tmp_path / secret_salt.FILE).write_text("{}")
     with pytest.raises(ValueError, match="is damaged"):
-        secret.read_salt(tmp_path)
+        secret_salt.read_salt(tmp_path)
 
 
 def test_this_repository_ignores_the_secret():
     """And does not hold one."""
     listed = subprocess.run(
-        ["git", "check-ignore", secret.FILE], cwd=ROOT, capture_output=True, text=True, check=False
+        ["git", "check-ignore", secret_salt.FILE],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     if listed.returncode != 128:  # an unpacked archive is no repository
-        assert listed.stdout.strip() == secret.FILE
+        assert listed.stdout.strip() == secret_salt.FILE
 
 
 # The command
@@ -588,13 +594,13 @@ def test_this_repository_ignores_the_secret():
 @pytest.mark.slow
 def test_the_command_says_where_the_secret_is_missing(capsys, monkeypatch):
     """A banner stands above the proof of one question, which passes in one of the settings."""
-    monkeypatch.setattr("fieldgrade.commands.course.settings", lambda: kernels.settings()[-1:])
+    monkeypatch.setattr("fieldgrade.commands.course.settings", lambda: blas_kernels.settings()[-1:])
     assert main(["course", "--root", str(ROOT), "check", "--question", "01.5"]) == 0
     printed = capsys.readouterr()
     assert "01.5" in printed.out
     assert "With all dispatched SIMD of NumPy off: " in printed.out
     assert "; NumPy dispatches to nothing." in printed.out
-    if not secret.read_salt(ROOT).secret:
+    if not secret_salt.read_salt(ROOT).secret:
         assert "There is no secret salt" in printed.err
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from fieldcheck.questions import get, questions
 from fieldgrade.authoring.catalogue import entries
-from fieldgrade.authoring.hidden import hidden_cases
+from fieldgrade.authoring.hidden_cases import hidden_cases
 from fieldgrade.authoring.trials import trials
 from graded_class import SOURCES
 

@@ -77,7 +77,7 @@ def test_a_platform_without_names_is_told_and_not_made(place, capsys):
     """Who does not use Canvas is not stopped by it."""
     (place / "class/assignments.csv").unlink()
     assert run(place, "export") == 0
-    assert "no canvas.csv: assignments.csv has no name under canvas" in capsys.readouterr().out
+    assert "no canvas.csv: column canvas of assignments.csv is empty" in capsys.readouterr().out
     assert not (place / "out/canvas.csv").exists()
 
 
@@ -95,9 +95,9 @@ def test_words_are_read_and_the_points_come_back(place):
 
 def test_an_override_is_told_as_a_difference(place, capsys):
     """What was decided since the class was graded stands in the table with its reason."""
-    from fieldgrade.class_folder.decided import ClassFolder, remember
+    from fieldgrade.class_folder.decisions import ClassFolder, save_decisions
 
-    remember(place / "out", ClassFolder(place / "class"))
+    save_decisions(place / "out", ClassFolder(place / "class"))
     assert run(place, "differences") == 0
     assert "no grade changed" in capsys.readouterr().out
     line = "bob,01.1,1,Hopper,right idea,2026-12-02\n"
@@ -113,7 +113,7 @@ def test_similar_notebooks_are_shown(place):
     (pair,) = rows(place / "out/similarity/pairs.csv")[1:]
     assert pair[:4] == ["01", "ada", "bob", "1"]
     assert "fit" in pair[5]
-    assert "no verdict" in (place / "out/similarity/01.html").read_text("utf-8")
+    assert "not a verdict" in (place / "out/similarity/01.html").read_text("utf-8")
 
 
 def test_the_analysis_counts_mistakes(place):
@@ -128,7 +128,7 @@ def test_the_class_report_has_facts_tables_and_figures_and_names_nobody(place):
     assert run(place, "report") == 0
     page = (place / "out/report/report.html").read_text("utf-8")
     text = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", "", page))
-    assert "The class has 2 students. 2 of them handed something in" in text
+    assert "The class has 2 students. 2 of them submitted" in text
     assert "The constant is missing." in text
     assert page.count("data:image/svg+xml") == 2
     assert (place / "out/report/report.pdf").read_bytes().startswith(b"%PDF")
@@ -141,7 +141,7 @@ def test_the_tables_of_a_class_are_written_once(tmp_path, capsys):
     assert main(["course", "class", str(tmp_path / "class")]) == 0
     assert "was there" not in capsys.readouterr().out
     assert main(["course", "class", str(tmp_path / "class")]) == 0
-    assert "roster.csv was there" in capsys.readouterr().out
+    assert "roster.csv exists and was kept" in capsys.readouterr().out
 
 
 def test_what_is_wrong_is_told_in_a_sentence(place, capsys):
@@ -155,7 +155,7 @@ def test_what_is_wrong_is_told_in_a_sentence(place, capsys):
     assert "overrides.csv:1: there is no column points, by, reason, on" in capsys.readouterr().err
     (place / "out/results.json").write_text("{}")
     assert run(place, "analysis") == 2
-    assert "results.json: this is no file of results" in capsys.readouterr().err
+    assert "results.json: this is not a file of results" in capsys.readouterr().err
 
 
 def test_differences_are_printed_as_a_table(capsys):

@@ -7,11 +7,22 @@ import pytest
 
 from fieldgrade.checking.results import write_results
 from fieldgrade.class_folder.assignments import Assignment
-from fieldgrade.class_folder.decided import ClassFolder, remember, remembered
-from fieldgrade.class_folder.decisions import Decisions, Mark
-from fieldgrade.class_folder.late import Policy, moment
+from fieldgrade.class_folder.decisions import (
+    ClassFolder,
+    Decisions,
+    Mark,
+    save_decisions,
+    saved_decisions,
+)
+from fieldgrade.class_folder.late_policy import LatePolicy, moment
 from fieldgrade.class_folder.overrides import Override
-from fieldgrade.gradebook.differences import Difference, Standing, compared, differences, to_table
+from fieldgrade.gradebook.differences import (
+    Difference,
+    GradedState,
+    compared,
+    differences,
+    to_table,
+)
 from gradebook_class import asked, grade, record, results
 
 TIME = "2026-12-01T12:00:00Z"
@@ -24,7 +35,7 @@ def standing(points=2.0, decisions=None, *, made_by="0" * 64, possible=2.0, code
     found[0] = replace(found[0], code=code)
     questions = asked("01.1", points=possible) + asked("01.7", kind="words")
     whole = {"grader": "g", "environment": "e"} | whole
-    return Standing(results(found, questions, **whole), decisions or Decisions())
+    return GradedState(results(found, questions, **whole), decisions or Decisions())
 
 
 BEFORE = standing()
@@ -39,7 +50,7 @@ BEFORE = standing()
         (standing(0.0, grader="h"), 0, ["grader changed"]),
         (standing(0.0, environment="f"), 0, ["packages changed"]),
         (standing(0.0, secret=True), 0, ["secret inputs"]),
-        (standing(0.0), 0, ["nothing that is recorded: other hidden inputs, or chance"]),
+        (standing(0.0), 0, ["no recorded change: other hidden inputs, or chance"]),
         (standing(0.0, code="d", grader="h"), 0, ["answer changed", "grader changed"]),
         (standing(2.0, Decisions(overrides=[WHO])), 1, ["override: right but for a sign"]),
         (standing(0.0, Decisions(overrides=[WHO])), 1, ["override: right but for a sign"]),
@@ -65,12 +76,12 @@ def test_an_override_that_goes_is_told():
 def test_points_of_a_reader_are_a_change_from_nothing():
     """An answer in words that was read has points where it had none."""
     now = standing(decisions=Decisions(marks=[Mark("ada", "01.7", 1.5)]))
-    assert differences(BEFORE, now) == [Difference("ada", "01.7", None, 1.5, ("read by a person",))]
+    assert differences(BEFORE, now) == [Difference("ada", "01.7", None, 1.5, ("marked by hand",))]
 
 
 def test_a_deadline_that_moves_is_told_of_the_whole_notebook():
     """What being late costs stands apart from the questions."""
-    policy = Policy(moment("2026-11-30T23:59Z"), per_day=0.25)
+    policy = LatePolicy(moment("2026-11-30T23:59Z"), per_day=0.25)
     now = standing(decisions=Decisions({"01": Assignment("01", policy)}))
     assert differences(BEFORE, now) == [
         Difference("ada", "01 late", 0, -0.5, ("deadline or extension changed",))
@@ -79,9 +90,9 @@ def test_a_deadline_that_moves_is_told_of_the_whole_notebook():
 
 def test_who_hands_in_or_is_gone_is_told():
     """A notebook that came has no grades before, and one that is gone none after."""
-    alone = Standing(replace(BEFORE.results, records=BEFORE.results.records[1:]), Decisions())
+    alone = GradedState(replace(BEFORE.results, records=BEFORE.results.records[1:]), Decisions())
     (came,) = differences(alone, BEFORE)
-    assert (came.before, came.now, came.reasons) == (None, 2, ("handed in",))
+    assert (came.before, came.now, came.reasons) == (None, 2, ("submitted",))
     (gone,) = differences(BEFORE, alone)
     assert (gone.before, gone.now, gone.reasons) == (2, None, ("withdrawn",))
 
@@ -102,21 +113,21 @@ def test_the_history_remembers_results_and_decisions(tmp_path):
     folder.folder.mkdir()
     digest = {"code": "c" * 64, "grader": "a" * 64, "environment": "b" * 64}
     write_results(standing(**digest).results, file)
-    remember(out, folder)
+    save_decisions(out, folder)
     line = "ada,01.1,1,Hopper,fair,2026-12-02\n"
     (folder.folder / "overrides.csv").write_text("student,question,points,by,reason,on\n" + line)
     assert [d.reasons for d in compared(file, folder)] == [("override: fair",)]
 
     write_results(standing(0.0, **digest | {"grader": "d" * 64}).results, file)
     assert [(d.before, d.now) for d in compared(file, folder)] == [(2, 1)]
-    remember(out, folder)
-    assert not remembered(out / "history" / "0001.json").overrides
-    assert len(remembered(file).overrides) == 1
+    save_decisions(out, folder)
+    assert not saved_decisions(out / "history" / "0001.json").overrides
+    assert len(saved_decisions(file).overrides) == 1
 
     write_results(standing(2.0, **digest).results, file)
     assert compared(file, folder) == [], "the override holds the grade, before and now"
-    remember(out, folder)
-    assert len(remembered(out / "history" / "0002.json").overrides) == 1
+    save_decisions(out, folder)
+    assert len(saved_decisions(out / "history" / "0002.json").overrides) == 1
     first = compared(file, folder, out / "history" / "0001.json")
     assert [d.reasons for d in first] == [("override: fair",)]
 

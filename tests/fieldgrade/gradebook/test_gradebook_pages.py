@@ -11,19 +11,18 @@ from fieldcheck.answers import arrays_to_json, public_answers
 from fieldcheck.questions import questions
 from fieldgrade import html_pages as pages
 from fieldgrade.authoring.catalogue import entries
-from fieldgrade.authoring.hidden import hidden_cases
-from fieldgrade.authoring.known import public_calls
+from fieldgrade.authoring.hidden_cases import hidden_cases
+from fieldgrade.authoring.known_answers import public_calls
 from fieldgrade.authoring.trials import trials
-from fieldgrade.checking import examine
+from fieldgrade.checking import grade_submission
 from fieldgrade.class_folder.assignments import Assignment
 from fieldgrade.class_folder.decisions import Decisions, Mark
-from fieldgrade.class_folder.names import file_names
-from fieldgrade.gradebook import exports, platforms
-from fieldgrade.gradebook.analysis import analysis_page
+from fieldgrade.class_folder.file_names import file_names
+from fieldgrade.gradebook import exports
 from fieldgrade.gradebook.feedback import feedback
-from fieldgrade.gradebook.item_analysis import items, to_table
-from fieldgrade.gradebook.sheets import gradebook
-from fieldgrade.isolation.isolation import Server, tiers
+from fieldgrade.gradebook.grade_sheets import grade_sheets
+from fieldgrade.gradebook.item_analysis import analysis_page, items, to_table
+from fieldgrade.isolation.server import Server, tiers
 from gradebook_class import (
     Tags,
     asked,
@@ -48,12 +47,12 @@ def evil_sheets():
         "ada",
         [grade("01.1", 0.0, rung="exception", sentence=EVIL), grade("01.2", 2.0)],
         file=EVIL,
-        notes=("01.1: a stub stands behind an answer, and takes its place", EVIL),
+        notes=("01.1: a stub is defined after an answer and replaces it", EVIL),
     )
     broken = record("ada", [], notebook="", status="unreadable", file=EVIL, notes=(EVIL,))
     students = [{"student": "ada", "name": EVIL, "section": EVIL}]
     marks = [Mark("ada", "01.7", 1, EVIL)]
-    return gradebook(results([found, broken], students=students), Decisions(marks=marks))
+    return grade_sheets(results([found, broken], students=students), Decisions(marks=marks))
 
 
 def test_nothing_that_a_student_wrote_is_run():
@@ -84,7 +83,7 @@ def wrong_field(question, change):
     call = 0
     values = [change(v) for v in public_answers(question[:2])[question].right[call]]
     told = grade(question, 0.0, call=call, returned=tuple(arrays_to_json(tuple(values))))
-    return gradebook(results([record("ada", [told], notebook=question[:2])], asked(question)))
+    return grade_sheets(results([record("ada", [told], notebook=question[:2])], asked(question)))
 
 
 def test_a_field_is_drawn_beside_the_right_one():
@@ -122,7 +121,7 @@ def test_pages_are_small_and_stand_for_themselves():
         )
         for n in sorted({q.notebook for q in asked_})
     ]
-    page = feedback(gradebook(results(found, asked(*(q.name for q in asked_)))))
+    page = feedback(grade_sheets(results(found, asked(*(q.name for q in asked_)))))
     assert len(page.encode()) < 60_000
     assert harmless(page)
     assert page.count(sentence.split(".")[0]) >= len(asked_)
@@ -137,7 +136,7 @@ def test_a_sentence_of_each_outcome_is_said():
     }
     found = record("ada", told.values(), status="killed: time")
     questions_ = asked("01.1", "01.2", "01.3") + asked("01.7", kind="words")
-    text = Tags(feedback(gradebook(results([found], questions_)))).text
+    text = Tags(feedback(grade_sheets(results([found], questions_)))).text
     for sentence in (
         "01.1 — right",
         "Squared twice.",
@@ -182,7 +181,7 @@ def numbers(arrays):
 def leaking():
     """Sheets of students who fail hidden cases, and the numbers of these."""
     here = source("01")
-    course = examine.Course([here], "a secret salt")
+    course = grade_submission.Course([here], "a secret salt")
     books = {
         "leak": with_function(notebook("01"), "fit", LEAK),
         "rank": with_function(
@@ -196,7 +195,7 @@ def leaking():
     }
     with Server(tiers()[0]).started() as server:
         found = [
-            examine.grade(course, server, submission(student, book))
+            grade_submission.grade(course, server, submission(student, book))
             for student, book in books.items()
         ]
     hidden = hidden_cases(here)
@@ -230,18 +229,18 @@ def leaking():
         for q in course.asked("01")
     ]
     students = [{"student": s, "login": s, "email": f"{s}@uni.example"} for s in books]
-    return gradebook(results(found, worth, students)), secret - public
+    return grade_sheets(results(found, worth, students)), secret - public
 
 
 def all_that_is_handed_out(sheets):
-    """Return every text that is made for students and platforms."""
+    """Return every text that is made for students and exports."""
     rows = exports.by_student(sheets)
     return [
         *(feedback(row) for row in rows),
         exports.gradebook_csv(sheets),
-        platforms.canvas_csv(sheets, NAMED),
-        platforms.moodle_csv(sheets, NAMED),
-        *(platforms.gradescope_text(sheet) for sheet in sheets),
+        exports.canvas_csv(sheets, NAMED),
+        exports.moodle_csv(sheets, NAMED),
+        *(exports.gradescope_text(sheet) for sheet in sheets),
         to_table(items(sheets)),
         analysis_page(items(sheets), {}),
     ]

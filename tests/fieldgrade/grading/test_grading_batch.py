@@ -15,13 +15,14 @@ from multiprocessing import get_context
 import pytest
 
 from fieldgrade.authoring import leaks
-from fieldgrade.checking import examine, workplace
-from fieldgrade.checking.examine import Fault
+from fieldgrade.checking import grade_submission
+from fieldgrade.checking.course import Course
+from fieldgrade.checking.grade_submission import GraderError
 from fieldgrade.checking.results import invalid, read_results
-from fieldgrade.checking.trusted import Course
-from fieldgrade.grading.batch import as_they_come
-from fieldgrade.grading.engine import graded
-from fieldgrade.isolation.isolation import Limits
+from fieldgrade.grading.batch import as_completed_in_window
+from fieldgrade.grading.grade_class import grade_class as graded
+from fieldgrade.isolation import worker_servers
+from fieldgrade.isolation.server import Limits
 from graded_class import ROOT, STUB, TIER, checkout, ledger, points, right, run
 from submission_files import lay, notebook
 
@@ -128,7 +129,7 @@ def test_any_executor_gives_the_same_bytes(small, tmp_path, kind):
 def test_nothing_is_left_running_or_lying_about(small):
     """The servers end with the run."""
     assert small
-    assert not workplace._open.get(os.getpid())
+    assert not worker_servers._open.get(os.getpid())
 
 
 def test_the_ledger_names_the_year_and_not_the_salt(small):
@@ -214,8 +215,8 @@ def edited(tmp_path, monkeypatch):
         called.extend(task.name for task in tasks)
         return real(server, cells, tasks)
 
-    real = examine.run
-    monkeypatch.setattr(examine, "run", counted)
+    real = grade_submission.run
+    monkeypatch.setattr(grade_submission, "run", counted)
     answers = {
         "ada": "",
         "bob": STUB,
@@ -319,8 +320,8 @@ def hindered(monkeypatch, task, busy):
             outcomes[task] = tuple(replace(o, seconds=6.0) for o in outcomes[task])
         return outcomes, log
 
-    real = examine.run
-    monkeypatch.setattr(examine, "run", slowed)
+    real = grade_submission.run
+    monkeypatch.setattr(grade_submission, "run", slowed)
     return runs
 
 
@@ -467,13 +468,13 @@ def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):
 def test_an_executor_that_breaks_down_ends_the_run(tmp_path):
     """It is no submission's fault, so no grade comes of it."""
 
-    class Broken(ThreadPoolExecutor):
+    class BrokenPool(ThreadPoolExecutor):
         def submit(self, *_):
             raise BrokenExecutor("a worker is gone")
 
     todo = run(tmp_path, {"ada/01.ipynb": notebook(*right())})
     with pytest.raises(RuntimeError, match="a worker is gone"):
-        graded(todo, Broken(1))
+        graded(todo, BrokenPool(1))
     assert not (todo.out / "results.json").exists()
 
 
@@ -492,7 +493,7 @@ def test_few_submissions_are_in_memory_at_a_time():
             waiting.pop(0).set_result(None)
         return future, lambda: item
 
-    stream = as_they_come(begin, range(100), ahead=3)
+    stream = as_completed_in_window(begin, range(100), ahead=3)
     assert next(stream) == 0
     assert begun == [0, 1, 2]
     assert next(stream) == 1
@@ -510,15 +511,15 @@ def test_a_server_in_doubt_is_replaced_once():
         tried.append(server)
         raise OSError("the pipe is broken")
 
-    with workplace.opened(), pytest.raises(Fault, match="OSError: the pipe is broken"):
-        workplace.served(TIER, Limits(), do)
+    with worker_servers.serving(), pytest.raises(GraderError, match="OSError: the pipe is broken"):
+        worker_servers.with_server(TIER, Limits(), do)
     first, second = tried
     assert first is not second
 
 
 def test_no_server_is_started_once_the_work_is_over():
     """Threads that are still at it when a run is interrupted end, and leave nothing behind."""
-    with workplace.opened():
+    with worker_servers.serving():
         pass
-    with pytest.raises(workplace.Over):
-        workplace.served(TIER, Limits(), lambda server: server)
+    with pytest.raises(worker_servers.WorkEnded):
+        worker_servers.with_server(TIER, Limits(), lambda server: server)

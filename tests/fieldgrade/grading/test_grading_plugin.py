@@ -11,11 +11,15 @@ from dataclasses import replace
 import pytest
 
 from fieldcheck.verdict import Verdict
-from fieldgrade.checking import checks
-from fieldgrade.checking.checks import Check, Checked, with_checks
+from fieldgrade.checking import instructor_checks
+from fieldgrade.checking.instructor_checks import (
+    InstructorCheck,
+    InstructorCheckResult,
+    apply_instructor_checks,
+)
 from fieldgrade.checking.results import Grade, Record, read_results
 from fieldgrade.grading import options
-from fieldgrade.grading.engine import graded
+from fieldgrade.grading.grade_class import grade_class as graded
 from fieldrecon.cli import main as cli
 from graded_class import ROOT, TIER, checkout, class_files, points, right, run
 from submission_files import lay, notebook
@@ -58,8 +62,8 @@ def calls(monkeypatch):
         made.append(tasks[0].calls[0].function)
         return real(server, cells, tasks)
 
-    real = checks.run
-    monkeypatch.setattr(checks, "run", counted)
+    real = instructor_checks.run
+    monkeypatch.setattr(instructor_checks, "run", counted)
     return made
 
 
@@ -126,7 +130,7 @@ def test_a_check_that_fails_on_the_solution_costs_nobody(tmp_path):
     """It is the grader's fault, which is told."""
     unfair = CHECKS.replace("[1, 0, 0], atol", "[2, 0, 0], atol")
     grading = graded(with_own_checks(tmp_path, unfair))
-    assert [f for f in grading.findings.faults if "constants add fails on the solution" in f]
+    assert [f for f in grading.collector.faults if "constants add fails on the solution" in f]
     assert points(grading.results)["eve", "01.2"] == points(grading.results)["ada", "01.2"] == 3.0
 
 
@@ -144,7 +148,7 @@ def test_what_is_wrong_anyway_is_not_tried(tmp_path, calls):
     [
         ('"01.2", "Values', '"01.99", "Values', "asked for in question '01.99'"),
         ("Values that all grow by one move the plane up by one.", " ", "needs a sentence"),
-        ("costs=1", "costs=0", "costs points, not 0"),
+        ("costs=1", "costs=0", "must cost more than 0 points, not 0"),
         ("costs=1", "price=1", "write @pytest.mark.question"),
         ("(answer, cloud):", "(cloud):", "needs both"),
     ],
@@ -182,13 +186,15 @@ def test_what_checks_cost_adds_up(costs, left):
     """To all that there is, at most."""
     record = Record("a", "a.ipynb", "d", "01", "graded", "none", grades=(grade(),))
     made = [
-        Checked(Check("01.2", f"Sentence {k}.", c), f"check {k}", str(k), False)
+        InstructorCheckResult(
+            InstructorCheck("01.2", f"Sentence {k}.", c), f"check {k}", str(k), False
+        )
         for k, c in enumerate(costs)
     ]
-    (found,) = with_checks(record, made).grades
+    (found,) = apply_instructor_checks(record, made).grades
     assert found.points == left
     assert found.verdict.sentence == " ".join(f"Sentence {k}." for k in range(len(costs)))
-    assert with_checks(record, reversed(made)).grades == (found,)
+    assert apply_instructor_checks(record, reversed(made)).grades == (found,)
 
 
 # Items
@@ -283,7 +289,7 @@ def test_processes_of_pytest_give_the_same_bytes(tmp_path):
 def test_pytest_can_be_called_by_itself(reported, tmp_path):
     """With the plugin and the folders; its exit status says that not all is right."""
     _, todo = reported
-    command = [sys.executable, "-m", "pytest", "-p", "fieldgrade.grading.plugin", "-q"]
+    command = [sys.executable, "-m", "pytest", "-p", "fieldgrade.grading.pytest_plugin", "-q"]
     command += ["--submissions", todo.submissions, "--out", tmp_path / "out", "--root", ROOT]
     command += ["--tier", TIER, "-c", "/dev/null", "-p", "no:cacheprovider"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
@@ -321,7 +327,7 @@ def test_the_command_tells_what_came_out(tmp_path, capsys):
     assert grade_by_command(tmp_path) == 0
     printed = capsys.readouterr()
     assert f"5 submissions, walls: {TIER}; 4 graded, 1 unreadable" in printed.out
-    assert "dan, 01.ipynb: the file is no complete notebook" in printed.out
+    assert "dan, 01.ipynb: the file is not a complete notebook" in printed.out
     assert str(tmp_path / "out" / "results.json") in printed.out
     assert "fieldrecon course feedback" in printed.out
     assert "There is no secret salt" in printed.err
@@ -363,9 +369,9 @@ def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
         (["--only", "99"], "there is no notebook 99"),
         (["--question", "01.99"], "asked for in question '01.99'"),
         (["--question", "01.2", "--only", "02"], "question 01.2 is not in 02"),
-        (["--student", "nobody"], "holds nothing of what was chosen"),
-        (["--class", "nowhere"], "nowhere is no folder with the tables of a class"),
-        (["--out", "IN/graded"], "results are no submissions"),
+        (["--student", "nobody"], "contains no submission of the selection"),
+        (["--class", "nowhere"], "nowhere is not a folder with the tables of a class"),
+        (["--out", "IN/graded"], "results must not be among the submissions"),
         (["--pytest", "--no-such"], "pytest does not understand --no-such"),
     ],
 )

@@ -13,11 +13,12 @@ from fieldgrade.checking.results import (
     Record,
     Results,
     invalid,
+    merged,
+    ordered,
     read_results,
     to_json,
     write_results,
 )
-from fieldgrade.grading.merging import merged, ordered
 from fieldrecon._core.atomic_files import write_atomically
 
 DIGEST, OTHER = "a" * 64, "b" * 64
@@ -109,8 +110,8 @@ def test_what_has_another_form_is_refused(tmp_path, place, value, told):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("{}", "no file of results"),
-        ("[1]", "no file of results"),
+        ("{}", "not a file of results"),
+        ("[1]", "not a file of results"),
         ('{"format": "fieldrecon results", "version": 2}', "version 2; version 1 is known"),
         ("{", "results.json: "),
     ],

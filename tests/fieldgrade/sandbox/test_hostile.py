@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.distance import pdist
 
-from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import (
-    Radial,
-    inverse_square,
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
     multiquadric,
     polyharmonic,
     thin_plate_spline,
 )
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares, normal_equations
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from test_unpack import encrypted, link
 
 from fieldcheck.questions import questions
-from fieldgrade.checking import examine
+from fieldgrade.checking import grade_submission
 from fieldgrade.class_folder.roster import Student
 from fieldgrade.submissions import collection
 from fieldgrade.submissions.archive import Archive
@@ -39,7 +39,7 @@ def taken(tmp_path, files, **options):
 
 def graded(handed):
     """Which file of whom is graded as which notebook."""
-    return {(h.student, h.notebook): h.file.name for h in handed if h.notebook}
+    return {(h.student, h.notebook): h.name for h in handed if h.notebook}
 
 
 CANVAS = {
@@ -128,9 +128,9 @@ def test_every_form_of_a_class_is_taken(tmp_path, files, way):
 def test_what_a_platform_tells_is_kept(tmp_path):
     """The mark of Canvas; the time of Gradescope, in UTC, of the submission and not of another."""
     canvas = taken(tmp_path / "canvas", CANVAS, roster=ROSTER)
-    assert [h.file.late_mark for h in canvas] == [False, True]
+    assert [h.late_mark for h in canvas] == [False, True]
     scope = taken(tmp_path / "scope", GRADESCOPE, roster=ROSTER)
-    assert [(h.file.received, h.file.received_by) for h in scope] == [
+    assert [(h.received, h.received_by) for h in scope] == [
         ("2026-11-20T12:00:00+00:00", "platform"),
         ("2026-11-21T06:30:00+00:00", "platform"),
     ]
@@ -168,7 +168,7 @@ def test_a_group_of_gradescope_hands_in_for_each(tmp_path):
     files = {"submission_metadata.yml": group, "submission_901/01.ipynb": RIGHT}
     handed = taken(tmp_path, files, roster=ROSTER)
     assert [h.student for h in handed] == ["s1", "s2"]
-    assert len({h.file.digest for h in handed}) == 1
+    assert len({h.digest for h in handed}) == 1
 
 
 ATTACKS = {
@@ -200,7 +200,7 @@ def test_nobody_hands_in_for_somebody_else(tmp_path, attack, beside):
     handed = taken(tmp_path, files, roster=ROSTER)
     theirs = [h for h in handed if h.student == "s2"]
     assert {h.student for h in handed} == ({"s1", "s2"} if beside else {"s1"})
-    assert [(h.file.name, h.notes) for h in theirs] == [
+    assert [(h.name, h.notes) for h in theirs] == [
         (name.rpartition("s2/")[2], ()) for name in beside
     ]
 
@@ -251,7 +251,7 @@ def test_two_notebooks_of_a_student_are_both_graded(tmp_path):
     assert graded(handed) == {("s1", "01"): "a.ipynb", ("s1", "02"): "b.ipynb"}
     assert handed[0].notes == (
         "x.py is not graded: it defines none of the functions that are asked for",
-        "report.pdf is not graded: it is no notebook",
+        "report.pdf is not graded: it is not a notebook",
     )
 
 
@@ -260,14 +260,14 @@ def test_a_damaged_notebook_beside_a_whole_one_is_told(tmp_path):
     handed = taken(tmp_path, {"s1/a.ipynb": RIGHT, "s1/b.ipynb": SECOND[:50]})
     assert [(h.notebook, h.problem) for h in handed] == [
         ("01", ""),
-        ("", "the file is no complete notebook: its JSON is broken"),
+        ("", "the file is not a complete notebook: its JSON is broken"),
     ]
 
 
 BROKEN = {
     "an empty file": (b"", "the file is empty"),
     "a cut file": (RIGHT[:30], "JSON is broken"),
-    "bytes": (bytes(range(256)), "the file is no text"),
+    "bytes": (bytes(range(256)), "the file is not text"),
     "a list": (b"[]", "it has no cells"),
 }
 
@@ -284,7 +284,7 @@ def test_one_that_cannot_be_read_stops_nobody(tmp_path, content, problem):
 def test_a_student_without_any_notebook_has_a_record(tmp_path):
     """Nobody who handed something in is forgotten."""
     (only,) = taken(tmp_path, {"s1/letter.docx": b"PK", "s1/photo.png": b"\x89PNG"})
-    assert (only.student, only.problem) == ("s1", "it is no notebook")
+    assert (only.student, only.problem) == ("s1", "it is not a notebook")
     assert len(only.notes) == 1
 
 
@@ -409,7 +409,7 @@ def test_a_list_of_times_goes_before_files(tmp_path):
     """It says by whom the time is told."""
     times = {("s1", "01"): "2026-11-20T12:00:00+01:00"}
     (only,) = taken(tmp_path, {"s1/01.ipynb": RIGHT}, times=times)
-    assert (only.file.received, only.file.received_by) == (times["s1", "01"], "list")
+    assert (only.received, only.received_by) == (times["s1", "01"], "list")
 
 
 def test_the_time_of_what_a_student_packed_is_that_of_the_zip_file(tmp_path):
@@ -418,7 +418,7 @@ def test_the_time_of_what_a_student_packed_is_that_of_the_zip_file(tmp_path):
     folder = lay(tmp_path / "class", {"s1/all.zip": packed([(early, RIGHT)])})
     os.utime(folder / "s1/all.zip", (1_000_000_000, 1_000_000_000))
     (only,) = intake(tmp_path).take(folder)
-    assert only.file.received == "2001-09-09T01:46:40+00:00"
+    assert only.received == "2001-09-09T01:46:40+00:00"
 
 
 def test_received_files_are_not_touched(tmp_path):
@@ -440,7 +440,7 @@ def test_taking_twice_gives_the_same(tmp_path):
 @pytest.mark.parametrize("files", [{}, {".hidden": b""}, {"student.txt": b"s1"}])
 def test_an_empty_class_is_told(tmp_path, files):
     (tmp_path / "class").mkdir()
-    with pytest.raises(ValueError, match="nothing was handed in"):
+    with pytest.raises(ValueError, match="there is no submission"):
         taken(tmp_path, files)
 
 
@@ -456,12 +456,12 @@ def test_a_stale_stub_behind_an_answer_is_told(tmp_path):
     stale, fresh = notebook(answer, copy), notebook(copy, answer)
     handed = taken(tmp_path, {"s1/01.ipynb": stale, "s2/01.ipynb": fresh})
     told = [list(_notes_on(h, Archive(tmp_path / "received"))) for h in handed]
-    assert told == [["01.2: a stub stands behind an answer, and takes its place"], []]
+    assert told == [["01.2: a stub is defined after an answer and replaces it"], []]
 
 
 def _notes_on(handed, archive):
     fit = [question for question in questions().values() if question.name == "01.2"]
-    return examine._notes(handed.submission(archive), fit, {})
+    return grade_submission._notes(handed.submission(archive), fit, {})
 
 
 names = st.text(st.characters(exclude_characters="/\0", codec="utf-8"), min_size=1, max_size=30)

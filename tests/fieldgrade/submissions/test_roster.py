@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fieldgrade.class_folder.examples import HEADERS, LINES
+from fieldgrade.class_folder.example_tables import HEADERS, LINES
 from fieldgrade.class_folder.roster import Student, columns, read_points, read_roster, read_times
-from fieldgrade.submissions.owners import Owner, students_of
-from fieldgrade.submissions.platforms import is_platform, place
+from fieldgrade.submissions.bulk_downloads import is_platform, parse_path
+from fieldgrade.submissions.owners import OwnerHint, students_of
 
 QUESTIONS = ("01.1", "01.3", "01.5", "01.10")
 
@@ -45,22 +45,22 @@ BAD = {
         read_roster,
         "student,name\nada,Ada\n,Nobody\nbob\nADA,Again\nx,y,z\n",
         [
-            "table.csv:3: nothing stands under student",
-            "table.csv:5: ADA stands in line 2 already",
-            "table.csv:6: there are 3 cells in the line, and 2 columns",
+            "table.csv:3: column student is empty",
+            "table.csv:5: ADA is already in line 2",
+            "table.csv:6: the line has 3 cells for 2 columns",
         ],
     ),
     "points": (
         lambda file: read_points(file, QUESTIONS),
         "question,points\n01.1,two\n1.1,2\n09.9,1\n01.3,2\n01.3,3\n01.5,\n01.10,-1\n",
         [
-            "table.csv:2: points are a number such as 1.5, not 'two'",
+            "table.csv:2: points must be a number such as 1.5, not 'two'",
             "table.csv:3: a question is written as 01.2, not '1.1'; spreadsheets shorten such names"
             " unless the column is formatted as text",
             "table.csv:4: there is no question 09.9",
-            "table.csv:6: 01.3 stands in line 5 already",
-            "table.csv:7: nothing stands under points",
-            "table.csv:8: points are a number such as 1.5, not '-1'",
+            "table.csv:6: 01.3 is already in line 5",
+            "table.csv:7: column points is empty",
+            "table.csv:8: points must be a number such as 1.5, not '-1'",
         ],
     ),
     "times": (
@@ -73,7 +73,7 @@ BAD = {
             "table.csv:3: a notebook is written as 02, not 'one'",
             "table.csv:4: '2026-11-30T12:00' has no time zone: write it as "
             "2026-11-30T12:00+01:00 or 2026-11-30T12:00Z",
-            "table.csv:5: a time is written as 2026-11-30T23:59+01:00, not 'yesterday'",
+            "table.csv:5: a time must be written as 2026-11-30T23:59+01:00, not 'yesterday'",
         ],
     ),
 }
@@ -91,17 +91,17 @@ ADA = Student("s123", "Ada King Lovelace", "ada@x.org", "alove", "12", "77", "",
 BOB = Student("bob", "Bob Byte", "bob@x.org", "bbyte", "13", "78", "", "513")
 ROSTER = {s.student: s for s in (ADA, BOB)}
 SIGNS = {
-    "the number of Canvas": Owner("anybody", "12", platform="canvas"),
-    "the number of Moodle": Owner("Participant", "512", platform="moodle"),
-    "the number of Gradescope": Owner("A. L.", "77", platform="gradescope"),
-    "the address": Owner("A. L.", "", "ADA@x.org", "gradescope"),
-    "an address as a name": Owner("ada@x.org"),
-    "the login": Owner("ALove"),
-    "the name": Owner("Ada King Lovelace"),
-    "the name of Canvas": Owner("lovelaceadaking", "", platform="canvas"),
-    "the name, last in front": Owner("Lovelace, Ada King"),
-    "the name with accents": Owner("Ada Kíng  Lovelacé"),
-    "the number in a text": Owner("hand-in_s123 (final)"),
+    "the number of Canvas": OwnerHint("anybody", "12", platform="canvas"),
+    "the number of Moodle": OwnerHint("Participant", "512", platform="moodle"),
+    "the number of Gradescope": OwnerHint("A. L.", "77", platform="gradescope"),
+    "the address": OwnerHint("A. L.", "", "ADA@x.org", "gradescope"),
+    "an address as a name": OwnerHint("ada@x.org"),
+    "the login": OwnerHint("ALove"),
+    "the name": OwnerHint("Ada King Lovelace"),
+    "the name of Canvas": OwnerHint("lovelaceadaking", "", platform="canvas"),
+    "the name, last in front": OwnerHint("Lovelace, Ada King"),
+    "the name with accents": OwnerHint("Ada Kíng  Lovelacé"),
+    "the number in a text": OwnerHint("hand-in_s123 (final)"),
 }
 
 
@@ -112,10 +112,10 @@ def test_a_student_is_found_by_any_sign(owner):
 
 
 STRANGERS = {
-    "a part of a name": Owner("Bob"[:2]),
-    "a word of a text": Owner("Maria de bob"),
-    "another number": Owner("bytebob", "99", platform="canvas"),
-    "nothing": Owner(""),
+    "a part of a name": OwnerHint("Bob"[:2]),
+    "a word of a text": OwnerHint("Maria de bob"),
+    "another number": OwnerHint("bytebob", "99", platform="canvas"),
+    "nothing": OwnerHint(""),
 }
 
 
@@ -128,9 +128,9 @@ def test_a_stranger_is_nobody_on_the_roster(owner):
 def test_where_two_fit_equally_well_nobody_is_chosen():
     """Two of one name are told apart by a surer sign, or not at all."""
     twins = {k: Student(k, "Kim Lee", canvas_id=n) for k, n in (("k1", "1"), ("k2", "2"))}
-    plain = Owner("Kim Lee")
+    plain = OwnerHint("Kim Lee")
     assert students_of([plain], twins) == {plain: "Kim Lee"}
-    numbered = Owner("leekim", "2", platform="canvas")
+    numbered = OwnerHint("leekim", "2", platform="canvas")
     assert students_of([numbered], twins) == {numbered: "k2"}
 
 
@@ -138,13 +138,13 @@ def test_where_two_fit_equally_well_nobody_is_chosen():
 @given(st.text(max_size=60), st.text(max_size=20), st.text(max_size=20))
 def test_any_text_belongs_to_one_student_at_most(text, number, email):
     """Nothing in a name is an error."""
-    owner = Owner(text, number, email, "moodle")
+    owner = OwnerHint(text, number, email, "moodle")
     assert students_of([owner], ROSTER)[owner] in {text, f"{text} ({number})", "s123", "bob"}
 
 
 @given(st.text(min_size=1).filter(lambda name: "/" not in name), st.text(max_size=5))
 def test_any_name_is_placed(first, rest):
     """A path tells of one owner, whatever stands in it."""
-    where = place([first, *([rest] if rest else [])], {})
+    where = parse_path([first, *([rest] if rest else [])], {})
     assert len(where.owners) == 1
     assert isinstance(is_platform(first), bool)

@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldgrade.submissions import unpack
-from fieldgrade.submissions.archive import Archive, NotTaken
-from fieldgrade.submissions.unpack import NoZip, folder_items, zip_items
+from fieldgrade.submissions.archive import Archive, CannotArchive
+from fieldgrade.submissions.unpack import BadZip, folder_items, zip_items
 from submission_files import lay, packed
 
 
@@ -120,7 +120,7 @@ def test_the_bytes_are_those_of_the_member(tmp_path):
 
 @pytest.mark.parametrize("content", [b"", b"no zip", b"PK\x05\x06" + b"\0" * 17])
 def test_what_is_no_zip_file_is_told(tmp_path, content):
-    with pytest.raises(NoZip, match="the zip file is damaged"):
+    with pytest.raises(BadZip, match="the zip file is damaged"):
         items_of(tmp_path, content)
 
 
@@ -134,7 +134,7 @@ def test_no_damage_to_a_zip_file_raises_anything_else(tmp_path_factory, data):
     archive = Archive(folder / "archive")
     try:
         found = items_of(folder, bytes(pack))
-    except NoZip:
+    except BadZip:
         return
     for item in found:
         try:
@@ -144,7 +144,7 @@ def test_no_damage_to_a_zip_file_raises_anything_else(tmp_path_factory, data):
         with stream:
             try:
                 archive.put(stream, 1000)
-            except NotTaken as error:
+            except CannotArchive as error:
                 assert str(error)  # noqa: PT017
 
 
@@ -153,14 +153,14 @@ def test_a_zip_file_of_too_many_is_not_read(tmp_path, monkeypatch):
     pack = packed({f"{k}.txt": b"" for k in range(30)})
     monkeypatch.setattr(unpack, "MOST_MEMBERS", 29)
     monkeypatch.setattr(unpack.zipfile, "ZipFile", None)
-    with pytest.raises(NoZip, match="more than 29 files"):
+    with pytest.raises(BadZip, match="more than 29 files"):
         items_of(tmp_path, pack)
 
 
 def test_a_zip_file_that_says_that_it_unpacks_to_too_much_is_told(tmp_path, monkeypatch):
     """What it says is believed, if it is against it."""
     monkeypatch.setattr(unpack, "MOST_UNPACKED", 2_000_000)
-    with pytest.raises(NoZip, match="more than 1 MiB"):
+    with pytest.raises(BadZip, match="more than 1 MiB"):
         items_of(tmp_path, packed({"a": b"0" * 1_500_000, "b": b"0" * 1_500_000}))
 
 
@@ -170,7 +170,7 @@ def test_a_member_that_is_larger_than_it_says_is_cut(tmp_path):
     at = pack.find(b"PK\x01\x02")
     pack[at + 24 : at + 28] = struct.pack("<I", 10)
     (item,) = items_of(tmp_path, bytes(pack))
-    with pytest.raises(NotTaken, match="it cannot be read"):
+    with pytest.raises(CannotArchive, match="it cannot be read"):
         Archive(tmp_path / "archive").put(item.open(), 1 << 20)
 
 
@@ -268,7 +268,7 @@ class Failing(io.BytesIO):
 )
 def test_what_cannot_be_kept_leaves_nothing(tmp_path, stream, sentence):
     """Too much, or damaged."""
-    with pytest.raises(NotTaken, match=sentence):
+    with pytest.raises(CannotArchive, match=sentence):
         Archive(tmp_path).put(stream, 1 << 20)
     assert list(tmp_path.iterdir()) == []
 

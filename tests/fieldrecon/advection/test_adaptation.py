@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull, cKDTree
 from fieldrecon.advection.adaptation import adapted_points
 from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.selection.leaving_one_out import leave_one_out
 

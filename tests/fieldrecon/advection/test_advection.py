@@ -10,11 +10,11 @@ from scipy.optimize import brentq, minimize
 from fieldrecon import reconstruction
 from fieldrecon.advection import characteristics as characteristics
 from fieldrecon.advection.characteristics import SCHEMES, Inflow, Snapshots, departure_points
-from fieldrecon.advection.mass_fixer import within
+from fieldrecon.advection.mass_fixer import project_to_bounds_and_mass
 from fieldrecon.advection.semi_lagrangian_steps import State, semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian
-from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
@@ -283,8 +283,8 @@ def test_characteristics_come_in_where_they_cross():
         flow = Inflow(lambda y: y[:, 0], lambda *_: np.zeros(1))
         found = characteristics.entries(x, feet, turning, 3.0, dt, flow)
         assert found.which.tolist() == [0]
-        assert abs(found.places[0, 0]) < 1e-12
-        errors.append(max(abs(found.places[0, 1] + 0.5), abs(found.delays[0] - 0.6 * dt)))
+        assert abs(found.points[0, 0]) < 1e-12
+        errors.append(max(abs(found.points[0, 1] + 0.5), abs(found.delays[0] - 0.6 * dt)))
     assert slope(steps, np.array(errors)) > 3.7
 
 
@@ -407,7 +407,9 @@ def test_the_change_is_the_smallest_that_keeps():
     low = u - rng.random(12) + 0.3
     high = low + 0.7 * rng.random(12)
     total = 0.6 * (m @ low) + 0.4 * (m @ high)
-    found = within(u[:, None], low[:, None], high[:, None], m, np.array([total]))[:, 0]
+    found = project_to_bounds_and_mass(
+        u[:, None], low[:, None], high[:, None], m, np.array([total])
+    )[:, 0]
     other = minimize(
         lambda v: m @ (v - u) ** 2,
         (low + high) / 2,
@@ -428,10 +430,13 @@ def test_bounds_may_leave_no_choice(end):
     u = np.array([[0.3], [0.9], [0.1]])
     low, high, m = u - 0.1, u + 0.2, np.array([1.0, 2.0, 3.0])
     edge = {"low": low, "high": high}[end]
-    assert_close(within(u, low, high, m, m @ edge), edge, 1e-9)
+    assert_close(project_to_bounds_and_mass(u, low, high, m, m @ edge), edge, 1e-9)
     beyond = m @ edge + (1 if end == "high" else -1)
-    with pytest.raises(ValueError, match=r"cannot be .* within the bounds of neighbouring values"):
-        within(u, low, high, m, beyond)
+    with pytest.raises(
+        ValueError,
+        match=r"cannot be .* within the bounds of neighbouring values",
+    ):
+        project_to_bounds_and_mass(u, low, high, m, beyond)
 
 
 # --- what is refused ------------------------------------------------------------------------------

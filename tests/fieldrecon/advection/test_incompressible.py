@@ -179,9 +179,9 @@ def test_what_is_carried_is_that_of_the_feet():
     back = np.array([[np.cos(dt), np.sin(dt)], [-np.sin(dt), np.cos(dt)]])
     feet = middle + (mesh.face_centers - middle) @ back.T
     u = (feet - middle)[:, ::-1] * [-1, 1]
-    v = carried_normal_velocities(flow, mesh, 1.0, dt)
+    v = carried_normal_velocities(mesh, flow, 1.0, dt)
     assert_close(v, (u * mesh.face_normals).sum(axis=1), 1e-4)
-    other = carried_normal_velocities(flow, mesh, 1.0, dt, carried=lambda y, t: y * t)
+    other = carried_normal_velocities(mesh, flow, 1.0, dt, carried=lambda y, t: y * t)
     assert_close(other, 0.7 * (feet * mesh.face_normals).sum(axis=1), 1e-4)
 
 

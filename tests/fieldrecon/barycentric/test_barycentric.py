@@ -450,9 +450,12 @@ def test_what_is_no_convex_polytope_is_refused(vertices, words):
 @pytest.mark.parametrize(
     ("vertices", "words"),
     [
-        ([[0, 0], [1, 1]], "the vertices lie on a line: they are no corners of a polygon"),
+        ([[0, 0], [1, 1]], "the vertices lie on a line: they are not the corners of a polygon"),
         ([[0, 0], [1, 1], [3, 3], [0.5, 0.5]], "the vertices lie on a line"),
-        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "lie in a plane: they are no corners of a polyhedron"),
+        (
+            [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+            "lie in a plane: they are not the corners of a polyhedron",
+        ),
         ([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]], "the vertices lie in a plane"),
         ([[1e6, 0], [1e6 + 1e-9, 0], [1e6, 1e-20]], "the vertices lie on a line"),
     ],

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fieldrecon.cli.main import main
-from fieldrecon.io.triangles import read_triangles, write_triangles
+from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.plotting import audit_picture
 from fieldrecon.plotting.mesh_pictures import COLORS, Picture, marks
 from fieldrecon.triangles.audit import CONCERNS, audit_mesh
@@ -96,7 +96,7 @@ def test_the_tolerance_is_heeded(folder, capsys):
     ("arguments", "words"),
     [
         (["nowhere.stl"], "nowhere.stl: no such file"),
-        (["text.stl"], "text.stl is no STL file"),
+        (["text.stl"], "text.stl is not an STL file"),
         (["cube.ply", "--tolerance", "-1"], "tolerance must be zero or a positive number"),
         (["cube.ply", "--repair", "cube.xyz"], "must end with .stl, .ply, .obj or .off"),
     ],
@@ -114,7 +114,7 @@ def test_the_help_tells_the_status(capsys):
     with pytest.raises(SystemExit):
         main(["audit", "--help"])
     shown = " ".join(capsys.readouterr().out.split())
-    assert "The status is 0 if there is nothing" in shown
+    assert "The status is 0 if there are no errors" in shown
     assert ".stl, .ply, .obj or .off" in shown
 
 

@@ -18,7 +18,7 @@ from fieldrecon.cli.main import main
 from fieldrecon.datasets.synthetic import clustered, franke, uniform
 from fieldrecon.io import read_mesh_and_data, write_mesh
 from fieldrecon.io.tables import csv_bytes
-from fieldrecon.selection.models import CANDIDATES
+from fieldrecon.selection.models import MODELS
 from fieldreport import experiments
 from fieldreport.commands import experiments as experiments_command
 
@@ -146,7 +146,7 @@ def test_reconstruct_writes_a_grid(capsys, tmp_path, survey):
     assert 0 < outside < 143
     assert f"{outside} of 143 nodes lie outside the convex hull" in shown
     methods = read_csv(out / "methods.csv")
-    assert {row["method"] for row in methods} == set(CANDIDATES)
+    assert {row["method"] for row in methods} == set(MODELS)
     errors = [float(row["rms error"]) for row in methods if row["rms error"]]
     assert errors == sorted(errors)
     assert f"Evaluated: {methods[0]['method']}," in shown
@@ -202,7 +202,7 @@ class Page(HTMLParser):
 
 
 def test_the_page_is_whole_in_itself(tmp_path, survey):
-    """Picture, error, methods, parameters and remarks, and nothing fetched; names are escaped."""
+    """Picture, error, methods, parameters and warnings, and nothing fetched; names are escaped."""
     table = survey.read_text().replace("depth [m]", "<script>&")
     survey.write_text(table + "1,2,?\n")
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11", "--method", "pu") == 0
@@ -218,20 +218,20 @@ def test_the_page_is_whole_in_itself(tmp_path, survey):
         "polyharmonic",
         "13 × 11",
         "survey.csv",
-        "1 row left out",
+        "1 row skipped",
         "95 of 100",
         "GB of memory",
         "patches of r⁵, blended",
     ):
         assert wanted in words, wanted
-    assert CANDIDATES["tps"].meaning not in words  # nobody asked how the others do
+    assert MODELS["tps"].meaning not in words  # nobody asked how the others do
 
 
 def test_the_page_tells_how_each_method_did(tmp_path, survey):
     """Where none is asked for."""
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11") == 0
     words = " ".join(Page((tmp_path / "a.html").read_text()).texts)
-    for name, candidate in CANDIDATES.items():
+    for name, candidate in MODELS.items():
         assert name in words
         assert candidate.meaning in words or f"{name}: not tried" in words, name
 
@@ -370,7 +370,7 @@ def test_what_is_wrong_with_the_samples_is_told(tmp_path, capsys, survey):
     survey.write_text(survey.read_text() + f"{easting},{northing},0\n1,two,3\n")
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "5x5", "--method", "ls1") == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "1 row left out, by line: 63: northing must be a finite number; got 'two'." in shown
+    assert "1 row skipped, by line: 63: northing must be a finite number; got 'two'." in shown
     assert "1 row repeats a point" in shown
     assert "differ at 1 point" in shown
     assert reconstruct(survey, tmp_path / "b.csv", "--strict") == 2
@@ -394,7 +394,7 @@ def test_an_error_that_cannot_be_had_is_told(tmp_path, capsys):
     save(tmp_path / "f.npz", plane)
     out = ["--out", str(tmp_path / "a.csv"), "--grid", "3x3"]
     assert main(["reconstruct", "--load", str(tmp_path / "f.npz"), *out]) == 0
-    assert "How far the field may be off is not known: without" in " ".join(
+    assert "The error of the field is not known: without" in " ".join(
         capsys.readouterr().out.split()
     )
     assert {row["error"] for row in read_csv(tmp_path / "a.csv")} == {"nan"}
@@ -450,7 +450,7 @@ def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
         (["reconstruct", "--load", "SURVEY"], "is not a file of a field"),
         (["reconstruct", "SURVEY", "--grid", "2x2x2"], "a grid in 2 variables has 2 sides"),
         (["reconstruct", "SURVEY", "--at", "nowhere"], "nowhere: no such file or directory"),
-        (["reconstruct", "SURVEY", "--lonlat"], "are no degrees of longitude and latitude"),
+        (["reconstruct", "SURVEY", "--lonlat"], "are not degrees of longitude and latitude"),
     ],
 )
 def test_mistakes_are_told_in_a_sentence(capsys, survey, arguments, words):

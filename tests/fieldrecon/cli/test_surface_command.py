@@ -5,7 +5,7 @@ import pytest
 
 import fieldrecon as fr
 from fieldrecon.cli.main import main
-from fieldrecon.io.triangles import read_triangles
+from fieldrecon.io.meshes import read_triangles
 from fieldrecon.plotting import surface_picture
 from fieldrecon.solids.shapes import Ball, Torus, sample_surface
 from fieldrecon.triangles.distances import distances_to_triangles
@@ -44,7 +44,7 @@ def test_what_is_odd_is_said(capsys):
     np.savetxt("two.csv", cloud, delimiter=",", header="x,y,z", comments="")
     assert main(["surface", "two.csv", "--out", "two.obj"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "1 row was left out; the first, line 606: x must be" in shown
+    assert "1 row was skipped; the first, line 606: x must be" in shown
     assert "3 points repeat others" in shown
     assert "apart from all others" in shown
     assert "The normals are estimated." in shown

@@ -15,8 +15,8 @@ from threadpoolctl import threadpool_info
 
 from fieldrecon._core import chunks as _chunks
 from fieldrecon._core.chunks import chunked, rows_of
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import thin_plate_spline
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

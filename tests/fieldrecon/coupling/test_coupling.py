@@ -11,11 +11,12 @@ from scipy.spatial.distance import cdist
 import transfer_laws
 from fieldrecon import reconstruction
 from fieldrecon.coupling.flat_structures import FlatCoupling, couple
-from fieldrecon.coupling.rigid_motions import net_force_and_moment, rigid_motions
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment, rigid_motions
 from fieldrecon.coupling.transfer import Coupling, Transfer, applied
 from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
-from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 from scipy.stats import qmc
 
-from fieldrecon.datasets import synthetic as datasets
+from fieldrecon import datasets
 from fieldrecon.datasets.synthetic import (
     clustered,
     franke,
@@ -102,13 +102,13 @@ def test_clusters_crowd():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: uniform(0, 2, seed=0), "n must be a whole number, 1 or more; got 0"),
-        (lambda: uniform(3, 2.5, seed=0), "d must be a whole number, 1 or more; got 2.5"),
-        (lambda: halton(True, 2), "n must be a whole number, 1 or more; got True"),
+        (lambda: uniform(0, 2, seed=0), "n must be an integer, 1 or more; got 0"),
+        (lambda: uniform(3, 2.5, seed=0), "d must be an integer, 1 or more; got 2.5"),
+        (lambda: halton(True, 2), "n must be an integer, 1 or more; got True"),
         (lambda: jittered_grid(3, 2, 1.5, seed=0), "jitter must be between 0 and 1; got 1.5"),
-        (lambda: clustered(9, 2, 0, 0.1, seed=0), "clusters must be a whole number, 1 or more"),
+        (lambda: clustered(9, 2, 0, 0.1, seed=0), "clusters must be an integer, 1 or more"),
         (lambda: clustered(9, 2, 2, math.nan, seed=0), "spread must be a positive number; got nan"),
-        (lambda: power_of_sum(-1), "n must be a whole number, 0 or more; got -1"),
+        (lambda: power_of_sum(-1), "n must be an integer, 0 or more; got -1"),
         (lambda: franke([1.0, 2.0, 3.0]), "x must have 2 coordinates per point"),
     ],
 )

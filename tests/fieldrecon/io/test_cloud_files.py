@@ -7,7 +7,7 @@ import pytest
 
 import fieldrecon as fr
 from fieldrecon.io.clouds import read_cloud
-from fieldrecon.io.ply import read_ply, triangles_of
+from fieldrecon.io.ply import read_elements, read_ply
 from fieldreport.experiments.triangles.triangle_shapes import sphere
 
 POINTS, TRIANGLES = sphere(1)
@@ -56,7 +56,7 @@ def test_ply_of_every_kind_reads_back(tmp_path, kind, mixed):
     assert cloud.triangles[len(TRIANGLES) :].tolist() == (
         [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7], [4, 7, 8]] if mixed else []
     )
-    assert np.asarray(read_ply(path)["face"]["flags"]).tolist() == [7] * len(faces)
+    assert np.asarray(read_elements(path)["face"]["flags"]).tolist() == [7] * len(faces)
 
 
 @pytest.mark.parametrize("kind", ["ascii", *ORDERS])
@@ -64,7 +64,7 @@ def test_strips_become_triangles_that_turn_one_way(tmp_path, kind):
     """Every second triangle of a strip is turned; -1 begins a new strip, and repeats add none."""
     path = tmp_path / "strips.ply"
     path.write_bytes(ply(kind, strip=[0, 1, 2, 3, 4, -1, 5, 6, 7, 7, 8, -1, 9, 10]))
-    assert triangles_of(read_ply(path)).tolist() == [[0, 1, 2], [2, 1, 3], [2, 3, 4], [5, 6, 7]]
+    assert read_ply(path).fan_triangles().tolist() == [[0, 1, 2], [2, 1, 3], [2, 3, 4], [5, 6, 7]]
 
 
 def test_normals_come_from_triangles_where_the_file_has_no_others(tmp_path):
@@ -108,9 +108,9 @@ def test_points_that_are_none_are_left_out_and_told(tmp_path):
     cloud = read_cloud(path)
     assert len(cloud.points) == len(POINTS) - 1
     assert len(cloud.triangles) == (TRIANGLES != 3).all(axis=1).sum()
-    assert "1 point has coordinates that are no finite numbers" in cloud.remarks[0]
+    assert "1 point has coordinates that are not finite" in cloud.warnings[0]
     np.savetxt(tmp_path / "cloud.xyz", bad)
-    assert "line 4: y must be a finite number" in read_cloud(tmp_path / "cloud.xyz").remarks[0]
+    assert "line 4: y must be a finite number" in read_cloud(tmp_path / "cloud.xyz").warnings[0]
 
 
 def test_points_of_a_vtk_file_come_through_meshio(tmp_path):
@@ -137,12 +137,12 @@ def test_points_of_a_vtk_file_come_through_meshio(tmp_path):
             "announces 9 faces and holds 8",
         ),
         ("a.ply", ply("ascii", faces=[[0, 1, 99]]), "points that it does not hold"),
-        ("a.ply", ply("ascii").replace(b"0.0", b"zero"), "a word that is no number"),
+        ("a.ply", ply("ascii").replace(b"0.0", b"zero"), "a word that is not a number"),
         ("a.obj", b"v 1 2 3\nv 1 x 2\n", "line 2: 'v 1 x 2'"),
         ("a.obj", b"v 1 2\n", "fewer than three coordinates"),
         ("a.xyz", b"1 2 3\n4 5 6\n", "2 points; a surface takes 10"),
         ("a.csv", b"x,y,height\n1,2,3\n", "no column 'z'"),
-        ("a.stl", b"", "no STL file"),
+        ("a.stl", b"", "not an STL file"),
     ],
 )
 def test_errors_are_in_words(tmp_path, name, content, words):

@@ -141,21 +141,37 @@ def test_what_is_no_mesh_is_told_with_its_path(suffix, content, tmp_path):
     path.write_bytes(content)
     for read in (read_mesh, read_surface):
         with pytest.raises(
-            ValueError, match=rf"no\{suffix} (cannot be read as a mesh: .|holds no)"
+            ValueError,
+            match=rf"no\{suffix} (cannot be read as (a mesh|PLY): .|holds no|is not an STL)",
         ):
             read(path)
 
 
-def test_triangle_strips_are_told(tmp_path):
-    """Some scanners write them; the reason names them."""
-    header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+def test_triangle_strips_are_triangles(tmp_path):
+    """Some scanners write them."""
+    header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
     header += "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
     path = tmp_path / "scan.ply"
-    path.write_text(header + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-    with pytest.raises(
-        ValueError, match=r"scan.ply cannot be read as a mesh: .* `element tristrip"
-    ):
-        read_surface(path)
+    path.write_text(header + "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n4 0 1 2 3\n")
+    points, triangles = read_surface(path)
+    assert (points.shape, triangles.tolist()) == ((4, 3), [[0, 1, 2], [2, 1, 3]])
+
+
+def test_data_of_a_ply_file(tmp_path):
+    """Properties of vertices and of faces, the faces in one block or in several."""
+    header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    header += "property float z\nproperty float heat\nelement face 2\n"
+    header += "property list uchar int vertex_indices\nproperty list uchar float texture\n"
+    header += "property int region\nend_header\n0 0 0 5\n1 0 0 6\n0 1 0 7\n1 1 0 8\n"
+    path = tmp_path / "mesh.ply"
+    path.write_text(header + "3 0 1 2 1 0.5 7\n3 1 3 2 2 0.5 0.5 9\n")
+    mesh, points, cells = read_mesh_and_data(path)
+    assert mesh.cells.tolist() == [[0, 1, 2], [1, 3, 2]]
+    assert points["heat"].tolist() == [5, 6, 7, 8]
+    assert cells["region"].tolist() == [7, 9]
+    path.write_text(header + "3 0 1 2 1 0.5 7\n4 0 1 3 2 2 0.5 0.5 9\n")
+    with pytest.raises(ValueError, match="holds quad cells; triangles or tetrahedra were expected"):
+        read_mesh(path)
 
 
 @pytest.mark.parametrize(

@@ -28,8 +28,8 @@ BAD = {
     "blank": (b"\n \n# comment\n", "is empty"),
     "UTF-16": ("student,points".encode("utf-16"), "is not in UTF-8: save it as CSV UTF-8"),
     "no such column": (b"student\n", "table.csv:1: there is no column points"),
-    "a misspelled column": (b"student,points,coment\n", "nothing is known of a column 'coment'"),
-    "a column twice": (b"student,points,Points\n", "a column stands there twice"),
+    "a misspelled column": (b"student,points,coment\n", "unknown column 'coment'"),
+    "a column twice": (b"student,points,Points\n", "a column occurs twice"),
     "a cell without end": (b'student,points\nx,"' + b"y" * 200_000, "field larger than"),
 }
 
@@ -94,7 +94,7 @@ def test_numbers_are_written_as_numbers():
 def test_two_lines_may_not_say_the_same(tmp_path):
     """Where a table asks for that, whatever the case of letters."""
     file = table(tmp_path, "student,points\nada,1\nAda,2\nbob,1\n")
-    with pytest.raises(ValueError, match=r"table\.csv:3: Ada stands in line 2 already"):
+    with pytest.raises(ValueError, match=r"table\.csv:3: Ada is already in line 2"):
         read_table(file, dict, ("student", "points"), unique=("student",))
     assert len(read_table(file, dict, ("student", "points"))) == 3
 
@@ -102,7 +102,7 @@ def test_two_lines_may_not_say_the_same(tmp_path):
 def test_a_line_is_counted_where_it_ends(tmp_path):
     """Also where a cell goes over several lines."""
     file = table(tmp_path, 'student,points\n"a\nb",1\n"c\nd",\n')
-    with pytest.raises(ValueError, match=r"table\.csv:5: nothing stands under points"):
+    with pytest.raises(ValueError, match=r"table\.csv:5: column points is empty"):
         read_table(file, dict, ("student", "points"))
 
 

@@ -1,4 +1,4 @@
-"""Places of all kinds, and the files that bear their values: what was written is what is read."""
+"""Targets of all kinds, and the files that bear their values: what was written is what is read."""
 
 import csv
 
@@ -10,20 +10,27 @@ from hypothesis import strategies as st
 from scipy.io import netcdf_file
 
 import fieldrecon as fr
-from fieldrecon.io.netcdf import FORMATS, Result, as_formats
-from fieldrecon.io.targets import Places, grid_over, nodes_of, points_in, vertices_of
+from fieldrecon.io.targets import (
+    Targets,
+    TargetValues,
+    grid_nodes,
+    grid_over,
+    targets_of_mesh,
+    targets_of_table,
+)
+from fieldrecon.io.values import FORMATS, as_formats
 
 NAMES = ("east [m]", "north", "up", "a b/c")
 
 
-def result_at(places, lonlat=False):
+def result_at(targets, lonlat=False):
     """A result whose numbers differ at each place."""
-    points = places.points
+    points = targets.points
     m, d = points.shape
     values = points @ np.array([1.0, np.pi, np.e])[:d] + 1 / 3
-    return Result(
+    return TargetValues(
         (*NAMES[:d], NAMES[-1]),
-        places,
+        targets,
         values,
         np.sqrt(abs(values)),
         (np.arange(m) % 3).astype(np.int8),
@@ -33,95 +40,95 @@ def result_at(places, lonlat=False):
 
 MESH = fr.SimplexMesh.delaunay(fr.datasets.uniform(30, 2, seed=0))
 SOLID = fr.SimplexMesh.delaunay(fr.datasets.uniform(30, 3, seed=0))
-PLACES = {
+TARGETS = {
     "grid": grid_over(np.array([[0.0, 0.0], [0.1, 1 / 3]]), (4, 3)),
     "grid in space": grid_over(np.array([[0.0, 0.0, 1.0], [0.1, 1 / 3, 2.0]]), (4, 3, 2)),
-    "points": Places(fr.datasets.uniform(7, 2, seed=0)),
-    "points in space": Places(fr.datasets.uniform(7, 3, seed=0)),
-    "mesh": Places(MESH.points, cells=MESH.cells),
-    "mesh in space": Places(SOLID.points, cells=SOLID.cells),
-    "surface": Places(SOLID.points, cells=SOLID.cells[:, :3]),
+    "points": Targets(fr.datasets.uniform(7, 2, seed=0)),
+    "points in space": Targets(fr.datasets.uniform(7, 3, seed=0)),
+    "mesh": Targets(MESH.points, cells=MESH.cells),
+    "mesh in space": Targets(SOLID.points, cells=SOLID.cells),
+    "surface": Targets(SOLID.points, cells=SOLID.cells[:, :3]),
 }
-each_kind = pytest.mark.parametrize("places", PLACES.values(), ids=PLACES)
+each_kind = pytest.mark.parametrize("targets", TARGETS.values(), ids=TARGETS)
 
 
 # --- files --------------------------------------------------------------------------------------
 
 
 @each_kind
-def test_csv_comes_back(tmp_path, places):
+def test_csv_comes_back(tmp_path, targets):
     """Every digit, under the names of the samples."""
-    result = result_at(places)
+    result = result_at(targets)
     FORMATS["csv"](tmp_path / "a.csv", result)
     with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     assert header == [*result.names[:-1], "a b/c", "error", "extrapolated"]
     numbers = np.array(rows, dtype=float)
-    d = places.points.shape[1]
-    assert np.array_equal(numbers[:, :d], places.points)
+    d = targets.points.shape[1]
+    assert np.array_equal(numbers[:, :d], targets.points)
     assert np.array_equal(numbers[:, d:], np.column_stack([*result.columns.values()]))
 
 
 @each_kind
-def test_npz_comes_back(tmp_path, places):
+def test_npz_comes_back(tmp_path, targets):
     """Axes and shaped arrays of a grid, otherwise points and, of a mesh, its cells."""
-    result = result_at(places)
+    result = result_at(targets)
     FORMATS["npz"](tmp_path / "a.npz", result)
     with np.load(tmp_path / "a.npz", allow_pickle=False) as stored:
         arrays = dict(stored)
-    assert arrays["values"].shape == places.shape
+    assert arrays["values"].shape == targets.shape
     assert np.array_equal(arrays["values"].ravel(), result.values)
     assert np.array_equal(arrays["error"].ravel(), result.error)
     assert np.array_equal(arrays["extrapolated"].ravel(), result.extrapolated)
-    if places.axes:
+    if targets.axes:
         x, y = arrays["x"], arrays["y"]
         assert arrays["values"].shape[-2:] == (len(y), len(x))
         at = np.array([x[1], y[2], *(arrays["z"][:1] if "z" in arrays else ())])
-        one = Places(at[None, :])
+        one = Targets(at[None, :])
         assert arrays["values"][..., 2, 1].ravel()[0] == pytest.approx(result_at(one).values[0])
     else:
-        assert np.array_equal(arrays["points"], places.points)
-    assert ("cells" in arrays) == (places.cells is not None)
+        assert np.array_equal(arrays["points"], targets.points)
+    assert ("cells" in arrays) == (targets.cells is not None)
 
 
 @each_kind
-def test_vtk_comes_back(tmp_path, places):
+def test_vtk_comes_back(tmp_path, targets):
     """Read by another program, with its cells, and every digit."""
-    result = result_at(places)
+    result = result_at(targets)
     FORMATS["vtk"](tmp_path / "a.vtk", result)
     mesh = meshio.read(tmp_path / "a.vtk")
-    d = places.points.shape[1]
-    assert np.array_equal(mesh.points[:, :d], places.points)
+    d = targets.points.shape[1]
+    assert np.array_equal(mesh.points[:, :d], targets.points)
     assert not mesh.points[:, d:].any()
     for name, column in (("a_b/c", result.values), ("error", result.error)):
         assert np.array_equal(mesh.point_data[name].ravel(), column)
     assert np.array_equal(mesh.point_data["extrapolated"].ravel(), result.extrapolated)
-    if places.cells is not None:
-        assert np.array_equal(mesh.cells[0].data, places.cells)
+    if targets.cells is not None:
+        assert np.array_equal(mesh.cells[0].data, targets.cells)
 
 
 @each_kind
-def test_netcdf_comes_back(tmp_path, places):
+def test_netcdf_comes_back(tmp_path, targets):
     """Variables over axes or over points, with the meaning of the flags."""
-    result = result_at(places)
+    result = result_at(targets)
     FORMATS["nc"](tmp_path / "a.nc", result)
     with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
         value = file.variables["a_b_c"]
         assert np.array_equal(value.data.ravel(), result.values)
         assert value.long_name == b"a b/c"
-        coordinates = places.axes or places.points.T
+        coordinates = targets.axes or targets.points.T
         for name, axis in zip(("east_m", "north", "up"), coordinates, strict=False):
             assert np.array_equal(file.variables[name].data, axis)
         flags = file.variables["extrapolated"]
         assert flags.flag_meanings == b"among_the_samples in_a_gap outside"
         assert np.array_equal(flags.data.ravel(), result.extrapolated)
-        wanted = ("up", "north", "east_m")[-len(places.axes) :] if places.axes else ("point",)
+        wanted = ("up", "north", "east_m")[-len(targets.axes) :] if targets.axes else ("point",)
         assert value.dimensions == wanted
 
 
 def test_degrees_have_their_units(tmp_path):
     """In the words of the climate and forecast conventions."""
-    FORMATS["nc"](tmp_path / "a.nc", result_at(PLACES["grid"], lonlat=True))
+    FORMATS["nc"](tmp_path / "a.nc", result_at(TARGETS["grid"], lonlat=True))
     with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
         assert file.variables["east_m"].units == b"degrees_east"
         assert file.variables["north"].units == b"degrees_north"
@@ -130,9 +137,9 @@ def test_degrees_have_their_units(tmp_path):
 @pytest.mark.parametrize("kind", FORMATS)
 def test_names_that_clash_are_told_apart(tmp_path, kind):
     """A value called error, coordinates that differ in a blank only, names of other letters."""
-    result = result_at(PLACES["points"])
-    odd = Result(
-        ("ä", "ö", "error"), result.places, result.values, result.error, result.extrapolated
+    result = result_at(TARGETS["points"])
+    odd = TargetValues(
+        ("ä", "ö", "error"), result.targets, result.values, result.error, result.extrapolated
     )
     assert list(odd.columns) == ["error", "error_2", "extrapolated"]
     FORMATS[kind](tmp_path / "a", odd)
@@ -146,12 +153,12 @@ def test_formats_are_named_by_their_suffix():
         as_formats(["tif"])
 
 
-# --- places -------------------------------------------------------------------------------------
+# --- targets -------------------------------------------------------------------------------------
 
 
 def test_nodes_run_along_x_first():
     """As the rows of an image."""
-    nodes = nodes_of((np.array([0.0, 1.0]), np.array([5.0, 6.0, 7.0])))
+    nodes = grid_nodes((np.array([0.0, 1.0]), np.array([5.0, 6.0, 7.0])))
     assert nodes.tolist() == [[0, 5], [1, 5], [0, 6], [1, 6], [0, 7], [1, 7]]
 
 
@@ -187,15 +194,15 @@ def test_points_of_a_table_have_the_samples_columns(tmp_path):
     """By name, in any order; bad rows are left out and told."""
     path = tmp_path / "at.csv"
     path.write_text("id,y,x\n1,2,3\n2,?,4\n3,95,6\n")
-    places = points_in(path, ("x", "y"))
-    assert places.points.tolist() == [[3, 2], [6, 95]]
-    assert (places.kind, places.shape) == ("points", (2,))
-    assert places.bad == ((3, "y must be a finite number; got '?'"),)
-    assert len(points_in(path, ("x", "y"), lonlat=True).bad) == 2
+    targets = targets_of_table(path, ("x", "y"))
+    assert targets.points.tolist() == [[3, 2], [6, 95]]
+    assert (targets.kind, targets.shape) == ("points", (2,))
+    assert targets.bad == ((3, "y must be a finite number; got '?'"),)
+    assert len(targets_of_table(path, ("x", "y"), lonlat=True).bad) == 2
     with pytest.raises(ValueError, match=r"at\.csv, line 3: y must be a finite number"):
-        points_in(path, ("x", "y"), strict=True)
+        targets_of_table(path, ("x", "y"), strict=True)
     with pytest.raises(ValueError, match="has no column 'z', as the samples have; it has id, y, x"):
-        points_in(path, ("x", "y", "z"))
+        targets_of_table(path, ("x", "y", "z"))
 
 
 def test_vertices_of_meshes(tmp_path):
@@ -203,14 +210,14 @@ def test_vertices_of_meshes(tmp_path):
     for mesh in (MESH, SOLID):
         fr.io.write_mesh(tmp_path / "a.vtk", mesh)
         d = mesh.points.shape[1]
-        places = vertices_of(tmp_path / "a.vtk", d)
-        assert np.array_equal(places.points, mesh.points)
-        assert np.array_equal(places.cells, mesh.cells)
-        assert places.kind == "vertices"
+        targets = targets_of_mesh(tmp_path / "a.vtk", d)
+        assert np.array_equal(targets.points, mesh.points)
+        assert np.array_equal(targets.cells, mesh.cells)
+        assert targets.kind == "vertices"
     with pytest.raises(ValueError, match="is a mesh in 3 variables; the samples have 2"):
-        vertices_of(tmp_path / "a.vtk", 2)
+        targets_of_mesh(tmp_path / "a.vtk", 2)
     surface = meshio.Mesh(SOLID.points, [("triangle", SOLID.cells[:, :3])])
     meshio.write(tmp_path / "s.ply", surface)
-    assert np.array_equal(vertices_of(tmp_path / "s.ply", 3).points, SOLID.points)
+    assert np.array_equal(targets_of_mesh(tmp_path / "s.ply", 3).points, SOLID.points)
     with pytest.raises(ValueError, match="holds a surface in space"):
-        vertices_of(tmp_path / "s.ply", 2)
+        targets_of_mesh(tmp_path / "s.ply", 2)

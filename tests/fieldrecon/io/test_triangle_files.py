@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldrecon.io.triangles import read_triangles, write_triangles
+from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles.audit import audit_mesh
 from fieldreport.experiments.triangles.triangle_shapes import cube, sphere
 
@@ -56,7 +56,7 @@ def test_several_solids_and_other_line_ends_are_one_mesh(tmp_path):
 def test_long_files_are_read_in_pieces(tmp_path, monkeypatch):
     """The pieces end with lines, wherever the blocks do."""
     whole = read_triangles(written(tmp_path, ASCII * 5))[0]
-    monkeypatch.setattr("fieldrecon.io.triangles._BLOCK", 37)
+    monkeypatch.setattr("fieldrecon.io.stl._BLOCK_BYTES", 37)
     np.testing.assert_array_equal(read_triangles(tmp_path / "mesh.stl")[0], whole)
 
 
@@ -104,12 +104,12 @@ def test_a_soup_is_no_mesh_with_open_edges(tmp_path):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "is no STL file"),
+        (b"", "is not an STL file"),
         (b"\0" * 84, "holds no triangles"),
-        (b"\0" * 80 + b"\2\0\0\0" + b"\0" * 50, "its length is not that of as many triangles"),
+        (b"\0" * 80 + b"\2\0\0\0" + b"\0" * 50, "its length is not that of a binary file"),
         ("solid nothing\nendsolid nothing\n", "holds no triangles"),
         (ASCII.replace("vertex 1 1 -2.25\n", ""), "begins 2 facets and holds 5 vertices"),
-        (ASCII.replace("1.5e0", "1.5ee"), "whose coordinates are no numbers"),
+        (ASCII.replace("1.5e0", "1.5ee"), "whose coordinates are not numbers"),
         (ASCII.replace("1.5e0", "nan"), "holds coordinates that are not finite"),
         (ASCII.replace("1.5e0", "1e999"), "holds coordinates that are not finite"),
     ],

@@ -10,8 +10,13 @@ from scipy.linalg import null_space
 from scipy.spatial.distance import cdist
 from scipy.special import jv
 
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import Radial, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.methods.rbf import RBF
 from laws import all_monomials, assert_close
 

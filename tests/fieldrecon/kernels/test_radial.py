@@ -10,14 +10,14 @@ from numpy.polynomial import Polynomial
 from scipy.spatial.distance import cdist
 
 from cases import KERNELS, WEIGHTS
-from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import (
-    Radial,
-    inverse_square,
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
     multiquadric,
     polyharmonic,
     thin_plate_spline,
 )
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.polynomials import dimension
 from laws import all_monomials, assert_close, assert_obeyed
 

@@ -112,8 +112,8 @@ def test_dense_weights_are_refused_and_the_adjoint_serves():
 HUNDRED_THOUSAND = """
 import resource, numpy as np
 from fieldrecon.datasets import franke, halton
-from fieldrecon.positive_definite import wendland
-from fieldrecon.rbf import RBF
+from fieldrecon.kernels import wendland
+from fieldrecon.methods import RBF
 sites = halton(100_000, 2)
 s = RBF(sites, wendland(3, 1, 0.0125), degree=1).field(franke(sites))
 x = halton(20_000, 2) * 0.9 + 0.05

@@ -5,15 +5,15 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from fieldrecon.datasets.synthetic import halton
-from fieldrecon.kernels.derivatives import descent, smoothness
-from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import (
-    Radial,
-    inverse_square,
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
     multiquadric,
     polyharmonic,
     thin_plate_spline,
 )
+from fieldrecon.kernels.derivatives import radial_derivative, smoothness
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods import functionals as functionals_module
 from fieldrecon.methods.functionals import (
     Functionals,
@@ -91,11 +91,12 @@ def test_each_descent_is_the_slope_of_the_one_before(kernel, times):
     r = np.linspace(0.1, 0.7, 25)
     h = 1e-3
     by = {
-        k: descent(kernel, (r + k * h) ** 2, times) - descent(kernel, (r - k * h) ** 2, times)
+        k: radial_derivative(kernel, (r + k * h) ** 2, times)
+        - radial_derivative(kernel, (r - k * h) ** 2, times)
         for k in (1, 2, 3)
     }
     quotient = (45 * by[1] - 9 * by[2] + by[3]) / (60 * h) / r
-    expected = descent(kernel, r**2, times + 1)
+    expected = radial_derivative(kernel, r**2, times + 1)
     size = np.abs(expected).max()
     assert_close(expected / size, quotient / size, 1e-6)
 
@@ -104,11 +105,13 @@ def test_each_descent_is_the_slope_of_the_one_before(kernel, times):
 def test_descents_begin_with_the_kernel_and_its_slope(kernel):
     """φ_0 = φ, φ_1 = φ'/r, and at zero, where φ_2 may be infinite, a number."""
     s = np.array([0.0, 1e-300, 0.01, 0.3, 0.9, 4.0])
-    assert_close(descent(kernel, s, 0), kernel.of_squared(s), 0.0)
+    assert_close(radial_derivative(kernel, s, 0), kernel.of_squared(s), 0.0)
     scale = 1 + np.abs(kernel.slope_of_squared(s[2:]))
-    assert_close(descent(kernel, s[2:], 1) / scale, kernel.slope_of_squared(s[2:]) / scale, 1e-12)
+    assert_close(
+        radial_derivative(kernel, s[2:], 1) / scale, kernel.slope_of_squared(s[2:]) / scale, 1e-12
+    )
     assert kernel.differentiable == (smoothness(kernel) >= 1)
-    assert all(np.isfinite(descent(kernel, s[:1], j)).all() for j in range(5))
+    assert all(np.isfinite(radial_derivative(kernel, s[:1], j)).all() for j in range(5))
 
 
 @pytest.mark.parametrize("kernel", KERNELS + ROUGHER, ids=repr)
@@ -116,7 +119,7 @@ def test_smoothness_is_where_the_descents_end(kernel):
     """C^(2j) if φ_j has a limit at zero and C^(2j+1) if r φ_(j+1) has the limit zero; not both."""
     last = smoothness(kernel)
     for j in range(1, 4):
-        far, near = np.abs(descent(kernel, np.array([1e-8, 1e-14]), j))
+        far, near = np.abs(radial_derivative(kernel, np.array([1e-8, 1e-14]), j))
         assert (1e-3 * near < 0.1 * far) == (last >= 2 * j - 1)
         assert (near < 1.3 * far) == (last >= 2 * j)
 
@@ -447,5 +450,5 @@ def test_a_kernel_of_another_maker_is_refused():
     with pytest.raises(ValueError, match=r"the higher derivatives of .*Stranger.* are not known"):
         smoothness(Stranger())
     with pytest.raises(ValueError, match="are not known"):
-        descent(Stranger(), np.ones(2), 1)
-    assert functionals_module.descent is descent
+        radial_derivative(Stranger(), np.ones(2), 1)
+    assert functionals_module.radial_derivative is radial_derivative

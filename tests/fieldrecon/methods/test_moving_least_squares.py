@@ -8,10 +8,12 @@ from scipy.spatial.distance import cdist
 
 import high_precision
 from cases import CASES, Case, case
-from fieldrecon._numerics.neighbor_search import gathered, places
+from fieldrecon._core.duplicates import coincidence_labels
+from fieldrecon._numerics.neighbor_search import group_rows
 from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
-from fieldrecon.kernels.radial import inverse_square, thin_plate_spline
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.polynomials import EPS, dimension, monomials
@@ -217,10 +219,10 @@ def test_coincident_sites_give_the_mean_of_their_data():
 def test_places_are_counted_once():
     """Sites that coincide share a place, -0.0 and 0.0 too; the first of a row stands for them."""
     p = np.array([[0.0, 1.0], [2.0, 1.0], [-0.0, 1.0], [2.0, 1.0], [2.0, 0.0], [0.0, 1.0]])
-    place = places(p)
+    place = coincidence_labels(p)
     assert [place[i] == place[0] for i in range(6)] == [True, False, True, False, False, True]
     assert sorted(set(place)) == [0, 1, 2]
-    lead, count = gathered(place[None])
+    lead, count = group_rows(place[None])
     assert lead.tolist() == [[0, 1, 0, 1, 4, 0]]
     assert count.tolist() == [[3, 2, 3, 2, 1, 3]]
 

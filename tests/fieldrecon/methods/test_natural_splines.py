@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.natural_splines import NaturalCubicSpline
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.methods.spline_bases import radial_form

@@ -10,13 +10,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldrecon._core import chunks as _chunks
-from fieldrecon._numerics.kd_partition import Boxes
+from fieldrecon._numerics.kd_partition import KDPartition
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian
-from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import patches as _patches
-from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each
+from fieldrecon.methods.partition_of_unity.batched_systems import (
+    COLUMNS,
+    batched_solve_grouped,
+    solved,
+)
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.selection.leaving_one_out import leave_one_out
@@ -45,7 +50,7 @@ def tracks() -> np.ndarray:
 def test_boxes_hold_each_site_once_and_nearly_equally_many(n, d):
     """None has more than asked for, nor much less; and each site lies in its own."""
     x = np.random.default_rng(n).random((n, d))
-    boxes = Boxes.around(x, 6.5)
+    boxes = KDPartition.around(x, 6.5)
     counts = (boxes.sites >= 0).sum(axis=1)
     assert counts.max() - counts.min() <= 1
     assert 5 * (n // 5 > 1) <= counts.max() + 1 <= 8
@@ -307,7 +312,7 @@ def test_sites_that_coincide_are_told():
         PartitionOfUnityRBF(x)
     assert not PartitionOfUnityRBF(x, smoothing=1e-6).interpolates
     crowd = np.concatenate([X, np.repeat(X[:1], 99, axis=0)])
-    with pytest.raises(ValueError, match="must not coincide in numbers above 40"):
+    with pytest.raises(ValueError, match="at most 40 points, the sites of a patch, may coincide"):
         PartitionOfUnityRBF(crowd, smoothing=1e-6)
 
 
@@ -408,6 +413,6 @@ def test_many_right_hand_sides_of_few_systems():
     a = rng.normal(size=(4, 5, 5)) + 9 * np.eye(5)
     for m in (0, 1, 3, COLUMNS, 100):
         system, right = rng.integers(0, 4, m), rng.normal(size=(m, 5))
-        found = solved_for_each(lambda i, b: np.linalg.solve(a[i], b), system, right, 5, 2)
+        found = batched_solve_grouped(lambda i, b: np.linalg.solve(a[i], b), system, right, 5, 2)
         alone = [np.linalg.solve(a[i], b) for i, b in zip(system, right, strict=True)]
         assert_close(found, np.reshape(alone, (m, 5)), 1e-12)

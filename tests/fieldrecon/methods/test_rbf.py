@@ -8,8 +8,13 @@ import high_precision
 from cases import CASES, KERNELS, SITES, Case, case
 from fieldrecon._numerics.saddle_point import SaddlePoint
 from fieldrecon.datasets.synthetic import franke, halton
+from fieldrecon.kernels.conditionally_positive_definite import (
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, wendland
-from fieldrecon.kernels.radial import inverse_square, multiquadric, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF

@@ -53,8 +53,8 @@ class Recording(Cluster):
 
     log: Path
 
-    def holding(self, work):
-        return super().holding(Recorded(work, self.log))
+    def shared_work(self, work):
+        return super().shared_work(Recorded(work, self.log))
 
 
 @pytest.mark.slow

@@ -66,8 +66,8 @@ def test_points_in_space_have_a_third_column(table):
     samples = read_samples(path, z="z")
     assert samples.names == ("x", "y", "z", "value")
     assert samples.points.tolist() == [[0, 1, 2], [4, 5, 6]]
-    assert samples.remarks == []
-    assert "The column z was not read" in " ".join(read_samples(path).remarks)
+    assert samples.warnings == []
+    assert "The column z was not read" in " ".join(read_samples(path).warnings)
     assert read_samples(table("x,y,z,i\n0,1,2,3\n"), z="z").values.tolist() == [3]
 
 
@@ -77,13 +77,13 @@ def test_repeated_points_bear_the_mean(table):
     assert samples.points.tolist() == [[5, 5], [0, 0], [0, 1]]
     assert samples.values.tolist() == [3, 2, 3]
     assert (samples.merged, samples.conflicts, samples.spread) == (3, 1, 3)
-    assert samples.remarks == [
-        "3 rows repeat a point; it bears the mean of its values, which differ at 1 point, by up "
-        "to 3."
+    assert samples.warnings == [
+        "3 rows repeat a point; its value is the mean of the values given there, which differ at 1 "
+        "point, by up to 3."
     ]
     same = read_samples(table("x,y,z\n5,5,0.1\n5,5,0.1\n5,5,0.1\n0,0,2\n"))
     assert same.values.tolist() == [0.1, 2]
-    assert same.remarks[0].endswith("which are the same.")
+    assert same.warnings[0].endswith("which are the same.")
 
 
 def test_on_the_globe_one_place_has_many_longitudes(table):
@@ -93,7 +93,7 @@ def test_on_the_globe_one_place_has_many_longitudes(table):
     assert samples.points.tolist() == [[-170, 10], [10.1, 0], [0, 90], [-180, 0]]
     assert samples.values.tolist() == [2, 5, 3, 1]
     assert samples.lonlat
-    assert all("degrees" not in remark for remark in samples.remarks)
+    assert all("degrees" not in remark for remark in samples.warnings)
 
 
 @pytest.mark.parametrize(
@@ -108,9 +108,9 @@ def test_on_the_globe_one_place_has_many_longitudes(table):
 )
 def test_degrees_taken_for_lengths_are_told(table, header, size, words):
     """By the names of the columns, or by the range of the numbers."""
-    remarks = read_samples(table(f"{header}\n0,0,1\n{size},{size},2\n0,{size},2\n")).remarks
-    assert words in " ".join(remarks)
-    assert bool(remarks) == bool(words)
+    warnings = read_samples(table(f"{header}\n0,0,1\n{size},{size},2\n0,{size},2\n")).warnings
+    assert words in " ".join(warnings)
+    assert bool(warnings) == bool(words)
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_a_bad_row_is_left_out_and_told(table, row, reason):
     assert samples.points.tolist() == [[0, 0], [2, 2]]
     assert [bad.line for bad in samples.bad] == [5]
     assert reason in samples.bad[0].reason
-    assert samples.remarks[0].startswith("1 row left out, by line: 5: ")
+    assert samples.warnings[0].startswith("1 row skipped, by line: 5: ")
     with pytest.raises(ValueError, match=r"points\.csv, line 5: "):
         read_samples(path, strict=True)
     with pytest.raises(ValueError, match=r"points\.csv, line 2: "):
@@ -159,7 +159,7 @@ def test_a_latitude_beyond_the_pole_is_a_bad_row(table):
     assert read_samples(path, lonlat=True).bad == ((3, "lat must lie within ±90; got 95"),)
     metres = table("lon,lat,t\n0,0,1\n1000,9,1\n10,2000,1\n")
     with pytest.raises(
-        ValueError, match=r"most rows of .* are no degrees .* line 3: lon must lie wi"
+        ValueError, match=r"most rows of .* are not degrees .* line 3: lon must lie wi"
     ):
         read_samples(metres, lonlat=True)
 
@@ -168,8 +168,8 @@ def test_many_bad_rows_are_counted(table):
     """The first are shown, all are kept."""
     samples = read_samples(table("x,y,z\n0,0,1\n" + "a,b,c\n" * 9))
     assert [bad.line for bad in samples.bad] == [*range(3, 12)]
-    assert "9 rows left out" in samples.remarks[0]
-    assert samples.remarks[0].endswith("; and 4 more.")
+    assert "9 rows skipped" in samples.warnings[0]
+    assert samples.warnings[0].endswith("; and 4 more.")
 
 
 @pytest.mark.parametrize(
@@ -335,7 +335,7 @@ def test_without_pyarrow_the_remedy_is_told(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("directions", "words"),
     [
-        ([[0, 0]], "all 50 points lie at one place"),
+        ([[0, 0]], "all 50 points lie at one point"),
         ([[1, 2]], "all 50 points lie on one straight line: .* take the distance along it"),
         ([[1, 2, 3]], "all 50 points lie on one straight line"),
         ([[1, 2, 3], [1, 0, 0]], "all 50 points lie in one plane"),
@@ -360,7 +360,7 @@ def test_the_quick_route_and_the_slow_one_agree(table, monkeypatch):
     numbers = np.random.default_rng(0).standard_normal((500, 3)) * 10.0 ** np.arange(-150, 151, 150)
     path = table("x,y,z\n" + "".join(",".join(map(repr, row)) + "\n" for row in numbers.tolist()))
     quick = read_samples(path)
-    monkeypatch.setattr(_text_tables._Layout, "_quickly", lambda *_: None)
+    monkeypatch.setattr(_text_tables._TextParser, "_parse_at_once", lambda *_: None)
     slow = read_samples(path)
     assert np.array_equal(quick.points, slow.points)
     with path.open(newline="") as file:

@@ -1,16 +1,16 @@
 """Leave one out: every residual by a refit, with its digits where the closed form loses them."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
 import high_precision
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
-from fieldrecon.kernels.radial import inverse_square, polyharmonic, thin_plate_spline
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
+from fieldrecon.reconstruction import Reconstruction
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, refused
 
@@ -119,7 +119,7 @@ LONE = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.5, 1.0]])
 )
 def test_an_indispensable_point_is_named(method, i, place):
     """Without it the others do not determine the polynomial."""
-    words = rf"without point {i}, \({place}\), the others do not determine the polynomial"
+    words = rf"without point {i}, \({place}\), the others do not determine the field: the"
     with refused(words, np.linalg.LinAlgError):
         leave_one_out(method, np.ones(len(method.points)))
 
@@ -151,14 +151,42 @@ def test_the_data_must_fit_the_points():
         leave_one_out(LeastSquares(POINTS), [1.0, 2.0, 3.0])
 
 
-@dataclass
-class Stranger:
-    """What has points, and is nothing known."""
+class NearestSites(Reconstruction):
+    """The value of the nearest site: a method without a closed form of its own."""
 
-    points: np.ndarray
+    degree, interpolates = 0, True
+
+    def __init__(self, points, power=1, *, progress=None):  # noqa: ARG002
+        self.points, self.power = np.asarray(points), power
+
+    def _weight_rows(self, x):
+        nearest = np.argmin(np.linalg.norm(x[:, None] - self.points, axis=2), axis=1)
+        return np.eye(len(self.points))[nearest]
+
+    def _gradient_weight_rows(self, x):
+        return tuple(np.zeros((len(x), len(self.points))) for _ in x.T)
 
 
-def test_an_unknown_method_is_refused():
-    """By the name of its class."""
-    with refused("leave_one_out does not know Stranger", TypeError):
-        leave_one_out(Stranger(POINTS), VALUES)
+def test_any_other_method_is_made_again_without_each_point():
+    """Once for each, as its progress shows."""
+    counts = []
+    residuals = leave_one_out(
+        NearestSites(POINTS), VALUES, progress=lambda *count: counts.append(count)
+    )
+    distance = np.linalg.norm(POINTS[:, None] - POINTS, axis=2) + 9 * np.eye(16)
+    assert_close(residuals, VALUES - VALUES[np.argmin(distance, axis=1)], 0)
+    assert counts == [(i + 1, 16) for i in range(16)]
+
+
+def test_a_method_that_forgets_its_arguments_says_which():
+    """It could not be made again on the other points."""
+    method = NearestSites(POINTS)
+    del method.power
+    with refused("NearestSites keeps no attribute 'power'", TypeError):
+        leave_one_out(method, VALUES)
+
+
+def test_what_is_no_method_is_refused():
+    """With what came instead."""
+    with refused("method must be a Reconstruction; got 3", TypeError):
+        leave_one_out(3, VALUES)

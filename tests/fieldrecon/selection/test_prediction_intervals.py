@@ -129,7 +129,9 @@ def test_few_and_coincident_points():
     assert (two.neighbors, two.factor) == (1, pytest.approx(2.0))
     same = ErrorEstimate(np.zeros((60, 2)), np.ones(60))
     assert same(np.zeros((1, 2))) == pytest.approx(1.0)
-    with pytest.raises(ValueError, match="2 or more, to judge one by the others; got 1"):
+    with pytest.raises(
+        ValueError, match="2 or more, so that one can be predicted from the others; got 1"
+    ):
         ErrorEstimate(np.zeros((1, 2)), np.ones(1))
     with pytest.raises(ValueError, match="residuals must have one entry for each point"):
         ErrorEstimate(np.zeros((2, 2)), np.ones(3))

@@ -92,6 +92,6 @@ def test_light_is_that_of_phong():
 
 def test_a_view_needs_an_up():
     """To look along what points up leaves open what is up."""
-    with pytest.raises(ValueError, match="another direction than that to the viewer"):
+    with pytest.raises(ValueError, match="parallel to the direction to the viewer"):
         fr.solids.View.of_box(BOX, (0, 0, 1))
     assert fr.solids.View.of_box(BOX, (0, 0, 1), up=(0, 1, 0)).axes[1, 1] == 1

@@ -169,7 +169,7 @@ def test_what_one_part_hides_of_another_lies_in_shadow():
     [
         (lambda: Ball(0.0), "radius must be a positive number; got 0.0"),
         (lambda: Box([1.0, -1.0, 1.0]), r"size must be positive; got \[1.0, -1.0, 1.0\]"),
-        (lambda: union(), "there must be a body at least"),
+        (lambda: union(), "at least one body is needed"),
         (lambda: union(Ball(1.0), 3), "must be a Solid, such as .*; got 3"),
         (lambda: blend(Ball(1.0), Ball(1.0), -1), "radius must be a positive number"),
         (lambda: morph(Ball(1.0), Ball(1.0), 1.5), "t must be from 0 to 1; got 1.5"),

@@ -176,7 +176,7 @@ def test_noise_is_estimated_and_smoothed():
     x, _ = cloud(Ball(1.0), 400, seed=9)
     bodies = implicit_surface(rough), implicit_surface(rough, smoothing=0.0)
     errors = [np.sqrt(np.mean(body(x) ** 2)) for body in bodies]
-    assert "are smoothed away" in bodies[0].remarks[-1]
+    assert "are smoothed away" in bodies[0].warnings[-1]
     assert errors[0] < 0.5 * errors[1]
     assert errors[0] < 0.1 * spacing
 
@@ -201,13 +201,13 @@ def test_smoothing_halves_waves_of_its_length():
 
 
 def test_copies_and_outliers_are_left_out_and_told():
-    """They change nothing, and the remarks count them."""
+    """They change nothing, and the warnings count them."""
     points, _ = cloud(TORUS, 600)
     alone = [[3.0, 0, 0], [0, 0, 2.0]]
     body = implicit_surface(np.vstack([points, points[:5], alone]))
     assert body.left_out.tolist() == list(range(600, 607))
-    assert "5 points repeat others" in body.remarks[0]
-    assert "2 points lie apart from all others" in body.remarks[1]
+    assert "5 points repeat others" in body.warnings[0]
+    assert "2 points lie apart from all others" in body.warnings[1]
     assert_close(body(TORUS.box), implicit_surface(points)(TORUS.box), 1e-9)
 
 
@@ -215,7 +215,7 @@ def test_edges_have_no_normals_and_are_told():
     """A box: the surface stays within a spacing of it, cut off at the edges."""
     solid = Box([1.0, 1.0, 0.4])
     body = implicit_surface(cloud(solid, 1000)[0])
-    assert "have no normal" in body.remarks[0]
+    assert "have no normal" in body.warnings[0]
     mesh = extract_surface(body)
     assert mesh.audit.clean
     assert mesh.audit.parts == 1
@@ -238,9 +238,9 @@ def test_thinner_than_that_it_is_told():
     """A sheet of half the distance of its points looks like noise; given normals serve."""
     solid = Box([0.6, 0.6, 0.01])
     points, normals = cloud(solid, 1500)
-    assert "are about 0.005 off a smooth surface" in implicit_surface(points).remarks[-1]
+    assert "are about 0.005 off a smooth surface" in implicit_surface(points).warnings[-1]
     body = implicit_surface(points, normals, smoothing=0.0)
-    assert body.remarks == ()
+    assert body.warnings == ()
     assert body([0, 0, 0.0]) > 0 > max(body([0, 0, 0.02]), body([0, 0, -0.02]))
 
 
@@ -315,7 +315,7 @@ def test_whatever_the_field_the_triangles_are_closed_and_do_not_cross():
 
 def test_linear_interpolation_misses_the_zero_level(monkeypatch):
     """Without the Newton steps vertices are off by the square of the cell."""
-    monkeypatch.setattr(surface_extraction, "_STEPS", 0)
+    monkeypatch.setattr(surface_extraction, "_MAX_STEPS", 0)
     mesh = extract_surface(Ball(1.0), 0.1)
     assert np.abs(Ball(1.0)(mesh.points)).max() > 1e-4
 
@@ -418,7 +418,7 @@ def test_what_makes_no_surface_is_refused(call, words):
 
 def test_points_of_no_surface_are_refused_in_words():
     """All in one place, and along a line."""
-    with pytest.raises(np.linalg.LinAlgError, match="four different points or more; got 1"):
+    with pytest.raises(np.linalg.LinAlgError, match="at least four different points; got 1"):
         implicit_surface(np.ones((9, 3)))
-    with pytest.raises(np.linalg.LinAlgError, match="nowhere does a plane fit"):
+    with pytest.raises(np.linalg.LinAlgError, match="no plane fits the neighbours"):
         implicit_surface(np.arange(30.0)[:, None] * [1.0, 2.0, 3.0])

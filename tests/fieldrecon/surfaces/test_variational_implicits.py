@@ -74,7 +74,7 @@ def test_errors_are_in_words():
         fr.surfaces.variational_implicit(p, n[:5])
     with pytest.raises(ValueError, match="must not vanish; that of point 3 does"):
         fr.surfaces.variational_implicit(p, n * (np.arange(12) != 3)[:, None])
-    with pytest.raises(ValueError, match="one for each shape"):
+    with pytest.raises(ValueError, match="one for each of two or more shapes"):
         fr.surfaces.ShapeTransformation([(p, n), (p, n)], [0.0, 0.0])
     with pytest.raises(ValueError, match="offset must be a positive"):
         fr.surfaces.variational_implicit(p, n, offset=0.0)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import exact_triangles as literal
-from fieldrecon.io.triangles import read_triangles, write_triangles
+from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import intersections as _contacts
 from fieldrecon.triangles import intersections as _triangle_pairs
 from fieldrecon.triangles import predicates as _predicates
@@ -464,8 +464,8 @@ def test_many_pairs_are_looked_at_in_pieces(monkeypatch):
     """The pieces change nothing."""
     surface = together(sphere(2), moved(sphere(2), 0.3, 0.2, 0.1))
     whole = audit_mesh(*surface)
-    monkeypatch.setattr(_contacts, "_AT_ONCE", 7)
-    monkeypatch.setattr("fieldrecon.triangles.bounding_volumes._MOST", 50)
+    monkeypatch.setattr(_contacts, "_CHUNK", 7)
+    monkeypatch.setattr("fieldrecon.triangles.bounding_volumes._MAX_PAIRS", 50)
     assert audit_mesh(*surface).as_dict() == whole.as_dict()
     assert len(whole.crossings) > 50
 

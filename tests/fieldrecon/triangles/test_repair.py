@@ -5,10 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
-from fieldrecon.io.triangles import read_triangles, write_triangles
+from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
-from fieldrecon.triangles.repair import patches, repair_mesh
+from fieldrecon.triangles.repair import minimum_area_patches, repair_mesh
 from fieldreport.experiments.triangles.damaged_meshes import damaged
 from fieldreport.experiments.triangles.planted_errors import planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
@@ -184,7 +184,7 @@ def test_the_patch_is_the_least_of_all():
     """Over loops of six points: no triangulation has less area than the one that is chosen."""
     rng = np.random.default_rng(4)
     corners = rng.normal(size=(20, 6, 3))
-    triangles, areas = patches(corners)
+    triangles, areas = minimum_area_patches(corners)
 
     def area(p, t):
         a, b, c = p[list(t)]
@@ -206,10 +206,10 @@ def test_the_patch_is_the_least_of_all():
 @pytest.mark.parametrize(
     ("name", "mutant", "error"),
     [
-        ("without_copies", lambda t, n: t, "duplicate triangle"),  # noqa: ARG005
+        ("without_duplicates", lambda t, n: t, "duplicate triangle"),  # noqa: ARG005
         ("without_flat", lambda p, t, tolerance: t, "degenerate triangle"),  # noqa: ARG005
-        ("sewn", lambda p, t, tolerance: t, "T-junction"),  # noqa: ARG005
-        ("parted", lambda p, t: (p, t), "bow-tie"),
+        ("split_free_edges", lambda p, t, tolerance: t, "T-junction"),  # noqa: ARG005
+        ("split_bow_ties", lambda p, t: (p, t), "bow-tie"),
         ("oriented", lambda p, t: t, "flipped triangle"),  # noqa: ARG005
         ("hole_patches", lambda p, t, largest: (t[:0], t[:0, 0]), "hole"),  # noqa: ARG005
     ],

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
-from fieldrecon.kernels.radial import inverse_square, thin_plate_spline
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import monomials
 from fieldrecon.velocity.stencils import WELL_DETERMINED
@@ -464,8 +465,14 @@ def test_a_weight_that_reaches_no_face_is_refused_in_words():
         (lambda m: divergence(m, [np.nan] * len(m.faces)), "v must be finite"),
         (lambda m: velocity_weights(m, "near"), "weight must be a radial function"),
         (lambda m: velocity_weights(m, thin_plate_spline()), "fall with the distance"),
-        (lambda m: velocity_weights(m, vertices=[600]), "vertices must index the 600 points"),
-        (lambda m: velocity_weights(m, vertices=[0.5]), "vertices must be a list of indices"),
+        (
+            lambda m: velocity_weights(m, vertices=[600]),
+            "vertices must be indices of points, 0 to 599; got 600",
+        ),
+        (
+            lambda m: velocity_weights(m, vertices=[0.5]),
+            "vertices must be indices of points, shape",
+        ),
     ],
 )
 def test_bad_input_is_refused_in_words(call, words):

@@ -8,7 +8,7 @@ from scipy.integrate import quad, solve_ivp
 
 from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.coupling.flat_structures import blended_plates
-from fieldrecon.coupling.rigid_motions import net_force_and_moment
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Coupling
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF

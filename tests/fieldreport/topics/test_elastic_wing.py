@@ -31,12 +31,12 @@ def test_the_typical_section():
     diverges = k / slope
     for q in (0.3 * diverges, 0.9 * diverges, -0.8 * diverges):
         turn = partial(lambda q, theta: q * slope * (alpha + theta) / k, q)
-        found = fixed_point(turn, 0.0, relaxation=1.0, most=400)
+        found = fixed_point(turn, 0.0, relaxation=1.0, maxiter=400)
         assert found.converged
         assert_close(found.value, alpha * q / (diverges - q), 1e-9)
         assert_close(found.contraction, abs(q) / diverges, 1e-4)
     beyond = partial(lambda q, theta: q * slope * (alpha + theta) / k, 1.1 * diverges)
-    assert not fixed_point(beyond, 0.0, relaxation=1.0, most=400).converged
+    assert not fixed_point(beyond, 0.0, relaxation=1.0, maxiter=400).converged
 
 
 def test_aitken_needs_two_steps_on_a_line():
@@ -47,7 +47,7 @@ def test_aitken_needs_two_steps_on_a_line():
         assert found.converged
         assert len(found.residuals) <= 4
         assert_close(found.value, [2 / (1 - factor)], 1e-9)
-        plain = fixed_point(turn, [0.0], relaxation=1.0, most=300)
+        plain = fixed_point(turn, [0.0], relaxation=1.0, maxiter=300)
         assert plain.converged == (abs(factor) < 1)
 
 
@@ -60,7 +60,7 @@ def test_residuals_and_what_is_given_up():
     at_rest = fixed_point(lambda x: x, [1.0, 2.0])
     assert at_rest.converged
     assert len(at_rest.residuals) == 1
-    with pytest.raises(ValueError, match=r"step\(x\) must be finite"):
+    with pytest.raises(ValueError, match=r"func\(x\) must be finite"):
         fixed_point(lambda x: x / 0 if np.any(x) else x + np.nan, 0.0)
 
 
@@ -121,7 +121,7 @@ def test_a_wing_swept_forward_diverges_where_plain_turns_cease_to_contract():
     bound = forward.divergence_pressure
     assert_close(forward.contraction(bound), 1.0, 1e-9)
     for part in (0.9, 1.1):
-        found = forward.steady_state(part * bound, theta, relaxation=1.0, most=400)
+        found = forward.steady_state(part * bound, theta, relaxation=1.0, maxiter=400)
         assert found.converged == (part < 1)
     for part in (0.9, 0.99):  # the nearer, the larger
         found = forward.steady_state(part * bound, theta).value

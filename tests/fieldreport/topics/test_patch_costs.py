@@ -5,7 +5,7 @@ import json
 import pytest
 
 from fieldrecon.datasets.synthetic import uniform
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldreport.experiments import get
 from fieldreport.experiments.methods.patch_costs import _of_growth

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.velocity.gradients import local_moving_least_squares, vertex_gradients
 from fieldreport import experiments

@@ -1,4 +1,4 @@
-"""Stacks of small symmetric systems, each solved as well as its numbers allow."""
+"""Stacks of small symmetric systems, solved by elimination or, if singular, by eigenvectors."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from fieldrecon.methods.solvability import within_range
 from fieldrecon.polynomials import EPS
 
 COLUMNS = 16
-"""Right-hand sides that are solved for with one factored matrix, where there are many."""
+"""Maximum number of right-hand sides solved at once with one factored matrix."""
 FLAT = 1e14
-"""Size of the inverse, times that of the matrix, from which on elimination finds rounding only."""
+"""Condition number from which on elimination returns only rounding."""
 BALANCING = 10
-"""Steps, each of which halves the order of magnitude by which rows differ."""
+"""Number of balancing steps; each halves the order of magnitude by which rows differ."""
 
 
 def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions (p, s, v) of symmetric systems (p, s, s), and the least where one is singular.
+    """Solutions (p, s, v) of symmetric systems (p, s, s), of least norm where one is singular.
 
-    A further right-hand side of size one shows which are, to rounding. Of these only what
-    eigenvectors can tell is kept: the rest would be rounding many times as large as the data.
+    A further right-hand side of size one shows which systems are singular to rounding. They are
+    solved by eigenvectors, without the small eigenvalues, which would only amplify rounding.
     """
     size = np.sqrt(np.einsum("pij,pij->p", matrix, matrix))
     within_range(size, "values of the kernel in a patch")
@@ -29,7 +29,7 @@ def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     probes = np.broadcast_to(probe, (len(matrix), *probe.shape[1:]))
     try:
         found = np.linalg.solve(matrix, np.concatenate([right, probes], axis=2))
-    except np.linalg.LinAlgError:  # one of them is, exactly, and NumPy solves all or none
+    except np.linalg.LinAlgError:  # one is exactly singular, and NumPy solves all or none
         return _by_eigenvectors(matrix, right)
     flat = ~(np.abs(found[..., -1]).max(axis=1) * size <= FLAT)
     found = found[..., :-1]
@@ -52,8 +52,7 @@ def _by_eigenvectors(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 def _balance(matrix: np.ndarray) -> np.ndarray:
     """Factors (p, s) of rows and columns, after which the largest entry of each is about one.
 
-    Kernels may be far larger than polynomials, which must not be taken for rounding beside them
-    (Ruiz 2001).
+    Kernels may be far larger than polynomials, which must not be mistaken for rounding (Ruiz 2001).
     """
     scale = np.ones(matrix.shape[:2])
     for _ in range(BALANCING):
@@ -62,17 +61,17 @@ def _balance(matrix: np.ndarray) -> np.ndarray:
     return scale
 
 
-def solved_for_each(
+def batched_solve_grouped(
     solve: Callable[[np.ndarray, np.ndarray], np.ndarray],
     system: np.ndarray,
     right: np.ndarray,
     size: int,
     rows: int,
 ) -> np.ndarray:
-    """Solutions (m, size) for the right-hand sides (m, s), each of a system (m,) by its number.
+    """Solutions (m, size) for the right-hand sides (m, s) of the systems with the indices (m,).
 
     `solve` takes systems (p,) and right-hand sides (p, s, COLUMNS) for them, `rows` systems at a
-    time; those of one system go together, so that its matrix is made and factored once for many.
+    time. Right-hand sides of one system are grouped, so that its matrix is factored once for many.
     """
     order = np.argsort(system, kind="stable")
     first = np.searchsorted(system[order], system[order])
@@ -85,7 +84,7 @@ def solved_for_each(
         stacks = slice(start, min(start + rows, len(begin) - 1))
         part = slice(begin[stacks.start], begin[stacks.stop])
         columns = np.zeros((stacks.stop - start, right.shape[1], COLUMNS))
-        place = stack[part] - start, slice(None), column[part]
-        columns[place] = right[order[part]]
-        found[order[part]] = solve(system[order[begin[stacks]]], columns)[place]
+        entry = stack[part] - start, slice(None), column[part]
+        columns[entry] = right[order[part]]
+        found[order[part]] = solve(system[order[begin[stacks]]], columns)[entry]
     return found

@@ -1,10 +1,9 @@
-"""Levels of patches, and the part that each patch has in the value at a query.
+"""Blending of patches: their shares in the value at a query, and the matrices of weights.
 
-Where the patches of a level cover a query badly, those of the next level, which has a fraction of
-the sites, take over: with W the sum of the weights, by c (1 - W/c)^3 for W < c and by nothing
-otherwise, so that the parts are twice continuously differentiable. The last level covers all space.
-
-Blended patches as matrices: sparse weights of the data, their gradients, and the adjoint.
+The patches form levels. Where those of a level hardly cover a query, the patches of the next level,
+which has a fraction of the sites, take over. With W the sum of the weights of the level, they have
+the weight c (1 - W/c)^3 for W < c and zero otherwise, so that the shares are twice continuously
+differentiable. The last level covers all space.
 """
 
 from __future__ import annotations
@@ -19,19 +18,19 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from fieldrecon._core.chunks import Progress, passes
-from fieldrecon._numerics.kd_partition import Boxes
+from fieldrecon._core.chunks import Progress, split_progress
+from fieldrecon._numerics.kd_partition import KDPartition
 from fieldrecon.methods.partition_of_unity.patch_systems import PatchSystems, Problem
 from fieldrecon.methods.partition_of_unity.patches import SITES_PER_BOX, Patches, bump, systems_of
 
 COVERED = 5e-3
-"""The sum c of the weights from which on patches are alone."""
+"""The sum c of the weights of a level from which on the next level has no share."""
 FEW_COLUMNS = 3
-"""Up to which sums by counting are faster than by a sparse matrix."""
+"""Number of columns up to which `bincount` sums faster than a sparse matrix."""
 PASSES = 5
-"""Parts of the set-up: cuts, balls, what these reach, systems; and all coarser levels."""
+"""Steps of the set-up for progress: cuts, balls, reached boxes, systems; and coarser levels."""
 ALONE = 4
-"""As many sites as these many patches hold are a patch of their own."""
+"""A level of no more sites than this number of patches holds is a single patch."""
 
 
 @dataclass(frozen=True)
@@ -41,13 +40,13 @@ class Level:
     Attributes
     ----------
     sites : (s,) ndarray
-        Which of all sites.
+        Indices of its sites.
     patches : Patches
-        Where they are.
+        The balls.
     systems : tuple of PatchSystems
-        Their problems, those of one size together.
+        Systems of the patches, grouped by size.
     group, member : (p,) ndarray
-        In which of the systems each patch is, and where in it.
+        For each patch, the index of its group of systems and its index in the group.
     """
 
     sites: np.ndarray
@@ -58,18 +57,18 @@ class Level:
 
 
 class Share(NamedTuple):
-    """The part of patches of one level in the values at queries, ordered by query.
+    """Shares of the patches of one level in the values at queries, ordered by query.
 
     Attributes
     ----------
     level : Level
-        Whose patches.
+        The level.
     query, patch : (p,) ndarray
         The pairs.
     weight : (p,) ndarray
         Over all shares, the weights of a query sum to one.
     gradient : (p, d) ndarray
-        Their gradients.
+        Gradients of the weights.
     """
 
     level: Level
@@ -79,7 +78,7 @@ class Share(NamedTuple):
     gradient: np.ndarray
 
     def systems(self) -> Iterator[tuple[PatchSystems, int, np.ndarray, np.ndarray]]:
-        """Yield each of the systems, its number, the pairs of its patches, and which they are."""
+        """Yield each group of systems, its index, the pairs of its patches, and their members."""
         group = self.level.group[self.patch]
         for number, systems in enumerate(self.level.systems):
             pairs = np.flatnonzero(group == number)
@@ -91,19 +90,23 @@ def levels_of(
 ) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
     sites = np.arange(len(points))
-    tell: Iterator[Progress | None] = passes(progress, len(points), PASSES)
+    steps: Iterator[Progress | None] = split_progress(progress, len(points), PASSES)
     while True:
         alone = len(sites) <= ALONE * k
         size = len(sites) if alone else max(1, SITES_PER_BOX * k)
-        boxes = Boxes.around(points[sites], size, next(tell))
+        boxes = KDPartition.around(points[sites], size, next(steps))
         boxes, order = boxes.in_order()
         sites = sites[order]
         own = points[sites]
         tree = cKDTree(own)
-        told = next(tell), next(tell)
-        patches = Patches.single(own, boxes) if alone else Patches.of(own, tree, boxes, k, *told)
-        yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(tell)))
-        tell = repeat(None)
+        covering, reaching = next(steps), next(steps)
+        patches = (
+            Patches.single(own, boxes)
+            if alone
+            else Patches.of(own, tree, boxes, k, covering, reaching)
+        )
+        yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(steps)))
+        steps = repeat(None)
         if alone:
             if progress is not None:
                 progress(len(points), len(points))
@@ -114,7 +117,7 @@ def levels_of(
 def shares(levels: Sequence[Level], x: np.ndarray, gradients: bool) -> Iterator[Share]:
     """Yield the shares of the levels in the values at the queries (m, d).
 
-    Without gradients, those of the weights have no columns.
+    Without gradients, the gradients of the weights have no columns.
     """
     columns = x.shape[1] if gradients else 0
     query, left, slope = np.arange(len(x)), np.ones(len(x)), np.zeros((len(x), columns))
@@ -145,22 +148,8 @@ def shares(levels: Sequence[Level], x: np.ndarray, gradients: bool) -> Iterator[
         query, left, slope = query[further], left[further], slope[further]
 
 
-def summed(query: np.ndarray, terms: np.ndarray, m: int) -> np.ndarray:
-    """Sums (m, ...) of the terms (p, ...) of each query, which are in the order of queries."""
-    columns = terms.reshape(len(terms), math.prod(terms.shape[1:]))
-    if columns.dtype == float and columns.shape[1] <= FEW_COLUMNS:
-        sums = np.empty((m, columns.shape[1]))
-        for total, column in zip(sums.T, columns.T, strict=True):
-            total[:] = np.bincount(query, column, m)
-    else:
-        start = np.searchsorted(query, np.arange(m + 1))
-        pairs = np.ones(len(query)), np.arange(len(query)), start
-        sums = sparse.csr_array(pairs, (m, len(query))) @ columns
-    return sums.reshape(m, *terms.shape[1:])
-
-
 def weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.csr_array]:
-    """Weights (m, n) of the data of n sites in the values at queries (m, d), as a list of one."""
+    """Weights (m, n) of the data of n sites in the values at queries (m, d), in a list of one."""
     triples = []
     for share in shares(levels, x, gradients=False):
         for systems, _, pairs, member in share.systems():
@@ -187,19 +176,8 @@ def gradient_weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list
     return [_matrix(component, (len(x), n)) for component in triples]
 
 
-def _matrix(
-    triples: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]
-) -> sparse.csr_array:
-    """The matrix of entries (p, k) in rows (p,) and columns (p, k); entries of one place add."""
-    rows = [np.repeat(query, sites.shape[1]) for query, sites, _ in triples]
-    columns = [sites.ravel() for _, sites, _ in triples]
-    entries = [weights.ravel() for _, _, weights in triples]
-    place = np.concatenate(rows), np.concatenate(columns)
-    return sparse.coo_array((np.concatenate(entries), place), shape).tocsr()
-
-
 class Moments:
-    """Sums of the bases of patches at queries, times what is given there."""
+    """Sums of the basis functions of patches at queries, times the loads there."""
 
     def __init__(self, levels: Sequence[Level], v: int, dtype: np.dtype) -> None:
         self._levels = levels
@@ -208,18 +186,18 @@ class Moments:
         ]
 
     def add(self, parts: Iterable[tuple[int, int, np.ndarray, np.ndarray]]) -> None:
-        """Add what `moments` gives for some queries."""
+        """Add the result of `moments` for some queries."""
         for level, number, patch, sums in parts:
             self._sums[level][number][patch] += sums
 
     def of_sites(self, n: int) -> np.ndarray:
-        """H^T f (n, v): the sums carried over to the sites."""
+        """H^T f (n, v), from the sums by the transposed systems."""
         v = self._sums[0][0].shape[2]
         total = np.zeros((n, v), dtype=self._sums[0][0].dtype)
         for level, sums in zip(self._levels, self._sums, strict=True):
             for systems, own in zip(level.systems, sums, strict=True):
                 sites = level.sites[systems.sites].ravel()
-                where, rows = _gathered(sites, systems.adjoint(own).reshape(len(sites), v))
+                where, rows = _summed_by_row(sites, systems.adjoint(own).reshape(len(sites), v))
                 total[where] += rows
         return total
 
@@ -227,7 +205,7 @@ class Moments:
 def moments(
     levels: Sequence[Level], x: np.ndarray, f: np.ndarray, rows: np.ndarray
 ) -> list[tuple[int, int, np.ndarray, np.ndarray]]:
-    """Of some of the queries (m, d) with f (m, v): level, number of systems, patches, sums."""
+    """Sums for some `rows` of queries (m, d) with loads f (m, v): level, group, members, sums."""
     x, f = x[rows], f[rows]
     found = []
     for number, share in enumerate(shares(levels, x, gradients=False)):
@@ -235,12 +213,37 @@ def moments(
             query = share.query[pairs]
             basis = systems.basis(member, x[query]) * share.weight[pairs, None]
             terms = basis[..., None] * f[query, None, :]
-            found.append((number, own, *_gathered(member, terms)))
+            found.append((number, own, *_summed_by_row(member, terms)))
     return found
 
 
-def _gathered(rows: np.ndarray, terms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows, each once and rising, and the sums of their terms (p, ...)."""
+def summed(query: np.ndarray, terms: np.ndarray, m: int) -> np.ndarray:
+    """Sums (m, ...) of the terms (p, ...) of each query; the terms are ordered by query."""
+    columns = terms.reshape(len(terms), math.prod(terms.shape[1:]))
+    if columns.dtype == float and columns.shape[1] <= FEW_COLUMNS:
+        sums = np.empty((m, columns.shape[1]))
+        for total, column in zip(sums.T, columns.T, strict=True):
+            total[:] = np.bincount(query, column, m)
+    else:
+        start = np.searchsorted(query, np.arange(m + 1))
+        pairs = np.ones(len(query)), np.arange(len(query)), start
+        sums = sparse.csr_array(pairs, (m, len(query))) @ columns
+    return sums.reshape(m, *terms.shape[1:])
+
+
+def _matrix(
+    triples: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]
+) -> sparse.csr_array:
+    """Matrix of entries (p, k) in rows (p,) and columns (p, k); repeated entries are summed."""
+    rows = [np.repeat(query, sites.shape[1]) for query, sites, _ in triples]
+    columns = [sites.ravel() for _, sites, _ in triples]
+    entries = [weights.ravel() for _, _, weights in triples]
+    indices = np.concatenate(rows), np.concatenate(columns)
+    return sparse.coo_array((np.concatenate(entries), indices), shape).tocsr()
+
+
+def _summed_by_row(rows: np.ndarray, terms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distinct rows in ascending order, and the sums of their terms (p, ...)."""
     order = np.argsort(rows, kind="stable")
     rows = rows[order]
     new = np.diff(rows, prepend=-1) > 0

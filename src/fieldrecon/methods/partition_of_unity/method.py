@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,8 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
-from fieldrecon.kernels.radial import Radial, polyharmonic
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS
 from fieldrecon.methods.partition_of_unity.blending import (
     Moments,
@@ -25,14 +26,20 @@ from fieldrecon.methods.partition_of_unity.blending import (
     weight_rows,
 )
 from fieldrecon.methods.partition_of_unity.patch_systems import Problem
-from fieldrecon.methods.solvability import as_augmentation, as_finite, as_kernel, refuse_duplicates
-from fieldrecon.polynomials import Frame, dimension, powers_of_scale
+from fieldrecon.methods.solvability import (
+    as_augmentation,
+    as_finite,
+    as_kernel,
+    refuse_duplicates,
+    unit_smoothing,
+)
+from fieldrecon.polynomials import Frame, dimension
 from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 Coefficients: TypeAlias = Sequence[Sequence[np.ndarray]]
-"""Of each level, of each of its systems: (p, k + q, v)."""
-CROWDED = 2
-"""So many times more patches than usual reach the queries of a chunk, at the most."""
+"""For each level and each of its groups of systems: (p, k + q, v)."""
+MAX_CROWDING = 2
+"""Factor by which the patches that reach a query may exceed their mean, for the size of chunks."""
 
 
 class PartitionOfUnityRBF(Reconstruction):
@@ -41,8 +48,9 @@ class PartitionOfUnityRBF(Reconstruction):
     Each patch is a ball that holds the `patch_size` sites nearest to its centre and no others, and
     s_j is the augmented `RBF` of these; so s interpolates, and reproduces what every s_j does. The
     weights w_j are twice continuously differentiable and vanish outside their balls. Where no ball
-    reaches, in gaps and outside, patches of fewer and fewer sites take over, the last of which
-    reaches everywhere. Cost grows as n log n, and a value depends on the sites near it only.
+    reaches, in gaps and outside, patches on coarser and coarser subsets of the sites take over, the
+    last of which reaches everywhere. The cost is O(n log n), and a value depends only on sites near
+    the query.
 
     Parameters
     ----------
@@ -58,17 +66,16 @@ class PartitionOfUnityRBF(Reconstruction):
     smoothing : float
         Added to the diagonal, as in `RBF`. In units of the kernel.
     progress : callable, optional
-        Called as progress(done, total) with numbers of sites, while the patches are made.
+        Called as progress(done, total) with numbers of sites, while the patches are set up.
 
     Attributes
     ----------
     patch_sizes : (p,) ndarray
-        Sites of each patch; more than `patch_size` where it took these to determine its
-        polynomials.
+        Sites of each patch; more than `patch_size` if it needs them to determine its polynomials.
     reduced : int
         Number of patches whose sites do not determine a polynomial of the degree, not even with
         four times as many: sites on a line or in a plane, say. They use the polynomials that their
-        sites tell apart, constant across that line or plane, and `degree` is what is left.
+        sites determine, constant across that line or plane, and `degree` is lower.
 
     Notes
     -----
@@ -77,7 +84,8 @@ class PartitionOfUnityRBF(Reconstruction):
     of degree 3 is as accurate as with linear ones and the plate of least energy, while r^5 and r^7
     amplify noise, and degree 4 overshoots in gaps. Larger patches cost little more, since there
     are fewer of them. In more than about six variables a site lies in dozens of patches, and the
-    field of all sites at once, `RBF`, is better where it can be had (experiment `high_dimensions`).
+    field of all sites at once, `RBF`, is better if it fits into memory (experiment
+    `high_dimensions`).
 
     Raises
     ------
@@ -123,7 +131,9 @@ class PartitionOfUnityRBF(Reconstruction):
             refuse_duplicates(self.points)
         self._frame = Frame.around(self.points)
         unit_kernel = as_finite(self.kernel.in_units(self._frame.scale))
-        problem = Problem(unit_kernel, degree, self._unit_smoothing())
+        problem = Problem(
+            unit_kernel, degree, unit_smoothing(self.smoothing, self.kernel, self._frame.scale)
+        )
         local = self._frame.local(self.points)
         size = min(self.patch_size, len(local))
         self._levels = tuple(levels_of(local, size, problem, progress))
@@ -149,7 +159,7 @@ class PartitionOfUnityRBF(Reconstruction):
         values : (n, ...) array_like
             One real or complex scalar, vector or array for each site.
         executor : concurrent.futures.Executor, optional
-            Where the patches are solved; this machine's threads by default.
+            Runs the chunks of patches; this machine's threads by default.
         progress : callable, optional
             Called as progress(done, total) with numbers of patches.
 
@@ -161,7 +171,11 @@ class PartitionOfUnityRBF(Reconstruction):
         prepare = partial(self._prepare, executor=executor, progress=progress)
         return Field(self, valid.as_values(values, len(self.points)), prepare)
 
-    def left_out(self, values: np.ndarray, progress: Progress | None = None) -> np.ndarray:
+    def _arguments(self) -> dict[str, Any]:
+        # the degree as it was asked for, not the lowest that a patch determines
+        return super()._arguments() | {"degree": self._levels[0].systems[0].degree}
+
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
         """Residuals (n, v) of the data (n, v), each against the field of all others.
 
         The patches stay, and each gives up the site: a weighted mean of lambda_i / (S^-1)_ii over
@@ -171,29 +185,25 @@ class PartitionOfUnityRBF(Reconstruction):
         weights, done = np.zeros(len(values)), 0
         for number, systems in enumerate(level.systems):
             patches = np.flatnonzero(level.group == number)
-            work = partial(systems.left_out, values[level.sites])
-            told = progress and partial(_told, progress, done, len(level.patches))
+            work = partial(systems.leave_one_out, values[level.sites])
+            own_progress = progress and partial(_level_progress, progress, done, len(level.patches))
             done += len(systems)
             every = np.arange(len(systems))
-            for part, (rest, tell) in chunked(work, every, systems.rows(), progress=told):
+            for part, (rest, valid_sites) in chunked(
+                work, every, systems.rows(), progress=own_progress
+            ):
                 own = systems.sites[part]
-                weight = level.patches.weights(patches[part], systems.points[own]) * tell
+                weight = level.patches.weights(patches[part], systems.points[own]) * valid_sites
                 np.add.at(weights, level.sites[own], weight)
                 np.add.at(total, level.sites[own], weight[..., None] * rest)
         if not weights.all():
             i = int(np.flatnonzero(weights == 0)[0])
-            where = valid.place(self.points[i])
+            where = valid.format_point(self.points[i])
             raise np.linalg.LinAlgError(
                 f"without point {i}, ({where}), the others of its patches do not determine the "
-                "polynomial: it cannot be left out"
+                "polynomial"
             )
         return total / weights[:, None]
-
-    def _unit_smoothing(self) -> float:
-        if self.smoothing == 0:
-            return 0.0
-        power = np.array([-self.kernel.homogeneity])
-        return self.smoothing * float(powers_of_scale(self._frame.scale, power, "the smoothing")[0])
 
     def _prepare(
         self,
@@ -206,8 +216,8 @@ class PartitionOfUnityRBF(Reconstruction):
         for level in self._levels:
             own = []
             for systems in level.systems:
-                told = progress and partial(_told, progress, done, total)
-                own.append(systems.fitted(values[level.sites], executor, told))
+                own_progress = progress and partial(_level_progress, progress, done, total)
+                own.append(systems.fitted(values[level.sites], executor, own_progress))
                 done += len(systems)
             found.append(own)
         return found
@@ -251,7 +261,7 @@ class PartitionOfUnityRBF(Reconstruction):
     def _in_chunks(
         self, rows_of_weights: Callable[..., list[Weights]], x: np.ndarray
     ) -> list[Weights]:
-        """Matrices of weights, made in the order in which queries share their patches."""
+        """Matrices of weights, computed in the order in which queries share their patches."""
         order = self._order(x)
         work = partial(rows_of_weights, self._levels, len(self.points))
         parts = chunked(work, self._frame.local(x[order]), self._chunk_rows(COLUMNS))
@@ -268,34 +278,30 @@ class PartitionOfUnityRBF(Reconstruction):
 
     def _order(self, x: np.ndarray) -> np.ndarray:
         boxes = self._levels[0].patches.boxes
-        box = boxes.containing(valid.without_warnings(self._frame.local, x))
+        box = boxes.containing(valid.quiet_evaluate(self._frame.local, x))
         return np.argsort(box, kind="stable")
 
     def _chunk_rows(self, columns: int) -> int:
         systems, d = self._levels[0].systems[0], self.points.shape[1]
-        overlap = CROWDED * self.patch_sizes.sum() / len(self.points)
+        overlap = MAX_CROWDING * self.patch_sizes.sum() / len(self.points)
         return rows_of(8 * overlap * (systems.size * (d + 3) + columns * (d + 2)))
 
 
-def _told(progress: Progress, before: int, total: int, done: int, _: int) -> None:
+def _level_progress(progress: Progress, before: int, total: int, done: int, _: int) -> None:
     progress(before + done, total)
 
 
 def usual_degree(d: int) -> int:
-    """Degree of polynomials in d variables that pays, by measurement."""
+    """Default degree of polynomials in d variables, by measurement."""
     if d <= 3:
         return 3
     return 2 if d <= 5 else 1
 
 
 def _as_patch_size(size: int | None, d: int, degree: int) -> int:
-    """Sites of a patch: more than there are polynomials."""
+    """Number of sites of a patch, larger than the dimension of the polynomials."""
     q = dimension(d, degree)
     if size is None:
         return max(4 * q, 12 * d)
-    if isinstance(size, bool) or not isinstance(size, int | np.integer) or size <= q:
-        raise ValueError(
-            f"patch_size must be an integer above {q}, the number of polynomials of degree "
-            f"{degree} in {d} variables; got {size!r}"
-        )
-    return int(size)
+    wanted = f"an integer above {q}, the number of polynomials of degree {degree} in {d} variables"
+    return valid.as_count(size, "patch_size", q + 1, wanted=wanted)

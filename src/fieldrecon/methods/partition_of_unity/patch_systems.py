@@ -3,9 +3,9 @@
     [ A + smoothing I   P ] [lambda]   [f]
     [ P^T               0 ] [  c   ] = [0]
 
-Sites of one patch lie within distance one of its centre. Where they do not determine a polynomial,
-the least one in Bombieri's norm is taken of those that agree on them; of sites in a plane that is
-the polynomial of the plane, constant across it.
+In its frame, the sites of a patch lie within distance one of its centre. If they do not determine a
+polynomial, the one of least Bombieri norm is taken among those with the same values at the sites.
+For sites in a plane this is a polynomial in the plane, constant along its normal.
 """
 
 from __future__ import annotations
@@ -19,20 +19,24 @@ from operator import iadd
 import numpy as np
 
 from fieldrecon._core.chunks import Progress, chunked, rows_of
-from fieldrecon._core.validation import place, without_warnings
-from fieldrecon.kernels.radial import Radial
-from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS, solved, solved_for_each
+from fieldrecon._core.validation import format_point, quiet_evaluate
+from fieldrecon.kernels.base import Radial
+from fieldrecon.methods.partition_of_unity.batched_systems import (
+    COLUMNS,
+    batched_solve_grouped,
+    solved,
+)
 from fieldrecon.methods.partition_of_unity.polynomial_rank import leverages, ranks
+from fieldrecon.methods.solvability import TOLERATED_MISS, too_flat
 from fieldrecon.polynomials import dimension, monomial_gradients, monomials
 
 MOST_LEVERAGE = 1 - 1e-4
-"""Of a site in the least-squares polynomial of its patch, if the others determine it without."""
-_TOLERATED_MISS = 1e-2  # of the size of the data, before a field is refused
+"""Leverage of a site up to which the other sites of its patch determine the polynomial."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What is interpolated with: kernel, degree of the polynomials, and smoothing of size one."""
+    """Kernel, degree of the polynomials, and smoothing, in units of the cloud's size."""
 
     kernel: Radial
     degree: int
@@ -41,7 +45,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class PatchSystems:
-    """Patches with equally many sites, k of them.
+    """Interpolation systems of patches with k sites each.
 
     Attributes
     ----------
@@ -50,14 +54,14 @@ class PatchSystems:
     sites : (p, k) ndarray
         The sites of each patch.
     problem : Problem
-        What is interpolated with.
+        Kernel, degree and smoothing.
     origin : (p, d) ndarray
-        Mean of its sites, where its monomials have their centre.
+        Centre of the monomials of each patch: the mean of its sites.
     radius : (p,) ndarray
         Unit of length of each patch.
     reduced : dict
-        For patches that do not determine their polynomials: the matrix (q, q) that makes those
-        that they do determine, followed by columns of zeros.
+        For patches that do not determine their polynomials, the `determined_basis` (q, q) of those
+        that they do.
     """
 
     points: np.ndarray
@@ -76,7 +80,7 @@ class PatchSystems:
         return self.problem.degree
 
     def rows(self, columns: int = 0) -> int:
-        """Patches of one chunk."""
+        """Number of patches of one chunk."""
         return rows_of(8 * self.size * (3 * self.size + 2 * columns))
 
     @property
@@ -89,7 +93,7 @@ class PatchSystems:
         return self._offsets(patch[:, None], self.points[self.sites[patch]])
 
     def _offsets(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Places x (..., d) in the frames of patches (...)."""
+        """Points x (..., d) in the frames of patches (...)."""
         return (x - self.origin[patch]) / self.radius[patch][..., None]
 
     def matrices(self, patch: np.ndarray) -> np.ndarray:
@@ -113,7 +117,7 @@ class PatchSystems:
     ) -> np.ndarray:
         """Coefficients (p, k + q, v) of all patches for the data (n, v) of all sites."""
         found = np.empty((len(self), self.size, values.shape[1]), dtype=values.dtype)
-        work = partial(without_warnings, self.coefficients, values)
+        work = partial(quiet_evaluate, self.coefficients, values)
         rows = self.rows(values.shape[1])
         for part, some in chunked(work, np.arange(len(self)), rows, executor, progress):
             found[part] = some
@@ -132,36 +136,37 @@ class PatchSystems:
             found[i, k:] = transform @ found[i, k:]
         return found
 
-    def left_out(self, values: np.ndarray, patch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals (p, k, v) of the sites, each against the others of its patch; where they tell.
+    def leave_one_out(self, values: np.ndarray, patch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals (p, k, v) of the sites, against the others of its patch, and their validity.
 
-        lambda_i / (S^-1)_ii; they tell (p, k) where the others determine the polynomials too.
+        A residual is lambda_i / (S^-1)_ii. It is valid (p, k) if the other sites determine the
+        polynomials, and zero otherwise.
         """
         k = self.sites.shape[1]
         unit = np.zeros((len(patch), self.size, k))
         unit[:, range(k), range(k)] = 1.0
         inverse = solved(self.matrices(patch), unit)[:, :k]
-        tell = leverages(self.frames(patch), self.degree) <= MOST_LEVERAGE
-        diagonal = np.where(tell, inverse[:, range(k), range(k)], 1.0)
+        valid = leverages(self.frames(patch), self.degree) <= MOST_LEVERAGE
+        diagonal = np.where(valid, inverse[:, range(k), range(k)], 1.0)
         residuals = inverse @ values[self.sites[patch]] / diagonal[..., None]
-        return np.where(tell[..., None], residuals, 0.0), tell
+        return np.where(valid[..., None], residuals, 0.0), valid
 
     def values(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-        """Values (p, v) at places x (p, d), with the coefficients of all patches."""
+        """Values (p, v) at points x (p, d), for the coefficients of all patches."""
         return np.einsum("ps,psv->pv", self.basis(patch, x), coefficients[patch])
 
     def gradients(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-        """Gradients (p, v, d) at places x (p, d)."""
+        """Gradients (p, v, d) at points x (p, d)."""
         return np.einsum("psd,psv->pvd", self.basis_gradient(patch, x), coefficients[patch])
 
     def of_data(self, patch: np.ndarray, terms: np.ndarray) -> np.ndarray:
         """Sums t^T c of coefficients, t (p, k + q), as weights (p, k) of their data.
 
-        The systems are symmetric: S w = t gives them more accurately than t^T S^-1, whose rows
-        are large where sites are close.
+        Since the systems are symmetric, the weights solve S w = t. This is more accurate than
+        t^T S^-1, whose rows are large where sites are close.
         """
         k, rows = self.sites.shape[1], self.rows(COLUMNS)
-        return solved_for_each(self._solved_for_data, patch, terms, k, rows)
+        return batched_solve_grouped(self._solved_for_data, patch, terms, k, rows)
 
     def adjoint(self, moments: np.ndarray) -> np.ndarray:
         """C^T m (p, k, v) of moments (p, k + q, v), without forming C."""
@@ -182,7 +187,7 @@ class PatchSystems:
         return solved(self.matrices(patch), right)[:, :k]
 
     def basis(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Kernels and monomials (p, k + q) of the patches (p,) at places x (p, d)."""
+        """Kernels and monomials (p, k + q) of the patches (p,) at points x (p, d)."""
         b = np.empty((len(patch), self.size))
         k = self.sites.shape[1]
         b[:, :k] = self._kernel(patch, self._from_sites(patch, x))
@@ -190,7 +195,7 @@ class PatchSystems:
         return b
 
     def basis_gradient(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Their gradients (p, k + q, d) by x."""
+        """Gradients (p, k + q, d) of kernels and monomials by x."""
         g = np.empty((len(patch), self.size, x.shape[1]))
         k, unit = self.sites.shape[1], self._unit(patch)[:, None]
         y = self._from_sites(patch, x)
@@ -206,7 +211,7 @@ class PatchSystems:
         return g / self.radius[patch, None, None]
 
     def least_degree(self) -> int:
-        """Highest degree of which every patch reproduces all polynomials."""
+        """Highest degree up to which every patch reproduces all polynomials."""
         degree, some = self.degree, self.frames(np.array(list(self.reduced), dtype=int))
         while len(some) and (ranks(some, degree) < dimension(some.shape[2], degree)).any():
             degree -= 1
@@ -218,21 +223,21 @@ class PatchSystems:
         return [(i, self.reduced[j]) for i, j in enumerate(patch.tolist()) if j in self.reduced]
 
     def _from_sites(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """From the sites of patches (p,) to places x (p, d), by axis (d, p, k), in their frames."""
+        """Vectors (d, p, k), by axis, from the sites of patches (p,) to points x (p, d)."""
         y = self._coordinates[:, patch]
         return np.subtract(self._offsets(patch, x).T[:, :, None], y, out=y)
 
     def _kernel(self, patch: np.ndarray, y: Iterable[np.ndarray]) -> np.ndarray:
-        """Kernel (p, ...) between places that are y (p, ...) apart by axis, which is written to.
+        """Kernel (p, ...) of the differences y (p, ...) of each axis, which are overwritten.
 
-        One axis after the other: in many variables all together would not fit into memory.
+        The axes come one by one: in many variables, all together would not fit into memory.
         """
         unit = None if self._is_homogeneous else self.radius[patch]
         return self.problem.kernel.of_squared(reduce(iadd, (_squared(a, unit) for a in y)))
 
     @cached_property
     def _coordinates(self) -> np.ndarray:
-        """Sites of all patches in their frames, by axis (d, p, k): a patch's lie together."""
+        """Sites of all patches in their frames, by axis (d, p, k), contiguous for each patch."""
         local = self.frames(np.arange(len(self)))
         return np.ascontiguousarray(np.moveaxis(local, 2, 0))
 
@@ -243,12 +248,12 @@ class PatchSystems:
         )
 
     def _unit(self, patch: np.ndarray) -> np.ndarray:
-        """Length of the kernel's unit in each patch's."""
+        """Unit of length of the kernel in each patch."""
         return np.ones(len(patch)) if self._is_homogeneous else self.radius[patch]
 
     @cached_property
     def _is_homogeneous(self) -> bool:
-        """Whether a factor that the polynomials take up is all that a unit of length changes."""
+        """Whether a change of unit only multiplies the kernel by a factor, up to polynomials."""
         return self.problem.kernel.in_units(2.0) is self.problem.kernel
 
     def _refuse_a_miss(
@@ -257,9 +262,10 @@ class PatchSystems:
         missed = np.abs(matrix @ found - right).max(axis=1)
         size = np.abs(right).max(axis=1)
         relative = missed / np.where(size > 0, size, 1.0)
-        if not (relative <= _TOLERATED_MISS).all():
-            worst = int(np.argmax(np.where(np.isnan(relative), np.inf, relative).max(axis=1)))
-            raise _too_flat(self.origin[patch[worst]])
+        if not (relative <= TOLERATED_MISS).all():
+            error = np.where(np.isnan(relative), np.inf, relative).max(axis=1)
+            where = format_point(self.origin[patch[np.argmax(error)]])
+            raise too_flat(f"the field of the patch about ({where})", error.max())
 
 
 def _squared(y: np.ndarray, unit: np.ndarray | None) -> np.ndarray:
@@ -272,11 +278,3 @@ def _squared(y: np.ndarray, unit: np.ndarray | None) -> np.ndarray:
 def _per_patch(factor: np.ndarray, like: np.ndarray) -> np.ndarray:
     """Factors (p,) as an array that multiplies one of shape (p, ...)."""
     return factor.reshape(len(factor), *(1 for _ in like.shape[1:]))
-
-
-def _too_flat(where: np.ndarray) -> np.linalg.LinAlgError:
-    return np.linalg.LinAlgError(
-        f"the field of the patch about ({place(where)}) would miss its data, by rounding: the "
-        "kernel is too flat for sites this close and data this rough; choose a smaller scale, a "
-        "rougher kernel or some smoothing"
-    )

@@ -1,4 +1,4 @@
-"""Which polynomials the sites of many patches tell apart."""
+"""The polynomials that the sites of many patches determine."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from fieldrecon._numerics.weighted_least_squares import by_elimination
 from fieldrecon.polynomials import EPS, exponents, monomials
 
 
-def doubtful(y: np.ndarray, degree: int) -> np.ndarray:
-    """Where (p,) the sites (p, k, d) may not determine the polynomials, or only just."""
+def maybe_rank_deficient(y: np.ndarray, degree: int) -> np.ndarray:
+    """Whether the sites (p, k, d) of each patch may not determine the polynomials, or barely do."""
     basis = monomials(y, degree)
     if not basis.shape[2]:
         return np.zeros(len(y), dtype=bool)
@@ -21,15 +21,16 @@ def doubtful(y: np.ndarray, degree: int) -> np.ndarray:
 
 
 def ranks(y: np.ndarray, degree: int) -> np.ndarray:
-    """Dimension (p,) of the polynomials that the sites (p, k, d) of the patches tell apart."""
+    """Dimension (p,) of the polynomials restricted to the sites (p, k, d) of each patch."""
     sigma = np.linalg.svd(_equilibrated(y, degree), compute_uv=False)
     return (sigma > _tolerance(y, degree) * sigma[:, :1]).sum(axis=1)
 
 
-def told_apart(y: np.ndarray, degree: int) -> np.ndarray | None:
-    """Matrix (q, q) that makes those that the sites (k, d) tell apart, of all; None if it is all.
+def determined_basis(y: np.ndarray, degree: int) -> np.ndarray | None:
+    """Basis of the polynomials that the sites (k, d) determine; None if they determine all.
 
-    They are the least in Bombieri's norm, and columns of zeros follow them.
+    The columns of the matrix (q, q) are coefficients of polynomials of least Bombieri norm among
+    those with the same values at the sites, followed by columns of zeros.
     """
     basis = _equilibrated(y, degree)
     _, sigma, vt = np.linalg.svd(basis, full_matrices=False)
@@ -42,7 +43,7 @@ def told_apart(y: np.ndarray, degree: int) -> np.ndarray | None:
 
 
 def leverages(y: np.ndarray, degree: int) -> np.ndarray:
-    """Weights (p, k) of the data at the sites (p, k, d) in their own least-squares polynomial."""
+    """Leverages (p, k) of the sites (p, k, d) in the least-squares polynomial of each patch."""
     u, sigma, _ = np.linalg.svd(_equilibrated(y, degree), full_matrices=False)
     kept = sigma > _tolerance(y, degree) * sigma.max(axis=1, keepdims=True, initial=0.0)
     return np.einsum("pkq,pq->pk", u**2, kept.astype(float))
@@ -57,7 +58,7 @@ def _tolerance(y: np.ndarray, degree: int) -> float:
 
 
 def _bombieri(d: int, degree: int) -> np.ndarray:
-    """Square roots of the multinomial coefficients: with them rotations keep the norm."""
+    """Square roots of the multinomial coefficients, which make the norm invariant to rotations."""
     factorial = np.vectorize(math.factorial, otypes=[float])
     alpha = exponents(d, degree)
     return np.sqrt(factorial(alpha.sum(axis=1)) / factorial(alpha).prod(axis=1))

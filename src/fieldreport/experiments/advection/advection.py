@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 from fieldrecon.advection.characteristics import SCHEMES, Velocity, departure_points
 from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.methods.convergence import order, rms

@@ -30,7 +30,7 @@ from fieldrecon.advection.incompressible import (
     divergence_free,
     flow_energy,
 )
-from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
@@ -155,7 +155,7 @@ def next_frame(params: Params, way: Way, k: int, now: AnimationFrame) -> Animati
     goes = departure_points(rim, flow, 0.0, -dt) if len(rim) else rim
     mesh = box_mesh(partial(near_rim, params.spacing, params.finest, goes), seed=k)
     carried = now.field(way.method, now.carried)
-    met = walled(mesh, carried_normal_velocities(flow, mesh, 0.0, dt, carried))
+    met = walled(mesh, carried_normal_velocities(mesh, flow, 0.0, dt, carried))
     v = divergence_free(mesh, met) if way.pressure else met
     feet = departure_points(mesh.points, flow, 0.0, dt)
     ink = way.method(now.mesh.points).field(now.ink)(feet)

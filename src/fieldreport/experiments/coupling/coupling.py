@@ -22,10 +22,10 @@ from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from fieldrecon.coupling.flat_structures import FlatCoupling, blended_plates
-from fieldrecon.coupling.rigid_motions import net_force_and_moment
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Coupling, Transfer
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import polyharmonic, thin_plate_spline
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.coupling.precice_mappings import integrated, separate

@@ -140,7 +140,7 @@ def swept(params: Params, sweep: float) -> tuple[tuple[Cell, ...], np.ndarray]:
     """
     wing, incidences = params.wing(sweep), params.incidences(sweep)
     pressures = np.array(params.pressures) * params.pressure
-    turns = [wing.steady_state(q, incidences, 1.0, tolerance=SETTLED) for q in pressures]
+    turns = [wing.steady_state(q, incidences, 1.0, tol=SETTLED) for q in pressures]
     rates = np.array([t.contraction for t in turns])
     factor = params.pressure * wing.eigenvalues[0].real
     limits = (1 / wing.contraction(1.0), pressures[-1] / rates[-1])
@@ -154,7 +154,7 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
     wing, incidences = params.wing(params.sweep), params.incidences(params.sweep)
     q, air = params.pressure, wing.lattice
     turns = {
-        name: wing.steady_state(q, incidences, relaxation=omega, most=300)
+        name: wing.steady_state(q, incidences, relaxation=omega, maxiter=300)
         for name, omega in RELAXATIONS.items()
     }
     w, plain = turns["aitken"].value, turns["plain"].residuals

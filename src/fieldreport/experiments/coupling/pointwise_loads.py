@@ -10,9 +10,9 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from fieldrecon.coupling.rigid_motions import net_force_and_moment
+from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Transfer, applied
-from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.rbf import RBF
 from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 
@@ -25,7 +25,7 @@ class OtherLoads(Transfer):
     def __init__(self, base: Transfer, matrix: Matrix) -> None:
         self.base, self.matrix = base, matrix
         self.structure, self.surface = base.structure, base.surface
-        self.method, self.places = base.method, base.places
+        self.method, self.projections = base.method, base.projections
 
     def _displace(self, u: np.ndarray) -> np.ndarray:
         return self.base._displace(u)
@@ -93,7 +93,7 @@ def compared(
         f = _upward(air.forces(stiff))
         arrives = net_force_and_moment(wing.coupling.structure, other.coupling.loads(f))
         given = net_force_and_moment(wing.coupling.surface, f)
-        w = other.steady_state(pressure, incidences, most=300).value
+        w = other.steady_state(pressure, incidences, maxiter=300).value
         bent = other.circulations(w, incidences)
         z, g = other.heights(w), air.forces(bent)
         work = w @ other.coupling.loads(_upward(g))[:, 2] / (z @ g)

@@ -10,8 +10,9 @@ import numpy as np
 from scipy import sparse
 from scipy.interpolate import LinearNDInterpolator, RBFInterpolator
 
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import Radial, polyharmonic, thin_plate_spline
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF

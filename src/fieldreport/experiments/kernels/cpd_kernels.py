@@ -24,8 +24,13 @@ from scipy.spatial.distance import cdist
 from scipy.special import jv
 
 from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
-from fieldrecon.kernels.radial import Radial, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import DIVERGING, figure, line, shades
 from fieldrecon.polynomials import dimension, monomials

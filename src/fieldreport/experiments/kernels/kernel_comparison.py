@@ -25,8 +25,13 @@ from scipy.interpolate import RBFInterpolator
 from scipy.spatial.distance import cdist
 
 from fieldrecon.datasets.synthetic import franke, halton
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import (
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
 from fieldrecon.kernels.positive_definite import gaussian, matern, wendland
-from fieldrecon.kernels.radial import Radial, multiquadric, polyharmonic, thin_plate_spline
 from fieldrecon.methods.least_squares import monomial_matrix
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades

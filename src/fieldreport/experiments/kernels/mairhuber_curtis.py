@@ -24,8 +24,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 from scipy.spatial.distance import cdist, pdist
 
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian
-from fieldrecon.kernels.radial import thin_plate_spline
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import METHOD_COLORS, figure, line

@@ -22,7 +22,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.datasets.synthetic import power_of_sum, uniform
-from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.selection.leaving_one_out import leave_one_out

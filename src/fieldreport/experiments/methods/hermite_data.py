@@ -24,8 +24,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import Radial, polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, laplacians_at, values_at
 from fieldrecon.methods.hermite import HermiteField, HermiteRBF
 from fieldrecon.methods.rbf import RBF

@@ -25,7 +25,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.datasets.synthetic import halton, uniform
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.experiments.methods.high_dimensions_cases import FIELDS, METHODS, methods

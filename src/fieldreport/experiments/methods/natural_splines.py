@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline, KroghInterpolator
 
-from fieldrecon.kernels.radial import polyharmonic
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.natural_splines import NaturalCubicSpline, NaturalSpline
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.methods.spline_bases import (

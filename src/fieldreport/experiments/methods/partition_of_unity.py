@@ -22,8 +22,9 @@ from scipy.interpolate import RBFInterpolator
 
 from fieldrecon.datasets.elevation import terrain
 from fieldrecon.datasets.synthetic import franke, halton, uniform
+from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
-from fieldrecon.kernels.radial import Radial, polyharmonic, thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import figure, shades
 from fieldrecon.polynomials import dimension

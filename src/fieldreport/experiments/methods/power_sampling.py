@@ -18,7 +18,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.datasets.synthetic import power_of_sum, uniform
-from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line

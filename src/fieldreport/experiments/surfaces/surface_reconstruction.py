@@ -24,8 +24,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
-from fieldrecon.datasets.synthetic import terrain
-from fieldrecon.kernels.radial import thin_plate_spline
+from fieldrecon.datasets.elevation import terrain
+from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.mesh_pictures import Picture
 from fieldrecon.plotting.style import figure, line, shades
@@ -364,7 +364,7 @@ def _surface(panel: Axes, result: Result, name: str, pixels: int, *, edges: bool
 
 
 def _draw(panel: Axes, picture: Picture, *, edges: bool) -> None:
-    picture.rim &= edges
+    picture.near_edge &= edges
     panel.imshow(picture.image(), interpolation="antialiased")
     panel.set_axis_off()
 

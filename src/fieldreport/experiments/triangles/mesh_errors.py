@@ -24,7 +24,7 @@ from matplotlib.lines import Line2D
 from fieldrecon.plotting.mesh_pictures import COLORS, CONCERN_OF, MARKERS, Marks, draw, marks
 from fieldrecon.plotting.style import figure, shades
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh, in_words
-from fieldrecon.triangles.bounding_volumes import BoxTree, overlapping
+from fieldrecon.triangles.bounding_volumes import BVH, intersecting_pairs
 from fieldrecon.triangles.intersections import close_pairs
 from fieldrecon.triangles.predicates import orient2d
 from fieldrecon.triangles.repair import MeshRepair, repair_mesh
@@ -101,8 +101,8 @@ def pair_counts(level: int) -> tuple[int, int, int, int]:
     points, triangles = bumpy(level)
     corners = points[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    tree = BoxTree(low, high, low.min(axis=0))
-    boxes = overlapping(tree, lambda i, j: np.column_stack([i, j]))
+    tree = BVH(low, high, low.min(axis=0))
+    boxes = intersecting_pairs(tree, lambda i, j: np.column_stack([i, j]))
     m = len(triangles)
     return m, m * (m - 1) // 2, len(boxes), len(close_pairs(points, triangles))
 

@@ -19,11 +19,11 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
-from fieldrecon.kernels.radial import inverse_square
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, figure, line
 from fieldrecon.velocity.gradients import (
-    CellStars,
+    CellStencils,
     LocalGradient,
     local_least_squares,
     local_moving_least_squares,
@@ -76,8 +76,8 @@ QUICK = Params(sides=(6, 12), sides_3d=(3, 5), values=3, sweep_side=8, compared=
 class diffuse(local_moving_least_squares):
     """The diffuse derivative: the slope of the local fit, for fixed weights."""
 
-    def _log_gradient(self, stars: CellStars) -> np.ndarray:
-        return np.zeros_like(stars.y)
+    def _log_gradient(self, stencils: CellStencils) -> np.ndarray:
+        return np.zeros_like(stencils.y)
 
 
 def run(params: Params, each: Map = map) -> Result:

@@ -1,0 +1,63 @@
+"""Results of the checks of an answer, which run in order up to the first failure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fieldcheck.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """The result of one check of an answer; it can be cached, since it depends on no points.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        How far up the ladder the answer came.
+    check : str
+        The name of the check if the answer failed it, else empty.
+    broke : tuple of str
+        Why processes were killed in cells or in calls of this check.
+    cell_errors : tuple of (int, str)
+        Errors of code cells, by the number of the cell.
+    returned : tuple of mapping
+        The wrong values on the public case with the largest difference, for a picture.
+    """
+
+    verdict: Verdict
+    check: str = ""
+    broke: tuple[str, ...] = ()
+    cell_errors: tuple[tuple[int, str], ...] = ()
+    returned: tuple[Mapping[str, Any], ...] = ()
+
+
+CheckResults = Mapping[str, Mapping[str, CheckResult]]
+"""By question and check, in the order of the checks; the first failure is the last entry."""
+
+
+def pending(checks: Iterable[str], cached: Mapping[str, CheckResult]) -> Iterator[str]:
+    """Yield the checks to be run: none after a check that is known to fail.
+
+    Checks after a pending one are run with it, since this costs less than running all cells again
+    if it passes.
+    """
+    for check in checks:
+        if check not in cached:
+            yield check
+        elif not cached[check].verdict.right:
+            return
+
+
+def up_to_first_failure(
+    checks: Iterable[str], found: Mapping[str, CheckResult]
+) -> dict[str, CheckResult]:
+    """Return the results up to the first failure."""
+    so_far = {}
+    for check in checks:
+        so_far[check] = found[check]
+        if not found[check].verdict.right:
+            break
+    return so_far

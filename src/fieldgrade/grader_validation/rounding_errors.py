@@ -1,0 +1,184 @@
+"""Verdicts must not depend on rounding errors: test with perturbed inputs.
+
+The known answers are computed once. Then the solution, the alternative answers and the mistakes run
+again with other rounding errors, and are judged by these known answers. Every verdict must stay the
+same. Rounding errors change with inputs that are perturbed in their last digits (here), and with
+other BLAS kernels or instructions of the processor (``blas_kernels``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fieldcheck.answers import Answers
+from fieldcheck.calls import Call, perform
+from fieldcheck.ladder import TIMEOUT_FACTOR, judge
+from fieldcheck.questions import questions
+from fieldgrade.authoring.catalogue import Entry, entries
+from fieldgrade.authoring.hidden_cases import hidden_cases
+from fieldgrade.authoring.sources import Source
+from fieldgrade.authoring.trials import Trial, public_trial, trials
+
+CHANGE = 1e-14
+"""Relative change of the inputs: some fifty units in the last place."""
+DRAWS = 10
+STUDENTS = ("first", "second", "third")
+"""Students whose own and hidden inputs are tried."""
+
+TrialKey = tuple[str, str]
+"""A question, and the name of a trial."""
+Verdicts = dict[tuple[str, str, str], str]
+"""Verdicts by question, inputs and answer."""
+Changes = dict[str, list[str]]
+"""By question, a sentence for each answer whose verdict changed."""
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """The known answers, and the verdicts without perturbation."""
+
+    known: dict[TrialKey, Answers]
+    verdicts: Verdicts
+
+    def __or__(self, other: Baseline) -> Baseline:
+        return Baseline(self.known | other.known, self.verdicts | other.verdicts)
+
+
+@dataclass(frozen=True)
+class RoundingTest:
+    """The trials of the questions of a notebook, and the answers to be judged.
+
+    Parameters
+    ----------
+    functions : dict
+        The functions of the notebook.
+    trials : dict
+        Trials by question and inputs: the public cases, and the own and hidden inputs of three
+        students, with the known mistakes of each.
+    answers : dict
+        By question: names and answers; None is the solution.
+    """
+
+    functions: dict[str, Any]
+    trials: dict[TrialKey, Trial]
+    answers: dict[str, dict[str, Entry | None]]
+
+    def baseline(self) -> Baseline:
+        """Return the known answers and the verdicts of this process."""
+        known = {place: trial.answers for place, trial in self.trials.items()}
+        return Baseline(known, self.verdicts(known))
+
+    def verdicts(self, known: Mapping[TrialKey, Answers], draw: int | None = None) -> Verdicts:
+        """Judge each answer by known answers; with a `draw`, on perturbed inputs."""
+        return {
+            (question, inputs, name): self._verdict(trial, entry, known[question, inputs], draw)
+            for (question, inputs), trial in self.trials.items()
+            for name, entry in self.answers[question].items()
+        }
+
+    def _verdict(self, trial: Trial, entry: Entry | None, known: Answers, draw: int | None) -> str:
+        calls, question = trial.calls, trial.question
+        tried = calls if draw is None else perturbed(calls, draw)
+        functions = entry.namespace(self.functions) if entry else self.functions
+        outcomes = perform(functions, tried, TIMEOUT_FACTOR * question.limit)
+        verdict = judge(replace(question, limit=np.inf), calls, outcomes, known)
+        return repr(verdict.mistake) if verdict.mistake else verdict.rung
+
+
+def rounding_test(source: Source, salt: str, only: str = "") -> RoundingTest:
+    """Return the trials of the questions of a notebook whose names begin with `only`."""
+    functions, hidden = source.functions(), hidden_cases(source)
+    mistakes, others = entries(source, "misconceptions"), entries(source, "alternatives")
+    asked = [q for q in questions().values() if q.notebook == source.number]
+    tried, answers = {}, {}
+    for question in (q for q in asked if q.name.startswith(only)):
+        public = public_trial(question, functions, mistakes)
+        tried[question.name, public.name] = public
+        for student in STUDENTS:
+            own = trials(question, functions, mistakes, hidden, student, salt, public)[1:]
+            tried |= {(question.name, f"{t.name} of the {student} student"): t for t in own}
+        answers[question.name] = {"the solution": None} | {
+            f"the {kind} {entry.name!r}": entry
+            for kind, found in (("right answer", others), ("mistake", mistakes))
+            for entry in found
+            if entry.question == question.name
+        }
+    return RoundingTest(
+        functions, {place: _complete(trial) for place, trial in tried.items()}, answers
+    )
+
+
+def _complete(trial: Trial) -> Trial:
+    """Return a trial with the values of the mistakes."""
+    known = replace(trial.answers, mistakes=trial.mistakes() or trial.answers.mistakes)
+    return replace(trial, answers=known)
+
+
+def perturbed(calls: Iterable[Call], draw: int) -> tuple[Call, ...]:
+    """Return calls whose floating-point inputs are changed relatively by ±1e-14, at random.
+
+    Arguments that a call declares exact keep their digits, and so do integers and booleans.
+
+    Examples
+    --------
+    >>> call, = perturbed([Call("f", (1.0, np.array([2.0, 0.0]), np.array([3]), 4.0), "", (3,))], 0)
+    >>> [float(abs(np.max(a) / b - 1) / CHANGE).__round__(1)
+    ...  for a, b in zip(call.arguments, (1, 2, 3, 4))]
+    [1.0, 1.0, 0.0, 0.0]
+    """
+    random = np.random.default_rng(draw)
+    return tuple(
+        replace(
+            call,
+            arguments=tuple(
+                argument if position in call.exact else _changed(argument, random)
+                for position, argument in enumerate(call.arguments)
+            ),
+        )
+        for call in calls
+    )
+
+
+def _changed(argument: Any, random: np.random.Generator) -> Any:
+    if not isinstance(argument, float | np.ndarray) or np.asarray(argument).dtype.kind != "f":
+        return argument
+    return argument * (1 + CHANGE * random.choice([-1.0, 1.0], np.shape(argument)))[()]
+
+
+def changes(before: Verdicts, runs: Iterable[tuple[str, Verdicts]]) -> Changes:
+    """Return the verdicts that changed in other runs.
+
+    Parameters
+    ----------
+    before : dict
+        The verdicts to compare with.
+    runs : iterable
+        Pairs of a condition in words ("with …", "when …") and the verdicts.
+    """
+    found: dict[tuple[str, str], list[str]] = {}
+    for when, after in runs:
+        for (question, inputs, answer), verdict in before.items():
+            now = after[question, inputs, answer]
+            if now != verdict:
+                sentence = f"{answer} is judged {now} and no longer {verdict} {when}: {inputs}"
+                found.setdefault((question, answer), []).append(sentence)
+    summary: Changes = {}
+    for (question, _), sentences in found.items():
+        first, more = sentences[0], len(sentences) - 1
+        summary.setdefault(question, []).append(
+            first + (f" (and {more} times more)" if more else "")
+        )
+    return summary
+
+
+def changes_of_draws(found: RoundingTest, baseline: Baseline) -> Changes:
+    """Return the verdicts that change on perturbed inputs."""
+    draws = (
+        (f"when the inputs change by {CHANGE:.0e} (draw {k})", found.verdicts(baseline.known, k))
+        for k in range(DRAWS)
+    )
+    return changes(baseline.verdicts, draws)

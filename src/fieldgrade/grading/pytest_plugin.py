@@ -1,0 +1,240 @@
+"""The pytest plugin that grades a class: an item is a check of an answer.
+
+``pytest -p fieldgrade.grading.pytest_plugin --submissions DIR --out OUT`` grades a class, as does
+``fieldrecon grade``, which calls it. A batch runs the checks in sandboxes, and the items wait for
+its records. With ``-n``, each process of pytest-xdist has its own sandbox, and all items of a
+submission run in one process.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+from fieldgrade.checking.instructor_checks import InstructorCheckResult, answer_of_submission
+from fieldgrade.checking.results import Record, Results
+from fieldgrade.grading.batch import Batch, GradingTask
+from fieldgrade.grading.instructor_items import (
+    USAGE,
+    InstructorCheckRunner,
+    answer_of_item,
+    check_of,
+    parametrized,
+)
+from fieldgrade.grading.options import declare, run_of
+from fieldgrade.grading.pytest_items import AnswerId, CheckItem, answer_ids, items
+from fieldgrade.grading.pytest_reports import ReportCollector, answer_of_record, to_text
+from fieldgrade.grading.run import GradingRun
+from fieldgrade.isolation import worker_servers
+from fieldgrade.isolation.server import GraderError
+from fieldgrade.submissions.submission import Submission
+
+CHECKED, FAULT = pytest.StashKey[InstructorCheckResult](), pytest.StashKey[str]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Declare the options."""
+    group = parser.getgroup("grading", "grading a class")
+    group.addoption("--submissions", metavar="DIR", help="the folder or zip file to be graded")
+    declare(group.addoption)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Prepare the run that the options describe; collect only checks of instructors."""
+    if not config.option.submissions:
+        return
+    grading = grading_of(config)
+    if grading is None:
+        try:
+            grading = Grading(run_of(config.option)[0])
+            _ = grading.run.taken
+        except ValueError as error:
+            raise pytest.UsageError(str(error)) from None
+        config.pluginmanager.register(grading)
+    config.args[:] = [str(grading.run.checks)] if grading.run.checks else []
+    config.addinivalue_line("markers", USAGE)
+    if getattr(config.option, "dist", "no") == "load":
+        config.option.dist = "loadgroup"
+
+
+@pytest.fixture
+def answer(request: pytest.FixtureRequest) -> Any:
+    """Call a student's functions in the sandbox: ``answer("01.2", *arguments)``."""
+    grading = grading_of(request.config)
+    assert grading is not None
+    return answer_of_submission(grading.run.server, grading.submission(request.param))
+
+
+def grading_of(config: pytest.Config) -> Grading | None:
+    """Return the run of a session of pytest, if it has been registered."""
+    plugins = config.pluginmanager.get_plugins()
+    return next((plugin for plugin in plugins if isinstance(plugin, Grading)), None)
+
+
+class Grading:
+    """The plugin of one run.
+
+    Parameters
+    ----------
+    run : GradingRun
+        The run.
+    executor, progress
+        As for `fieldgrade.grading.grade_class.grade_class`.
+    """
+
+    def __init__(
+        self,
+        run: GradingRun,
+        executor: Executor | None = None,
+        progress: Callable[[int, int], None] = lambda *_: None,
+    ) -> None:
+        self.run, self.executor, self.progress = run, executor, progress
+        self.collector = ReportCollector()
+        self.results: Results | None = None
+        self.changed = False
+        self.problems: list[str] = []
+        self.error: BaseException | None = None
+        self._instructor_checks = InstructorCheckRunner(run)
+        self._tasks: dict[AnswerId, GradingTask] = {}
+        self._records: dict[AnswerId, Record] = {}
+        self._fresh: list[Record] = []
+        self._of: Counter[AnswerId] = Counter()
+        self._stream: Iterator[tuple[GradingTask, Record]] = iter(())
+        self._open = ExitStack()
+        self._is_worker = False
+
+    # Collection.
+
+    def pytest_sessionstart(self, session: pytest.Session) -> None:
+        """Permit sandbox servers."""
+        self._is_worker = hasattr(session.config, "workerinput")
+        self._open.enter_context(worker_servers.serving())
+
+    def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
+        """Parametrise the checks of instructors."""
+        parametrized(metafunc, self.run.tasks())
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_collection_modifyitems(
+        self, session: pytest.Session, items: list[pytest.Item]
+    ) -> Generator[None, None, None]:
+        """Prepend the items of submissions; after the selection, note which remain."""
+        items[:0] = self._items(session)
+        self._of = Counter(filter(None, map(_answer_id, items)))
+        yield
+        chosen = set(filter(None, map(_answer_id, items)))
+        for task in self.run.tasks():
+            chosen_ids = [answer_id for answer_id in answer_ids(task) if answer_id in chosen]
+            if chosen_ids:
+                questions = tuple(
+                    answer_id.question for answer_id in chosen_ids if answer_id.question
+                )
+                self._tasks[chosen_ids[0].whole] = GradingTask(task.file, questions)
+
+    def _items(self, session: pytest.Session) -> list[pytest.Item]:
+        run = self.run
+        return [i for p in run.tasks() for i in items(session, p, run.course, self.record)]
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        """Note errors of collection."""
+        if report.failed:
+            self.problems.append(report.longreprtext)
+
+    # Execution.
+
+    def pytest_runtestloop(self, session: pytest.Session) -> None:
+        """Start the batch, unless processes of pytest-xdist run the items."""
+        if self._is_worker or getattr(session.config.option, "dist", "no") != "no":
+            return
+        workers = min(self.run.jobs, len(self._tasks)) or 1
+        self._stream = self._batch(workers).records(self._tasks.values())
+
+    def _batch(self, workers: int) -> Batch:
+        run = self.run
+        if self.executor is None:
+            self.executor = self._open.enter_context(worker_servers.worker_pool(workers))
+        return Batch(
+            run.course, run.server, run.archive, run.cache, run.ledger, self.executor, workers
+        )
+
+    def record(self, answer_id: AnswerId) -> Record:
+        """Return the record of a submission; wait for it if necessary."""
+        if self._is_worker and answer_id.whole not in self._records:
+            self._stream = self._batch(1).records([self._tasks[answer_id.whole]])
+        while answer_id.whole not in self._records:
+            try:
+                _, record = next(self._stream)
+            except Exception as error:  # of the executor or of the disk, not of a submission
+                self.error = error
+                pytest.exit(f"the grader failed: {error!r}", pytest.ExitCode.INTERNAL_ERROR)
+            self._records[answer_of_record(record)] = record
+            self._fresh.append(record)
+            self.progress(len(self._records), len(self._tasks))
+        return self._records[answer_id.whole]
+
+    def submission(self, answer_id: AnswerId) -> Submission:
+        """Return the submission of an answer."""
+        return self._tasks[answer_id.whole].file.submission(self.run.archive)
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool | None:
+        """Run the check of an instructor, if the answer passed all other checks."""
+        answer_id, check = answer_of_item(pyfuncitem), check_of(pyfuncitem)
+        if answer_id is None or check is None:
+            return None
+        grades = {grade.question: grade for grade in self.record(answer_id).grades}
+        if answer_id.question not in grades or not grades[answer_id.question].verdict.right:
+            pytest.skip(f"{answer_id.question} is not right")
+        try:
+            checked = self._instructor_checks.checked(pyfuncitem, check, self.submission(answer_id))
+        except GraderError as fault:
+            pyfuncitem.stash[FAULT] = str(fault)
+            pytest.fail(f"the grader failed: {fault}", pytrace=False)
+        pyfuncitem.stash[CHECKED] = checked
+        if not checked.passed:
+            pytest.fail(check.sentence, pytrace=False)
+        return True
+
+    # Reports.
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(
+        self, item: pytest.Item, call: pytest.CallInfo[None]
+    ) -> Generator[None, Any, Any]:
+        """Attach the results to the last report of an item."""
+        report: Any = yield
+        answer_id = _answer_id(item)
+        if answer_id and call.when == "teardown":
+            fresh, self._fresh = self._fresh, []
+            checked, fault = item.stash.get(CHECKED, None), item.stash.get(FAULT, "")
+            report.graded = to_text(answer_id, self._of[answer_id], fresh, checked, fault)
+        return report
+
+    def pytest_internalerror(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
+        """Note an error of the session."""
+        self.error = excinfo.value
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Collect results, from this process or from others."""
+        if hasattr(report, "graded"):
+            self.collector.add(report.graded)
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, exitstatus: int) -> None:
+        """Write the results, unless the run was interrupted, and end the servers."""
+        try:
+            whole = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+            if whole and not self._is_worker:
+                self.results, self.changed = self.run.finish(self.collector.complete())
+        finally:
+            self._open.close()
+
+
+def _answer_id(item: pytest.Item) -> AnswerId | None:
+    return item.answer_id if isinstance(item, CheckItem) else answer_of_item(item)

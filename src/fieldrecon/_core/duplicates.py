@@ -1,0 +1,57 @@
+"""Points that coincide: rows of an array that are equal in every coordinate."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def first_of_equal(points: np.ndarray) -> np.ndarray:
+    """For each point (n, d), the index of the first point that is equal to it.
+
+    >>> first_of_equal(np.array([[0.0, 1.0], [2.0, 3.0], [0.0, 1.0]])).tolist()
+    [0, 1, 0]
+    """
+    height = heights(points)
+    order = np.argsort(height)
+    level = height[order[1:]] == height[order[:-1]]
+    tied = order[np.append(False, level) | np.append(level, False)]
+    first = np.arange(len(points))
+    if len(tied):
+        tied = tied[np.lexsort((tied, *points[tied].T))]
+        new = np.append(True, (points[tied[1:]] != points[tied[:-1]]).any(axis=1))
+        first[tied] = tied[new][np.cumsum(new) - 1]
+    return first
+
+
+def coincidence_labels(points: np.ndarray) -> np.ndarray:
+    """Labels 0, 1, ... of the distinct points, in order of appearance, for each point (n, d).
+
+    >>> coincidence_labels(np.array([[0.0, 1.0], [2.0, 3.0], [0.0, 1.0], [4.0, 5.0]])).tolist()
+    [0, 1, 0, 2]
+    """
+    first = first_of_equal(points)
+    return (np.cumsum(first == np.arange(len(first))) - 1)[first]
+
+
+def heights(points: np.ndarray) -> np.ndarray:
+    """Heights (n,) of points (n, d) along a line that few pairs of different points are normal to.
+
+    Points at the same height are nearly always equal, so sorting by height finds the equal ones.
+    """
+    direction = np.cos(np.arange(points.shape[1]) + 0.9)  # no likely axis, diagonal or edge
+    direction /= np.linalg.norm(direction)
+    height = np.zeros(len(points))
+    with np.errstate(over="ignore"):
+        for axis, column in zip(direction, points.T, strict=True):
+            height += axis * column  # BLAS might round the heights of equal points differently
+    return height
+
+
+def refuse_coincident(points: np.ndarray, message: str) -> None:
+    """Refuse coincident points; `{pairs}` in the message becomes the indices of some of them."""
+    first = first_of_equal(points)
+    later = np.flatnonzero(first != np.arange(len(points)))
+    if len(later):
+        pairs = ", ".join(f"{first[j]} and {j}" for j in later[:5])
+        more = f" and {len(later) - 5} more" if len(later) > 5 else ""
+        raise ValueError(message.format(pairs=pairs + more))

@@ -1,0 +1,65 @@
+"""Values of a field at targets, written as CSV, NPZ, VTK or NetCDF.
+
+Every format holds the same columns: the value under its name, ``error`` (of `ErrorEstimate`), and
+``extrapolated`` (0 among the samples, 1 in a gap, 2 outside).
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from fieldrecon.io.netcdf import write_netcdf
+from fieldrecon.io.targets import TargetValues
+from fieldrecon.io.vtk import write_vtk
+
+_ROWS = 100_000  # rows of CSV that are converted to text at once
+
+
+def write_csv(path: Path, result: TargetValues) -> None:
+    """Write a row for each target; each number has the fewest digits that reproduce it."""
+    columns = [*result.targets.points.T, *result.columns.values()]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([*result.names[:-1], *result.columns])
+        for start in range(0, len(result.values), _ROWS):
+            block = (column[start : start + _ROWS].tolist() for column in columns)
+            writer.writerows(zip(*block, strict=True))
+
+
+def write_npz(path: Path, result: TargetValues) -> None:
+    """Write `values`, `error`, `extrapolated`, and `x`, `y` (and `z`) of a grid, or `points`."""
+    targets = result.targets
+    named = zip("xyz", targets.axes, strict=False)
+    where = dict(named) if targets.axes else {"points": targets.points}
+    if targets.cells is not None:
+        where["cells"] = targets.cells
+    data = {"values": result.values, "error": result.error, "extrapolated": result.extrapolated}
+    shaped = {name: array.reshape(targets.shape) for name, array in data.items()}
+    with path.open("wb") as file:
+        np.savez(file, **where, **shaped)  # type: ignore[arg-type]
+
+
+FORMATS: Mapping[str, Callable[[Path, TargetValues], None]] = MappingProxyType(
+    {"csv": write_csv, "npz": write_npz, "vtk": write_vtk, "nc": write_netcdf}
+)
+"""The writer of each format, by its suffix."""
+
+
+def as_formats(texts: Iterable[str]) -> list[str]:
+    """Return the formats with these suffixes, given with or without the dot.
+
+    Raises
+    ------
+    ValueError
+        If one is unknown.
+    """
+    formats = [text.strip().lower().removeprefix(".") for text in texts]
+    for name in formats:
+        if name not in FORMATS:
+            raise ValueError(f"there is no format {name!r}; there are {', '.join(FORMATS)}")
+    return formats

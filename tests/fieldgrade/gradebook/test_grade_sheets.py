@@ -1,0 +1,180 @@
+"""What counts: the grader, readers, overrides, lateness, and tables with a mistake in them."""
+
+from datetime import date
+
+import pytest
+
+from fieldgrade.class_folder.assignments import Assignment, read_assignments
+from fieldgrade.class_folder.decisions import Decisions, Mark
+from fieldgrade.class_folder.example_tables import HEADERS, LINES, example, write_examples
+from fieldgrade.class_folder.late_policy import Extension, LatePolicy, moment, read_extensions
+from fieldgrade.class_folder.overrides import (
+    Override,
+    RegradeRequest,
+    open_requests,
+    read_overrides,
+    read_requests,
+)
+from fieldgrade.class_folder.roster import read_points, read_roster, read_times
+from fieldgrade.gradebook.exports import gradebook_csv
+from fieldgrade.gradebook.grade_sheets import grade_sheets
+from gradebook_class import asked, grade, record, results
+
+DAY = date(2026, 12, 2)
+READ = {
+    "roster.csv": read_roster,
+    "points.csv": lambda file: read_points(file, ["01.3", "01.5"]),
+    "received.csv": read_times,
+    "assignments.csv": read_assignments,
+    "extensions.csv": read_extensions,
+    "overrides.csv": read_overrides,
+    "requests.csv": read_requests,
+}
+
+
+def override(points, reason="because", student="ada", question="01.1"):
+    return Override(student, question, points, "Hopper", reason, DAY)
+
+
+def sheet(decisions=None, **changes):
+    graded = [grade("01.1", 2.0), grade("01.2", 0.0)]
+    return grade_sheets(results([record("ada", graded, **changes)]), decisions)[0]
+
+
+def test_checks_readers_and_people_each_have_their_say():
+    """An override stands above the grader, a reader gives points for words, the rest is open."""
+    plain = sheet()
+    assert [(line.points, line.how) for line in plain.lines] == [
+        (2, "checked"),
+        (0, "checked"),
+        (0, "open"),
+    ]
+    decided = sheet(Decisions(marks=[Mark("ada", "01.7", 1.5)], overrides=[override(1)]))
+    assert [(line.points, line.how) for line in decided.lines] == [
+        (1, "override"),
+        (0, "checked"),
+        (1.5, "read"),
+    ]
+    assert decided.points == 2.5
+
+
+def test_of_several_overrides_the_last_written_counts():
+    """Records are only ever added, so the order of the lines decides."""
+    decided = sheet(Decisions(overrides=[override(1, "first"), override(0.5, "then")]))
+    assert (decided.lines[0].points, decided.lines[0].comment) == (0.5, "then")
+
+
+def test_the_last_hand_in_counts_whatever_it_earns():
+    """Of two submissions the later one is taken, also where the time zones differ."""
+    early = record("ada", [grade("01.1", 2.0)], received="2026-11-30T20:30:00+01:00")
+    last = record("ada", [grade("01.1", 1.0)], received="2026-11-30T20:00:00Z")
+    for order in ([early, last], [last, early]):
+        (found,) = grade_sheets(results(order, asked("01.1")))
+        assert found.points == 1
+
+
+def test_lateness_is_applied_when_points_are_read_off():
+    """The results know no policy: the same record costs what the tables of today say."""
+    late = {"received": "2026-12-02T12:00:00+01:00"}
+    policy = LatePolicy(moment("2026-11-30T23:59+01:00"), per_day=0.25)
+    named = {"01": Assignment("01", policy)}
+    assert sheet(None, **late).points == 2
+    assert sheet(Decisions(named), **late).points == 1
+    more = {("ada", "01"): Extension("ada", "01", moment("2026-12-05T12:00Z"), "ill")}
+    assert sheet(Decisions(named, more), **late).points == 2
+
+
+@pytest.mark.parametrize(
+    ("decisions", "told"),
+    [
+        (Decisions(overrides=[override(1, student="adda")]), "adda, 01.1: no such student"),
+        (Decisions(overrides=[override(1, question="01.9")]), "ada, 01.9: there is no such quest"),
+        (Decisions(overrides=[override(3)]), "3 points for ada, 01.1: the question is worth 2"),
+        (Decisions(marks=[Mark("ada", "01.2", 1)]), "this answer is code; write an over"),
+    ],
+)
+def test_decisions_that_would_have_no_effect_are_refused(decisions, told):
+    """A mistyped name or question is told, and not silently without effect."""
+    with pytest.raises(ValueError, match=told):
+        sheet(decisions)
+
+
+def test_who_handed_in_nothing_that_can_be_read_is_not_forgotten():
+    """Students without a graded notebook have their row, and their unreadable files are named."""
+    found = grade_sheets(
+        results(
+            [
+                record("ada", [grade("01.1", 2.0)]),
+                record("bob", [], notebook="", status="unreadable", tier="", file="photo.ipynb"),
+            ],
+            asked("01.1"),
+            students=[{"student": "cy", "name": "Cy"}],
+        )
+    )
+    rows = gradebook_csv(found).splitlines()
+    assert rows[0] == (
+        "student,name,section,01.1 of 2,01 late,01 points,01 status,points,unreadable files"
+    )
+    assert rows[1:] == [
+        "cy,Cy,,0,0,0,not submitted,0,",
+        "ada,,,2,0,2,graded,2,",
+        "bob,,,0,0,0,not submitted,0,photo.ipynb",
+    ]
+
+
+def test_a_request_is_open_until_it_is_answered_or_decided():
+    """Words or a later override close a request; an override from before does not."""
+    asks = RegradeRequest("ada", "01.1", DAY, "please")
+    assert open_requests([asks], []) == [asks]
+    assert open_requests([asks], [override(1)]) == []
+    before = Override("ada", "01.1", 1, "Hopper", "because", date(2026, 12, 1))
+    assert open_requests([asks], [before]) == [asks]
+    answered = RegradeRequest("ada", "01.1", DAY, "please", "no: see the rubric")
+    assert open_requests([answered], []) == []
+
+
+@pytest.mark.parametrize("name", HEADERS)
+def test_every_example_can_be_read_and_copied_from(name, tmp_path):
+    """The tables that are written are valid and empty, and each line that they show is valid."""
+    file = tmp_path / name
+    file.write_text(example(name))
+    assert not READ[name](file)
+    file.write_text("\n".join([",".join(HEADERS[name]), *LINES[name]]))
+    assert len(READ[name](file)) == len(LINES[name])
+
+
+def test_examples_never_overwrite_a_table(tmp_path):
+    """The command may be run again: what is there stays."""
+    (tmp_path / "roster.csv").write_text("student\nada\n")
+    written = {file.name for file, is_new in write_examples(tmp_path) if is_new}
+    assert written == set(HEADERS) - {"roster.csv"}
+    assert (tmp_path / "roster.csv").read_text() == "student\nada\n"
+    assert not any(is_new for _, is_new in write_examples(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "told"),
+    [
+        ("overrides.csv", "ada,01.3,2,,fair,2026-12-02", "2: column by is empty"),
+        ("overrides.csv", "ada,1.3,2,Hopper,fair,2026-12-02", "2: a question is written as 01.2"),
+        (
+            "overrides.csv",
+            "ada,01.3,2,Hopper,fair,2/12/26",
+            "2: a day must be written as 2026-11-30",
+        ),
+        (
+            "overrides.csv",
+            "ada,01.3,two,Hopper,fair,2026-12-02",
+            "2: points must be a number such as",
+        ),
+        ("requests.csv", "ada,01.3,2026-12-02,,", "2: column request is empty"),
+        ("assignments.csv", "01,,,,,Least squares,", "2: a Canvas column has a name"),
+        ("assignments.csv", "01,,,150,,,", "2: percent_per_day must be a number from 0 to 100"),
+    ],
+)
+def test_a_bad_line_of_a_table_is_told_clearly(name, line, told, tmp_path):
+    """File, line and what was wanted stand in the error."""
+    file = tmp_path / name
+    file.write_text(",".join(HEADERS[name]) + "\n" + line)
+    with pytest.raises(ValueError, match=rf"{name}:{told}"):
+        READ[name](file)

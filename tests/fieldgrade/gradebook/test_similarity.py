@@ -1,0 +1,180 @@
+"""Similar answers: what changes nothing, what does, and what is taken away."""
+
+import ast
+import random
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldgrade.gradebook import similarity
+from fieldgrade.gradebook.similarity import (
+    WINDOW,
+    K,
+    code,
+    normalised,
+    pairs,
+    similarity_page,
+    to_table,
+    winnowed,
+)
+
+FIT = '''
+def fit(points, values):
+    """Return the coefficients."""
+    b = np.insert(points, 0, 1.0, axis=1)
+    left = b.T @ b
+    right = b.T @ values
+    for k in range(3):
+        left[k, k] += 1e-9 * k
+    return np.linalg.solve(left, right)
+'''
+RENAMED = '''
+def fit(xs: np.ndarray, f):
+    # my own idea, honestly
+    """Something else."""
+    matrix: np.ndarray = np.insert(xs, 0,
+        1.0, axis=1)   # with ones
+
+    "a text that does nothing"
+    gram = (matrix.T @ matrix)
+    rhs = matrix.T @ f
+    for entry in range(3):
+        gram[entry, entry] += 1e-9 * entry
+    return np.linalg.solve(gram, rhs)
+'''
+OTHER = """
+def fit(points, values):
+    b = np.column_stack([np.ones(len(points)), points])
+    q, r = np.linalg.qr(b)
+    projected = q.T @ values
+    result = np.zeros(len(projected))
+    for k in reversed(range(len(projected))):
+        result[k] = (projected[k] - r[k, k + 1 :] @ result[k + 1 :]) / r[k, k]
+    return result
+"""
+
+
+def told(text):
+    return [what for what, _ in normalised(ast.parse(text).body[0])]
+
+
+def test_names_comments_docstrings_and_layout_change_nothing():
+    """Renamed variables, other comments, annotations and white space leave the tree as it is."""
+    assert told(FIT) == told(RENAMED)
+    assert code("a", [FIT]).all_prints() == code("b", [RENAMED]).all_prints()
+
+
+def test_names_of_helpers_change_nothing():
+    """A helper of one's own may be called anything."""
+    one = "def helper(a):\n    return a * 2 + 1\n" + FIT.replace("right)", "helper(right))")
+    other = one.replace("helper", "something_else")
+    assert code("a", [one]).prints["fit"].keys() == code("b", [other]).prints["fit"].keys()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("b.T @ b", "b @ b.T"),
+        ("+= 1e-9", "-= 1e-9"),
+        ("linalg.solve", "linalg.lstsq"),
+        ("0, 1.0", "1, 1.0"),
+    ],
+)
+def test_what_is_computed_does_change_it(old, new):
+    """Operators, numbers, attributes and the functions of libraries are what an answer is."""
+    assert told(FIT) != told(FIT.replace(old, new))
+
+
+def test_another_algorithm_shares_nothing():
+    """Two ways to the same numbers are not alike."""
+    assert not code("a", [FIT]).all_prints() & code("b", [OTHER]).all_prints()
+
+
+words = st.lists(st.sampled_from("abcdefg"), min_size=0, max_size=60)
+
+
+@given(words, words, words, words)
+def test_a_shared_run_is_always_found(before, after, others, rest):
+    """Winnowing's guarantee: a run of w + k - 1 nodes in both leaves a fingerprint in both."""
+    shared = [f"s{i}" for i in range(WINDOW + K - 1)]
+    one = [(w, 1) for w in [*before, *shared, *after]]
+    other = [(w, 1) for w in [*others, *shared, *rest]]
+    found = {v for v, _ in winnowed(one)} & {v for v, _ in winnowed(other)}
+    assert found
+
+
+@given(words)
+def test_fingerprints_are_few_and_cover_every_window(nodes):
+    """Of each window one hash is kept, so that none is without, and no short run has any."""
+    kept = sorted(at for _, at in winnowed([(w, 1) for w in nodes]))
+    hashes = max(len(nodes) - K + 1, 0)
+    assert bool(kept) == (hashes > 0)
+    edges = [-1, *kept, hashes]
+    if hashes >= WINDOW:
+        assert all(b - a <= WINDOW for a, b in pairwise(edges))
+
+
+def test_the_density_is_that_of_the_theory():
+    """On random nodes 2 of w + 1 hashes are kept (Schleimer et al., section 3.3)."""
+    random_ = random.Random(3)
+    nodes = [(str(random_.random()), 1) for _ in range(20_000)]
+    assert len(winnowed(nodes)) / len(nodes) == pytest.approx(2 / (WINDOW + 1), rel=0.03)
+
+
+def test_a_mutant_that_keeps_every_wth_hash_misses_a_shared_run():
+    """Hashes at fixed places, in place of the smallest, break when a line is put in front."""
+
+    def at_places(nodes):
+        runs = range(0, len(nodes) - K + 1, WINDOW)
+        return {similarity._hash(nodes[at : at + K]) for at in runs}
+
+    shared = [(f"s{i}", 1) for i in range(3 * (WINDOW + K))]
+    assert not at_places(shared) & at_places([("x", 1), *shared])
+    moved = {v for v, _ in winnowed([("x", 1), *shared])}
+    assert {v for v, _ in winnowed(shared)} & moved
+
+
+def test_what_was_handed_out_is_taken_away():
+    """Two students who share only the template do not resemble each other."""
+    helper = OTHER.replace("def fit", "def given")
+    one, other = code("a", [helper, FIT]), code("b", [helper, "def fit(p, v):\n    return v"])
+    assert pairs([one, other])
+    assert not pairs([one, other], code("", [helper]))
+
+
+def test_a_stub_is_no_answer():
+    """What nobody wrote resembles nothing."""
+    stub = 'def fit(points, values):\n    """Return."""\n    raise NotImplementedError\n'
+    assert code("a", [stub]).prints == {}
+
+
+def test_what_many_share_is_how_the_question_is_answered():
+    """An answer that half of the class found tells nothing of any two of them."""
+    many = [code(f"s{i}", [FIT]) for i in range(10)]
+    two = [code("x", [OTHER]), code("y", [OTHER.replace("result", "c")])]
+    found = pairs([*many, *two])
+    assert [(p.one.student, p.other.student, p.part) for p in found] == [("x", "y", 1.0)]
+
+
+def test_cells_that_are_no_python_are_left_out():
+    """Broken, hostile or very deep code stops nothing."""
+    deep = "x = " + "(" * 3000 + ")" * 3000
+    long = "def fit(x):\n    return " + " + ".join(["x"] * 300)
+    assert code("a", ["def (", "\0", deep]).prints == {}
+    assert code("a", [long]).prints["fit"]
+
+
+def test_the_page_shows_both_sides_and_runs_nothing():
+    """Shared lines are marked, students' text is escaped, and the caution is there."""
+    evil = FIT.replace("np.insert(points, 0", "np.insert('<script>alert(1)</script>', 0")
+    (found,) = pairs([code("<b>ada", [evil]), code("bob", [evil])])
+    page = similarity_page("01", [found], 2)
+    assert "evidence to look at, not a verdict" in page
+    assert "<mark>    return np.linalg.solve(left, right)</mark>" in page
+    assert "<mark>    b = np.insert(&#x27;&lt;script&gt;" in page
+    assert "<mark>    &quot;&quot;&quot;Return" not in page
+    assert "&lt;b&gt;ada and bob" in page
+    assert "<script" not in page
+    assert to_table([("01", found)]).splitlines()[1].startswith("01,<b>ada,bob,1,")
