@@ -1,1 +1,1 @@
-"""Speed and memory of fieldrecon as ratios to named peers, measured in one run on one machine."""
+"""Benchmarks: time and memory of fieldrecon relative to other libraries, on one machine."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from benchmarks.measure import Track
+    from benchmarks.timing import Track
 
 NAMES = (
     "moving_least_squares",
@@ -39,7 +39,7 @@ CORES = 2
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the benchmarks that are named, show what they found and write it down."""
+    """Run the named benchmarks, show their results and write them to files."""
     parser = _parser()
     asked = parser.parse_args(arguments)
     if unknown := sorted({*asked.names} - {*NAMES}):
@@ -86,13 +86,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--quick", action="store_true", help="small sizes, shown but not written")
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="where to write (default benchmarks/results)"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the results (default: benchmarks/results)",
     )
     return parser
 
 
 def _use_cores(number: int) -> None:
-    """Let this process and all its threads have so many cores, where the system can be told."""
+    """Restrict this process and its threads to a number of cores, if the system supports it."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:number])
 

@@ -1,4 +1,4 @@
-"""Barycentric coordinates of a hexagon, against products of as many arrays of numbers.
+"""Barycentric coordinates of a hexagon, compared with as many products of arrays.
 
 The weights of n corners are n products of heights, divided by their sum: n multiplications of
 arrays, out of place, are a floor that no program on arrays can go below.
@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
+from benchmarks.timing import BenchmarkResult, Comparison, Table, Track, in_turn
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldrecon.datasets.synthetic import uniform
 
@@ -32,11 +32,11 @@ KEPT = f"{CORNERS} products of arrays, into memory kept from before"
 AT_MOST = {"values of one field": 6.0, "weights of all corners": 6.0}
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     hexagon = Hexagon(size.queries)
     work = hexagon.work()
     seconds = in_turn(work, size.repeats, track, "barycentric coordinates")
-    return Outcome(
+    return BenchmarkResult(
         parameters=asdict(size) | {"corners": CORNERS, "dimension": 2},
         comparisons=[
             Comparison(what, peer, seconds[what], seconds[peer], AT_MOST.get(what))

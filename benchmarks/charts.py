@@ -1,4 +1,4 @@
-"""Charts of results, drawn from what is written down of them."""
+"""Charts of results, drawn from the result files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from fieldrecon.plotting.style import FULL_WIDTH, NO_CLOCK, figure
 
-# Colours that differ for every kind of sight (Okabe and Ito 2008), and markers for grey print.
+# Colours for every kind of colour vision (Okabe and Ito 2008), and markers for grey print.
 _COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
 _MARKERS = "so^Dv*"
 _LOOKS = [
@@ -40,7 +40,7 @@ def draw(result: Mapping, path: Path) -> None:
 
 
 def mark(result: Mapping) -> str:
-    """What a drawing bears to tell which numbers it shows."""
+    """The identifier in a chart of the numbers that it shows."""
     numbers = json.dumps(result["charts"], sort_keys=True)
     return f"charts of sha256:{hashlib.sha256(numbers.encode()).hexdigest()}"
 

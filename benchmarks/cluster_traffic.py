@@ -1,4 +1,4 @@
-"""What a network would carry between a cluster's scheduler and its workers, counted here."""
+"""Traffic between a cluster's scheduler and its workers, counted without a network."""
 
 from __future__ import annotations
 

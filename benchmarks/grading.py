@@ -1,4 +1,4 @@
-"""Grading a class, against nbgrader and otter."""
+"""Grading of a class, compared with nbgrader and otter."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from benchmarks import graders
-from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
-from benchmarks.measure import Comparison, Outcome, Table, Track
+from benchmarks.assignments import LARGE, ROOT, SMALL, BenchmarkAssignment
+from benchmarks.timing import BenchmarkResult, Comparison, Table, Track
 from fieldgrade.grading.run import chosen_tier
 from fieldgrade.isolation.server import Server
 
@@ -56,18 +56,18 @@ class Cost:
     cpu_seconds: float
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     _adopt_orphans()
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # nobody compiles all modules for each command
     comparisons, rows, tiers = [], [], set[str]()
     for name in size.assignments:
         with TemporaryDirectory() as folder:
-            bench = Bench(Path(folder), Assignment(name), size)
+            bench = Bench(Path(folder), BenchmarkAssignment(name), size)
             costs = bench.in_turn(track)
             tiers |= bench.tiers
         comparisons += list(_compared(name, costs, size))
         rows += list(_rows(name, costs))
-    return Outcome(
+    return BenchmarkResult(
         comparisons,
         [Table("Seconds for each submission, medians", COLUMNS, rows)],
         notes=[NOTE],
@@ -78,15 +78,15 @@ def run(size: Size, track: Track) -> Outcome:
 class Bench:
     """All graders on one assignment."""
 
-    def __init__(self, folder: Path, assignment: Assignment, size: Size) -> None:
+    def __init__(self, folder: Path, assignment: BenchmarkAssignment, size: Size) -> None:
         self.folder, self.assignment, self.tiers = folder, assignment, set[str]()
-        self.right = [assignment.handed_in(k)[1] for k in range(10)]
+        self.right = [assignment.submission(k)[1] for k in range(10)]
         self.count = size.submissions
         (folder / "tables").mkdir()
         for k in range(size.submissions):
             file = folder / "in" / f"s{k:03}" / "work.ipynb"
             file.parent.mkdir(parents=True)
-            file.write_bytes(assignment.handed_in(k)[0])
+            file.write_bytes(assignment.submission(k)[0])
         self.peers = {
             name: graders.PEERS[name](folder / name, assignment, _files(assignment, number))
             for name, number in (("nbgrader", size.of_nbgrader), ("otter", size.of_otter))
@@ -156,8 +156,8 @@ class Bench:
             raise RuntimeError(f"{who} grades otherwise: {found} instead of {wanted}")
 
 
-def _files(assignment: Assignment, number: int) -> list[bytes]:
-    return [assignment.handed_in(k)[0] for k in range(number)]
+def _files(assignment: BenchmarkAssignment, number: int) -> list[bytes]:
+    return [assignment.submission(k)[0] for k in range(number)]
 
 
 def _adopt_orphans() -> None:

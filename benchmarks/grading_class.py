@@ -1,4 +1,4 @@
-"""Three hundred submissions of all notebooks, a tenth of them hostile, and the grader's memory.
+"""Grading of three hundred submissions, a tenth of them hostile: the grader's memory.
 
 Every tenth is a case of the hostile suite, with its limits. The grader runs in a process of its
 own, and the largest memory so far of it and of its workers is read after each third of the class.
@@ -18,9 +18,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from benchmarks.handed_in import ROOT
-from benchmarks.measure import Outcome, Table, Track
+from benchmarks.assignments import ROOT
 from benchmarks.memory import largest_memory
+from benchmarks.timing import BenchmarkResult, Table, Track
 
 if TYPE_CHECKING:
     from hostile.case import Case
@@ -40,11 +40,11 @@ QUICK = Size(submissions=60)
 TOY = Size(submissions=6, notebooks=1)
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     told = list(track(list(_told(size)), "grading_class"))
     rows = [tuple(json.loads(line)) for line in told]
     fair = rows.pop()
-    return Outcome(
+    return BenchmarkResult(
         tables=[Table("After each third of the class", COLUMNS, rows)],
         notes=[
             f"{fair[0]} of {size.submissions} submissions got the fair grade for every question, "

@@ -1,4 +1,4 @@
-"""What a second worker brings to grading.
+"""Speed-up of grading by a second worker.
 
 The batch alone is timed, once its workers have put up their walls: the command that `grading`
 times also starts, reads, and tells what it found, which no worker shares. Each worker has a core:
@@ -16,8 +16,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from benchmarks.handed_in import LARGE, ROOT, SMALL, Assignment
-from benchmarks.measure import Outcome, Table, Track, threads
+from benchmarks.assignments import LARGE, ROOT, SMALL, BenchmarkAssignment
+from benchmarks.timing import BenchmarkResult, Table, Track, threads
 from fieldgrade.grading.batch import Batch
 from fieldgrade.grading.run import GradingRun, chosen_tier
 from fieldgrade.isolation import worker_servers
@@ -42,7 +42,7 @@ QUICK = Size(submissions=20, repeats=1)
 TOY = Size(submissions=2, assignments=(SMALL,), repeats=1)
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     tier, _ = chosen_tier()
     rows: list[tuple[str | int | float, ...]] = []
     for name in size.assignments:
@@ -51,12 +51,12 @@ def run(size: Size, track: Track) -> Outcome:
             for k in range(WARM_UP + size.submissions):
                 file = folder / "in" / f"s{k:03}" / "work.ipynb"
                 file.parent.mkdir(parents=True)
-                file.write_bytes(Assignment(name).handed_in(k)[0])
+                file.write_bytes(BenchmarkAssignment(name).submission(k)[0])
             seconds: dict[tuple[int, int], list[float]] = {shape: [] for shape in SHAPES}
             for shape in track([*SHAPES] * size.repeats, f"grading_workers, {name}"):
                 seconds[shape].append(_seconds(folder, tier, *shape))
         rows += [_row(name, shape, seconds) for shape in seconds]
-    return Outcome(
+    return BenchmarkResult(
         tables=[Table("Seconds for each submission", COLUMNS, rows)],
         notes=[
             "speed-up: time of one worker on one core, divided by that of the row, round by round."

@@ -1,4 +1,4 @@
-"""What a ratio was measured on: processor, cores and versions; never a name of the computer."""
+"""Description of the machine: processor, cores and versions; never its name."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_info
 
-from benchmarks.measure import cores
+from benchmarks.timing import cores
 
 PACKAGES = ("fieldrecon", "numpy", "scipy", "wlsqm", "ferreus_rbf", "verde", "scikit-learn")
 

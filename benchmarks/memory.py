@@ -1,4 +1,4 @@
-"""Peak memory of an evaluation, in units of its inputs, its outputs and one stated chunk.
+"""Peak memory of an evaluation, relative to its inputs, its outputs and one stated chunk.
 
 The stated chunk is `CHUNK_BYTES` for each thread. Two processes read the same fitted field: one
 evaluates it, the other only makes room for the result. What the largest memory of the first, read
@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.measure import Outcome, Table, Track, cores
+from benchmarks.timing import BenchmarkResult, Table, Track, cores
 from fieldrecon._core.chunks import CHUNK_BYTES
 from fieldrecon.datasets.synthetic import franke, uniform
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
@@ -48,7 +48,7 @@ QUICK = Size(queries=(200_000,))
 TOY = Size(sites=60, queries=(500,), methods=("MLS",), results=("values",))
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     cases = {
         f"{method}, {what}, {m}": (method, what, m)
         for method in size.methods
@@ -59,7 +59,7 @@ def run(size: Size, track: Track) -> Outcome:
     rows = [
         row(*case, fitted[case[0]]) for case in (cases[name] for name in track([*cases], "memory"))
     ]
-    return Outcome(
+    return BenchmarkResult(
         parameters=asdict(size) | {"dimension": 2, "chunk": stated_chunk(), "at most": AT_MOST},
         tables=[
             Table(

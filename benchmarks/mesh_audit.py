@@ -1,4 +1,4 @@
-"""Everything that is wrong with a mesh of triangles, against PyMeshLab's measures.
+"""Audit of a triangle mesh, compared with PyMeshLab's measures.
 
 PyMeshLab is asked for its topological measures and its selection of faces that cross others, in
 one go; the audit looks for all that it knows, and is to agree on what both look for.
@@ -13,8 +13,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
-from benchmarks.other_environment import Peer
+from benchmarks.peer_environments import Peer
+from benchmarks.timing import BenchmarkResult, Comparison, Table, Track, in_turn
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh
 from fieldreport.experiments.triangles.triangle_shapes import Surface, bumpy, sphere, together
 
@@ -35,7 +35,7 @@ TOY = Size(level=2, repeats=1, peer=False)
 AT_MOST = 2.0
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     surfaces = bodies(size.level)
     audits: dict[str, MeshAudit] = {}
     theirs: dict[str, dict[str, int]] = {}
@@ -57,7 +57,7 @@ def run(size: Size, track: Track) -> Outcome:
         seconds = in_turn(_in_pairs(candidates), size.repeats, track, "audits of meshes")
         if peer:
             peer.close()
-    return Outcome(
+    return BenchmarkResult(
         parameters={k: v for k, v in asdict(size).items() if k != "peer"}
         | {"triangles": len(surfaces["hills and saddles"][1])},
         comparisons=[
@@ -127,6 +127,6 @@ def _peer(surfaces: dict[str, Surface], folder: Path) -> Peer | None:
     for name, (points, triangles) in surfaces.items():
         paths.append(folder / f"{name}.npz")
         np.savez(paths[-1], points=points, triangles=triangles)
-    worker = Path(__file__).with_name("mesh_audit_peer.py")
+    worker = Path(__file__).with_name("mesh_audit_pymeshlab.py")
     peer = Peer(worker, (PYMESHLAB, "numpy"), *map(str, paths))
     return peer if peer.ready else None

@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import Delaunay
 
-from benchmarks.measure import Chart, Outcome, Table, Track
 from benchmarks.memory import largest_memory
 from benchmarks.mesh_velocities import pairs_within, rotation
+from benchmarks.timing import BenchmarkResult, Chart, Table, Track
 from fieldrecon.barycentric.voronoi import voronoi_weights
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -101,7 +101,7 @@ class Cost:
     gigabytes: float
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     costs: dict[str, list[Cost]] = {what: [] for what in size.works}
     with tempfile.TemporaryDirectory() as folder:
         for n in size.vertices:
@@ -110,7 +110,7 @@ def run(size: Size, track: Track) -> Outcome:
             np.savez(file, points=points, triangles=Delaunay(points).simplices)
             for what in track(size.works, f"meshes of {n} vertices"):
                 costs[what].append(cost(what, file, size.runs))
-    return Outcome(
+    return BenchmarkResult(
         parameters={"vertices": size.vertices, "runs": size.runs, "dimension": 2},
         tables=tables(size.vertices, costs),
         charts=charts(size.vertices, costs),

@@ -1,4 +1,4 @@
-"""Velocities and Voronoi weights on a mesh, against the time to triangulate its points.
+"""Velocities and Voronoi weights on a mesh, compared with the triangulation of its points.
 
 Without a triangulation there is no mesh: what the methods cost is told in units of that.
 """
@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import Delaunay, KDTree
 
-from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
+from benchmarks.timing import BenchmarkResult, Comparison, Table, Track, in_turn
 from fieldrecon.barycentric.voronoi import voronoi_weights
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -44,11 +44,11 @@ AT_MOST = {
 }
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     flow = Flow(uniform(size.vertices, 2, seed=1), size.pairs)
     work = flow.work()
     seconds = in_turn(work, size.repeats, track, "velocities on a mesh")
-    return Outcome(
+    return BenchmarkResult(
         parameters=asdict(size)
         | {"triangles": len(flow.mesh.cells), "faces": len(flow.mesh.faces), "dimension": 2},
         comparisons=[

@@ -1,14 +1,14 @@
-"""A million sites, beside ferreus_rbf and SciPy, with the machine to themselves.
+"""A million sites, compared with ferreus_rbf and SciPy on an idle machine.
 
-The largest sizes of `peers` once more, and only these: short enough to find a machine at rest.
+Only the largest sizes of `peers`: short enough to wait for an idle machine.
 """
 
 from __future__ import annotations
 
 from benchmarks import peers
-from benchmarks.contestants import OURS, SMALL
-from benchmarks.measure import Outcome, Track
+from benchmarks.compared_methods import OURS, SMALL
 from benchmarks.peers import Size
+from benchmarks.timing import BenchmarkResult, Track
 
 METHODS = (
     OURS,
@@ -22,6 +22,6 @@ QUICK = Size((("smooth", (10**3,)), ("cube", (10**3,))), 1, METHODS)
 TOY = Size((("smooth", (60,)),), 1, (OURS,))
 
 
-def run(size: Size, track: Track) -> Outcome:
-    """Run some of the comparison."""
+def run(size: Size, track: Track) -> BenchmarkResult:
+    """Run a part of the comparison."""
     return peers.run(size, track)

@@ -1,4 +1,4 @@
-"""Moving least squares on nearest neighbours, against the search alone and against compiled fits.
+"""Moving least squares on nearest neighbours, compared with the search and with compiled fits.
 
 The floor is the k-d tree's query: no method on nearest neighbours can do without it.
 """
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import RBFInterpolator
 from scipy.spatial import cKDTree
 
-from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
+from benchmarks.timing import BenchmarkResult, Comparison, Table, Track, in_turn
 from fieldrecon._core.chunks import chunked
 from fieldrecon._numerics.neighbor_search import Neighborhood
 from fieldrecon.datasets.synthetic import franke, uniform
@@ -42,7 +42,7 @@ QUICK = Size(sites=20_000, queries=50_000, queries_of_yardstick=2_000, repeats=3
 TOY = Size(sites=300, queries=500, queries_of_yardstick=50, repeats=1)
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     points, x = uniform(size.sites, 2, seed=1), uniform(size.queries, 2, seed=2)
     problem = Problem(points, franke(points), x, size.neighbors)
     candidates = {"search": problem.search}
@@ -55,7 +55,7 @@ def run(size: Size, track: Track) -> Outcome:
     few = Problem(points, problem.values, x[: size.queries_of_yardstick], size.neighbors)
     yardstick = {"ours": few.total(1), "scipy": few.local_rbf}
     slow = in_turn(yardstick, min(size.repeats, 3), track, "scipy with neighbours")
-    return Outcome(
+    return BenchmarkResult(
         parameters=asdict(size) | {"dimension": 2, "field": "Franke's function"},
         comparisons=[
             *(

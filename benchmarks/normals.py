@@ -1,4 +1,4 @@
-"""Normals of a cloud and their orientation, against Open3D.
+"""Normals of a point cloud and their orientation, compared with Open3D.
 
 Both estimate normals by principal components of as many neighbours, and make them agree along a
 spanning tree. Open3D is told a global sign; ours point outward of themselves. Open3D triangulates
@@ -16,8 +16,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
-from benchmarks.other_environment import Peer
+from benchmarks.peer_environments import Peer
+from benchmarks.timing import BenchmarkResult, Comparison, Table, Track, in_turn
 from fieldrecon.solids.shapes import Ball, Cylinder, Torus, sample_surface
 from fieldrecon.surfaces.normal_orientation import orient_normals
 from fieldrecon.surfaces.normals import estimate_normals
@@ -44,7 +44,7 @@ Cloud = tuple[np.ndarray, np.ndarray]
 """Points and true normals."""
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     clouds = {name: make(size.points) for name, make in CLOUDS.items()}
     found: dict[tuple[str, str], np.ndarray] = {}
     processor: list[tuple[str, str, float]] = []
@@ -81,7 +81,7 @@ def run(size: Size, track: Track) -> Outcome:
                 found[name, "Open3D"] = np.load(Path(folder) / f"normals of {name}.npy")
     rows = [(name, who, *judged(n, clouds[name][1])) for (name, who), n in sorted(found.items())]
     columns = ("cloud", "who", "wrong side, %", "median angle, degrees", "95 of 100 below")
-    return Outcome(
+    return BenchmarkResult(
         parameters={k: v for k, v in asdict(size).items() if k != "peer"}
         | {"neighbours": NEIGHBORS, "neighbours joined": JOINED},
         comparisons=[
@@ -172,6 +172,6 @@ def judged(normals: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]
 def _peer(clouds: dict[str, Cloud], folder: Path) -> Peer | None:
     for name, (points, _) in clouds.items():
         np.save(folder / f"{name}.npy", points)
-    worker = Path(__file__).with_name("normals_peer.py")
+    worker = Path(__file__).with_name("normals_open3d.py")
     peer = Peer(worker, (OPEN3D, "numpy"), str(folder), str(NEIGHBORS), str(JOINED))
     return peer if peer.ready else None

@@ -1,4 +1,4 @@
-"""Results as files for machines (JSON) and as one page for readers (Markdown, with charts)."""
+"""Result files: JSON for programs, and one Markdown page with charts for readers."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ what they are, stands in [docs/performance.md](../../docs/performance.md).
 
 
 def write(name: str, result: Mapping, folder: Path) -> None:
-    """Write one result, and the page of all that the folder holds."""
+    """Write one result, and the page of all results in the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{name}.json").write_text(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
     if result.get("charts"):
-        from benchmarks import charts  # Matplotlib, only where it is needed
+        from benchmarks import charts  # imports Matplotlib only where it is needed
 
         charts.draw(result, folder / f"{name}.svg")
     read = {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))}

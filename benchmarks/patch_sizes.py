@@ -1,4 +1,4 @@
-"""Blended patches: error against time for kernel, degree, patch size and overlap, and growth.
+"""Partition-of-unity RBF: error and time by kernel, degree, patch size and overlap; scaling.
 
 Choices are timed in turn in this process. Growth comes from a process for each number, which makes
 the patches, fits and evaluates at as many queries as there are sites; so its largest memory is what
@@ -21,9 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.measure import Chart, Outcome, Table, Track
 from benchmarks.memory import largest_memory
-from benchmarks.scattered import DATA, Scattered
+from benchmarks.scattered_data import DATA, Scattered
+from benchmarks.timing import BenchmarkResult, Chart, Table, Track
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
@@ -87,7 +87,7 @@ QUICK = Size(10_000, (("r³", 1), ("r³", 3)), (24, 40), (1 / 3,), (10_000, 40_0
 TOY = Size(300, (("r³", 1),), (24, 40), (1 / 3,), growth=(200, 400), in_space=300, runs=1)
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     choices = [Choice(*kind, k) for kind in size.kinds for k in size.patch_sizes]
     overlaps = [Choice("r³", 3, USUAL[2], part) for part in size.sites_per_box]
     samples = {name: DATA[name](size.sites) for name in ("smooth", *WITHOUT_TIME)}
@@ -96,7 +96,7 @@ def run(size: Size, track: Track) -> Outcome:
     costs = {name: of(both[name]) for name in track([*both], "choices")}
     grown = [apart(int(n), "smooth", size.runs) for n in track([*map(str, size.growth)], "growth")]
     space = apart(size.in_space, "cube", size.runs)
-    return Outcome(
+    return BenchmarkResult(
         parameters={"runs": size.runs, "sites": size.sites, "queries": "as many as sites"},
         tables=[
             choices_table(size.sites, {c: costs[f"{c}"] for c in choices}),

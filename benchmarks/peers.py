@@ -1,8 +1,8 @@
-"""Error against time, beside what else one could take: peers on the same data, in one run.
+"""Comparison with other libraries: error against time on the same data.
 
-Each run is a process of its own on the same two cores: it imports its method, fits a few sites to
-warm up, then times the fit and the evaluation. So memory is that of one method, and one that does
-not come to an end can be stopped.
+Each run is a separate process on the same two cores: it imports its method, fits a few sites to
+warm up, then times the fit and the evaluation. So its memory is that of one method, and a run that
+does not end can be stopped.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from statistics import median
 
 import numpy as np
 
-from benchmarks.contestants import CONTESTANTS, OURS
-from benchmarks.measure import Comparison, Outcome, Table, Track
+from benchmarks.compared_methods import METHODS, OURS
 from benchmarks.memory import largest_memory
-from benchmarks.scattered import DATA
+from benchmarks.scattered_data import DATA
+from benchmarks.timing import BenchmarkResult, Comparison, Table, Track
 
 PATIENCE = 400.0
 """Seconds until a run is stopped."""
@@ -58,7 +58,7 @@ class Size:
         ("terrain", (50_000,)),
     )
     repeats: int = 3
-    methods: tuple[str, ...] = tuple(CONTESTANTS)
+    methods: tuple[str, ...] = tuple(METHODS)
 
 
 FULL = Size()
@@ -68,7 +68,7 @@ TOY = Size((("smooth", (60,)), ("terrain", (80,))), 1, (OURS, "SciPy LinearND"))
 
 @dataclass(frozen=True)
 class Run:
-    """What came of one method on one set of data; seconds for each repetition."""
+    """The result of one method on one data set; seconds for each repetition."""
 
     data: str
     sites: int
@@ -104,12 +104,12 @@ class Run:
         )
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     asked = [
         (data, n, method)
         for data, sizes in size.sites
         for n in sizes
-        for method, c in CONTESTANTS.items()
+        for method, c in METHODS.items()
         if method in size.methods and c.takes(data, n)
     ]
     names = {" ".join(map(str, a)): a for a in asked}
@@ -117,7 +117,7 @@ def run(size: Size, track: Track) -> Outcome:
     for name in track([*names], "peers"):
         done = apart(*names[name], repeats=size.repeats)
         (runs if isinstance(done, Run) else missing).append(done)
-    return Outcome(
+    return BenchmarkResult(
         parameters={
             "repeats": size.repeats,
             "patience in seconds": int(PATIENCE),
@@ -159,7 +159,7 @@ def _of_same_rounds(ours: list[float], theirs: list[float]) -> tuple[list[float]
 
 
 def apart(data: str, n: int, method: str, repeats: int) -> Run | str:
-    """Return what a process of its own finds, or why it found nothing."""
+    """Return the result of a separate process, or the reason why there is none."""
     command = [sys.executable, "-m", "benchmarks.peers", data, str(n), method, str(repeats)]
     root = Path(__file__).parents[1]
     about = f"{method} on {data}, {n} sites"
@@ -177,7 +177,7 @@ def apart(data: str, n: int, method: str, repeats: int) -> Run | str:
 
 def here(data: str, n: int, method: str, repeats: int) -> Run:
     """Time a method in this process."""
-    fit, given = CONTESTANTS[method].fit, DATA[data](n)
+    fit, given = METHODS[method].fit, DATA[data](n)
     some = min(n, 500)
     fit(given.points[:some], given.values[:some])(given.x[:10])
     fits, evaluations, cpu = [], [], []

@@ -1,4 +1,4 @@
-"""Thin-plate splines through all sites, against the same interpolant of SciPy.
+"""Thin-plate splines through all sites, compared with SciPy's.
 
 ferreus_rbf, where it is installed, stands for the methods that are approximate and scale further.
 """
@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy.interpolate import RBFInterpolator
 
-from benchmarks.measure import Comparison, Outcome, Table, Track, in_turn
+from benchmarks.timing import BenchmarkResult, Comparison, Table, Track, in_turn
 from fieldrecon.datasets.synthetic import franke, uniform
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.rbf import RBF
@@ -68,7 +68,7 @@ class Interpolants:
         return ferreus_rbf.RBFInterpolator(self.points, self.values[:, None], settings)
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     them = Interpolants(uniform(size.sites, 2, seed=1), uniform(size.queries, 2, seed=2))
     names = [OURS, SCIPY, *([FAST] if ferreus_rbf else [])]
     candidates = {f"fit {n}": lambda n=n: them.fit(n) for n in names}
@@ -76,7 +76,7 @@ def run(size: Size, track: Track) -> Outcome:
     candidates["gradient"] = them.gradient
     seconds = in_turn(candidates, size.repeats, track, "radial basis functions")
     targets = {("fit", SCIPY): 1 / 1.5, ("evaluate", SCIPY): 1 / 2}
-    return Outcome(
+    return BenchmarkResult(
         parameters=asdict(size) | {"dimension": 2, "field": "Franke's function"},
         comparisons=[
             *(

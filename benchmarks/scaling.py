@@ -1,4 +1,4 @@
-"""How the time grows with the number of sites, and what a second thread brings."""
+"""Scaling with the number of sites and with a second thread."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import partial
 
-from benchmarks.measure import Outcome, Table, Track, in_turn, threads
+from benchmarks.timing import BenchmarkResult, Table, Track, in_turn, threads
 from fieldrecon.datasets.synthetic import franke, uniform
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
@@ -30,7 +30,7 @@ QUICK = Size(sites_of_mls=(5_000, 50_000), sites_of_rbf=(500, 1_000, 2_000), que
 TOY = Size(sites_of_mls=(100, 200), sites_of_rbf=(50, 100), queries=200, repeats=1)
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     methods = {
         "MLS, 20 neighbours, degree 1": (moving_least_squares, size.sites_of_mls),
         "RBF, thin plate": (thin_plate, size.sites_of_rbf),
@@ -41,7 +41,7 @@ def run(size: Size, track: Track) -> Outcome:
         for what in ("fit", "evaluate"):
             rows += growth(name, what, sites, [m[what] for m in medians])
     columns = ("method", "what", "sites", "s, 1 thread", "s, 2 threads", "speed-up", "exponent")
-    return Outcome(
+    return BenchmarkResult(
         parameters=asdict(size) | {"dimension": 2},
         tables=[Table(f"Seconds; evaluations at {size.queries} queries", columns, rows)],
         notes=["exponent: p where the time on one thread grows like N^p from the row above."],

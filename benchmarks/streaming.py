@@ -1,4 +1,4 @@
-"""Ten million sites on one machine, whole and in tiles, and what a cluster would carry.
+"""Ten million sites on one machine, as a whole and in tiles, and the traffic on a cluster.
 
 Sites and queries lie in files and are read in blocks. Each of the two ways is a process of its own,
 so its largest memory is what that way takes, with the interpreter. *Whole*: one field of all sites,
@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cluster_traffic import Traffic, carried
-from benchmarks.measure import Outcome, Table, Track
 from benchmarks.memory import largest_memory
+from benchmarks.timing import BenchmarkResult, Table, Track
 from fieldrecon.datasets.synthetic import franke, uniform
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 
@@ -53,7 +53,7 @@ QUICK = Size(200_000, 2, 20_000)
 TOY = Size(2_000, 2, 500)
 
 
-def run(size: Size, track: Track) -> Outcome:
+def run(size: Size, track: Track) -> BenchmarkResult:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         written(folder, size.sites)
@@ -65,7 +65,7 @@ def run(size: Size, track: Track) -> Outcome:
         for way, t in told.items()
     ]
     columns = ("way", *(f"{step}, s" for step in STEPS), "memory, GB", "rms error")
-    return Outcome(
+    return BenchmarkResult(
         parameters={
             "sites": size.sites,
             "queries": size.sites,

@@ -1,4 +1,4 @@
-"""Every method, with the sites, the queries and the accuracy at which the laws judge it."""
+"""Cases: every method with sites, queries and tolerances, to which the laws are applied."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -30,10 +30,10 @@ from fieldrecon.reconstruction import Reconstruction
 from polytopes import POLYTOPES, voronoi_cell
 
 EXACT = 1e-10
-"""Deviation allowed in answers of size one, where nothing is badly conditioned."""
+"""Tolerance for answers of size one, for well-conditioned cases."""
 
 FLAT = 1e-7
-"""The same for kernels so smooth that their matrix loses nine digits."""
+"""Tolerance for kernels so smooth that their matrix loses nine digits."""
 
 SITES = {1: 24, 2: 45, 3: 70, 5: 120}
 EXTREME_UNITS = (1e-150, 3.0, 1e150)
@@ -43,7 +43,7 @@ SMOOTHED_UNITS = (1e-40, 3.0, 1e40)
 
 @dataclass(frozen=True)
 class Case:
-    """A method on sites, and where to ask it.
+    """A method with its sites and queries.
 
     `make(points, unit)` builds it: lengths are multiples of the unit, and `coefficients_power` is
     that of the unit in its smoothing. `distinguishable` says whether the field of a method that
@@ -63,7 +63,7 @@ class Case:
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """Sites (n, d) in the unit cube; on a line none are much closer than the others."""
+        """Sites (n, d) in the unit cube; on a line nearly equidistant."""
         x = np.random.default_rng(self.d).random((self.n, self.d))
         if self.d == 1:
             x = (np.arange(self.n)[:, None] + 0.2 + 0.6 * x) / self.n
@@ -92,7 +92,7 @@ class Case:
         return ortho_group.rvs(self.d, random_state=5) if self.d > 1 else -np.eye(1)
 
     def without(self, i: int) -> float:
-        """What the field of the other data is at site i."""
+        """The value at site i of the field of the other data."""
         others = np.arange(self.n) != i
         refit = self.make(self.sites[others], 1.0).field(self.data[others])
         return refit(self.sites[i])
@@ -100,7 +100,7 @@ class Case:
 
 @dataclass(frozen=True)
 class CornersCase(Case):
-    """A method on the corners of a polytope, which no random points are."""
+    """A method on the corners of a polytope."""
 
     corners: tuple[tuple[float, ...], ...] = ()
     removable: bool = False
@@ -150,14 +150,14 @@ class PatchesCase(Case):
 
 
 def flattened(x: np.ndarray) -> np.ndarray:
-    """The same points in as many coordinates as they need."""
+    """The same points in coordinates of their affine span."""
     y = x - x.mean(axis=0)
     sigma, vt = np.linalg.svd(y, full_matrices=False)[1:]
     return y @ vt[sigma > 1e-9 * sigma[0]].T
 
 
 def on_a_lattice(x: np.ndarray) -> np.ndarray:
-    """Points with twenty binary places: an offset of 2^20 rounds none of them."""
+    """Points with twenty binary digits, so that an offset of 2^20 causes no rounding."""
     return np.round(x * 2.0**20) / 2.0**20
 
 
@@ -338,7 +338,7 @@ def polytope_cases() -> Iterator[Case]:
 
 
 def clusters(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Half of the sites crowd in a twentieth of each side."""
+    """Half of the sites are in a cube of a twentieth of the side."""
     x = rng.random((n, d))
     x[::2] = 0.3 + 0.05 * x[::2]
     return x

@@ -1,6 +1,6 @@
-"""What every reconstruction must satisfy, each law a plain function of a case.
+"""Laws that every reconstruction must satisfy, each a plain function of a case.
 
-A law fails by AssertionError. Real methods and the mutants are judged by the same words.
+A law fails by AssertionError. Methods and mutants are tested by the same functions.
 """
 
 import pickle
@@ -20,7 +20,7 @@ from fieldrecon._core import chunks as _chunks
 from fieldrecon.selection.leaving_one_out import leave_one_out
 
 VISIBLE = 1e-5
-"""What differs by more than this differs for a reason."""
+"""Larger differences are not rounding errors."""
 
 # Of the sixth-order difference quotient below, rounding of the field included.
 DIFFERENCE = 1e-5
@@ -39,7 +39,7 @@ def dense(matrix: object) -> np.ndarray:
 
 
 def all_monomials(x: np.ndarray, degree: int) -> np.ndarray:
-    """Monomials of 2x - 1, (m, q): those of the degree itself last."""
+    """Monomials of 2x - 1, (m, q), with those of the highest degree last."""
     y = 2 * x - 1
     powers = [a for a in product(range(degree + 1), repeat=x.shape[1]) if sum(a) <= degree]
     powers.sort(key=sum)
@@ -60,7 +60,7 @@ Law = Callable[[Case], None]
 
 
 def about(some: Callable[[Case], bool]) -> Callable[[Law], Law]:
-    """Decorate a law that says nothing of the other cases."""
+    """Decorate a law that applies to some cases only."""
 
     def restricted(law: Law) -> Law:
         law.about = some
@@ -70,7 +70,7 @@ def about(some: Callable[[Case], bool]) -> Callable[[Law], Law]:
 
 
 def broken(laws: Iterable[Callable[[T], None]], subject: T) -> Iterator[Exception]:
-    """What goes wrong where the laws are applied, each error with the name of its law."""
+    """Apply the laws and yield the errors, each with the name of its law."""
     for law in laws:
         try:
             law(subject)
@@ -80,7 +80,7 @@ def broken(laws: Iterable[Callable[[T], None]], subject: T) -> Iterator[Exceptio
 
 
 def assert_obeyed(laws: Iterable[Callable[[T], None]], subject: T, name: str) -> None:
-    """All the laws hold, or all the errors are shown: one item for pytest, where it had many."""
+    """Assert all laws in one test item, and show all errors."""
     errors = list(broken(laws, subject))
     if errors:
         raise ExceptionGroup(f"{name} breaks {len(errors)} of the laws", errors)
@@ -90,15 +90,15 @@ def assert_obeyed(laws: Iterable[Callable[[T], None]], subject: T, name: str) ->
 
 
 @about(lambda case: case.method.degree >= 0)
-def polynomials_of_its_degree_come_back(case: Case) -> None:
+def polynomials_of_its_degree_are_reproduced(case: Case) -> None:
     """Data of a polynomial of the declared degree give that polynomial, in and out of the cloud."""
     m = case.method
     s = m.field(all_monomials(case.sites, m.degree))
     assert_close(s(case.queries), all_monomials(case.queries, m.degree), case.exact)
 
 
-def polynomials_of_the_next_degree_do_not(case: Case) -> None:
-    """The declared degree is the highest: some polynomial of the next one does not come back."""
+def polynomials_of_the_next_degree_are_not_reproduced(case: Case) -> None:
+    """The declared degree is the highest: some polynomial of the next degree is not reproduced."""
     m = case.method
     s = m.field(all_monomials(case.sites, m.degree + 1))
     error = np.abs(s(case.queries) - all_monomials(case.queries, m.degree + 1))
@@ -106,8 +106,8 @@ def polynomials_of_the_next_degree_do_not(case: Case) -> None:
 
 
 @about(lambda case: case.method.degree >= 0)
-def gradients_of_polynomials_come_back(case: Case) -> None:
-    """So do their gradients, those of a power of a plane by the chain rule, zero for constants."""
+def gradients_of_polynomials_are_reproduced(case: Case) -> None:
+    """Gradients of polynomials are reproduced: of powers of a plane by the chain rule."""
     m, power = case.method, case.method.degree
     a = np.linspace(0.5, 1.0, case.d)
     s = m.field((case.sites @ a - 0.5) ** power)
@@ -119,8 +119,8 @@ def gradients_of_polynomials_come_back(case: Case) -> None:
 
 
 @about(lambda case: case.method.interpolates or case.distinguishable)
-def data_come_back_if_and_only_if_it_interpolates(case: Case) -> None:
-    """H(X) = I where the method interpolates, and only there."""
+def data_are_interpolated_if_and_only_if_declared(case: Case) -> None:
+    """H(X) = I if and only if the method interpolates."""
     deviation = np.abs(dense(case.method.weights(case.sites)) - np.eye(case.n)).max()
     if case.method.interpolates:
         assert deviation <= case.exact, f"H(X) deviates from I by {deviation:.1e}"
@@ -166,7 +166,7 @@ def no_components_are_no_trouble(case: Case) -> None:
 
 
 def the_field_is_weights_times_data(case: Case) -> None:
-    """s(x) = H f, by the fast route as by the general one."""
+    """s(x) = H f: the fast and the general route agree."""
     assert_close(
         case.method.field(case.data)(case.queries),
         case.method.weights(case.queries) @ case.data,
@@ -186,7 +186,7 @@ def the_gradient_is_gradient_weights_times_data(case: Case) -> None:
 
 
 def the_gradient_is_the_derivative(case: Case) -> None:
-    """Of the field as it is, by differences of its values."""
+    """The gradient agrees with difference quotients of the field."""
     s = case.method.field(case.data)
     quotient = difference_quotient(s, case.queries, step=2e-5)
     assert_close(s.gradient(case.queries), quotient, DIFFERENCE)
@@ -202,7 +202,7 @@ def the_adjoint_is_the_transpose(case: Case) -> None:
 
 
 def work_is_the_same_on_both_sides(case: Case) -> None:
-    """(s(x), g) = (f, H^T g): the field and the adjoint belong together."""
+    """(s(x), g) = (f, H^T g): the field and the adjoint are consistent."""
     g = np.sin(np.arange(len(case.queries)) + 1.0)
     here = case.method.field(case.data)(case.queries) @ g
     there = case.data @ case.method.adjoint(case.queries, g)
@@ -275,7 +275,7 @@ def progress_reaches_the_end(case: Case) -> None:
             assert calls[-1:] == [(len(case.queries), len(case.queries))]
 
 
-# --- where, how and in what unit the points lie -------------------------------------------------
+# --- invariance: origin, axes, units, order -------------------------------------------------
 
 
 def the_origin_does_not_matter(case: Case) -> None:
@@ -327,7 +327,7 @@ def the_order_of_the_sites_does_not_matter(case: Case) -> None:
     )
 
 
-# --- what comes in ------------------------------------------------------------------------------
+# --- inputs ------------------------------------------------------------------------------
 
 
 def inputs_stay_as_they_are(case: Case) -> None:
@@ -347,7 +347,7 @@ def inputs_stay_as_they_are(case: Case) -> None:
 
 
 def a_method_keeps_what_it_was_given(case: Case) -> None:
-    """What happens to the caller's arrays afterwards changes neither the method nor its field."""
+    """Later changes of the caller's arrays change neither the method nor its field."""
     p, f = case.sites.copy(), case.data.copy()
     m = case.make(p, 1.0)
     s = m.field(f)
@@ -384,7 +384,7 @@ def integers_are_numbers(case: Case) -> None:
 
 
 def a_pickled_copy_gives_the_same_bits(case: Case) -> None:
-    """So that processes can work on it."""
+    """Pickling keeps all bits, so that processes can share the work."""
     copy = pickle.loads(pickle.dumps(case.method))
     x = case.queries
     assert (copy.degree, copy.interpolates) == (case.method.degree, case.method.interpolates)
@@ -393,8 +393,8 @@ def a_pickled_copy_gives_the_same_bits(case: Case) -> None:
     assert_close(s.gradient(x), case.method.field(case.data).gradient(x), 0.0)
 
 
-def what_is_no_number_is_refused(case: Case) -> None:
-    """NaN and infinity, wherever they come in, by name and place."""
+def nan_and_infinity_are_refused(case: Case) -> None:
+    """NaN and infinity are refused in every argument, with its name and the position."""
     m, x = case.method, case.queries
     for bad in (np.nan, np.inf, -np.inf):
         f, p, q = case.data.copy(), case.sites.copy(), x.copy()
@@ -411,7 +411,7 @@ def what_is_no_number_is_refused(case: Case) -> None:
 
 
 def wrong_shapes_are_refused(case: Case) -> None:
-    """In words: what was wanted, and what came."""
+    """Wrong shapes are refused; the message gives the required and the actual shape."""
     m, d, n = case.method, case.d, case.n
     with refused(rf"values must have one entry for each point, shape \({n}, ...\); got \(3,\)"):
         m.field([1.0, 2.0, 3.0])
@@ -426,7 +426,7 @@ def wrong_shapes_are_refused(case: Case) -> None:
 
 @contextmanager
 def refused(words: str, error: type[Exception] = ValueError) -> Iterator[None]:
-    """A context whose body must raise an error in these words."""
+    """A context whose body must raise an error with this message."""
     said = None
     try:
         yield
@@ -455,10 +455,10 @@ def leaving_one_out_is_fitting_without_it(case: Case) -> None:
 
 
 LAWS: list[Law] = [
-    polynomials_of_its_degree_come_back,
-    polynomials_of_the_next_degree_do_not,
-    gradients_of_polynomials_come_back,
-    data_come_back_if_and_only_if_it_interpolates,
+    polynomials_of_its_degree_are_reproduced,
+    polynomials_of_the_next_degree_are_not_reproduced,
+    gradients_of_polynomials_are_reproduced,
+    data_are_interpolated_if_and_only_if_declared,
     the_field_is_linear_in_the_data,
     components_do_not_mix,
     no_components_are_no_trouble,
@@ -482,7 +482,7 @@ LAWS: list[Law] = [
     the_form_of_the_arrays_does_not_matter,
     integers_are_numbers,
     a_pickled_copy_gives_the_same_bits,
-    what_is_no_number_is_refused,
+    nan_and_infinity_are_refused,
     wrong_shapes_are_refused,
     leaving_one_out_is_fitting_without_it,
 ]

@@ -1,6 +1,6 @@
-"""For every law, mistakes that it must catch: small wrong methods, most of them tempting.
+"""Mutants: for every law, small wrong methods that it must detect.
 
-Each mutant is a case like those of the real methods, and all else about it is right.
+Each mutant is a case like those of the real methods, and is correct in all other respects.
 """
 
 import threading
@@ -42,7 +42,7 @@ SPHERE = case("PU, sphere in 3-D")
 
 
 class Spoiled(Reconstruction):
-    """Another method's answers; a mutant overrides one of them."""
+    """A method that wraps another one; a mutant overrides one of its answers."""
 
     def __init__(self, right: Reconstruction) -> None:
         self.right = right
@@ -71,7 +71,7 @@ class Spoiled(Reconstruction):
 
 
 def spoiled(right: Case, mutant: type[Spoiled]) -> Case:
-    """The case with its method spoiled."""
+    """The case with its method replaced by a mutant of it."""
     return replace(right, name=mutant.__name__, make=lambda p, unit: mutant(right.make(p, unit)))
 
 
@@ -100,7 +100,7 @@ class ShyDegree(Spoiled):
 
 
 class WrongAboutInterpolation(Spoiled):
-    """Says that it interpolates when it does not, and the other way round."""
+    """Declares that it interpolates if it does not, and vice versa."""
 
     def __init__(self, right):
         super().__init__(right)
@@ -139,7 +139,7 @@ class GradientInTheFrame(Spoiled):
 
 @dataclass(frozen=True)
 class frozen_weight(inverse_square):
-    """Its slope is taken for zero: the diffuse gradient, that of c(x) held fixed."""
+    """The slope of the weight is taken as zero: the diffuse gradient, with c(x) fixed."""
 
     def slope_of_squared(self, s):
         return np.zeros_like(s)
@@ -175,7 +175,7 @@ class ReachHeldFixed(MovingLeastSquares):
 
 @dataclass(frozen=True)
 class no_limit_at_the_centre(thin_plate_spline):
-    """Takes φ'(r)/r at r = 0 for that at r = 1, which is harmless, and near it as well."""
+    """Takes φ'(r)/r at r = 1 in place of the limit at r = 0, and close to it as well."""
 
     def slope_of_squared(self, s):
         return np.where(s > 1e-2, super().slope_of_squared(s), 2.0)
@@ -214,7 +214,7 @@ class FirstComponentForAll(Spoiled):
 
 
 class AtLeastOneComponent(Spoiled):
-    """Holds that there is always something to reconstruct."""
+    """Requires at least one component."""
 
     def field(self, values):
         values = np.asarray(values)
@@ -272,7 +272,7 @@ class AxesMixed(SpoiledField):
 
 
 class OneAnswerAtLeast(SpoiledField):
-    """Answers even when nothing was asked."""
+    """Returns an answer for an empty set of queries."""
 
     class Made(Field):
         def __call__(self, x, **options):
@@ -281,7 +281,7 @@ class OneAnswerAtLeast(SpoiledField):
 
 
 class CentredOnTheBatch(Spoiled):
-    """The frame is that of the queries that happen to come together."""
+    """The frame depends on the batch of queries."""
 
     def _value_rows(self, x, prepared):
         return super()._value_rows(x, prepared) + x.mean()
@@ -343,7 +343,7 @@ class Stretched(Spoiled):
 
 
 class FirstSiteIsSpecial(Spoiled):
-    """What falls on none is given to the first site."""
+    """Adds the missing weight to the first site."""
 
     def _weight_rows(self, x):
         h = np.array(super()._weight_rows(x))
@@ -373,7 +373,7 @@ class KeepsTheCallersArray(Spoiled):
 
 
 class SinglePrecisionData(Spoiled):
-    """Works in the precision of what comes in."""
+    """Works in the precision of its input."""
 
     def field(self, values):
         values = np.asarray(values)
@@ -416,7 +416,7 @@ class AnyLength(Spoiled):
 
 
 class WorksInItsOwnUnit(Spoiled):
-    """Rounds off at what is small in metres."""
+    """Rounds with an absolute tolerance."""
 
     def _value_rows(self, x, prepared):
         rows = super()._value_rows(x, prepared)
@@ -427,7 +427,7 @@ class WorksInItsOwnUnit(Spoiled):
 
 
 class BallsTooLarge(PartitionOfUnityRBF):
-    """Balls hold a site that is none of their patch, and does not count in it."""
+    """Balls contain a site that is not in their patch."""
 
     def __init__(self, *arguments):
         super().__init__(*arguments)
@@ -437,7 +437,7 @@ class BallsTooLarge(PartitionOfUnityRBF):
 
 
 class OtherShares(PartitionOfUnityRBF):
-    """Blends otherwise: a mutant says how."""
+    """Other blending weights, which a mutant defines."""
 
     def _value_rows(self, x, prepared):
         with mock.patch.object(partition_of_unity, "shares", self.shares):
@@ -463,7 +463,7 @@ class NotNormalised(OtherShares):
 
 
 class WeightsHeldFixed(OtherShares):
-    """The gradients of the patches are blended, as if the weights had none."""
+    """The gradients of the patches are blended without the gradients of the weights."""
 
     @staticmethod
     def shares(levels, x, gradients):
@@ -480,7 +480,7 @@ class NothingOutside(OtherShares):
 
 
 class InSamplePatches(PartitionOfUnityRBF):
-    """The residual of the fit that knew the datum."""
+    """The residual of the fit with the datum itself."""
 
     def _leave_one_out(self, values, progress):  # noqa: ARG002
         return values - self.field(values)(self.points)
@@ -495,7 +495,7 @@ def patches(mutant: type[PartitionOfUnityRBF], right: Case = PATCHES) -> Case:
 
 
 class InSamplePolynomial(LeastSquares):
-    """Its leverages are taken for zero: the residual of the fit that knew the datum."""
+    """The leverages are taken as zero: the residual of the fit with the datum itself."""
 
     def leverages(self):
         return np.zeros(len(self.points))
@@ -524,23 +524,23 @@ class WrongDiagonal(RBF):
 
 
 MUTANTS: dict[Callable[[Case], None], list[Case]] = {
-    laws.polynomials_of_its_degree_come_back: [
+    laws.polynomials_of_its_degree_are_reproduced: [
         spoiled(LINE, BoastfulDegree),
         spoiled(PLATE, BoastfulDegree),
         made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
         patches(NotNormalised),
         patches(NothingOutside, SPHERE),
     ],
-    laws.polynomials_of_the_next_degree_do_not: [
+    laws.polynomials_of_the_next_degree_are_not_reproduced: [
         spoiled(LINE, ShyDegree),
         spoiled(PLATE, ShyDegree),
         spoiled(MOVING, ShyDegree),
     ],
-    laws.gradients_of_polynomials_come_back: [
+    laws.gradients_of_polynomials_are_reproduced: [
         spoiled(PARABOLA, GradientInTheFrame),
         made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
     ],
-    laws.data_come_back_if_and_only_if_it_interpolates: [
+    laws.data_are_interpolated_if_and_only_if_declared: [
         spoiled(PLATE, WrongAboutInterpolation),
         spoiled(LINE, WrongAboutInterpolation),
         spoiled(SMOOTHED, WrongAboutInterpolation),
@@ -591,7 +591,7 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
     laws.the_form_of_the_arrays_does_not_matter: [spoiled(PLATE, SinglePrecisionData)],
     laws.integers_are_numbers: [spoiled(LINE, IntegerAnswers)],
     laws.a_pickled_copy_gives_the_same_bits: [spoiled(PARABOLA, ForgetsOnTheWay)],
-    laws.what_is_no_number_is_refused: [spoiled(LINE, NanMeansZero)],
+    laws.nan_and_infinity_are_refused: [spoiled(LINE, NanMeansZero)],
     laws.wrong_shapes_are_refused: [spoiled(LINE, AnyLength)],
     laws.leaving_one_out_is_fitting_without_it: [
         made(LINE, "InSamplePolynomial", lambda p, _: InSamplePolynomial(p)),

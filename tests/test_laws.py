@@ -1,4 +1,4 @@
-"""Every method obeys every law, every law catches its mistakes, and no method is left out."""
+"""Every method satisfies every law, every law detects its mutants, and no method is missing."""
 
 import importlib
 import multiprocessing
@@ -77,7 +77,7 @@ def test_a_broken_law_is_named():
     errors = broken.value.exceptions
     assert all("deviates by" in str(error) for error in errors)
     assert [error.__notes__ for error in errors] == [
-        ["The law is gradients_of_polynomials_come_back."],
+        ["The law is gradients_of_polynomials_are_reproduced."],
         ["The law is the_gradient_is_the_derivative."],
     ]
 

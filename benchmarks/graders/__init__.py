@@ -1,4 +1,4 @@
-"""Other graders, each in an environment of its own, with the versions of its lock file."""
+"""Other graders, each in a separate environment with the versions of its lock file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.handed_in import ROOT, Assignment
+from benchmarks.assignments import ROOT, BenchmarkAssignment
 
 HERE = Path(__file__).parent
 VENV = ROOT / ".venv" / "graders"
@@ -61,7 +61,9 @@ def started(name: str, *arguments: object, folder: Path) -> str:
 class Nbgrader:
     """`nbgrader autograde`, one command for all."""
 
-    def __init__(self, folder: Path, assignment: Assignment, files: Sequence[bytes]) -> None:
+    def __init__(
+        self, folder: Path, assignment: BenchmarkAssignment, files: Sequence[bytes]
+    ) -> None:
         self.folder, self.files = folder, files
         source = folder / "source" / "ps" / "work.ipynb"
         source.parent.mkdir(parents=True)
@@ -100,7 +102,9 @@ with Gradebook("sqlite:///gradebook.db") as book:
 class Otter:
     """`otter run`, a command for each."""
 
-    def __init__(self, folder: Path, assignment: Assignment, files: Sequence[bytes]) -> None:
+    def __init__(
+        self, folder: Path, assignment: BenchmarkAssignment, files: Sequence[bytes]
+    ) -> None:
         self.folder, self.files = folder, files
         tests = folder / "tests"
         tests.mkdir(parents=True)

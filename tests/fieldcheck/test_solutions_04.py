@@ -8,8 +8,7 @@ from fieldcheck.questions.q03_radial_basis_functions import cloud
 from fieldcheck.questions.q04_rank_of_normals import directions, flow
 from fieldgrade.authoring.sources import Source
 from fieldrecon import SimplexMesh
-from fieldreport.experiments.velocity.normal_configurations import configurations
-from fieldreport.experiments.velocity.normal_fits import (
+from fieldreport.experiments.velocity.normal_matrix_rank import (
     conics_through,
     field_along,
     normal_matrix,
@@ -17,6 +16,7 @@ from fieldreport.experiments.velocity.normal_fits import (
     rank,
     vertices_around,
 )
+from fieldreport.experiments.velocity.rank_deficient_normals import configurations
 
 NOTEBOOK = Source(ROOT / "solutions/04_rank_of_normals.py").functions()
 

@@ -1,4 +1,4 @@
-"""What the experiments claim agrees with what is known independently of the library."""
+"""Claims of the experiments, compared with values that are known independently of the library."""
 
 import numpy as np
 import pytest

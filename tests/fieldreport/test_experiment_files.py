@@ -1,4 +1,4 @@
-"""Results, parameters and files: what goes in comes out, and what is wrong is told."""
+"""Results, parameters and files: values survive writing and reading, and errors are reported."""
 
 import json
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ from fieldrecon.io.tables import csv_bytes
 from fieldreport.framework import result_files as files
 from fieldreport.framework.experiment import (
     Result,
-    Table,
+    ResultTable,
     cell_from_text,
     order_of_magnitude,
     require_at_least,
 )
-from fieldreport.framework.settings import with_settings
+from fieldreport.framework.parameters import replace_parameters
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 CELLS = st.one_of(st.integers(), FINITE, st.text(alphabet="abc,;\" '\n%é", max_size=8))
@@ -42,7 +42,7 @@ def result(**changes):
 @given(rows=st.lists(st.tuples(CELLS, CELLS), max_size=5))
 def test_a_table_comes_back_from_its_file(tmp_path_factory, rows):
     """Numbers keep their kind and texts their commas, quotes and line breaks."""
-    table = Table(("first, with a comma", "second"), tuple(rows))
+    table = ResultTable(("first, with a comma", "second"), tuple(rows))
     path = tmp_path_factory.mktemp("table") / "table.csv"
     path.write_bytes(csv_bytes(table.columns, table.rows))
     back = files._read_table(path)
@@ -67,9 +67,15 @@ def test_a_fact_is_kept_to_nine_digits(x):
         (lambda: result(facts={"won": True}), "fact 'won' must be a number or a text"),
         (lambda: result(facts={"all": [1]}), "fact 'all' must be a number or a text; got list"),
         (lambda: result(arrays={"a": [{}]}), "array 'a' must hold numbers or texts; got objects"),
-        (lambda: Table(("n",), (("12",),)), "column 'n' holds the text '12'; give the number"),
-        (lambda: Table(("n", "e"), ((1,),)), r"a row must have 2 cells, \('n', 'e'\); got \(1,\)"),
-        (lambda: Table(("n",), ((1,),)).column("m"), "no column 'm'; the table has n"),
+        (
+            lambda: ResultTable(("n",), (("12",),)),
+            "column 'n' holds the text '12'; give the number",
+        ),
+        (
+            lambda: ResultTable(("n", "e"), ((1,),)),
+            r"a row must have 2 cells, \('n', 'e'\); got \(1,\)",
+        ),
+        (lambda: ResultTable(("n",), ((1,),)).column("m"), "no column 'm'; the table has n"),
     ],
 )
 def test_what_cannot_be_told_is_refused(make, words):
@@ -122,7 +128,7 @@ def test_cells_read_as_what_they_are():
 )
 def test_settings_are_read_by_the_type_of_their_field(settings, wanted):
     """Typed texts and values of a settings file give the same parameters, of the same types."""
-    params = with_settings(Params(), settings)
+    params = replace_parameters(Params(), settings)
     assert params == wanted
     assert all(type(getattr(params, n)) is type(getattr(Params(), n)) for n in settings)
 
@@ -145,7 +151,7 @@ def test_settings_are_read_by_the_type_of_their_field(settings, wanted):
 def test_a_wrong_setting_is_told_in_words(settings, words):
     """The message names the parameter, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
-        with_settings(Params(), settings)
+        replace_parameters(Params(), settings)
 
 
 def test_parameters_have_least_values():
@@ -173,7 +179,7 @@ def test_files_are_whole_or_absent(tmp_path, monkeypatch):
 
 def test_a_table_that_is_gone_is_not_read_back(tmp_path):
     """The tables in a folder are those of its last run."""
-    table = Table(("n",), ((1,),))
+    table = ResultTable(("n",), ((1,),))
     files.write_result(result(tables={"old": table, "kept": table}), tmp_path)
     files.write_result(result(tables={"kept": table}), tmp_path)
     assert [path.name for path in tmp_path.glob("*.csv")] == ["kept.csv"]

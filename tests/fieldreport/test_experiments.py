@@ -1,4 +1,4 @@
-"""Every experiment keeps the same promises, whatever it is about."""
+"""Requirements that every experiment must satisfy."""
 
 import importlib.util
 import re

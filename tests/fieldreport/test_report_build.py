@@ -1,4 +1,4 @@
-"""The build: it does what is to be done, nothing else, and can be broken off at any moment."""
+"""The build: it repeats only what is out of date, and can be interrupted at any moment."""
 
 import errno
 import hashlib
@@ -15,7 +15,7 @@ from fieldrecon._core.atomic_files import temporary_beside
 from fieldreport.build import (
     build,
     pinned_kernels,
-    reproducible,
+    reproducibility,
     rerun,
     step_records,
     typesetting,
@@ -84,10 +84,10 @@ def test_two_folders_get_the_same_bytes(whole, tmp_path, monkeypatch):
     monkeypatch.setenv("TZ", "Pacific/Kiritimati")
     other = tmp_path / "another folder" / "out"
     assert whole.build(f"--out={other}") == 0
-    assert reproducible.different(whole.out, other) == []
+    assert reproducibility.different(whole.out, other) == []
     pdf = other / "report.pdf"
     pdf.write_bytes(pdf.read_bytes().replace(b"%PDF", b"%PDG", 1))
-    assert reproducible.different(whole.out, other) == ["report.pdf"]
+    assert reproducibility.different(whole.out, other) == ["report.pdf"]
 
 
 class TestOnlyWhatDepends:
@@ -190,7 +190,7 @@ def once(tmp_path_factory):
 
 
 def nothing_changed(report):
-    return up_to_date.told(report.options())
+    return up_to_date.is_up_to_date(report.options())
 
 
 class TestNothingChanged:
@@ -390,7 +390,7 @@ def test_facts_agree_to_the_digits_stated():
         return {"experiments": {"a": {"params": {"n": 1}, "facts": facts | changed}}}
 
     def deviations(**changed):
-        return list(reproducible.deviations(manifest(), manifest(**changed), digits_of))
+        return list(reproducibility.deviations(manifest(), manifest(**changed), digits_of))
 
     for near in ({"x": 1.00001}, {"rough": 1.1}, {"order": 0.1}, {"e": 1e-16}, {"e": 1.2e-15}):
         assert deviations(**near) == []
@@ -400,7 +400,7 @@ def test_facts_agree_to_the_digits_stated():
     ):
         assert len(deviations(**far)) == 1, far
     other = {"experiments": {"a": {"params": {"n": 2}, "facts": {}}}}
-    told = list(reproducible.deviations(manifest(), other, digits_of))
+    told = list(reproducibility.deviations(manifest(), other, digits_of))
     assert ["parameters" in text for text in told] == [True]
 
 

@@ -1,4 +1,4 @@
-"""The chapters keep to the rules: no computed result is typed, every work cited is known."""
+"""Rules for chapters: no computed result is typed, every cited work is in the bibliography."""
 
 import re
 

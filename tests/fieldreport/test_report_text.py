@@ -1,4 +1,4 @@
-"""The text: the same numbers in both outputs, facts that read well, mistakes that stop it."""
+"""The text: equal numbers in both outputs, well-formatted facts, errors that stop the build."""
 
 import html
 import re

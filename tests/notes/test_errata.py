@@ -1,7 +1,7 @@
-"""What the slides state wrongly or incompletely: a counterexample to each, and what is right.
+"""Errors and omissions of the slides: a counterexample to each, and the correct statement.
 
-The page stands in the heading. Counterexamples are made here, from the formula as it is printed and
-mostly in rational numbers; what is right is then asked of the library as well. The chapter Errata
+The headings give the pages. Each counterexample evaluates the printed formula, mostly in rational
+numbers; the correct statement is then tested on the library as well. The chapter Errata
 of the report names every test of this file, and no other.
 """
 

@@ -1,7 +1,7 @@
-"""What the appendix and the book state wrongly or incompletely, on surfaces, splines and kernels.
+"""Errors and omissions of the appendix and the book, on surfaces, splines and kernels.
 
-Counterexamples are made here, from the sentence as it is printed and mostly in rational numbers;
-what is right is then asked of the library as well. The chapter on the errata of the book and the
+Each counterexample follows the printed sentence, mostly in rational numbers; the correct statement
+is then tested on the library as well. The chapter on the errata of the book and the
 appendix names every test of the files test_errata_*.py, and no other.
 """
 

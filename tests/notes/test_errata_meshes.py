@@ -1,6 +1,6 @@
-"""What the appendix says of errors of meshes, and what they are errors of.
+"""Errors and omissions of the appendix on mesh errors.
 
-Meshes are counted here, triangle by triangle, as the words define them; the audit is asked as well.
+Triangles are counted here by the definitions; the audit is tested as well.
 """
 
 import itertools

@@ -1,6 +1,7 @@
 """Every page of the slides with mathematics, in a few lines of numpy, against the library.
 
-Where a page is wrong, its test implements what is meant, and names the test of `test_errata.py`
+Where a page is wrong, its test implements the intended statement, and names the test of
+`test_errata.py`
 that shows the mistake.
 """
 

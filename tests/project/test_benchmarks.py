@@ -1,4 +1,4 @@
-"""The benchmarks run, at the size of a toy, and say what they found; never how fast."""
+"""The benchmarks run at a very small size and report their results; speed is not tested."""
 
 import importlib
 import json
@@ -16,11 +16,11 @@ if str(ROOT) not in sys.path:
 
 from benchmarks import __main__ as command
 from benchmarks import charts, graders, memory, mesh_scaling, pages, peers
-from benchmarks.contestants import CONTESTANTS, OURS
-from benchmarks.handed_in import SMALL, Assignment
-from benchmarks.measure import Chart, Comparison, Outcome, cores, in_turn, threads
+from benchmarks.assignments import SMALL, BenchmarkAssignment
+from benchmarks.compared_methods import METHODS, OURS
 from benchmarks.mesh_velocities import Flow
 from benchmarks.moving_least_squares import Problem
+from benchmarks.timing import BenchmarkResult, Chart, Comparison, cores, in_turn, threads
 
 from fieldrecon.datasets.synthetic import franke, uniform
 
@@ -120,7 +120,7 @@ def test_threads_are_given_back():
 def test_a_contestant_is_asked_what_its_settings_are_for():
     """Smoothing is for noise, plane methods for the plane, dense ones for few sites."""
     asked = {
-        (data, n): {c.name for c in CONTESTANTS.values() if c.takes(data, n)}
+        (data, n): {c.name for c in METHODS.values() if c.takes(data, n)}
         for data, n in [("noisy", 1000), ("smooth", 1000), ("cube", 1000), ("smooth", 10**6)]
     }
     assert "ferreus_rbf, r³, smoothed" in asked["noisy", 1000] - asked["smooth", 1000]
@@ -175,7 +175,7 @@ def test_the_drawings_are_those_of_the_results():
 def test_a_drawing_shows_its_numbers(tmp_path):
     """The page links the drawing, which bears the mark of its numbers and of no others."""
     chart = Chart("Time", "size", "seconds", [1, 2], {"ours": [1.0, 2.0], "theirs": [3.0, 4.0]})
-    result = {"title": "Growth", "machine": {}, **Outcome(charts=[chart]).as_dict()}
+    result = {"title": "Growth", "machine": {}, **BenchmarkResult(charts=[chart]).as_dict()}
     pages.write("growth", result, tmp_path)
     assert "![Time](growth.svg)" in (tmp_path / "README.md").read_text()
     drawing = (tmp_path / "growth.svg").read_text()
@@ -202,7 +202,7 @@ def test_an_exponent_is_that_of_the_larger_meshes():
 @pytest.mark.parametrize("number", range(10))
 def test_what_is_handed_in_is_right_where_it_says_so(number):
     """The test behind a question passes if and only if the question is among the right ones."""
-    content, right = Assignment(SMALL).handed_in(number)
+    content, right = BenchmarkAssignment(SMALL).submission(number)
     names, passed = {}, set()
     for cell in json.loads(content)["cells"]:
         told = cell["metadata"].get("nbgrader", {})

@@ -1,4 +1,4 @@
-"""What make starts and what it leaves alone, with a stand-in for the command it starts."""
+"""The targets of make, with a stand-in for the commands that they start."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""The names of the package: found when they are used, and imported no earlier."""
+"""Public names of the package: resolved on use, and not imported earlier."""
 
 import inspect
 import re

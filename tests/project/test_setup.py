@@ -1,4 +1,4 @@
-"""The set-up of a bare machine, on machines made up for the purpose.
+"""The set-up of a bare machine, on simulated machines.
 
 Nothing is downloaded, but by the one slow test, which is the real thing. A machine is a folder
 that is the whole PATH. Its Pythons are this one behind a mask that changes the version or hides

@@ -1,4 +1,4 @@
-"""What Windows lacks is taken away, and the library and the self-checks still work.
+"""Windows: without the modules that it lacks, the library and the self-checks still work.
 
 No Windows machine is needed: a Python of its own has the modules and functions removed before the
 first import, reads text in a legacy encoding by default, and runs quick tests.

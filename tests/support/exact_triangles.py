@@ -1,4 +1,4 @@
-"""How triangles meet, literally and slowly: points in rational numbers, one pair after the other.
+"""Exact reference for intersections of triangles: rational points, all pairs.
 
 Triangles are cut with one another, and of what they have in common one asks in the inside, on which
 edge or at which corner of each it lies.

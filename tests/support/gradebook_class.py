@@ -1,4 +1,4 @@
-"""A class for tests: notebooks with known mistakes in them, and records made by hand."""
+"""A class for tests of the gradebook: notebooks with known mistakes, and records made by hand."""
 
 import ast
 import json

@@ -1,4 +1,4 @@
-"""A small class for the tests of the grader: what it hands in, and a run that grades it."""
+"""A small class for tests of the grader: its submissions, and a run that grades it."""
 
 import json
 import shutil
@@ -7,7 +7,7 @@ from checkout import ROOT
 from fieldgrade.authoring.build import all_sources
 from fieldgrade.grading.run import Choice, GradingRun
 from fieldgrade.isolation.server import tiers
-from handed_in import lay, notebook
+from submission_files import lay, notebook
 
 TIER = tiers()[0]
 SOURCES = {source.number: source for source in all_sources(ROOT)}

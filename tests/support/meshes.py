@@ -1,4 +1,4 @@
-"""Meshes and fields on which what is true of all meshes is tested."""
+"""Meshes and fields for tests of properties that hold on all meshes."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Linear algebra in rational numbers, where what is zero is zero and rank is rank."""
+"""Linear algebra in rational numbers, with exact zeros and exact ranks."""
 
 from collections.abc import Sequence
 from fractions import Fraction

@@ -1,4 +1,4 @@
-"""A small report for tests: two fake experiments, a fresh text, and builds within this process."""
+"""A small report for tests: two fake experiments, a new text, and builds within this process."""
 
 import argparse
 import importlib
@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldreport.framework.experiment import Result, Table, parameter
+from fieldreport.framework.experiment import Result, ResultTable, parameter
 from fieldrecon.plotting.style import figure, line
 
 SCALE = 1.0
@@ -46,7 +46,7 @@ def run(params, each=map):
     rows = tuple((k, SCALE * params.epsilon * 10.0**-k, "yes") for k in range(3))
     return Result(
         params,
-        {{"errors": Table(("k", "error [m]", "exact"), rows)}},
+        {{"errors": ResultTable(("k", "error [m]", "exact"), rows)}},
         dict(small=params.epsilon, ratio=-2.5, count=12345, rounding=1e-16, word="fine"),
         {{"x": x}},
     )
@@ -121,7 +121,7 @@ class SmallReport:
         """Build as a new process would, and return the exit status."""
         for name in [n for n in sys.modules if n.startswith("fieldreport.experiments.topic")]:
             del sys.modules[name]
-        code_dependencies.forget()
+        code_dependencies.clear_caches()
         importlib.invalidate_caches()
         return main(self.options(*options))
 

@@ -1,4 +1,4 @@
-"""Bring the whole report up to date, and do nothing that is done already."""
+"""Bring the whole report up to date: run what is out of date, draw, typeset, write the manifest."""
 
 from __future__ import annotations
 
@@ -13,25 +13,31 @@ from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
 from fieldrecon.cli.progress import Bar
 from fieldreport import experiments
 from fieldreport.build import up_to_date
-from fieldreport.build.code_dependencies import code_behind, keeping
+from fieldreport.build.code_dependencies import code_digests, statement_cache
 from fieldreport.build.errors import BuildError
 from fieldreport.build.lock import only_build_in
 from fieldreport.build.manifest import manifest, versions
-from fieldreport.build.rerun import Job, compute, jobs_of
+from fieldreport.build.rerun import ExperimentJob, compute, jobs_of
 from fieldreport.build.step_records import Steps, content_digest, digest, digests
 from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.framework.result_files import read_result
 
 
 def build(arguments: argparse.Namespace) -> None:
-    """Run, draw, compile, and write the manifest, as far as each is out of date."""
+    """Run, draw, typeset and write the manifest, each only if it is out of date."""
     source, out = arguments.source, arguments.out or arguments.source / "build"
-    key = up_to_date.key(arguments)  # before anything is read: what is edited meanwhile counts
+    key = up_to_date.key(
+        arguments
+    )  # before anything is read, so that edits during the build are noticed
     document = Document(source, out)
     if not document.chapters:
         raise BuildError(f"there are no chapters in {source / 'chapters'}; is this the checkout?")
     settings = _settings(up_to_date.settings_file(arguments))
-    with Bar() as progress, only_build_in(out, progress.say), keeping(out / ".state/code.json"):
+    with (
+        Bar() as progress,
+        only_build_in(out, progress.say),
+        statement_cache(out / ".state/code.json"),
+    ):
         _sweep(out)
         steps = Steps(out)
         jobs = jobs_of(settings, out / "experiments")
@@ -44,8 +50,8 @@ def build(arguments: argparse.Namespace) -> None:
             up_to_date.record(steps, key, read)
 
 
-def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) -> None:
-    """Compile the text and write the manifest."""
+def _finish(document: Document, jobs: list[ExperimentJob], steps: Steps, progress: Bar) -> None:
+    """Typeset the text and write the manifest."""
     values = {job.name: _values(job) for job in jobs}
     made = [*_results(jobs), document.out / "report.html", document.out / "report.pdf"]
     key = digest(
@@ -54,7 +60,7 @@ def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) ->
             "results": digests(_results(jobs), document.out),
             "values": values,
             "versions": versions(),
-            "code": code_behind("fieldreport.build.typesetting"),
+            "code": code_digests("fieldreport.build.typesetting"),
         }
     )
     if not steps.done("document", key):
@@ -62,7 +68,7 @@ def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) ->
         document.compile(values, {"version": versions()["fieldrecon"]})
         steps.record("document", key, made[-2:])
         progress.done("set the text")
-        _tell_unquoted(document, values, progress)
+        _report_unquoted(document, values, progress)
     content = manifest(values, made, document.out)
     path = document.out / "manifest.json"
     if not path.exists() or path.read_bytes() != content:
@@ -70,8 +76,8 @@ def _finish(document: Document, jobs: list[Job], steps: Steps, progress: Bar) ->
     progress.say(f"{made[-2]} and {made[-1]} are up to date")
 
 
-def _values(job: Job) -> dict[str, Any]:
-    """Return what the text may take from an experiment."""
+def _values(job: ExperimentJob) -> dict[str, Any]:
+    """Return what the text may quote from an experiment."""
     result = read_result(job.folder, job.experiment)
     meanings = job.experiment.meanings
     return {
@@ -87,7 +93,7 @@ def _values(job: Job) -> dict[str, Any]:
     }
 
 
-def _results(jobs: list[Job]) -> list[Path]:
+def _results(jobs: list[ExperimentJob]) -> list[Path]:
     return [
         path
         for job in jobs
@@ -95,7 +101,7 @@ def _results(jobs: list[Job]) -> list[Path]:
     ]
 
 
-def _tell_unquoted(document: Document, values: Mapping[str, Any], progress: Bar) -> None:
+def _report_unquoted(document: Document, values: Mapping[str, Any], progress: Bar) -> None:
     for name, facts in unquoted_facts(document.chapters, values).items():
         progress.say(f"no chapter quotes these facts of {name}: {', '.join(facts)}")
 
@@ -109,7 +115,7 @@ def _settings(path: Path) -> dict[str, dict[str, Any]]:
         raise BuildError(f"{path}: {error}") from error
 
 
-def _chosen(jobs: list[Job], only: list[str]) -> list[Job]:
+def _chosen(jobs: list[ExperimentJob], only: list[str]) -> list[ExperimentJob]:
     unknown = set(only) - {job.name for job in jobs}
     if unknown:
         known = ", ".join(experiments.names())
@@ -118,15 +124,15 @@ def _chosen(jobs: list[Job], only: list[str]) -> list[Job]:
 
 
 def _sweep(out: Path) -> None:
-    """Remove what a killed build was writing: files under a temporary name."""
+    """Remove the temporary files of a build that was killed."""
     for folder in (out, out / ".state", *(out / "experiments").glob("*/")):
         for path in folder.glob(".*"):
             if TEMPORARY.fullmatch(path.name):
                 path.unlink()
 
 
-def _remove_others(jobs: list[Job], folder: Path) -> None:
-    """Remove the results of experiments that are no more."""
+def _remove_others(jobs: list[ExperimentJob], folder: Path) -> None:
+    """Remove the results of experiments that no longer exist."""
     for stale in set(folder.iterdir()) - {job.folder for job in jobs}:
         for file in stale.iterdir():
             file.unlink()

@@ -1,7 +1,8 @@
-"""Which code a result depends on: imports are followed and only the meaning of the source counts.
+"""Code dependencies of results: imports are followed, and only the meaning of the source counts.
 
-Comments, docstrings and layout change nothing. Of an experiment's own file only the definitions
-that are reached from given names count, so that work on a plot does not run the experiment again.
+Comments, docstrings and layout have no effect. In an experiment's own file only the definitions
+count that are reached from given names, so that a change to a plot does not run the experiment
+again.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ _distributions = cache(packages_distributions)
 
 @dataclass(frozen=True)
 class Statement:
-    """What counts of a statement at the top level of a module."""
+    """The relevant properties of a statement at the top level of a module."""
 
     form: str
     """The SHA-256 of its normal form."""
@@ -39,9 +40,9 @@ _kept: dict[str, list] = {}
 
 
 @contextmanager
-def keeping(path: Path) -> Iterator[None]:
-    """Keep what counts of each module in a file, so that the next build parses what has changed."""
-    forget()
+def statement_cache(path: Path) -> Iterator[None]:
+    """Cache the statements of all modules in a file: the next build parses only changed modules."""
+    clear_caches()
     with suppress(OSError, ValueError):
         _kept.update(json.loads(path.read_text(encoding="utf-8")))
     before = set(_kept)
@@ -50,8 +51,8 @@ def keeping(path: Path) -> Iterator[None]:
         write_atomically(path, json.dumps(_kept).encode())
 
 
-def code_behind(module: str, names: Iterable[str] = ()) -> dict[str, str]:
-    """Collect the code on which some definitions of a module depend.
+def code_digests(module: str, names: Iterable[str] = ()) -> dict[str, str]:
+    """Return digests of the code on which some definitions of a module depend.
 
     Parameters
     ----------
@@ -63,8 +64,8 @@ def code_behind(module: str, names: Iterable[str] = ()) -> dict[str, str]:
     Returns
     -------
     dict
-        For each module of ours the SHA-256 of its normal form, for each foreign package its
-        version.
+        The SHA-256 of the normal form of each module of this project, and the version of each other
+        package.
     """
     statements = _reached(_statements(module), tuple(names))
     found = {module: _digest(statements)}
@@ -78,8 +79,8 @@ def code_behind(module: str, names: Iterable[str] = ()) -> dict[str, str]:
     return dict(sorted(found.items()))
 
 
-def forget() -> None:
-    """Read all modules anew when they are asked for next."""
+def clear_caches() -> None:
+    """Clear all caches, so that all modules are read again."""
     _kept.clear()
     for memory in (
         _surroundings,
@@ -117,7 +118,7 @@ def _sha256(text: str) -> str:
 
 @cache
 def _statements(module: str) -> tuple[Statement, ...]:
-    """Parse a module, once in a build: most are behind every experiment and every figure."""
+    """Parse a module, once in a build: most experiments and figures depend on most modules."""
     spec = find_spec(module)
     if spec is None or not spec.origin:
         raise ImportError(f"there is no module {module}")
@@ -134,7 +135,7 @@ def _statements(module: str) -> tuple[Statement, ...]:
 
 @cache
 def _surroundings() -> str:
-    """Tell what else counts: Python, these rules, and which names are modules of these packages."""
+    """Return what else affects parsing: Python version, this file, names of all modules."""
     folders = [Path(find_spec(package).origin).parent for package in PACKAGES]  # type: ignore
     names = sorted(str(path) for folder in folders for path in folder.rglob("*.py"))
     return "\n".join([sys.version, Path(__file__).read_text(encoding="utf-8"), *names])
@@ -160,7 +161,7 @@ def _statement(s: ast.stmt, module: str) -> Statement:
 
 
 def _is_text(statement: ast.stmt) -> bool:
-    """Tell a docstring, or a string that documents a constant, from code."""
+    """Whether a statement is a docstring, or a string that documents a constant."""
     return (
         isinstance(statement, ast.Expr)
         and isinstance(statement.value, ast.Constant)
@@ -169,7 +170,7 @@ def _is_text(statement: ast.stmt) -> bool:
 
 
 def _reached(statements: tuple[Statement, ...], names: Iterable[str]) -> tuple[Statement, ...]:
-    """Keep the statements that define what the names need, and those that define nothing."""
+    """Select the statements that define what the names need, and those that define nothing."""
     if not names:
         return statements
     needed = set(names).union(*(s.used for s in statements if not s.defined))
@@ -193,7 +194,7 @@ def _defined(statement: ast.stmt) -> Iterator[str]:
 
 
 def _imports(nodes: Iterable[ast.AST], module: str) -> Iterator[str]:
-    """Name the modules that are imported, at any depth; the standard library left out."""
+    """Yield the modules that are imported, at any depth, without the standard library."""
     for node in nodes:
         if isinstance(node, ast.Import):
             targets = [alias.name for alias in node.names]
@@ -211,7 +212,7 @@ def _imports(nodes: Iterable[ast.AST], module: str) -> Iterator[str]:
 
 
 def _asks_by_name(node: ast.AST) -> bool:
-    """Tell a call such as ``find_spec("matplotlib")``, with which a package's files are found."""
+    """Whether a node is a call such as ``find_spec("matplotlib")`` that finds a package."""
     match node:
         case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name), args=[first, *_]):
             known = name in {"find_spec", "files", "import_module"}
@@ -238,5 +239,5 @@ def _submodule(base: str, name: str) -> str:
 def _version(package: str) -> str:
     try:
         return version(package)
-    except PackageNotFoundError:  # imported under another name than it is installed under
+    except PackageNotFoundError:  # its import name differs from its distribution name
         return version(_distributions()[package][0])

@@ -1,4 +1,4 @@
-"""What stops a build, told in a sentence."""
+"""Errors that stop a build, with a message for the author."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _DISK = {
 
 
 class BuildError(Exception):
-    """The report cannot be built; the message says why in the words of the author."""
+    """The report cannot be built; the message gives the reason in terms of the author's files."""
 
 
 def disk_failure(error: OSError) -> BuildError | None:
-    """Return what the author is told about a disk that cannot be written to, else None.
+    """Return the error to report if a disk cannot be written to, else None.
 
     Examples
     --------

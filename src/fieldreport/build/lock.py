@@ -1,4 +1,4 @@
-"""One build at a time in one folder."""
+"""A lock that allows one build at a time in a folder."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from pathlib import Path
 
 @contextmanager
 def only_build_in(folder: Path, say: Callable[[str], None]) -> Iterator[None]:
-    """Hold the folder's lock inside the ``with``; wait for another build, and say so.
+    """Hold the lock of the folder inside the ``with``; report and wait for another build.
 
-    The system lets go of the lock when the process ends, killed or not.
+    The system releases the lock when the process ends, even if it is killed.
 
     Raises
     ------
     OSError
-        The system has no such locks.
+        If the system has no such locks.
     """
     try:
         import fcntl

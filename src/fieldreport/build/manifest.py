@@ -1,4 +1,4 @@
-"""What a finished build was made of and what it made, as ``manifest.json``."""
+"""``manifest.json``: the inputs, versions and outputs of a finished build."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ PACKAGES = ("fieldrecon", "numpy", "scipy", "matplotlib", "fonttools", "pypandoc
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of what computes, draws and sets the report."""
+    """Return the versions of Python and of the packages that make the report."""
     return {"python": platform.python_version()} | {name: version(name) for name in PACKAGES}
 
 
 def machine() -> dict[str, str]:
-    """Return the kind of machine: with equal pins and versions, one kind gives equal bytes."""
+    """Return the kind of machine; with equal pins and versions, one kind gives equal bytes."""
     return {"system": platform.system(), "processor": platform.machine()}
 
 

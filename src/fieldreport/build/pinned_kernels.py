@@ -21,20 +21,20 @@ from fieldrecon._core.simd_dispatch import blas_cores, dispatch, dispatched
 from fieldreport.build.errors import BuildError
 
 X86_64_V3 = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"}
-"""What the Haswell kernels and NumPy's X86_V3 need, as ``/proc/cpuinfo`` names it."""
+"""Features that the Haswell kernels and NumPy's X86_V3 need, as named in ``/proc/cpuinfo``."""
 
 UP_TO_X86_V3 = {
     *("X86_V2", "X86_V3"),
     *("SSE", "SSE2", "SSE3", "SSSE3", "SSE41", "POPCNT", "SSE42", "AVX", "F16C", "FMA3", "AVX2"),
 }
-"""NumPy's dispatch that stays on: its levels since 2.4, and the single features before."""
+"""NumPy's dispatch that stays enabled: levels since NumPy 2.4, single features before."""
 
 NUMERICAL = ("GLIBC_TUNABLES", "GOTO", "NPY_", "OMP_", "OPENBLAS_", "SCIPY_")
-"""Beginnings of the names of the variables that may change a number."""
+"""Prefixes of the names of the variables that may change a result."""
 
 
 def pins() -> dict[str, str]:
-    """Return the environment variables that the workers get; none where nothing is pinned."""
+    """Return the environment variables of the workers; empty where nothing is pinned."""
     return _haswell() if has_x86_64_v3() else {}
 
 
@@ -52,7 +52,7 @@ def _haswell() -> dict[str, str]:
 def has_x86_64_v3(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
     """Whether the processor has AVX2 and its companions, by the kernel's list.
 
-    NumPy's own list leaves out what the caller has disabled.
+    NumPy's own list omits the features that the caller has disabled.
     """
     if sys.platform != "linux" or platform.machine() != "x86_64":
         return False
@@ -62,7 +62,7 @@ def has_x86_64_v3(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
 
 @contextmanager
 def environment(pinned: Mapping[str, str]) -> Iterator[None]:
-    """Give what starts inside the ``with`` the pins instead of the caller's own such variables."""
+    """Start processes inside the ``with`` with the pins in place of the caller's variables."""
     if not pinned:
         yield
         return
@@ -79,12 +79,12 @@ def environment(pinned: Mapping[str, str]) -> Iterator[None]:
 
 
 def run_pinned(pinned: Mapping[str, str], work: Callable, /, *args: Any, **kwargs: Any) -> Any:
-    """Call a function, once it is certain that the pins of this process took effect.
+    """Check that the pins of this process took effect, then call a function.
 
     Raises
     ------
     BuildError
-        If they did not: OpenBLAS ignores a core that it was not built with, without a word.
+        If they did not: OpenBLAS silently ignores a core that it was not built with.
     """
     if pinned:
         require(pinned)
@@ -92,7 +92,7 @@ def run_pinned(pinned: Mapping[str, str], work: Callable, /, *args: Any, **kwarg
 
 
 def require(pinned: Mapping[str, str]) -> None:
-    """Refuse libraries that do not run what the pins say."""
+    """Refuse libraries that do not run the pinned kernels."""
     core, off = pinned["OPENBLAS_CORETYPE"], pinned["NPY_DISABLE_CPU_FEATURES"].split()
     wrong = {f"{name}'s OpenBLAS": x for name, x in blas_cores().items() if x != core}
     wrong |= dict.fromkeys((name for name in dispatched() if name in off), "on")

@@ -1,7 +1,7 @@
 """Run the experiments whose parameters or code changed, and redraw the figures that changed.
 
-Workers compute and draw; only this process writes, under the lock of the build. A worker ends when
-this process does, so that a killed build leaves nobody behind.
+Workers compute and draw; only this process writes, under the lock of the build. Workers end with
+this process, so that a killed build leaves no processes behind.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.blas_threads import one_blas_thread
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport import experiments
-from fieldreport.build.code_dependencies import code_behind
+from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.pinned_kernels import pins
 from fieldreport.build.step_records import Steps, content_digest, digest, digests
 from fieldreport.build.workers import workers
 from fieldreport.framework.experiment import Experiment, Result
+from fieldreport.framework.parameters import replace_parameters
 from fieldreport.framework.result_files import read_result, write_result
-from fieldreport.framework.settings import with_settings
 
 RUN_NAMES = ("DIGITS", "Params", "run")
 FORMAT = "svg"
@@ -34,8 +34,8 @@ Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Job:
-    """One experiment of the report with the parameters it is to be run with."""
+class ExperimentJob:
+    """An experiment of the report with its parameters."""
 
     experiment: Experiment
     params: Any
@@ -47,16 +47,16 @@ class Job:
         return self.experiment.name
 
     def run_key(self) -> str:
-        """Return the digest of all that the result depends on."""
-        code = code_behind(self.experiment.module.__name__, RUN_NAMES)
+        """Return the digest of what the result depends on."""
+        code = code_digests(self.experiment.module.__name__, RUN_NAMES)
         params = asdict(self.params)
         for name, path in self.experiment.inputs(self.params).items():
             params[name] = content_digest(path)
         return digest({"name": self.name, "params": params, "code": code, "pins": pins()})
 
     def figure_key(self, plot: Callable[[Result], Any]) -> str:
-        """Return the digest of all that a figure depends on: its code and the files of the run."""
-        code = code_behind(self.experiment.module.__name__, [plot.__name__])
+        """Return the digest of what a figure depends on: its code and the files of the run."""
+        code = code_digests(self.experiment.module.__name__, [plot.__name__])
         result = digests(self.result_files(), self.folder)
         return digest({"code": code, "result": result, "pins": pins()})
 
@@ -73,7 +73,7 @@ class Job:
         return self.folder / f"{figure}.{FORMAT}"
 
 
-def jobs_of(settings: Mapping[str, Mapping[str, Any]], folder: Path) -> list[Job]:
+def jobs_of(settings: Mapping[str, Mapping[str, Any]], folder: Path) -> list[ExperimentJob]:
     """List the experiments of the report, in the order of the settings, then by name.
 
     Raises
@@ -89,26 +89,26 @@ def jobs_of(settings: Mapping[str, Mapping[str, Any]], folder: Path) -> list[Job
     return [_job(name, settings.get(name, {}), folder) for name in order]
 
 
-def _job(name: str, changes: Mapping[str, Any], folder: Path) -> Job:
+def _job(name: str, changes: Mapping[str, Any], folder: Path) -> ExperimentJob:
     experiment = experiments.get(name)
     try:
-        params = with_settings(experiment.defaults, changes)
+        params = replace_parameters(experiment.defaults, changes)
     except ValueError as error:
         raise BuildError(f"experiments.toml, [{name}]: {error}") from error
-    return Job(experiment, params, folder / name)
+    return ExperimentJob(experiment, params, folder / name)
 
 
-def compute(jobs: list[Job], steps: Steps, processes: int, progress: Any) -> None:
+def compute(jobs: list[ExperimentJob], steps: Steps, processes: int, progress: Any) -> None:
     """Bring results and figures of all jobs up to date.
 
     Parameters
     ----------
-    jobs : list of Job
-        Started in this order.
+    jobs : list of ExperimentJob
+        In the order in which they start.
     steps : Steps
-        What is done already.
+        The records of the steps that are up to date.
     processes : int
-        How many compute.
+        The number of workers.
     progress : object
         Has ``add(count)``, ``done(text)``.
     """
@@ -122,8 +122,8 @@ def compute(jobs: list[Job], steps: Steps, processes: int, progress: Any) -> Non
                 work |= work.pop(future)(future)
 
 
-def _start(job: Job, steps: Steps, pool: Executor, progress: Any) -> dict:
-    """Submit the run of a job, or, where that is done, its figures."""
+def _start(job: ExperimentJob, steps: Steps, pool: Executor, progress: Any) -> dict:
+    """Submit the run of a job or, if the run is up to date, its figures."""
     key = job.run_key()
     if steps.done(f"run-{job.name}", key):
         return _start_figures(job, steps, pool, progress)
@@ -139,7 +139,7 @@ def _start(job: Job, steps: Steps, pool: Executor, progress: Any) -> dict:
     return {pool.submit(_run, job.name, job.params): finish}
 
 
-def _start_figures(job: Job, steps: Steps, pool: Executor, progress: Any) -> dict:
+def _start_figures(job: ExperimentJob, steps: Steps, pool: Executor, progress: Any) -> dict:
     """Submit the figures of a job that changed, and remove those that it no longer draws."""
     work = {}
     current = {job.figure_file(figure) for figure in job.experiment.plots}
@@ -154,7 +154,9 @@ def _start_figures(job: Job, steps: Steps, pool: Executor, progress: Any) -> dic
     return work
 
 
-def _finish_figure(job: Job, figure: str, key: str, steps: Steps, progress: Any) -> Callable:
+def _finish_figure(
+    job: ExperimentJob, figure: str, key: str, steps: Steps, progress: Any
+) -> Callable:
     def finish(future: Future) -> dict:
         path = job.figure_file(figure)
         write_atomically(path, _outcome(future, f"figure {figure}"))
@@ -166,7 +168,7 @@ def _finish_figure(job: Job, figure: str, key: str, steps: Steps, progress: Any)
 
 
 def _run(name: str, params: Any) -> tuple[dict, dict, dict]:
-    """Run an experiment; return tables, facts and arrays in a form that travels."""
+    """Run an experiment; return tables, facts and arrays in a form that can be pickled."""
     result = experiments.get(name).run(params)
     return dict(result.tables), dict(result.facts), dict(result.arrays)
 
@@ -179,7 +181,7 @@ def _draw(folder: Path, figure: str) -> bytes:
 
 
 def _outcome(future: Future, what: str) -> Any:
-    """Return what a worker found, or say what failed and where."""
+    """Return the result of a worker, or raise what failed, with its traceback."""
     try:
         return future.result()
     except BrokenProcessPool as error:

@@ -1,6 +1,6 @@
-"""What is done already: each step of a build leaves a note of what went in and what came out.
+"""Build records: each step of a build stores the digests of its inputs and outputs.
 
-The note is written last. A build that was killed finds steps without a note, and does them again.
+The record is written last. After a build was killed, the steps without a record are repeated.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def file_digest(path: Path) -> str:
 
 
 def content_digest(path: Path) -> str:
-    """Return the SHA-256 of a file's content, or nothing where there is no file."""
+    """Return the SHA-256 of a file's content, or an empty text if there is no file."""
     return file_digest(path) if path.is_file() else ""
 
 
@@ -46,18 +46,18 @@ def digests(paths: Iterable[Path], root: Path) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Steps:
-    """The notes of one build folder.
+    """The records of one build folder.
 
     Parameters
     ----------
     out : Path
-        The build folder; notes lie in ``out/.state``.
+        The build folder; the records are in ``out/.state``.
     """
 
     out: Path
 
     def done(self, step: str, key: str) -> bool:
-        """Tell whether a step was done with this key and all it made is still there, unchanged."""
+        """Whether a step was done with this key, and its outputs still exist, unchanged."""
         try:
             note = self._read(step)
             made = {self.out / name: old for name, old in note["made"].items()}
@@ -70,7 +70,7 @@ class Steps:
             return False
 
     def made(self, step: str) -> set[Path]:
-        """Return the files of a step that was done."""
+        """Return the output files of a recorded step."""
         return {self.out / name for name in self._read(step)["made"]}
 
     def record(
@@ -80,9 +80,9 @@ class Steps:
         made: Iterable[Path],
         read: Mapping[Path, str] = MappingProxyType({}),
     ) -> None:
-        """Note that a step is done; `made` are its files, `read` digests of what is not in the key.
+        """Record a step: `made` are its outputs, `read` the digests of inputs not in the key.
 
-        Files are read before they are made from, so the digests are those from then.
+        The digests of inputs are taken before the step reads them.
         """
         told = {str(path): content for path, content in read.items()}
         note = {"key": key, "made": digests(made, self.out), "read": told}

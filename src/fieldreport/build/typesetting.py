@@ -1,4 +1,4 @@
-"""From chapters to one HTML file and one PDF: pandoc, its Lua passes, and Typst."""
+"""Typesetting: from chapters to one HTML file and one PDF, by pandoc, Lua filters, and Typst."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from pathlib import Path
 from typing import Any, Final, cast
 
 from fieldrecon._core.atomic_files import write_atomically
-from fieldreport.build.code_dependencies import code_behind
+from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.manifest import versions
 from fieldreport.build.step_records import Steps, digest
 
 PDF_STANDARD: Final = "ua-1"
 OUTPUTS: Final = ("html5", "typst-citations")
-"""What pandoc writes. Citations are text by then, and Typst is not to make them again."""
+"""The output format of pandoc. Citations are text already, so Typst must not process them again."""
 NO_DATE = 0
-"""Seconds since 1970 that Typst writes as the time of creation, were the document to show one."""
+"""The time of creation for Typst, in seconds since 1970; the document does not show it."""
 
 
 @dataclass(frozen=True)
 class Document:
-    """The text of the report and where it goes.
+    """The source files of the report and its build folder.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Document:
 
     @property
     def inputs(self) -> list[Path]:
-        """All files of the text."""
+        """All source files of the report."""
         names = ("style.css", "template.html", "template.typ", "metadata.yaml", "references.bib")
         return [
             *self.chapters,
@@ -64,14 +64,14 @@ class Document:
         Parameters
         ----------
         values : mapping
-            Facts, parameters, tables and figures of each experiment, for the Lua passes.
+            Facts, parameters, tables and figures of each experiment, for the Lua filters.
         metadata : mapping
             Added to ``metadata.yaml``.
 
         Raises
         ------
         BuildError
-            All that is wrong with the text, with file and line where they can be found.
+            If the text has errors: all of them, with file and line where known.
         """
         page, print_ = self.convert(values, metadata)
         return [
@@ -80,7 +80,7 @@ class Document:
         ]
 
     def convert(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> tuple[str, str]:
-        """Return the text as HTML, still without style and fonts, and as Typst."""
+        """Return the text as HTML, without style and fonts, and as Typst."""
         state = self.out / ".state"
         write_atomically(state / "values.json", json.dumps(values).encode())
         places = {"values": state / "values.json", "figures": self.out / "experiments"}
@@ -137,7 +137,7 @@ class Document:
         return run.stdout
 
     def _explained(self, stderr: str) -> str:
-        """Tell the passes' problems with their place in the text; all else as pandoc says it."""
+        """Return the filters' problems with file and line, or else pandoc's own message."""
         lines = [line.split("\t") for line in stderr.splitlines() if line.startswith("PROBLEM\t")]
         if not lines:
             return f"pandoc: {stderr.strip()}"
@@ -151,18 +151,18 @@ class Document:
         return ""
 
     def _dressed(self, page: str) -> str:
-        """Put style sheet, fonts and figures into the page."""
+        """Embed style sheet, fonts and figures in the page."""
         css = (self.source / "style.css").read_text(encoding="utf-8")
         page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
         page = page.replace("/* style */", self._fonts(page) + css, 1)
-        return self.with_figures(page)  # last, since they make it twenty times as long
+        return self.with_figures(page)  # last, since the figures make the page twenty times as long
 
     def with_figures(self, page: str) -> str:
-        """Put the figures into the page, which names them."""
+        """Embed the figures that the page refers to."""
         return FIGURE.sub(self._embedded, page)
 
     def _fonts(self, page: str) -> str:
-        """Return the rules of the fonts, which are cut down anew only if other characters occur."""
+        """Return the font rules; fonts are subset again only if the characters have changed."""
         from fieldreport.build.webfonts import code_points, faces_of
 
         points = code_points(page)
@@ -170,7 +170,7 @@ class Document:
             {
                 "points": [sorted(some) for some in points],
                 "versions": versions(),
-                "code": code_behind("fieldreport.build.webfonts"),
+                "code": code_digests("fieldreport.build.webfonts"),
             }
         )
         steps, path = Steps(self.out), self.out / ".state" / "fonts.css"
@@ -201,13 +201,13 @@ class Document:
 
 
 UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
-"""Pandoc leaves the operator to the browser, which would slant it like a variable."""
+"""Without this, a browser would slant the operator like a variable."""
 FIGURE = re.compile(r'(?<=<img src=")[^":]+\.svg(?=")')
 QUOTATION = re.compile(r"\{\{(\w+)\.(params\.)?(\w+)(?::[^{}]*)?\}\}")
 
 
 def pandoc() -> Path:
-    """Return the pandoc of the wheel, whatever other one is installed."""
+    """Return the path of pandoc in the wheel, even if another pandoc is installed."""
     import pypandoc
 
     name = "pandoc.exe" if sys.platform == "win32" else "pandoc"
@@ -215,7 +215,7 @@ def pandoc() -> Path:
 
 
 def unquoted_facts(chapters: list[Path], values: Mapping[str, Any]) -> dict[str, list[str]]:
-    """List the facts that no chapter quotes, by experiment; those with none left out."""
+    """List the facts that no chapter quotes, for each experiment that has some."""
     text = "\n".join(path.read_text(encoding="utf-8") for path in chapters)
     quoted = {(name, fact) for name, params, fact in QUOTATION.findall(text) if not params}
     left = {

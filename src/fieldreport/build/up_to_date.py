@@ -1,8 +1,8 @@
-"""Whether anything changed since the last whole build, told from files alone.
+"""A fast check whether anything changed since the last complete build, from files alone.
 
-A build that has nothing to do would import all experiments to find that out. Here the contents
-count of every file that a build reads, comments included, and of every file that it wrote. Where
-one differs, the steps of the build find out what is to be done.
+A build with nothing to do would have to import all experiments to establish this. Here the contents
+of all files count that a build reads, comments included, and of all files that it wrote. If one
+differs, the steps of the build decide what must be rerun.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ STEP = "build"
 HIDDEN = {".state", ".lock"}
 
 
-def told(arguments: argparse.Namespace) -> bool:
-    """Say that the report is up to date, if it is."""
+def is_up_to_date(arguments: argparse.Namespace) -> bool:
+    """Whether the report is up to date; if so, print this."""
     out = out_folder(arguments)
     if not out.is_dir():
         return False
@@ -39,7 +39,7 @@ def told(arguments: argparse.Namespace) -> bool:
 
 
 def key(arguments: argparse.Namespace) -> str:
-    """Return the digest of all that a whole build depends on but the inputs of experiments."""
+    """Return the digest of what a build depends on, except input files of experiments."""
     source = arguments.source
     text = Document(source, out_folder(arguments)).inputs
     files = [settings_file(arguments), *text, *_code()]
@@ -55,7 +55,7 @@ def key(arguments: argparse.Namespace) -> str:
 
 
 def record(steps: Steps, key: str, read: Mapping[Path, str]) -> None:
-    """Note that the whole build is done; `read` are the inputs of experiments, as they were."""
+    """Record the complete build; `read` are the digests of the input files of experiments."""
     steps.record(STEP, key, _outputs(steps.out), read)
 
 
@@ -72,19 +72,19 @@ def settings_file(arguments: argparse.Namespace) -> Path:
 
 
 def _code() -> Iterator[Path]:
-    """Yield every module that a build may import, and of experiments also those elsewhere."""
+    """Yield every module that a build may import, including experiments in other folders."""
     for folder in {*fieldrecon.__path__, *fieldreport.__path__, *experiments.__path__}:
         yield from Path(folder).rglob("*.py")
 
 
 def _packages() -> Iterator[str]:
-    """Yield the names of what describes installed packages; the version is part of them."""
+    """Yield the names of the metadata folders of installed packages, which contain the versions."""
     for folder in map(Path, sys.path):
         yield from (str(path) for path in folder.glob("*.*-info"))
 
 
 def _outputs(out: Path) -> list[Path]:
-    """List all that a build wrote, and whatever else lies there."""
+    """List all files in the build folder, except locks and records."""
     return [
         path
         for path in sorted(out.rglob("*"))

@@ -1,4 +1,4 @@
-"""The fonts inside the HTML page: the faces of the PDF, cut down to the characters that occur.
+"""Fonts embedded in the HTML page: the fonts of the PDF, subset to the characters that occur.
 
 A browser stretches brackets only with a font that has an OpenType MATH table; plain Linux has none.
 """
@@ -33,20 +33,20 @@ def font_faces(page: str) -> str:
     Raises
     ------
     BuildError
-        If a character of text or mathematics is in none of the fonts.
+        If no font has a character of the text or of the mathematics.
     """
     return faces_of(*code_points(page))
 
 
 def faces_of(mathematics: set[int], text: set[int]) -> str:
-    """Return the style rules that carry the fonts for code points of mathematics and of text.
+    """Return the style rules with the embedded fonts for code points of mathematics and of text.
 
-    Characters of the text that the serif face lacks are taken from the font for mathematics.
+    Characters that the serif font lacks are taken from the font for mathematics.
 
     Raises
     ------
     BuildError
-        If a character of text or mathematics is in none of the fonts.
+        If no font has a character of the text or of the mathematics.
     """
     fonts = {face: _open(name) for face, name in SERIF_FACES.items()}
     lacking = text - set(fonts["regular"].getBestCmap())
@@ -57,18 +57,18 @@ def faces_of(mathematics: set[int], text: set[int]) -> str:
 
 
 def code_points(page: str) -> tuple[set[int], set[int]]:
-    """Return the code points that are needed for the mathematics and for the text of a page."""
+    """Return the code points of the mathematics and of the text of a page."""
     body = re.sub(r"<(style|script|code|annotation)\b.*?</\1>", "", page, flags=re.S)
     formulas = re.findall(r"<math\b.*?</math>", body, flags=re.S)
     text = re.sub(r"<math\b.*?</math>", "", body, flags=re.S)
     mathematics = set().union(*map(_characters, formulas)) | ASCII
     if any(tag in formula for formula in formulas for tag in ("<msqrt", "<mroot")):
-        mathematics.add(ord("√"))  # drawn by the browser: it stands nowhere in the markup
+        mathematics.add(ord("√"))  # drawn by the browser, not in the markup
     return mathematics | set(map(italic, mathematics)), _characters(text) | ASCII
 
 
 def italic(point: int) -> int:
-    """Return the code point as which MathML draws a single letter of an ``<mi>``.
+    """Return the code point with which MathML draws a single letter in ``<mi>``.
 
     Examples
     --------

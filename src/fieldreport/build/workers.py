@@ -1,4 +1,4 @@
-"""What computes for a build: pinned processes, which end at once when the build fails."""
+"""Workers of a build: processes with pinned kernels, terminated when the build fails."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from fieldreport.build import pinned_kernels
 
 
 class PinnedProcesses(WorkerPool):
-    """Processes whose OpenBLAS and NumPy obey the pins, whatever the caller's environment says.
+    """Processes whose OpenBLAS and NumPy use the pinned kernels in every environment of the caller.
 
-    A process of the server that others are forked from would have the environment of its start.
+    They are spawned: a fork server would keep the environment in which it was started.
 
     Parameters
     ----------
     count : int
-        How many at most.
+        The largest number of processes.
     """
 
     def __init__(self, count: int) -> None:
@@ -28,19 +28,19 @@ class PinnedProcesses(WorkerPool):
         self._pins = pinned_kernels.pins()
 
     def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
-        """Have a function called, in a process that is started now if none is free."""
+        """Submit a call; a process is started if none is free."""
         with pinned_kernels.environment(self._pins):
             return super().submit(pinned_kernels.run_pinned, self._pins, fn, *args, **kwargs)
 
 
 @contextmanager
 def workers(count: int) -> Iterator[Executor]:
-    """Give processes to compute in, which end at once when the ``with`` is left by an error.
+    """Yield an executor whose processes are terminated if an error leaves the ``with``.
 
     Parameters
     ----------
     count : int
-        How many.
+        The number of processes.
     """
     pool = PinnedProcesses(count)
     try:

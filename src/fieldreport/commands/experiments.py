@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommands."""
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    commands.add_parser("list", help="the experiments").set_defaults(command=_list)
-    show = commands.add_parser("show", help="what an experiment is, and its parameters")
+    commands.add_parser("list", help="list the experiments").set_defaults(command=_list)
+    show = commands.add_parser(
+        "show", help="show the description and the parameters of an experiment"
+    )
     show.add_argument("name", metavar="NAME")
     show.set_defaults(command=_show)
     run = commands.add_parser("run", help="run an experiment and write its files")
@@ -31,7 +33,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     run.add_argument("--seed", help="the same as --set seed=SEED")
     run.add_argument("--out", type=Path, default=Path("results"), metavar="DIR")
-    run.add_argument("--jobs", type=_positive, default=1, metavar="N", help="processes (1)")
+    run.add_argument(
+        "--jobs", type=_positive, default=1, metavar="N", help="number of processes (default: 1)"
+    )
     run.set_defaults(command=_run)
 
 
@@ -42,7 +46,7 @@ def _positive(text: str) -> int:
 
 
 def _list(_: argparse.Namespace) -> None:
-    print_table(("experiment", "what it is about"), tuple(titles().items()))
+    print_table(("experiment", "title"), tuple(titles().items()))
 
 
 def _show(options: argparse.Namespace) -> None:
@@ -50,7 +54,7 @@ def _show(options: argparse.Namespace) -> None:
 
 
 def _print_experiment(experiment: Experiment) -> None:
-    """Print what an experiment is about, and its parameters."""
+    """Print the description and the parameters of an experiment."""
     say(experiment.title)
     print()
     for paragraph in experiment.description.split("\n\n"):
@@ -61,7 +65,7 @@ def _print_experiment(experiment: Experiment) -> None:
         (name, value, experiment.meanings[name])
         for name, value in asdict(experiment.defaults).items()
     ]
-    print_table(("parameter", "default", "what it is"), rows)
+    print_table(("parameter", "default", "meaning"), rows)
     say(f"Figures: {', '.join(experiment.plots)}")
 
 
@@ -69,11 +73,11 @@ def _run(options: argparse.Namespace) -> None:
     from fieldrecon.cli.console import print_files
     from fieldrecon.cli.progress import progress
     from fieldreport.framework import result_files as files
-    from fieldreport.framework.settings import with_settings
+    from fieldreport.framework.parameters import replace_parameters
 
     experiment = get(options.name)
     settings = dict(map(_setting, options.set)) | ({"seed": options.seed} if options.seed else {})
-    params = with_settings(experiment.defaults, settings)
+    params = replace_parameters(experiment.defaults, settings)
     with _pool_map(options.jobs) as pool_map, progress(pool_map, experiment.name) as each:
         result = experiment.run(params, each)
     folder = options.out / experiment.name
@@ -87,13 +91,13 @@ def _run(options: argparse.Namespace) -> None:
 def _setting(text: str) -> tuple[str, str]:
     key, equals, value = text.partition("=")
     if not equals:
-        raise ValueError(f"--set wants KEY=VALUE; got {text!r}")
+        raise ValueError(f"--set must be KEY=VALUE; got {text!r}")
     return key.strip(), value
 
 
 @contextmanager
 def _pool_map(jobs: int) -> Iterator[Map]:
-    """Give a map over so many processes, each with BLAS on one thread."""
+    """Yield a map over a number of processes, each with BLAS on one thread."""
     if jobs == 1:
         yield map
         return

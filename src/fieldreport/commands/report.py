@@ -1,6 +1,6 @@
-"""``fieldrecon report``: its options, and what went wrong in a sentence.
+"""``fieldrecon report``: its options, and errors as one sentence.
 
-What computes and draws is imported only if there is something to do.
+The modules that compute and draw are imported only if something is out of date.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=int,
         default=os.cpu_count() or 1,
         metavar="N",
-        help="processes that compute (default: one per processor, %(default)s)",
+        help="number of worker processes (default: one per processor, %(default)s)",
     )
     parser.add_argument(
         "--only",
         nargs="+",
         default=[],
         metavar="EXPERIMENT",
-        help="bring only these experiments up to date, and set no text",
+        help="bring only these experiments up to date, without typesetting the text",
     )
     parser.add_argument(
         "--check-reproducible",
         action="store_true",
-        help="build twice under different settings and compare every byte",
+        help="build twice in different environments and compare every byte",
     )
     parser.add_argument(
         "--against",
@@ -64,19 +64,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Build as the options say; tell in a sentence what went wrong, and return the exit status."""
-    from fieldreport.build import reproducible
+    """Build according to the options; print errors as sentences; return the exit status."""
+    from fieldreport.build import reproducibility
 
     require("matplotlib", "fontTools", "pypandoc", "typst")
     try:
         if arguments.check_reproducible:
-            return reproducible.check(arguments)
-        if arguments.only or not up_to_date.told(arguments):
+            return reproducibility.check(arguments)
+        if arguments.only or not up_to_date.is_up_to_date(arguments):
             from fieldreport.build.build import build
 
             build(arguments)
         if arguments.against:
-            return reproducible.compare_facts(arguments)
+            return reproducibility.compare_facts(arguments)
     except BuildError as error:
         return _fail(error)
     except OSError as error:
@@ -85,7 +85,7 @@ def main(arguments: argparse.Namespace) -> int:
             raise
         return _fail(known)
     except KeyboardInterrupt:
-        print("interrupted; the next build goes on from here", file=sys.stderr)
+        print("interrupted; the next build continues from here", file=sys.stderr)
         return INTERRUPTED
     return 0
 

@@ -1,6 +1,6 @@
-"""The experiments by topic: each module that defines ``Params``, ``run`` and ``plot`` is one.
+"""Experiments by topic: each module that defines ``Params``, ``run`` and ``plot`` is an experiment.
 
-To add an experiment is to add a file; nothing else lists them.
+An experiment is added as a file; there is no other list.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _PARTS = {"Params", "run", "plot"}
 
 
 def names() -> tuple[str, ...]:
-    """Name the experiments, in alphabetical order, without importing any of them."""
+    """Return the names of the experiments in alphabetical order, without importing any of them."""
     return tuple(titles())
 
 
@@ -53,7 +53,7 @@ def get(name: str) -> Experiment:
     Raises
     ------
     ValueError
-        If there is none; the message names those that exist.
+        If there is no experiment of that name; the message names those that exist.
     """
     from fieldreport.framework.experiment import Experiment
 
@@ -72,7 +72,7 @@ def _source(path: Path) -> ast.Module | None:
 
 @cache
 def _parsed(text: str) -> ast.Module | None:
-    if not all(part in text for part in _PARTS):  # saves parsing what cannot be one
+    if not all(part in text for part in _PARTS):  # avoids parsing modules that are no experiments
         return None
     tree = ast.parse(text)
     defined = {node.name for node in tree.body if isinstance(node, ast.ClassDef | ast.FunctionDef)}

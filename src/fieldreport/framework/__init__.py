@@ -1,1 +1,1 @@
-"""What an experiment is: its parameters, its result, its figures, and the files of a run."""
+"""The framework of experiments: parameters, results, figures and the files of a run."""

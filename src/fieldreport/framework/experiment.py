@@ -1,4 +1,4 @@
-"""What an experiment is: parameters in, a result out, figures from the result alone."""
+"""The parts of an experiment: parameters, the result of a run, and figures of the result."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 
 SIGNIFICANT_DIGITS = 9
 FACT_DIGITS = 6
-"""Digits that are kept of a fact for which its experiment's ``DIGITS`` states none."""
+"""Significant digits of a fact, unless the ``DIGITS`` of its experiment state another number."""
 
 
 def parameter(default: Any, meaning: str) -> Any:
-    """Declare a field of ``Params``: its default, and what it is, with its unit.
+    """Declare a field of ``Params``: its default and its meaning, with its unit.
 
     Examples
     --------
@@ -37,26 +37,26 @@ def parameter(default: Any, meaning: str) -> Any:
 
 
 def input_file(default: str, meaning: str) -> Any:
-    """Declare a field that names a file of the checkout; what is in it counts as a parameter."""
+    """Declare a field that names a file of the checkout; the content of the file is a parameter."""
     return field(default=default, metadata={"meaning": meaning, "file": True})
 
 
 def in_checkout(name: str) -> Path:
-    """Return the path of a file that is named from the root of the checkout.
+    """Return the path of a file that is named relative to the root of the checkout.
 
-    Code that was installed as a wheel lies in none: then the current folder is taken for it.
+    Installed from a wheel, the code is not in a checkout; then the current folder is the root.
     """
     root = Path(__file__).parents[3]
     return (root if (root / "pyproject.toml").is_file() else Path()) / name
 
 
 def require_at_least(params: Any, **least: float) -> None:
-    """Refuse parameters below what the experiment makes sense for; of a tuple, each entry.
+    """Refuse parameters, and entries of tuples, below the smallest values that make sense.
 
     Raises
     ------
     ValueError
-        Naming the parameter, what came and what was wanted.
+        Naming the parameter, its value and the smallest value.
     """
     for name, bound in least.items():
         value = getattr(params, name)
@@ -68,8 +68,8 @@ def require_at_least(params: Any, **least: float) -> None:
 def order_of_magnitude(x: float) -> float:
     """Return the power of ten nearest to ``|x|`` on a logarithmic scale; zero stays zero.
 
-    A value of which fewer than three digits can be trusted, such as an error at the level of
-    rounding, is told this way.
+    A value with fewer than three reliable digits, such as a rounding error, is reported in this
+    form.
 
     Examples
     --------
@@ -79,12 +79,12 @@ def order_of_magnitude(x: float) -> float:
     return float(f"1e{round(math.log10(abs(x)))}") if x else 0.0
 
 
-def rounded(x: Cell, digits: int) -> Cell:
-    """Round a float to so many significant digits, with none of them to its order of magnitude.
+def round_to_digits(x: Cell, digits: int) -> Cell:
+    """Round a float to a number of significant digits; with 0 digits, to its order of magnitude.
 
     Examples
     --------
-    >>> rounded(0.123456789, 3), rounded(0.123456789, 0), rounded(12345, 3)
+    >>> round_to_digits(0.123456789, 3), round_to_digits(0.123456789, 0), round_to_digits(12345, 3)
     (0.123, 0.1, 12345)
     """
     if not isinstance(x, float):
@@ -92,8 +92,8 @@ def rounded(x: Cell, digits: int) -> Cell:
     return float(f"{x:.{digits}g}") if digits else order_of_magnitude(x)
 
 
-def _settled(name: str, x: Any) -> Cell:
-    """Settle on the number that is told and kept: an int, or nine significant digits of a float."""
+def _normalized(name: str, x: Any) -> Cell:
+    """Return the value that is stored: an int, a text, or a float with nine significant digits."""
     if isinstance(x, str):
         return str(x)
     if isinstance(x, bool | np.bool_):
@@ -108,7 +108,7 @@ def _settled(name: str, x: Any) -> Cell:
 
 
 def cell_from_text(text: str) -> Cell:
-    """Read a table's cell back: a whole number, else a decimal number, else the text itself."""
+    """Read a table's cell: an integer, else a decimal number, else the text itself."""
     for number in (int, float):
         try:
             return number(text)
@@ -118,21 +118,21 @@ def cell_from_text(text: str) -> Cell:
 
 
 @dataclass(frozen=True)
-class Table:
+class ResultTable:
     """Named columns and rows of numbers and texts.
 
-    Floats are kept to nine significant digits, so that a table read back is the table written.
+    Floats are rounded to nine significant digits: writing and reading do not change a table.
 
     Parameters
     ----------
     columns : tuple of str
-        The heading of each column, with its unit where it has one.
+        The heading of each column, with its unit if it has one.
     rows : tuple of tuple
-        One cell per column. A text that reads as a number is refused.
+        One cell per column. A text that could be read as a number is refused.
 
     Examples
     --------
-    >>> Table(("n", "error"), ((1, 1 / 3), (2, 0.25))).column("error")
+    >>> ResultTable(("n", "error"), ((1, 1 / 3), (2, 0.25))).column("error")
     (0.333333333, 0.25)
     """
 
@@ -151,7 +151,7 @@ class Table:
         if len(row) != len(columns):
             raise ValueError(f"a row must have {len(columns)} cells, {columns}; got {row}")
         for column, cell in zip(columns, row, strict=True):
-            cell = _settled(f"column {column!r}", cell)
+            cell = _normalized(f"column {column!r}", cell)
             if isinstance(cell, str) and cell_from_text(cell) != cell:
                 raise ValueError(f"column {column!r} holds the text {cell!r}; give the number")
             yield cell
@@ -166,27 +166,27 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What a run found; enough to draw every figure, and to quote every number, without running.
+    """The result of a run: sufficient to draw every figure and to quote every number.
 
     Parameters
     ----------
     params : dataclass
         The parameters of the run.
-    tables : mapping of str to Table
+    tables : mapping of str to ResultTable
         Tables by name; each becomes a file of that name.
     facts : mapping of str to int, float or str
-        The numbers that text may quote. Floats are finite and kept to nine significant digits.
+        The numbers that the text may quote. Floats are finite, with nine significant digits.
     arrays : mapping of str to ndarray
-        What the figures need besides; kept to the last bit.
+        Further data of the figures, stored exactly.
     """
 
     params: Any
-    tables: Mapping[str, Table]
+    tables: Mapping[str, ResultTable]
     facts: Mapping[str, Cell]
     arrays: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        facts = {name: _settled(f"fact {name!r}", x) for name, x in self.facts.items()}
+        facts = {name: _normalized(f"fact {name!r}", x) for name, x in self.facts.items()}
         arrays = {name: _frozen(name, a) for name, a in self.arrays.items()}
         for name, mapping in (("tables", self.tables), ("facts", facts), ("arrays", arrays)):
             object.__setattr__(self, name, MappingProxyType(dict(mapping)))
@@ -238,7 +238,7 @@ class Experiment:
 
     @property
     def description(self) -> str:
-        """What the module's docstring says after its first line."""
+        """The module's docstring after its first line."""
         return (self.module.__doc__ or "").strip().partition("\n")[2].strip()
 
     @property
@@ -248,31 +248,31 @@ class Experiment:
 
     @property
     def quick(self) -> Any:
-        """A small variant, for tests."""
+        """A small variant of the parameters, for tests."""
         return self.module.QUICK
 
     @property
     def meanings(self) -> dict[str, str]:
-        """What each parameter is, by its name."""
+        """The meaning of each parameter, by its name."""
         return {f.name: f.metadata.get("meaning", "") for f in fields(self.module.Params)}
 
     def digits(self, fact: str) -> int:
-        """How many digits are kept of a fact: those that all machines agree on.
+        """The number of digits of a fact in which all machines agree.
 
         The module's ``DIGITS`` names the facts with fewer than six; 0 is an order of magnitude.
-        Another machine may differ by one unit of the last digit.
+        Another machine may differ by one unit in the last digit.
         """
         stated: Mapping[str, int] = getattr(self.module, "DIGITS", {})
         return stated.get(fact, FACT_DIGITS)
 
     def inputs(self, params: Any) -> dict[str, Path]:
-        """The files that the parameters name, by the name of the parameter."""
+        """The input files, by the name of the parameter that names them."""
         named = [f.name for f in fields(params) if f.metadata.get("file")]
         return {name: in_checkout(getattr(params, name)) for name in named}
 
     @cached_property
     def plots(self) -> Mapping[str, Callable[[Result], Any]]:
-        """The functions that draw, by the name of the figure.
+        """The plotting functions, by the name of the figure.
 
         ``plot`` draws the figure NAME, and ``plot_SOMETHING`` the figure NAME_SOMETHING.
         """
@@ -285,17 +285,17 @@ class Experiment:
         )
 
     def run(self, params: Any = None, each: Map = map) -> Result:
-        """Run it with BLAS held to one thread, so that no digit depends on the machine's cores.
+        """Run the experiment with BLAS on one thread: no digit depends on the number of cores.
 
         Parameters
         ----------
         params : Params, optional
             The defaults if not given.
         each : callable
-            A map in order, to which the independent sub-runs go.
+            An order-preserving map, which calls the independent parts of the run.
         """
         params = self.defaults if params is None else params
         with one_blas_thread():
             found = self.module.run(params, each)
-        facts = {name: rounded(x, self.digits(name)) for name, x in found.facts.items()}
+        facts = {name: round_to_digits(x, self.digits(name)) for name, x in found.facts.items()}
         return replace(found, facts=facts)

@@ -1,4 +1,4 @@
-"""The files of a run: written whole or not at all, the same bytes for the same result."""
+"""The files of a run: written atomically, with equal bytes for equal results."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ import numpy as np
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.io.tables import csv_bytes
 from fieldrecon.plotting.figure_files import FIGURE_FORMATS, write_figure
-from fieldreport.framework.experiment import Experiment, Result, Table, cell_from_text
-from fieldreport.framework.settings import with_settings
+from fieldreport.framework.experiment import Experiment, Result, ResultTable, cell_from_text
+from fieldreport.framework.parameters import replace_parameters
 
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -26,7 +26,7 @@ def write_result(result: Result, folder: Path) -> list[Path]:
     """Write parameters, facts, tables and arrays into a folder; return the files.
 
     ``params.json``, ``facts.json`` (flat), ``TABLE.csv`` for each table and ``arrays.npz``.
-    A table that an earlier run left there and this one lacks is removed, as it would be read back.
+    A table of an earlier run that this result lacks is removed; otherwise it would be read again.
     """
     contents = {
         "params.json": _json(asdict(result.params)),
@@ -39,11 +39,11 @@ def write_result(result: Result, folder: Path) -> list[Path]:
 
 
 def read_result(folder: Path, experiment: Experiment) -> Result:
-    """Read back the result of an experiment that ``write_result`` wrote."""
+    """Read the result of an experiment that ``write_result`` wrote."""
     with np.load(folder / "arrays.npz") as stored:
         arrays = dict(stored)
     return Result(
-        params=with_settings(experiment.defaults, _read_json(folder / "params.json")),
+        params=replace_parameters(experiment.defaults, _read_json(folder / "params.json")),
         tables={path.stem: _read_table(path) for path in sorted(folder.glob("*.csv"))},
         facts=_read_json(folder / "facts.json"),
         arrays=arrays,
@@ -66,7 +66,7 @@ def write_figures(
 
 
 def npz_bytes(arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Return the arrays as an npz file whose members carry no time."""
+    """Return the arrays as an npz file whose members have no time stamp."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
         for name, array in arrays.items():
@@ -84,7 +84,7 @@ def _read_json(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"))
 
 
-def _read_table(path: Path) -> Table:
+def _read_table(path: Path) -> ResultTable:
     with path.open(encoding="utf-8", newline="") as file:
         columns, *rows = csv.reader(file)
-    return Table(tuple(columns), tuple(tuple(map(cell_from_text, row)) for row in rows))
+    return ResultTable(tuple(columns), tuple(tuple(map(cell_from_text, row)) for row in rows))

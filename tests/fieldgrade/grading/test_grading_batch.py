@@ -24,7 +24,7 @@ from fieldgrade.grading.grade_class import grade_class as graded
 from fieldgrade.isolation import worker_servers
 from fieldgrade.isolation.server import Limits
 from graded_class import ROOT, STUB, TIER, checkout, ledger, points, right, run
-from handed_in import lay, notebook
+from submission_files import lay, notebook
 
 
 @pytest.fixture(scope="module")

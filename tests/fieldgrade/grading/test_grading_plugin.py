@@ -22,7 +22,7 @@ from fieldgrade.grading import options
 from fieldgrade.grading.grade_class import grade_class as graded
 from fieldrecon.cli import main as cli
 from graded_class import ROOT, TIER, checkout, class_files, points, right, run
-from handed_in import lay, notebook
+from submission_files import lay, notebook
 
 pytestmark = pytest.mark.slow  # each grades anew, and starts pytest inside of pytest
 

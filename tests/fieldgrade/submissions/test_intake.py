@@ -19,7 +19,7 @@ from fieldgrade.class_folder.roster import Student
 from fieldgrade.submissions import collection
 from fieldgrade.submissions.archive import Archive
 from fieldgrade.submissions.intake import Intake
-from handed_in import ANSWER, FUNCTIONS, STUB, code, lay, notebook, packed
+from submission_files import ANSWER, FUNCTIONS, STUB, code, lay, notebook, packed
 
 RIGHT, OTHER = notebook(ANSWER), notebook("x = 2", ANSWER)
 SECOND = notebook("def weights(x): return x\ndef field(x): return x")

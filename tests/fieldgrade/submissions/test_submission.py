@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from fieldgrade.submissions import definitions, submission
 from fieldgrade.submissions.definitions import defined, plain, statements
 from fieldgrade.submissions.submission import Submission, Unreadable
-from handed_in import ANSWER, FUNCTIONS, STUB, code, notebook, of_format_3, prose
+from submission_files import ANSWER, FUNCTIONS, STUB, code, notebook, of_format_3, prose
 
 PERCENT = f"# %%\nimport numpy\n\n# %% [markdown]\n# Text\n\n# %%\n{ANSWER}"
 NBCONVERT = f"#!/usr/bin/env python\n\n# In[1]:\n\nimport numpy\n\n# In[ ]:\n{ANSWER}"

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fieldgrade.submissions import unpack
 from fieldgrade.submissions.archive import Archive, CannotArchive
 from fieldgrade.submissions.unpack import BadZip, folder_items, zip_items
-from handed_in import lay, packed
+from submission_files import lay, packed
 
 
 def items_of(tmp_path, content):

@@ -7,7 +7,7 @@ from test_submission import noise
 from fieldgrade.authoring.notebooks import YOUR_WORDS
 from fieldgrade.submissions.submission import Submission
 from fieldgrade.submissions.written_answers import LONGEST, written_answers
-from handed_in import notebook, packed, prose
+from submission_files import notebook, packed, prose
 
 ASKED = prose("**01.7** (2 points) Why is the matrix singular?")
 NEXT = prose("**01.8** (1 point) And then?")

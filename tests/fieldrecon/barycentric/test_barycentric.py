@@ -331,7 +331,7 @@ def test_the_law_of_reproduction_sees_wrong_volumes(mutant, name):
     """Linear fields do not come back from any of these."""
     wrong = replace(case(f"coordinates of the {name}"), make=lambda p, _: mutant(p))
     with pytest.raises((AssertionError, np.linalg.LinAlgError)):
-        laws.polynomials_of_its_degree_come_back(wrong)
+        laws.polynomials_of_its_degree_are_reproduced(wrong)
 
 
 # --- invariance ---------------------------------------------------------------------------------

@@ -85,7 +85,7 @@ def test_list_names_every_experiment(capsys):
     assert main(["experiments", "list"]) == 0
     shown = capsys.readouterr().out
     assert all(name in shown for name in experiments.names())
-    assert "Least squares against moving" in shown
+    assert "Least squares and moving" in shown
 
 
 @pytest.mark.parametrize("name", experiments.names())
@@ -421,7 +421,10 @@ def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
     [
         (["experiments", "run", "power"], "there is no experiment 'power'; there are"),
         (["experiments", "show", "power"], "there is no experiment 'power'; there are"),
-        (["experiments", "run", "power_sampling", "--set", "n"], "--set wants KEY=VALUE; got 'n'"),
+        (
+            ["experiments", "run", "power_sampling", "--set", "n"],
+            "--set must be KEY=VALUE; got 'n'",
+        ),
         (
             ["experiments", "run", "power_sampling", "--set", "n=3"],
             "there is no parameter 'n'; there are powers, points",

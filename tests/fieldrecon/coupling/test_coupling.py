@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
-import transfers
+import transfer_laws
 from fieldrecon import reconstruction
 from fieldrecon.coupling.flat_structures import FlatCoupling, couple
 from fieldrecon.coupling.rigid_body_motions import net_force_and_moment, rigid_motions
@@ -71,7 +71,7 @@ COUPLINGS: dict[str, Callable[[], Transfer]] = {
 }
 
 
-@pytest.mark.parametrize("law", transfers.LAWS, ids=lambda law: law.__name__)
+@pytest.mark.parametrize("law", transfer_laws.LAWS, ids=lambda law: law.__name__)
 @pytest.mark.parametrize("name", COUPLINGS)
 def test_laws_of_transfer(name, law):
     """Each coupling obeys each law, whichever side of its condition it is on."""
@@ -88,7 +88,7 @@ def test_both_sides_of_each_condition_occur():
             (METHODS["kernel alone"], False, False),
         ]:
             t = Coupling(make(nodes(d)), skin(d))
-            lost = np.abs(t.defects(transfers.loads_on(t)))
+            lost = np.abs(t.defects(transfer_laws.loads_on(t)))
             assert (lost[:d].max() < 1e-9) == force
             assert (lost[d:].max() < 1e-9) == moment
 
@@ -160,19 +160,19 @@ class MassForgotten(Coupling):
 
 
 MUTANTS = [
-    (transfers.work_is_kept, InterpolatedLoads),
-    (transfers.work_is_kept, NearestNode),
-    (transfers.work_is_kept, Rescaled),
-    (transfers.work_is_kept, CouplesBackward),
-    (transfers.work_is_kept, ForgottenTurn),
-    (transfers.forces_are_kept_if_and_only_if_translations_come_back, InterpolatedLoads),
-    (transfers.moments_are_kept_if_and_only_if_rotations_come_back, InterpolatedLoads),
-    (transfers.moments_are_kept_if_and_only_if_rotations_come_back, NearestNode),
-    (transfers.moments_are_kept_if_and_only_if_rotations_come_back, CouplesBackward),
-    (transfers.what_is_lost_is_known_beforehand, InterpolatedLoads),
-    (transfers.what_is_lost_is_known_beforehand, DefectsOfForceOnly),
-    (transfers.parts_get_what_parts_give, SharesOfAll),
-    (transfers.densities_keep_the_total_force_as_loads_do, MassForgotten),
+    (transfer_laws.work_is_kept, InterpolatedLoads),
+    (transfer_laws.work_is_kept, NearestNode),
+    (transfer_laws.work_is_kept, Rescaled),
+    (transfer_laws.work_is_kept, CouplesBackward),
+    (transfer_laws.work_is_kept, ForgottenTurn),
+    (transfer_laws.forces_are_kept_if_and_only_if_translations_come_back, InterpolatedLoads),
+    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, InterpolatedLoads),
+    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, NearestNode),
+    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, CouplesBackward),
+    (transfer_laws.what_is_lost_is_known_beforehand, InterpolatedLoads),
+    (transfer_laws.what_is_lost_is_known_beforehand, DefectsOfForceOnly),
+    (transfer_laws.parts_get_what_parts_give, SharesOfAll),
+    (transfer_laws.densities_keep_the_total_force_as_loads_do, MassForgotten),
 ]
 
 
@@ -229,7 +229,7 @@ def test_flat_nodes_are_found_wherever_they_lie():
             x = (flat(d) + offset) * unit
             t = couple(x, (skin(d) + offset) * unit, cubics)
             assert isinstance(t, FlatCoupling)
-            f = transfers.loads_on(t)
+            f = transfer_laws.loads_on(t)
             lost = net_force_and_moment(t.structure, t.loads(f)) - net_force_and_moment(
                 t.surface, f
             )
@@ -245,7 +245,7 @@ def test_a_method_in_space_refuses_flat_nodes_or_loses_moments():
     with pytest.raises(np.linalg.LinAlgError, match="do not determine a polynomial of degree 1"):
         plates(flat(3))
     t = Coupling(PartitionOfUnityRBF(flat(3), degree=1), skin(3))
-    lost = t.defects(transfers.loads_on(t))
+    lost = t.defects(transfer_laws.loads_on(t))
     assert t.method.degree == 0
     assert np.abs(lost[:3]).max() < 1e-9
     assert np.abs(lost[3:]).max() > VISIBLE
@@ -288,7 +288,7 @@ def test_flat_pieces_larger_than_neighbourhoods_are_refused_in_words():
     ):
         couple(box, y)
     t = couple(box, y, partial(PartitionOfUnityRBF, degree=1, patch_size=300))
-    assert np.abs(t.defects(transfers.loads_on(t))).max() < 1e-9
+    assert np.abs(t.defects(transfer_laws.loads_on(t))).max() < 1e-9
 
 
 # --- another project's formulas -------------------------------------------------------------------

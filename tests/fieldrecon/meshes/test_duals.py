@@ -10,7 +10,7 @@ from fieldrecon import SimplexMesh
 from fieldrecon.meshes import barycentric_dual, circumcentric_dual
 from fieldreport import experiments
 from fieldreport.experiments.meshes import dual_meshes as duals
-from fieldreport.experiments.meshes.meshed_flows import jittered_cube
+from fieldreport.experiments.meshes.reference_flows import jittered_cube
 
 SQUARE = [[0.0, 0], [2, 0], [2, 2], [0, 2]]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
-import digits
+import high_precision
 from cases import CASES, Case, case
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.neighbor_search import group_rows
@@ -251,16 +251,18 @@ def smooth(p: np.ndarray) -> np.ndarray:
 def test_values_gradients_and_psi_have_all_their_digits(shape, epsilon, degree):
     """At distances from 1e-1 to 1e-14 of a site and at it, for weights up to 1e140 and beyond."""
     points = SHAPES[shape]
-    values, weight = smooth(points), digits.inverse_square(epsilon)
+    values, weight = smooth(points), high_precision.inverse_square(epsilon)
     m = MovingLeastSquares(points, inverse_square(epsilon), degree)
     s = m.field(values)
     for fraction in (0.3, 1e-6, 1e-9, 1e-12, 1e-14, 0.0):
         x = points[4] + fraction * (points[7] - points[4])
         near_pole = epsilon < 1e-60 and (x == points[4]).all()
-        y = digits.beside(x) if near_pole else digits.exact(x)
-        value = float(digits.moving(points, values, y, weight, degree))
-        gradient = digits.gradient(lambda at: digits.moving(points, values, at, weight, degree), y)
-        psi = digits.moving_objective(points, values, y, weight, degree)
+        y = high_precision.beside(x) if near_pole else high_precision.exact(x)
+        value = float(high_precision.moving(points, values, y, weight, degree))
+        gradient = high_precision.gradient(
+            lambda at: high_precision.moving(points, values, at, weight, degree), y
+        )
+        psi = high_precision.moving_objective(points, values, y, weight, degree)
         size = max(1.0, np.abs(gradient).max())
         assert_close(s(x), value, 1e-12 * max(1.0, abs(value)))
         assert_close(s.gradient(x) / size, gradient / size, 1e-11)
@@ -272,10 +274,10 @@ def test_values_gradients_and_psi_have_all_their_digits(shape, epsilon, degree):
 def test_values_about_two_sites_1e_11_apart_are_as_good_as_their_data(epsilon, degree):
     """The slope there is a difference of data over 1e-11, known to 1e-5; 1e-6 away, to 1e-11."""
     points = np.vstack([FEW[:14], FEW[4:5] + np.array([1e-11, 2e-11])])
-    values, weight = smooth(points), digits.inverse_square(epsilon)
+    values, weight = smooth(points), high_precision.inverse_square(epsilon)
     s = MovingLeastSquares(points, inverse_square(epsilon), degree).field(values)
     for x in [(points[4] + points[14]) / 2, *(points[4] + f * FEW[7] for f in (1e-9, 1e-6, 0.3))]:
-        value = float(digits.moving(points, values, x, weight, degree))
+        value = float(high_precision.moving(points, values, x, weight, degree))
         assert_close(s(x), value, 1e-10 if epsilon < 1e-4 else 1e-12)
 
 
@@ -305,14 +307,16 @@ def test_coincident_sites_that_disagree_have_their_digits(epsilon, degree):
     points[9] = points[8]
     values = np.random.default_rng(8).standard_normal(15)
     m = MovingLeastSquares(points, inverse_square(epsilon), degree)
-    s, weight = m.field(values), digits.inverse_square(epsilon)
+    s, weight = m.field(values), high_precision.inverse_square(epsilon)
     for distance in (0.1, 1e-3, 1e-6, 1e-9, 1e-12, 0.0):
         x = points[4] + distance * np.array([0.6, 0.8])
-        gradient = digits.gradient(lambda at: digits.moving(points, values, at, weight, degree), x)
+        gradient = high_precision.gradient(
+            lambda at: high_precision.moving(points, values, at, weight, degree), x
+        )
         size = max(1.0, np.abs(gradient).max())
-        assert_close(s(x), float(digits.moving(points, values, x, weight, degree)), 1e-12)
+        assert_close(s(x), float(high_precision.moving(points, values, x, weight, degree)), 1e-12)
         assert_close(s.gradient(x) / size, gradient / size, 1e-11)
-        psi = digits.moving_objective(points, values, x, weight, degree)
+        psi = high_precision.moving_objective(points, values, x, weight, degree)
         assert float(m.objective(values, x)) == pytest.approx(psi, rel=1e-9)
 
 
@@ -325,10 +329,12 @@ def test_gaussian_weights_have_their_digits(scale, degree):
     """Weights that fall by a hundred powers of ten within the cloud."""
     m = MovingLeastSquares(FEW, gaussian(scale), degree)
     values = smooth(FEW)
-    s, weight = m.field(values), digits.gaussian(scale)
+    s, weight = m.field(values), high_precision.gaussian(scale)
     for x in (FEW[4], FEW[4] + 1e-9, (FEW[4] + FEW[7]) / 2, np.array([-0.5, 1.5])):
-        value = float(digits.moving(FEW, values, x, weight, degree))
-        gradient = digits.gradient(lambda at: digits.moving(FEW, values, at, weight, degree), x)
+        value = float(high_precision.moving(FEW, values, x, weight, degree))
+        gradient = high_precision.gradient(
+            lambda at: high_precision.moving(FEW, values, at, weight, degree), x
+        )
         size = max(1.0, abs(value), np.abs(gradient).max())
         assert_close(s(x) / size, value / size, 1e-11)
         assert_close(s.gradient(x) / size, gradient / size, 1e-10)
@@ -337,8 +343,9 @@ def test_gaussian_weights_have_their_digits(scale, degree):
 def test_the_digits_know_their_own_derivative():
     """The witness is a witness: in 1-D its gradient of a line's field is the line's slope."""
     x = np.linspace(0, 1, 6)[:, None]
-    g = digits.gradient(
-        lambda at: digits.moving(x, 3 * x[:, 0], at, digits.inverse_square(0.1), 1), [0.37]
+    g = high_precision.gradient(
+        lambda at: high_precision.moving(x, 3 * x[:, 0], at, high_precision.inverse_square(0.1), 1),
+        [0.37],
     )
     assert_close(g, np.array([3.0]), 1e-15)
 

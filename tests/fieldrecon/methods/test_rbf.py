@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, RBFInterpolator
 
-import digits
+import high_precision
 from cases import CASES, KERNELS, SITES, Case, case
 from fieldrecon._numerics.saddle_point import SaddlePoint
 from fieldrecon.datasets.synthetic import franke, halton
@@ -275,11 +275,11 @@ def test_with_smoothing_sites_may_coincide():
 
 FEW = np.random.default_rng(5).random((14, 2))
 IN_DIGITS = {
-    "thin plate": (thin_plate_spline(), digits.thin_plate),
-    "-r": (polyharmonic(1), digits.minus_distance),
-    "r³": (polyharmonic(3), digits.cube),
-    "multiquadric": (multiquadric(0.2), digits.multiquadric(0.2)),
-    "gaussian": (gaussian(0.2), digits.gaussian(0.2)),
+    "thin plate": (thin_plate_spline(), high_precision.thin_plate),
+    "-r": (polyharmonic(1), high_precision.minus_distance),
+    "r³": (polyharmonic(3), high_precision.cube),
+    "multiquadric": (multiquadric(0.2), high_precision.multiquadric(0.2)),
+    "gaussian": (gaussian(0.2), high_precision.gaussian(0.2)),
 }
 
 
@@ -300,12 +300,14 @@ def test_values_and_gradients_have_all_their_digits(name, offset, smoothing):
     points, values = FEW + offset, np.cos(FEW @ [3.0, 2.0])
     m = RBF(points, kernel, smoothing=smoothing)
     s = m.field(values)
-    solution = digits.rbf_coefficients(points, values, witness, m.degree, smoothing)
+    solution = high_precision.rbf_coefficients(points, values, witness, m.degree, smoothing)
     for fraction in (0.3, 1e-9, 0.0):
         x = points[4] + fraction * (points[7] - points[4])
-        assert_close(s(x), float(digits.rbf(points, solution, x, witness, m.degree)), 1e-12)
+        assert_close(s(x), float(high_precision.rbf(points, solution, x, witness, m.degree)), 1e-12)
         if kernel.differentiable or (x != points[4]).any():
-            g = digits.gradient(lambda y: digits.rbf(points, solution, y, witness, m.degree), x)
+            g = high_precision.gradient(
+                lambda y: high_precision.rbf(points, solution, y, witness, m.degree), x
+            )
             assert_close(s.gradient(x), g, 1e-11)
 
 

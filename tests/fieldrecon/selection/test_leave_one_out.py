@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import digits
+import high_precision
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
@@ -28,10 +28,10 @@ def test_moving_residuals_have_their_digits(epsilon, degree):
     """For tiny ε, too, where 1 - h_ii, and with it the closed form, has lost all of them."""
     m = MovingLeastSquares(POINTS, inverse_square(epsilon), degree)
     residuals = leave_one_out(m, VALUES)
-    weight = digits.inverse_square(epsilon)
+    weight = high_precision.inverse_square(epsilon)
     for i in (0, 5, 15):
         k = without(i)
-        s = float(digits.moving(POINTS[k], VALUES[k], POINTS[i], weight, degree))
+        s = float(high_precision.moving(POINTS[k], VALUES[k], POINTS[i], weight, degree))
         assert_close(residuals[i], VALUES[i] - s, 1e-10)
 
 
@@ -42,8 +42,10 @@ def test_kernel_residuals_have_their_digits(smoothing):
     residuals = leave_one_out(RBF(POINTS, thin_plate_spline(), smoothing=smoothing), VALUES)
     for i in (0, 5, 15):
         k = without(i)
-        solution = digits.rbf_coefficients(POINTS[k], VALUES[k], digits.thin_plate, 1, smoothing)
-        s = float(digits.rbf(POINTS[k], solution, POINTS[i], digits.thin_plate, 1))
+        solution = high_precision.rbf_coefficients(
+            POINTS[k], VALUES[k], high_precision.thin_plate, 1, smoothing
+        )
+        s = float(high_precision.rbf(POINTS[k], solution, POINTS[i], high_precision.thin_plate, 1))
         assert_close(residuals[i], VALUES[i] - s, 1e-12)
 
 

@@ -1,4 +1,4 @@
-"""Wings that bend in the air: turns, their steady state, where there is none; and the air."""
+"""Static aeroelasticity: iteration, steady state, divergence, and the standard atmosphere."""
 
 from dataclasses import replace
 from functools import partial
@@ -11,7 +11,7 @@ from fieldreport.experiments.coupling import elastic_wing
 from fieldreport.experiments.coupling.elastic_wing_checks import straight_wing
 from fieldreport.experiments.coupling.pointwise_loads import WAYS, compared, corner_areas, loaded
 from fieldreport.experiments.coupling.standard_atmosphere import standard_atmosphere
-from fieldreport.experiments.coupling.wing import ElasticWing
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 from laws import VISIBLE, assert_close
 
 PARAMS = elastic_wing.QUICK

@@ -1,4 +1,4 @@
-"""The flow past a cylinder and a ball: that it is one, its fluxes, its meshes and streamlines."""
+"""Flow past a cylinder and a ball: potential flow, fluxes, meshes and streamlines."""
 
 import re
 from functools import partial
@@ -11,7 +11,7 @@ from fieldrecon.velocity.vertices import divergence, normal_velocities, vertex_v
 from fieldreport import experiments
 from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.velocity import fluid_frame
-from fieldreport.experiments.velocity.flow_past_ball import (
+from fieldreport.experiments.velocity.potential_flow import (
     ball_mesh,
     disc_mesh,
     mean_normal_velocities,

@@ -1,4 +1,4 @@
-"""The spiral in the hexagon: what Voronoi coordinates give back, and where quotients fail."""
+"""The spiral in the hexagon: reproduction by Voronoi coordinates, and errors of quotients."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -8,7 +8,7 @@ import pytest
 
 from fieldrecon import VoronoiCell
 from fieldreport.experiments.barycentric import hexagon_spiral
-from fieldreport.experiments.barycentric.stars import (
+from fieldreport.experiments.barycentric.vertex_stars import (
     at_random,
     from_areas,
     hexagon,

@@ -1,4 +1,4 @@
-"""Many variables: what the experiment says agrees with what can be computed otherwise."""
+"""High dimensions: the claims of the experiment, compared with independent computations."""
 
 import math
 from itertools import combinations_with_replacement

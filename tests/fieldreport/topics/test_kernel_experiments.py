@@ -1,4 +1,4 @@
-"""What the experiments on splines, kernels and other data claim, against independent values."""
+"""Experiments on splines, kernels and Hermite data, compared with independent values."""
 
 import numpy as np
 import pytest

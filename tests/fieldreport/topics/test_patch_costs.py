@@ -1,4 +1,4 @@
-"""What patches cost: what is quoted is what was measured, and exponents are of the plane alone."""
+"""Costs of patches: facts agree with the measurements, and exponents refer to the plane only."""
 
 import json
 
@@ -9,7 +9,7 @@ from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldreport.experiments import get
 from fieldreport.experiments.methods.patch_costs import _of_growth
-from fieldreport.framework.experiment import Table, in_checkout
+from fieldreport.framework.experiment import ResultTable, in_checkout
 
 EXPERIMENT = get("patch_costs")
 
@@ -26,7 +26,7 @@ def growth(power):
         "memory, GB",
         "rms error",
     )
-    return Table(columns, (*rows, (100, 3, 1e9, 1e9, 1e9, 1.0, 1.0)))
+    return ResultTable(columns, (*rows, (100, 3, 1e9, 1e9, 1e9, 1.0, 1.0)))
 
 
 @pytest.mark.parametrize("power", [0.9, 1.0, 2.0])

@@ -1,18 +1,19 @@
-"""The comparison with other libraries: what is covered, what is lost, and how it is told."""
+"""The comparison with other libraries: covered runs, losses, and their presentation."""
 
 from dataclasses import replace
 
 import pytest
 
 from fieldreport.experiments import get
-from fieldreport.experiments.methods.peers import NONE, Run, run, uncovered
-from fieldreport.experiments.methods.peers_figures import LIBRARIES, looks
+from fieldreport.experiments.methods.peers import LIBRARIES, NONE, MethodRun, looks, run, uncovered
 
 PARAMS = get("peers").defaults
 
 
 def timed(method, seconds, error, sites=1000):
-    return Run("smooth", sites, method, seconds / 2, seconds / 2, seconds, seconds, error, 0, 100)
+    return MethodRun(
+        "smooth", sites, method, seconds / 2, seconds / 2, seconds, seconds, error, 0, 100
+    )
 
 
 OURS = [timed("fieldrecon patches", 1.0, 1e-6), timed("fieldrecon MLS", 0.5, 1e-4)]
@@ -45,7 +46,7 @@ def test_other_sizes_do_not_cover():
 def test_every_run_is_covered_or_told():
     """The table of losses and what is covered make up all runs of peers; each row is a loss."""
     result = run(PARAMS)
-    runs = [Run(*row) for row in result.tables["runs"].rows]
+    runs = [MethodRun(*row) for row in result.tables["runs"].rows]
     lost = result.tables["lost"]
     assert len(lost.rows) == result.facts["lost"]
     for error, ours in zip(lost.column("its error"), lost.column("our error by then"), strict=True):

@@ -1,4 +1,4 @@
-"""Plates: what Morley's element represents, and the closed forms of thin plates."""
+"""Plates: the polynomials that Morley's element represents, and closed forms of thin plates."""
 
 import numpy as np
 import pytest

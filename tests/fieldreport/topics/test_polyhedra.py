@@ -1,4 +1,4 @@
-"""What the chapter on barycentric coordinates says of polygons and polyhedra, on a small run."""
+"""The claims of the chapter on barycentric coordinates, on a small run."""
 
 from dataclasses import replace
 
@@ -9,7 +9,8 @@ from scipy.spatial import ConvexHull
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
 from fieldreport.experiments.barycentric import polyhedra
-from fieldreport.experiments.barycentric.convex_shapes import (
+from fieldreport.experiments.barycentric.coordinate_limits import Outside
+from fieldreport.experiments.barycentric.polytopes import (
     OUTSIDE,
     POLYHEDRA,
     Planes,
@@ -17,7 +18,6 @@ from fieldreport.experiments.barycentric.convex_shapes import (
     mesh_of,
     regular,
 )
-from fieldreport.experiments.barycentric.coordinate_limits import Outside
 
 ROUNDING = 1e-14
 CROWDED = ("octahedron", "square pyramid", "rhombic dodecahedron")

@@ -1,4 +1,4 @@
-"""What the chapter on pressure gradients says of orders, of the boundary and of the weights."""
+"""The claims of the chapter on pressure gradients: orders, the boundary, and the weights."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.velocity.gradients import local_moving_least_squares, vertex_gradients
 from fieldreport import experiments
-from fieldreport.experiments.meshes.meshed_flows import equilateral_mesh, jittered_cube
+from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
 from fieldreport.experiments.methods.convergence import order, rms
 from fieldreport.experiments.velocity import pressure_gradients
 from fieldreport.experiments.velocity.pressure_gradients import (

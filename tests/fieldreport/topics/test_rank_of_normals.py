@@ -1,4 +1,4 @@
-"""When B' loses rank: tangent fields, points in line, stars of few vertices."""
+"""Rank deficiency of B': tangent fields, collinear points, stars of few vertices."""
 
 from dataclasses import replace
 from itertools import product
@@ -9,8 +9,8 @@ import pytest
 from fieldrecon.polynomials import monomials
 from fieldreport import experiments
 from fieldreport.experiments.velocity import rank_of_normals as module
-from fieldreport.experiments.velocity.normal_configurations import configurations
-from fieldreport.experiments.velocity.normal_fits import normal_matrix, one_ring, rank
+from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
+from fieldreport.experiments.velocity.rank_deficient_normals import configurations
 
 CASES = {case.name: case for case in configurations(12, 3)}
 

@@ -1,4 +1,4 @@
-"""Velocities at vertices from one ring and from more: ranks, errors and orders, as claimed."""
+"""Vertex velocities from one ring and from more: ranks, errors and orders."""
 
 from dataclasses import replace
 
@@ -9,15 +9,15 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import monomials
 from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport import experiments
-from fieldreport.experiments.meshes.meshed_flows import (
+from fieldreport.experiments.meshes.reference_flows import (
     jittered_cube,
     random_square,
     rotation,
     taylor_green,
 )
-from fieldreport.experiments.velocity import normal_fits
+from fieldreport.experiments.velocity import normal_matrix_rank
 from fieldreport.experiments.velocity import rotational_velocity as module
-from fieldreport.experiments.velocity.normal_fits import (
+from fieldreport.experiments.velocity.normal_matrix_rank import (
     conics_through,
     error_by_conics,
     field_along,
@@ -78,7 +78,7 @@ def test_ranks_grow_with_the_triangles(result):
 def test_the_error_is_foretold_by_the_conics(result, monkeypatch):
     """The part of the field along them is lost, whatever the normals; a wrong field shows."""
     assert result.facts["difference_from_conics"] < ROUNDING
-    monkeypatch.setattr(normal_fits, "_CURL", np.roll(normal_fits._CURL, 1, axis=0))
+    monkeypatch.setattr(normal_matrix_rank, "_CURL", np.roll(normal_matrix_rank._CURL, 1, axis=0))
     assert counts_of_mesh(random_square(60, 5, 0))[:, -1].max() > 1e-2
 
 

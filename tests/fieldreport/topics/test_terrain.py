@@ -1,4 +1,4 @@
-"""Lands whose surface is known come back; what isolines leave unsaid is found where it is."""
+"""Terrain: known surfaces are reproduced; landforms beyond the last isolines are found."""
 
 from dataclasses import replace
 from functools import partial
@@ -10,7 +10,7 @@ from scipy.interpolate import LinearNDInterpolator
 
 from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldreport import experiments
-from fieldreport.experiments.datasets import surfaces
+from fieldreport.experiments.datasets import terrain_methods
 from fieldreport.experiments.datasets.landforms import (
     HOLLOW,
     SLOPE,
@@ -21,9 +21,15 @@ from fieldreport.experiments.datasets.landforms import (
     phase,
     relief_told,
 )
-from fieldreport.experiments.datasets.surfaces import GUARDED, THIN_PLATE, methods
 from fieldreport.experiments.datasets.terrain import QUICK, Params, run, study
-from fieldreport.experiments.datasets.terrain_errors import NONE, Problem, measured, part, windowed
+from fieldreport.experiments.datasets.terrain_errors import (
+    NONE,
+    TerrainProblem,
+    measured,
+    part,
+    windowed,
+)
+from fieldreport.experiments.datasets.terrain_methods import GUARDED, THIN_PLATE, methods
 from fieldreport.experiments.datasets.terrain_weights import on_one_isoline
 
 EXACT = 1e-9
@@ -79,14 +85,14 @@ EXACT_ON_PLANES = (
 @pytest.mark.parametrize("name", EXACT_ON_PLANES)
 def test_a_plane_comes_back_from_its_isolines(name):
     """Every method that reproduces linear polynomials returns the plane, also beyond the points."""
-    problem = Problem(plane(), 20, 15.0)
+    problem = TerrainProblem(plane(), 20, 15.0)
     surface = methods((1, 2), 4, 3.0)[name](*problem.isolines, problem.land.points)
     assert_allclose(surface.heights, problem.truth, atol=1e-7)
 
 
 def test_a_mean_does_not_return_a_plane():
     """The kernel −r with a constant alone bends the plane: the test above can fail."""
-    problem = Problem(plane(), 20, 15.0)
+    problem = TerrainProblem(plane(), 20, 15.0)
     surface = methods((1,), 4, 3.0)["RBF −r"](*problem.isolines, problem.land.points)
     assert np.abs(surface.heights - problem.truth).max() > 1
 
@@ -96,7 +102,7 @@ def test_a_mean_does_not_return_a_plane():
 )
 def test_a_paraboloid_comes_back_by_degree_two(name, exact):
     """Degree 2 returns it from its values at the points, degree 1 does not."""
-    points, _ = Problem(hills(), 20, 15.0).isolines
+    points, _ = TerrainProblem(hills(), 20, 15.0).isolines
     queries = hills().points
 
     def height(x):
@@ -112,14 +118,14 @@ def test_neighbors_on_one_line_are_joined_by_others():
     points = np.array([(x, y) for y in (0.0, 90.0) for x in along])
     heights = points @ [0.5, 2.0] + 7
     queries = np.array([[50.0, 3.0], [20.0, 80.0]])
-    surface = surfaces.moving(1, 4, points, heights, queries)
+    surface = terrain_methods.moving(1, 4, points, heights, queries)
     assert surface.neighbors == 48
     assert_allclose(surface.heights, queries @ [0.5, 2.0] + 7, atol=EXACT)
 
 
 def test_guarded_weights_stay_below_the_bound():
     """No sum of |weights| is above the bound, while some of plain degree 2 are."""
-    problem = Problem(hills(), 20, 15.0)
+    problem = TerrainProblem(hills(), 20, 15.0)
     tried = methods((), 4, 2.0)
     plain, guarded = (tried[n](*problem.isolines, problem.land.points) for n in ("MLS 2", GUARDED))
     assert guarded.amplification.max() <= 2
@@ -130,21 +136,21 @@ def test_guarded_weights_stay_below_the_bound():
 
 def test_amplification_bounds_what_an_error_of_the_data_does():
     """With errors of one metre of the worst signs a height changes by the sum of the |weights|."""
-    problem = Problem(hills(), 20, 15.0)
+    problem = TerrainProblem(hills(), 20, 15.0)
     points, heights = problem.isolines
     queries = problem.land.points[::97]
-    weights = surfaces.local_weights(2, 24, points, queries)
-    sizes = surfaces.amplification(weights)
+    weights = terrain_methods.local_weights(2, 24, points, queries)
+    sizes = terrain_methods.amplification(weights)
     for k in range(len(queries)):
         worst = np.sign(weights[[k]].toarray()[0])
-        moved = surfaces.moving(2, 4, points, heights + worst, queries[[k]]).heights
-        still = surfaces.moving(2, 4, points, heights, queries[[k]]).heights
+        moved = terrain_methods.moving(2, 4, points, heights + worst, queries[[k]]).heights
+        still = terrain_methods.moving(2, 4, points, heights, queries[[k]]).heights
         assert moved - still == pytest.approx(sizes[k])
 
 
 def test_flat_ground_is_where_all_neighbors_have_one_height():
     """On one isoline every degree returns its height; where heights differ, few cells do."""
-    problem = Problem(hills(), 20, 15.0)
+    problem = TerrainProblem(hills(), 20, 15.0)
     flat = on_one_isoline(problem, 12)
     heights = methods((), 4, 3.0)["MLS 1"](*problem.isolines, problem.land.points).heights
     assert 0 < flat.sum() < flat.size
@@ -154,17 +160,17 @@ def test_flat_ground_is_where_all_neighbors_have_one_height():
 
 def test_thin_plate_is_that_of_scipy():
     """The difference from scipy.interpolate.RBFInterpolator is at the level of rounding."""
-    problem = Problem(hills(), 10, 15.0)
+    problem = TerrainProblem(hills(), 10, 15.0)
     queries = problem.land.points
     ours = methods((), 4, 3.0)[THIN_PLATE](*problem.isolines, queries).heights
-    theirs = surfaces.scipy_thin_plate(*problem.isolines, queries).heights
+    theirs = terrain_methods.scipy_thin_plate(*problem.isolines, queries).heights
     assert np.abs(ours - theirs).max() < 1e-9 * np.ptp(problem.truth) * len(problem.isolines[0])
 
 
 def test_triangles_stop_at_the_hull():
     """Outside of the hull of the points there is nothing, inside there is everything."""
-    problem = Problem(hills(), 20, 15.0)
-    surface = surfaces.triangles(*problem.isolines, problem.land.points)
+    problem = TerrainProblem(hills(), 20, 15.0)
+    surface = terrain_methods.triangles(*problem.isolines, problem.land.points)
     assert_array_equal(np.isnan(surface.heights), problem.outside)
     assert measured(problem, surface)["outside"] == NONE
     reference = LinearNDInterpolator(*problem.isolines)(problem.land.points)

@@ -1,4 +1,4 @@
-"""The lattice of vortices: the law of Biot and Savart, limits of wings, and what forces do."""
+"""The vortex lattice: Biot-Savart law, limits of wings, and forces."""
 
 import numpy as np
 import pytest

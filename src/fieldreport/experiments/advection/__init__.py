@@ -1,1 +1,1 @@
-"""Semi-Lagrangian advection: the slotted disc, flows that turn and deform, an adaptive front."""
+"""Semi-Lagrangian advection: the slotted disc, rotation and deformation, an adaptive front."""

@@ -1,8 +1,8 @@
-"""A front in a swirling flow, on sites that follow it and on sites that stay.
+"""Adaptive sites for a steep front in a swirling flow.
 
-A steep round front is drawn out by a flow that reverses, so that it should come back. Sites come
-where leaving one out shows that they are needed, and go where it does not; the error at the end
-is compared with that of as many sites, and more, that stay.
+A flow that reverses stretches a steep circular front and should return it to its initial position.
+Sites are inserted where the leave-one-out residual is large and removed where it is small. The
+final error is compared with the errors on fixed sets of sites, of equal and of larger size.
 
 References
 ----------
@@ -26,27 +26,34 @@ from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldreport.experiments.advection.advection import DISC, RADIUS, deforming, method_on
 from fieldreport.experiments.methods.convergence import rms
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 FRAMES = 4
-NOISE = 1e-6  # of the bound for coarsening: residuals below are rounding, and say nothing of order
+NOISE = 1e-6  # of the coarsening threshold: smaller residuals are rounding errors
 
 
 @dataclass(frozen=True)
 class Params:
-    """The front, the flow, and the rules by which sites come and go."""
+    """The front, the flow, and the rules for inserting and removing sites."""
 
-    sites: int = parameter(800, "sites at the beginning, before they are adapted")
-    fixed: tuple[int, ...] = parameter((1000, 2000, 4000, 8000), "sites that stay")
-    steps: int = parameter(30, "steps there and back")
-    period: float = parameter(1.5, "time there and back")
+    sites: int = parameter(800, "initial sites, before adaptation")
+    fixed: tuple[int, ...] = parameter((1000, 2000, 4000, 8000), "numbers of fixed sites")
+    steps: int = parameter(30, "time steps, until the flow has returned")
+    period: float = parameter(1.5, "period of the flow")
     steepness: float = parameter(40.0, "slope of the front")
-    refine: float = parameter(0.01, "residual above which sites come")
-    coarsen: float = parameter(0.001, "residual below which sites go")
-    spacing: float = parameter(0.008, "least distance of new sites")
-    widest: float = parameter(0.05, "distance to the nearest beyond which sites stay")
-    rounds: int = parameter(4, "times the sites are adapted to the beginning")
-    shift: float = parameter(1e-4, "side of the squares in which sites are shifted at random")
+    refine: float = parameter(0.01, "residual above which sites are inserted")
+    coarsen: float = parameter(0.001, "residual below which sites are removed")
+    spacing: float = parameter(0.008, "smallest distance of new sites")
+    widest: float = parameter(0.05, "distance to the nearest site beyond which sites are kept")
+    rounds: int = parameter(4, "adaptations to the initial field")
+    shift: float = parameter(1e-4, "side of the squares in which sites are shifted randomly")
     seed: int = parameter(0, "seed of the shifts")
 
     def __post_init__(self) -> None:
@@ -57,13 +64,13 @@ QUICK = Params(sites=200, fixed=(200, 400), steps=6, spacing=0.03, rounds=1)
 
 
 def front(params: Params, x: np.ndarray) -> np.ndarray:
-    """One inside the disc and zero outside, with a steep slope between."""
+    """One inside the disc and zero outside, with a steep transition."""
     away = np.linalg.norm(x - DISC, axis=-1) - RADIUS
     return (1 - np.tanh(params.steepness * away)) / 2
 
 
 def following(params: Params, state: State, t: float) -> PartitionOfUnityRBF:
-    """The method on the sites of the next step: adapted to this one, and then carried along."""
+    """The method on the sites of the next step: adapted to this step, then moved with the flow."""
     eta = np.abs(leave_one_out(state.method, state.values))
     eta[eta < NOISE * params.coarsen] = 0
     rules = {"refine": params.refine, "coarsen": params.coarsen, "spacing": params.spacing}
@@ -74,15 +81,15 @@ def following(params: Params, state: State, t: float) -> PartitionOfUnityRBF:
 
 
 def shifted(params: Params, x: np.ndarray) -> np.ndarray:
-    """Shift sites a little, so that no two distances are equal and rounding chooses no neighbour.
+    """Shift sites slightly, so that distances differ and rounding does not decide about neighbours.
 
-    Distances between midpoints are often equal, and so are those of the sites at the beginning.
+    Distances between midpoints, and between initial sites, are often equal.
     """
     return x + params.shift * (uniform(len(x), 2, params.seed) - 0.5)
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Carry the front on sites that follow, and on all numbers of sites that stay."""
+    """Advect the front on adaptive sites, and on all numbers of fixed sites."""
     jobs = (0, *params.fixed)
     found = list(each(partial(carried, params), jobs))
     counts, error, frames = found[0]
@@ -98,17 +105,17 @@ def run(params: Params, each: Map = map) -> Result:
     arrays = {f"sites_{k}": x for k, x in enumerate(frames)}
     return Result(
         params=params,
-        tables={"errors": Table(("sites", "number", "rms error"), tuple(rows))},
+        tables={"errors": ResultTable(("sites", "number", "rms error"), tuple(rows))},
         facts=facts,
         arrays=arrays | {"counts": counts},
     )
 
 
 def carried(params: Params, fixed: int) -> tuple[np.ndarray, float, list[np.ndarray]]:
-    """Numbers of sites, error at the end, and sites with values (n, 3) at a few times.
+    """Numbers of sites, final error, and sites with values (n, 3) at a few times.
 
-    The error is taken on a lattice against the beginning. With no number of fixed sites they
-    follow the front.
+    The error is measured on a lattice against the initial field. Without a number of fixed sites,
+    the sites are adaptive.
     """
     follow = fixed == 0
     x = shifted(params, halton(params.sites, 2)) if follow else halton(fixed, 2)
@@ -134,7 +141,7 @@ def carried(params: Params, fixed: int) -> tuple[np.ndarray, float, list[np.ndar
 
 
 def plot(result: Result) -> Figure:
-    """The sites that follow, and what they carry, at four times until the flow reverses."""
+    """Adaptive sites and their values at four times until the flow reverses."""
     with figure(FULL_WIDTH, height=1.75, columns=FRAMES, sharey=True) as (page, axes):
         half = result.params.period / 2
         for k, panel in enumerate(axes):

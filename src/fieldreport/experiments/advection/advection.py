@@ -1,9 +1,9 @@
-"""Shapes carried by a flow on scattered sites, turned round once, or deformed and back.
+"""Semi-Lagrangian advection on scattered sites: a rotation, and a deformation that reverses.
 
-A cone, a smooth hump and a slotted disc turn with the plane, and are drawn out by a flow that
-reverses, so that in both cases the end is the beginning. Errors, extrema and mass are recorded,
-with and without bounds and mass being kept; orders in the step and in the spacing are measured,
-and the powers of the matrix of one step.
+A cone, a smooth hump and a slotted disc rotate with the plane, and are deformed by a flow that
+reverses, so that in both cases the exact final state is the initial state. The experiment records
+errors, extrema and mass, with and without a limiter that keeps bounds and mass. It measures the
+orders in the time step and in the spacing, and the norms of the powers of the matrix of one step.
 
 References
 ----------
@@ -12,10 +12,12 @@ Wendland, Scattered Data Approximation (2005), section 1.3; Zalesak (1979); LeVe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.advection.characteristics import SCHEMES, Velocity, departure_points
@@ -23,16 +25,16 @@ from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldreport.experiments.advection.advection_figures import (
-    draw_turn,
-    plot_deformation,
-    plot_history,
-    plot_orders,
-)
+from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
-
-__all__ = ["QUICK", "Params", "plot", "plot_deformation", "plot_history", "plot_orders", "run"]
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 DISC, CONE, HUMP = np.array([[0.5, 0.75], [0.5, 0.25], [0.25, 0.5]])
 RADIUS = 0.15
@@ -47,17 +49,19 @@ VARIANTS: dict[str, dict[str, bool]] = {
 class Params:
     """Sites, in the unit square or its inner disc, and steps."""
 
-    sites: int = parameter(5000, "sites that turn, about")
-    steps: int = parameter(40, "steps of one turn")
+    sites: int = parameter(5000, "sites in the rotation, approximately")
+    steps: int = parameter(40, "time steps of one revolution")
     deformed_sites: int = parameter(3000, "sites in the flow that reverses")
-    deformed_steps: int = parameter(30, "steps there and back")
-    period: float = parameter(1.5, "time there and back")
-    counts: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "sites, for the order in h")
-    divisions: tuple[int, ...] = parameter(
-        (16, 32, 64, 128), "steps of a turn, for the order in dt"
+    deformed_steps: int = parameter(30, "time steps, until the flow has returned")
+    period: float = parameter(1.5, "period of the flow")
+    counts: tuple[int, ...] = parameter(
+        (500, 1000, 2000, 4000), "numbers of sites, for the order in h"
     )
-    powers: int = parameter(700, "sites whose matrix is raised to powers")
-    grid: int = parameter(120, "points of the pictures along a side")
+    divisions: tuple[int, ...] = parameter(
+        (16, 32, 64, 128), "time steps of a revolution, for the order in dt"
+    )
+    powers: int = parameter(700, "sites of the matrix whose powers are computed")
+    grid: int = parameter(120, "points along a side of the pictures")
 
     def __post_init__(self) -> None:
         least = {"sites": 100, "deformed_sites": 100, "counts": 100, "powers": 50}
@@ -77,13 +81,13 @@ QUICK = Params(
 
 
 def disc(n: int) -> np.ndarray:
-    """About n sites in the disc that touches the sides of the square, which turns into itself."""
+    """About n sites in the inscribed disc of the square, which the rotation maps to itself."""
     x = halton(round(4 / np.pi * n), 2)
     return x[np.linalg.norm(x - 0.5, axis=1) < 0.5]
 
 
 def turning(x: np.ndarray, _: float) -> np.ndarray:
-    """One turn about the middle of the square in the time one."""
+    """One revolution about the centre of the square in unit time."""
     return 2 * np.pi * (x - 0.5)[:, ::-1] * [-1, 1]
 
 
@@ -104,17 +108,17 @@ def shapes(x: np.ndarray) -> np.ndarray:
 
 
 def smooth(x: np.ndarray) -> np.ndarray:
-    """A hill that no site set resolves too badly, for the orders."""
+    """A smooth hill that all sets of sites resolve, for measuring orders."""
     return np.exp(-60 * ((x - HUMP) ** 2).sum(axis=1))
 
 
 def method_on(x: np.ndarray) -> PartitionOfUnityRBF:
-    """Cubes and linear polynomials on patches, which overshoot little."""
+    """The kernel r³ with linear polynomials on patches, which overshoots little."""
     return PartitionOfUnityRBF(x, polyharmonic(3), 1)
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Turn, deform, refine."""
+    """Rotate, deform, refine."""
     jobs = [(flow, variant) for flow in ("turn", "deformation") for variant in VARIANTS]
     told = dict(zip(jobs, each(partial(carried, params), jobs), strict=True))
     time_jobs = [(scheme, k) for scheme in SCHEMES for k in params.divisions]
@@ -136,10 +140,10 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def carried(params: Params, job: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
-    """History (step, shape, [rms error, mean error, least, most, mass]) and frames on a grid.
+    """History (step, shape, [rms error, mean error, minimum, maximum, mass]) and frames on a grid.
 
-    The errors are those against the beginning, which is right at the end only. The frames are the
-    beginning, the middle and the end of the three shapes together, (3, g, g).
+    Errors are relative to the initial field, so only the final ones are meaningful. The frames (3,
+    g, g) show the three shapes together at the beginning, in the middle and at the end.
     """
     flow, variant = job
     turn = flow == "turn"
@@ -174,7 +178,7 @@ def carried(params: Params, job: tuple[str, str]) -> tuple[np.ndarray, np.ndarra
 
 
 def time_error(job: tuple[str, int]) -> float:
-    """Error of the places after one turn, relative to the distance from the middle."""
+    """Error of the positions after one revolution, relative to the distance from the centre."""
     scheme, k = job
     x = halton(200, 2)
     y = x
@@ -184,7 +188,7 @@ def time_error(job: tuple[str, int]) -> float:
 
 
 def space_error(n: int) -> float:
-    """Error of the smooth hill after one turn in 20 steps whose feet are right to rounding."""
+    """Error of the smooth hill after one revolution in 20 steps with exact departure points."""
     x = disc(n)
     c, s = np.cos(2 * np.pi / 20), np.sin(2 * np.pi / 20)
     feet = 0.5 + (x - 0.5) @ np.array([[c, -s], [s, c]])
@@ -197,8 +201,8 @@ def space_error(n: int) -> float:
 def norms_of_powers(params: Params) -> tuple[np.ndarray, np.ndarray]:
     """Norms of H^k for k = 1, 2, 4, ... 1024 of one step, and spectral radii: disc, and square.
 
-    The corners of the square come from outside, where the field is continued; the disc turns into
-    itself. Norms beyond 1e9 are told as that.
+    The corners of the square come from outside, where the field is extrapolated; the disc is mapped
+    to itself. Norms above 1e9 are reported as 1e9.
     """
     norms, radii = np.full((2, 11), 1e9), np.empty(2)
     for k, x in enumerate((disc(params.powers), halton(params.powers, 2))):
@@ -214,14 +218,14 @@ def norms_of_powers(params: Params) -> tuple[np.ndarray, np.ndarray]:
     return norms, radii
 
 
-def _table(told: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> Table:
+def _table(told: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> ResultTable:
     columns = ("rms error", "mean error", "least", "most", "mass")
     rows = [
         (flow, shape, variant, *history[-1, k])
         for (flow, variant), (history, _) in told.items()
         for k, shape in enumerate(("slotted disc", "cone", "hump"))
     ]
-    return Table(("flow", "shape", "variant", *columns), tuple(rows))
+    return ResultTable(("flow", "shape", "variant", *columns), tuple(rows))
 
 
 def _facts(
@@ -255,6 +259,95 @@ def _facts(
     return facts
 
 
+VARIANT_STYLES = ("RBF", "LS", "MLS")
+VARIANT_NAMES = ("free", "bounded", "bounded, with its mass")
+
+
 def plot(result: Result) -> Figure:
-    """The shapes at the beginning, and after one turn without and with bounds and mass."""
-    return draw_turn(result)
+    """The initial shapes, and after one revolution without and with the limiter."""
+    free, kept = result.arrays["turn_0_frames"], result.arrays["turn_2_frames"]
+    return _maps(
+        result, (free[0], free[-1], kept[-1]), ("beginning", "one turn, free", "one turn, kept")
+    )
+
+
+def plot_deformation(result: Result) -> Figure:
+    """The shapes in the flow that reverses: initially, half-way, and at the end."""
+    frames = result.arrays["deformation_2_frames"]
+    return _maps(result, frames, ("beginning", "half way", "back"))
+
+
+def _maps(
+    result: Result, frames: np.ndarray | Sequence[np.ndarray], titles: tuple[str, ...]
+) -> Figure:
+    x = result.arrays["x"]
+    levels = np.arange(0.1, 1.0, 0.2)
+    with figure(FULL_WIDTH, height=2.25, columns=3, sharey=True) as (page, axes):
+        for panel, frame, title in zip(axes, frames, titles, strict=True):
+            _shaded(panel, x, frame)
+            panel.contour(x, x, frame, levels, colors="black", linewidths=0.4)
+            panel.set(title=title, aspect="equal", xticks=[0, 0.5, 1], yticks=[0, 0.5, 1])
+            panel.grid(visible=False)
+        bar = page.colorbar(axes[0].images[0], ax=axes, shrink=0.85, aspect=30)
+        bar.set_ticks([-0.2, 0, 0.5, 1, 1.2])
+    return page
+
+
+def _shaded(panel: Axes, x: np.ndarray, frame: np.ndarray) -> None:
+    panel.imshow(
+        frame,
+        cmap=SEQUENTIAL,
+        vmin=-0.2,
+        vmax=1.2,
+        origin="lower",
+        extent=(0, 1, 0, 1),
+        interpolation="nearest",
+    )
+    panel.set(xlim=(x[0], x[-1]), ylim=(x[0], x[-1]))
+
+
+def plot_history(result: Result) -> Figure:
+    """Extrema and mass of the slotted disc over one revolution."""
+    with figure(FULL_WIDTH, height=2.6, columns=2) as (page, axes):
+        for k, (name, style) in enumerate(zip(VARIANT_NAMES, VARIANT_STYLES, strict=True)):
+            history = result.arrays[f"turn_{k}_history"][:, 0]
+            turn = np.linspace(0, 1, len(history))
+            look = line(style, label=name, marker="")
+            axes[0].plot(turn, history[:, 3], **look)
+            axes[0].plot(turn, history[:, 2], **look | {"label": None})
+            axes[1].plot(turn, history[:, 4], **look)
+        axes[0].set(xlabel="turns", title="least and greatest value")
+        axes[1].set(xlabel="turns", title="mass, relative")
+        axes[1].ticklabel_format(useOffset=False)
+        page.legend(*axes[1].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    return page
+
+
+def plot_orders(result: Result) -> Figure:
+    """Errors of departure points and of a hill against step and spacing; norms of powers."""
+    p = result.params
+    styles = ("LS", "MLS", "PU", "RBF")
+    with figure(FULL_WIDTH, height=2.7, columns=3) as (page, axes):
+        for name, style, row in zip(
+            ("Euler", "midpoint", "Heun", "RK4"), styles, result.arrays["in_time"], strict=True
+        ):
+            axes[0].plot(1 / np.array(p.divisions), row, **line(style, label=name))
+        axes[0].set(xlabel="step, in turns", title="feet", xscale="log", yscale="log")
+        axes[0].set_xticks(1 / np.array(p.divisions), [f"1/{k}" for k in p.divisions])
+        h = np.array(p.counts) ** -0.5
+        axes[1].plot(h, result.arrays["in_space"], **line("PU", label=None))
+        axes[1].set(xlabel="spacing $n^{-1/2}$", title="a smooth hill", xscale="log", yscale="log")
+        axes[1].set_xticks(h, [f"{x:.3f}" for x in h], rotation=45)
+        k = 2.0 ** np.arange(result.arrays["norms"].shape[1])
+        for name, style, row in zip(
+            ("disc", "square"), ("MLS", "LS"), result.arrays["norms"], strict=True
+        ):
+            axes[2].plot(k, row, **line(style, label=name))
+        axes[2].set(xlabel="power $k$", title=r"$\|H^k\|$", xscale="log", yscale="log")
+        axes[2].set_ylim(1, 1e7)
+        axes[2].legend()
+        for panel in axes[:2]:
+            panel.minorticks_off()
+        axes[0].set_ylim(1e-10, None)
+        axes[0].legend(loc="lower right")
+    return page

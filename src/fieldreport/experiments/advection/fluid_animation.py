@@ -1,10 +1,11 @@
-"""A fluid on a mesh that is another in each frame: velocities carried over and made to balance.
+"""Fluid animation on dynamic meshes: velocity transfer and pressure projection.
 
-A vortex in a box keeps turning, and a drop of ink in it is drawn out. Each frame has a mesh of its
-own, fine where the rim of the ink is. All that is known of the flow are normal velocities of faces:
-from these come velocities of vertices, from these the normal velocities of the next mesh, a step
-ago along the characteristics; then the pressure takes out what does not balance. The vortex is a
-steady flow of an ideal fluid, so its energy and its velocities are known at all times.
+A steady vortex in a box stretches a drop of ink. Each frame has a new mesh, which is refined at the
+boundary of the ink. The flow is represented by the normal velocities of the faces only. They
+determine the velocities of the vertices; these give the normal velocities of the next mesh, one
+time step earlier along the characteristics; a pressure projection then removes their divergence.
+The vortex is a steady flow of an ideal fluid, so its energy and its velocities are known at all
+times.
 
 References
 ----------
@@ -36,13 +37,13 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, figure, line
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
-from fieldreport.experiments.meshes.frame_meshes import box_mesh, near_rim
+from fieldreport.experiments.meshes.graded_meshes import box_mesh, near_rim
 from fieldreport.experiments.methods.convergence import rms
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -51,7 +52,7 @@ from fieldreport.framework.experiment import (
 INK = np.array([0.5, 0.72])
 RADIUS = 0.16
 FRAMES = 6
-ENERGY = 0.25  # of the vortex, for ever
+ENERGY = 0.25  # of the vortex, at all times
 EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 
 
@@ -59,10 +60,10 @@ EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 class Params:
     """Meshes and steps."""
 
-    spacing: float = parameter(0.06, "edges of the mesh away from the ink")
-    finest: float = parameter(0.025, "edges of the mesh at the rim of the ink")
-    steps: int = parameter(10, "steps, of two meshes each")
-    time: float = parameter(2.0, "time; the middle turns once in two")
+    spacing: float = parameter(0.06, "edge length of the mesh away from the ink")
+    finest: float = parameter(0.025, "edge length of the mesh at the boundary of the ink")
+    steps: int = parameter(10, "time steps, of two meshes each")
+    time: float = parameter(2.0, "final time; the centre rotates once in time 2")
 
     def __post_init__(self) -> None:
         require_at_least(self, spacing=0.005, finest=0.002, steps=FRAMES - 1)
@@ -72,7 +73,7 @@ QUICK = Params(spacing=0.2, finest=0.15, steps=5, time=0.5)
 
 
 def vortex(x: np.ndarray) -> np.ndarray:
-    """The steady vortex of Taylor and Green in the unit square, whose walls it does not cross."""
+    """The steady Taylor-Green vortex in the unit square, tangential at the boundary."""
     s, c = np.sin(np.pi * x), np.cos(np.pi * x)
     return np.stack([s[..., 0] * c[..., 1], -c[..., 0] * s[..., 1]], axis=-1)
 
@@ -89,7 +90,7 @@ def moving_planes(x: np.ndarray) -> Reconstruction:
 
 @dataclass(frozen=True)
 class Way:
-    """How velocities at vertices become a field; whether there is a pressure; is it reflected."""
+    """The interpolation of velocities; whether there is a pressure projection, and a reflection."""
 
     name: str
     method: Callable[[np.ndarray], Reconstruction]
@@ -106,8 +107,8 @@ WAYS = (
 
 
 @dataclass(frozen=True)
-class Frame:
-    """A mesh, its normal velocities (f,), those that it hands on (f,), and ink at vertices (n,)."""
+class AnimationFrame:
+    """A mesh, its normal velocities (f,), those for the next frame (f,), and vertex ink (n,)."""
 
     mesh: SimplexMesh
     v: np.ndarray
@@ -115,23 +116,23 @@ class Frame:
     ink: np.ndarray
 
     def field(self, method: Callable[[np.ndarray], Reconstruction], v: np.ndarray) -> Field:
-        """The field of velocities from normal ones."""
+        """The velocity field reconstructed from normal velocities."""
         u = vertex_velocities(self.mesh, v, inverse_square(EPSILON)).values
         return method(self.mesh.points).field(u)
 
     @property
     def energy(self) -> float:
-        """Kinetic energy at density one."""
+        """Kinetic energy for density one."""
         return float(self.v @ (flow_energy(self.mesh) @ self.v)) / 2
 
 
 def walled(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
-    """Nothing goes through the boundary."""
+    """Set the normal velocities of the boundary to zero."""
     return np.where(mesh.face_cells[:, 1] < 0, 0.0, v)
 
 
-def first(params: Params) -> Frame:
-    """The exact fluxes of the vortex, on a mesh that is fine at the rim of the drop."""
+def first(params: Params) -> AnimationFrame:
+    """The exact fluxes of the vortex, on a mesh refined at the boundary of the drop."""
     mesh = box_mesh(partial(near_rim, params.spacing, params.finest, None), seed=0)
     for _ in range(2):
         rim = np.abs(np.linalg.norm(mesh.points - INK, axis=1) - RADIUS) < params.finest
@@ -143,11 +144,11 @@ def first(params: Params) -> Frame:
     turned = np.sign((across * mesh.face_normals).sum(axis=1))
     v = turned * (psi[end] - psi[start]) / mesh.face_measures
     away = np.linalg.norm(mesh.points - INK, axis=1) - RADIUS
-    return Frame(mesh, v, v, np.clip(0.5 - away / (2 * params.finest), 0, 1))
+    return AnimationFrame(mesh, v, v, np.clip(0.5 - away / (2 * params.finest), 0, 1))
 
 
-def next_frame(params: Params, way: Way, k: int, now: Frame) -> Frame:
-    """What the flow brings in half a step to a mesh that is fine where the rim goes."""
+def next_frame(params: Params, way: Way, k: int, now: AnimationFrame) -> AnimationFrame:
+    """Advance by half a step to a mesh that is refined at the new boundary of the ink."""
     dt = params.time / params.steps / 2
     flow = now.field(way.method, now.v)
     rim = now.mesh.points[(now.ink > 0.1) & (now.ink < 0.9)]
@@ -159,11 +160,11 @@ def next_frame(params: Params, way: Way, k: int, now: Frame) -> Frame:
     feet = departure_points(mesh.points, flow, 0.0, dt)
     ink = way.method(now.mesh.points).field(now.ink)(feet)
     reflect = way.reflected and k % 2 == 1
-    return Frame(mesh, v, 2 * v - met if reflect else v, np.clip(ink, 0, 1))
+    return AnimationFrame(mesh, v, 2 * v - met if reflect else v, np.clip(ink, 0, 1))
 
 
-def animated(params: Params, way: Way) -> tuple[np.ndarray, list[Frame]]:
-    """Energy, error and divergence (steps + 1, 3) at the end of each step, and the frames then."""
+def animated(params: Params, way: Way) -> tuple[np.ndarray, list[AnimationFrame]]:
+    """Energy, error and divergence (steps + 1, 3) at the end of each step, and the frames."""
     frames, now = [first(params)], first(params)
     for k in range(1, 2 * params.steps + 1):
         now = next_frame(params, way, k, now)
@@ -172,7 +173,7 @@ def animated(params: Params, way: Way) -> tuple[np.ndarray, list[Frame]]:
     return np.array([judged(frame) for frame in frames]), frames
 
 
-def judged(frame: Frame) -> tuple[float, float, float]:
+def judged(frame: AnimationFrame) -> tuple[float, float, float]:
     """Energy, root mean square error of the velocities of vertices, largest divergence."""
     u = vertex_velocities(frame.mesh, frame.v, inverse_square(EPSILON)).values
     outflow = np.abs(divergence(frame.mesh, frame.v)).max()
@@ -180,7 +181,7 @@ def judged(frame: Frame) -> tuple[float, float, float]:
 
 
 def exact_rim(time: float, count: int = 400) -> np.ndarray:
-    """Points (count, 2) of the rim of the drop at a time, traced through the exact flow."""
+    """Points (count, 2) on the boundary of the drop at a given time, traced in the exact flow."""
     angle = np.linspace(0, 2 * np.pi, count)
     x = INK + RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     steps = max(1, round(time / 0.02))
@@ -190,7 +191,7 @@ def exact_rim(time: float, count: int = 400) -> np.ndarray:
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Animate in all ways, and keep some frames of the first."""
+    """Run all variants, and keep some frames of the first."""
     found = list(each(partial(animated, params), WAYS))
     history = np.array([h for h, _ in found])
     frames = found[0][1]
@@ -216,7 +217,7 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "ways": Table(
+            "ways": ResultTable(
                 ("frames", "energy left", "error", "divergence"),
                 tuple((name, e, error, max(d, 1e-12)) for name, e, error, d in rows),
             )
@@ -227,7 +228,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def plot(result: Result) -> Figure:
-    """Six frames: the mesh, the ink, and where its rim ought to be."""
+    """Six frames: the mesh, the ink, and its exact boundary."""
     with figure(FULL_WIDTH, height=4.1, rows=2, columns=3) as (page, axes):
         for k, (panel, t) in enumerate(zip(axes.flat, result.arrays["times"], strict=True)):
             drawn(panel, *(result.arrays[f"{name}_{k}"] for name in ("points", "cells", "ink")))
@@ -238,7 +239,7 @@ def plot(result: Result) -> Figure:
 
 
 def drawn(panel: Axes, points: np.ndarray, cells: np.ndarray, ink: np.ndarray) -> None:
-    """The ink in four shades, and the mesh as one broken line."""
+    """Draw the ink in four shades, and the mesh as one line with gaps."""
     x, y = points.T
     shades = [0.2, 0.4, 0.6, 0.8, 1.01]
     panel.tricontourf(Triangulation(x, y, cells), ink, shades, cmap="Blues", vmin=-0.4)
@@ -249,7 +250,7 @@ def drawn(panel: Axes, points: np.ndarray, cells: np.ndarray, ink: np.ndarray) -
 
 
 def plot_history(result: Result) -> Figure:
-    """Energy left and error of the velocities over time."""
+    """Remaining energy and error of the velocities over time."""
     history, params = result.arrays["history"], result.params
     t = np.linspace(0, params.time, params.steps + 1)
     styles = ("RBF", "MLS", "PU", "LS")

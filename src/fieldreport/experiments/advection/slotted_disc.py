@@ -1,8 +1,8 @@
-"""The slotted disc after one turn, against a published table.
+"""Slotted disc after one revolution, compared with published finite-element errors.
 
-The disc is the set where a field is negative, at first the signed distance to its rim, as in level
-set methods. It turns once on scattered sites, as many as the finite elements had unknowns whose
-errors are published, and both are measured in the same way.
+As in level set methods, the disc is the set where a field is negative; initially the field is the
+signed distance to the boundary. The disc makes one revolution on scattered sites, as many as the
+published finite-element computation had unknowns, and the errors are measured in the same way.
 
 References
 ----------
@@ -30,25 +30,32 @@ from fieldreport.experiments.advection.advection import (
     turning,
 )
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 UNKNOWNS = 72314
-"""Unknowns of the finest published mesh; the step of each coarser one is twice as long."""
-PUBLISHED = {  # of four steps, the longest first: sign change error, mass error
+"""Unknowns of the finest published mesh; each coarser mesh has twice the time step."""
+PUBLISHED = {  # for four time steps, the longest first: sign change error, mass error
     "CIP": ((0.072, 0.055, 0.033, 0.020), (0.00029, 0.00202, 0.00049, 0.00110)),
     "SUPG": ((0.065, 0.049, 0.030, 0.018), (0.01632, 0.07052, 0.00073, 0.00831)),
     "GLS": ((0.066, 0.051, 0.031, 0.019), (0.02499, 0.05180, 0.00805, 0.00672)),
     "SGS": ((0.065, 0.050, 0.030, 0.018), (0.01103, 0.07570, 0.00084, 0.00850)),
 }
-SLOT, TOP = 0.025, 0.1  # half its width; its end above the middle of the disc
+SLOT, TOP = 0.025, 0.1  # half its width; its end above the centre of the disc
 
 
 @dataclass(frozen=True)
 class Params:
     """Sites and steps."""
 
-    levels: int = parameter(3, "how many of the four published meshes, the coarsest first")
-    steps: int = parameter(20, "steps of the turn")
+    levels: int = parameter(3, "number of the four published meshes to use, coarsest first")
+    steps: int = parameter(20, "time steps of the revolution")
     lattice: int = parameter(1200, "points along a side of the square in which areas are measured")
 
     def __post_init__(self) -> None:
@@ -61,12 +68,12 @@ QUICK = Params(levels=2, steps=4, lattice=200)
 
 
 def sites_of(level: int) -> int:
-    """As many in the unit square as the mesh had unknowns."""
+    """Sites in the unit square, as many as the mesh had unknowns."""
     return round(UNKNOWNS / 4 ** (len(PUBLISHED["CIP"][0]) - 1 - level))
 
 
 def rim(count: int = 40_000) -> np.ndarray:
-    """Points (count, 2) along the rim of the slotted disc, nearly even."""
+    """Points (count, 2) along the boundary of the slotted disc, nearly equidistant."""
     half = np.arcsin(SLOT / RADIUS)
     foot = -RADIUS * np.cos(half)
     angle = -np.pi / 2 + np.linspace(half, 2 * np.pi - half, 1000)
@@ -79,12 +86,12 @@ def rim(count: int = 40_000) -> np.ndarray:
 
 
 def signed_distance(x: np.ndarray) -> np.ndarray:
-    """Distance (m,) to the rim, negative in the slotted disc."""
+    """Signed distance (m,) to the boundary, negative in the slotted disc."""
     return np.where(shapes(x)[:, 0] > 0, -1.0, 1.0) * cKDTree(rim()).query(x)[0]
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Turn the disc once, on all numbers of sites."""
+    """Rotate the disc once, on all numbers of sites."""
     levels = range(params.levels)
     found = list(each(partial(turned, params), levels))
     signs, masses = np.array([f[:2] for f in found]).T
@@ -111,16 +118,17 @@ def run(params: Params, each: Map = map) -> Result:
     frames = {f"frame_{k}": frame for k, (_, _, frame) in enumerate(found)}
     return Result(
         params=params,
-        tables={"errors": Table(names, tuple(rows))},
+        tables={"errors": ResultTable(names, tuple(rows))},
         facts=facts,
         arrays=frames | {"rim": rim(2000)},
     )
 
 
 def turned(params: Params, level: int) -> tuple[float, float, np.ndarray]:
-    """Sign change error, mass error, and the field after one turn on a coarse lattice.
+    """Sign change error, mass error, and the field after one revolution on a coarse lattice.
 
-    The root of the area where the sign has changed; the relative change of the negative area.
+    The errors are the root of the area where the sign has changed, and the relative change of the
+    negative area.
     """
     x = disc(round(np.pi / 4 * sites_of(level)))
     method = method_on(x)
@@ -137,7 +145,7 @@ def turned(params: Params, level: int) -> tuple[float, float, np.ndarray]:
 
 
 def plot(result: Result) -> Figure:
-    """The disc after one turn on all numbers of sites, and its rim as it was."""
+    """The disc after one revolution on all numbers of sites, and its initial boundary."""
     levels = result.params.levels
     side = 1.2 * RADIUS
     with figure(FULL_WIDTH, height=2.2, columns=levels, squeeze=False) as (page, axes):

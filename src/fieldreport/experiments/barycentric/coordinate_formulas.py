@@ -1,8 +1,8 @@
-"""Barycentric coordinates as textbooks write them: slow, or fragile, and independent.
+"""Independent formulas for barycentric coordinates: slow or ill-conditioned, for comparison.
 
-Each function here is a second way to the weights of a convex polytope: the quotient of the slides,
-the volumes of the polar dual from a hull, the corners split by moving the faces apart, rational
-numbers, and the closed forms of simplices and cubes.
+Each function computes the weights of a convex polytope in another way: the quotient of the slides,
+the volumes of the polar dual from a convex hull, faces shifted apart at the corners, rational
+arithmetic, and the closed forms for simplices and cubes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from fieldreport.experiments.barycentric.convex_shapes import Planes
+from fieldreport.experiments.barycentric.polytopes import Planes
 
 
 def affine(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -37,7 +37,7 @@ def quotient(planes: Planes, x: np.ndarray, faces: int | None = None) -> np.ndar
     x : (m, d) ndarray
         Queries.
     faces : int, optional
-        The first so many of the faces at each corner; all of them, which must be d, by default.
+        Use only this number of faces at each corner; by default all, of which there must be d.
     """
     w = np.empty((len(x), len(planes.corners)))
     for i, p in enumerate(planes.corners):
@@ -64,9 +64,9 @@ def polar(planes: Planes, x: np.ndarray) -> np.ndarray:
 
 
 def split(planes: Planes, shifts: np.ndarray) -> tuple[Planes, np.ndarray]:
-    """Return the polyhedron with its faces moved out by these shifts, and whence its corners come.
+    """Return the polyhedron with its faces shifted outwards, and the original of each corner.
 
-    A corner of more than three faces comes apart into corners of three. They are found by trying
+    A corner of more than three faces splits into corners of three faces, which are found by trying
     all triples of faces.
     """
     offsets = planes.offsets + shifts
@@ -82,12 +82,12 @@ def split(planes: Planes, shifts: np.ndarray) -> tuple[Planes, np.ndarray]:
 
 
 def added_up(w: np.ndarray, origin: np.ndarray, n: int) -> np.ndarray:
-    """Return the weights (m, n) of corners as sums of those of the corners they came apart into."""
+    """Return the weights (m, n) of corners as sums over the corners into which they split."""
     return w @ (origin[:, None] == np.arange(n))
 
 
 def rational(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the exact weights (n,) at x of a polygon, its corners given anticlockwise."""
+    """Return the exact weights (n,) at x of a polygon with corners in counter-clockwise order."""
     p = [[Fraction(c) for c in row] for row in corners.tolist()]
     q = [Fraction(c) for c in x.tolist()]
     n = len(p)
@@ -111,7 +111,7 @@ def _cross(a: list[Fraction], b: list[Fraction]) -> Fraction:
 def adjoint(planes: Planes, x: np.ndarray) -> np.ndarray:
     """Return the common denominator (m,) of the coordinates of a polygon, sum of the products.
 
-    It is a polynomial of degree n - 3, for the highest terms cancel.
+    It is a polynomial of degree n - 3, since the highest terms cancel.
     """
     h = planes.offsets - x @ planes.normals.T
     total = np.zeros(len(x))
@@ -121,7 +121,7 @@ def adjoint(planes: Planes, x: np.ndarray) -> np.ndarray:
 
 
 def crossings(planes: Planes) -> np.ndarray:
-    """Return the points (n (n - 3) / 2, 2) where edges of a polygon that do not meet would."""
+    """Return the intersections (n (n - 3) / 2, 2) of extended non-adjacent edges of a polygon."""
     pairs = [
         (a, b)
         for a, b in combinations(range(len(planes.offsets)), 2)
@@ -133,7 +133,8 @@ def crossings(planes: Planes) -> np.ndarray:
 def curve_through(points: np.ndarray, degree: int) -> np.ndarray:
     """Return the coefficients of the polynomial of this degree that vanishes at these points.
 
-    There must be as many points as its coefficients, less one: it is unique to a factor then.
+    The number of points must be the number of coefficients less one; the polynomial is then unique
+    up to a factor.
     """
     return np.linalg.svd(_monomials(points, degree))[2][-1]
 

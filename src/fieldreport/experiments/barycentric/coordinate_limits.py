@@ -1,4 +1,4 @@
-"""Where barycentric coordinates are delicate: beside edges and corners, and outside the polygon."""
+"""Barycentric coordinates near edges and corners, and outside the polygon."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ import numpy as np
 
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
-from fieldreport.experiments.barycentric.convex_shapes import GOLDEN, Planes, regular
+from fieldreport.experiments.barycentric.polytopes import GOLDEN, Planes, regular
 
 
 def errors_beside(distances: np.ndarray, turn: float) -> np.ndarray:
     """Return errors (edge or corner, quotient or products, distance) in a turned hexagon.
 
-    The truth is in rational numbers. Where the quotient is no number its error is told as -1.
+    Exact values are computed in rational arithmetic. Where the quotient is not a number, its error
+    is reported as -1.
     """
     corners = regular(6, turn)
     planes, method = Planes.of(corners), BarycentricCoordinates(corners)
@@ -31,13 +32,13 @@ def errors_beside(distances: np.ndarray, turn: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Outside:
-    """The coordinates of a polygon beyond its edges, and the curve on which they have no value.
+    """The coordinates of a polygon beyond its edges, and their pole curve.
 
     Attributes
     ----------
     corners : (n, 2) ndarray
     crossings : (n (n - 3) / 2, 2) ndarray
-        Where edges that do not meet would.
+        Intersections of extended non-adjacent edges.
     grid : (m, m, 2) ndarray
     weight : (m, m) ndarray
         Of the first corner, on the grid.
@@ -47,9 +48,9 @@ class Outside:
         Between the adjoint and the polynomial of degree n - 3 that vanishes at the crossings, on
         the grid, relative to the adjoint.
     poles : (k, 2) ndarray
-        Places where the adjoint is zero to rounding.
+        Points where the adjoint is zero to rounding.
     refused : int
-        How many of the poles the coordinates refuse.
+        The number of poles that the coordinates refuse.
     """
 
     corners: np.ndarray
@@ -63,12 +64,12 @@ class Outside:
 
     @classmethod
     def of(cls, corners: np.ndarray, directions: int, side: int) -> Outside:
-        """Return what is seen in so many directions, and on a grid of so many places a side."""
+        """Evaluate along a number of directions, and on a grid with a number of points per side."""
         planes, method = Planes.of(corners), BarycentricCoordinates(corners)
         crossings = formulas.crossings(planes)
         size = 2 + 2 * np.abs(crossings).max()
         ticks = size * (np.arange(side) + 0.5) / side - size / 2
-        # moved a little, by no fraction of its cells: no place of it lies on the curve
+        # shifted slightly, so that no grid point lies on the curve
         grid = np.stack(np.meshgrid(ticks, ticks + GOLDEN * size / (9 * side)), axis=-1)
         flat = grid.reshape(-1, 2)
         denominator = formulas.adjoint(planes, flat)
@@ -88,7 +89,7 @@ class Outside:
         )
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Return what is drawn."""
+        """Return the arrays of the figures."""
         n = len(self.corners)
         return {
             f"outside_{n}_corners": self.corners,
@@ -100,9 +101,9 @@ class Outside:
 
 
 def _zeros(planes: Planes, directions: np.ndarray, size: float) -> np.ndarray:
-    """Return the zeros (k, 2) of the adjoint on rays out of the middle, to the last bit.
+    """Return the zeros (k, 2) of the adjoint on rays from the centre, to machine precision.
 
-    They are found by bisection. A ray that does not change its sign within the size has none.
+    They are found by bisection. A ray without a change of sign within the size has none.
     """
     inner, outer = np.zeros(len(directions)), np.full(len(directions), size)
     crosses = formulas.adjoint(planes, size * directions) < 0
@@ -114,7 +115,7 @@ def _zeros(planes: Planes, directions: np.ndarray, size: float) -> np.ndarray:
 
 
 def _refused(method: BarycentricCoordinates, x: np.ndarray) -> int:
-    """Return at how many places the coordinates say that they have no value."""
+    """Return the number of points at which the coordinates are refused."""
     count = 0
     for q in x:
         try:

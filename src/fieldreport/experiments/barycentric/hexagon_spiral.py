@@ -1,9 +1,9 @@
-"""Voronoi coordinates on a spiral inside a hexagon, and inside other stars of cells.
+"""Voronoi coordinates on a spiral inside a hexagon and inside other vertex stars.
 
-The slides' exercise as asked: a regular hexagon, values at the circumcentres of its six triangles,
-a spiral from near an edge of the dual cell to its middle. Then what it leaves out: hexagons turned
-and moved, one with the first point of the spiral on an edge, stars at random, and stars in space.
-On all of them the slides' quotients are compared with products.
+The exercise of the slides: a regular hexagon, values at the circumcentres of its six triangles, and
+a spiral from near an edge of the dual cell to its centre. Further cases are rotated and translated
+hexagons, one with the first point of the spiral on an edge, random stars, and stars in space. In
+all of them the quotient form of the slides is compared with the product form.
 
 References
 ----------
@@ -14,15 +14,19 @@ Graphics Tools 7 (2002), for the same weights from areas.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.figure import Figure
+from scipy.spatial.transform import Rotation
 
 from fieldrecon.barycentric.voronoi import VoronoiCell
-from fieldreport.experiments.barycentric.hexagon_spiral_figures import draw_errors, draw_stars
-from fieldreport.experiments.barycentric.stars import (
+from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line, shades
+from fieldreport.experiments.barycentric.vertex_stars import (
     Star,
     at_random,
     from_areas,
@@ -35,7 +39,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -47,15 +51,15 @@ FORMS = ("quotient", "quotient, one height", "product")
 
 @dataclass(frozen=True)
 class Params:
-    """The spiral, the stars, and how near the edge of a cell is approached."""
+    """The spiral, the stars, and the distances from an edge of a cell."""
 
     steps: int = parameter(50, "points N of the spiral")
-    turn: float = parameter(20.0, "angle by which a hexagon is turned, in degrees")
-    center: tuple[float, ...] = parameter((-1.5, 0.5), "centre of the hexagon that is moved")
-    scattered: int = parameter(60, "points at random, in the unit square and in the unit cube")
+    turn: float = parameter(20.0, "angle by which a hexagon is rotated, in degrees")
+    center: tuple[float, ...] = parameter((-1.5, 0.5), "centre of the translated hexagon")
+    scattered: int = parameter(60, "random points, in the unit square and in the unit cube")
     nearest: int = parameter(16, "smallest distance from an edge, as a negative power of ten")
     places: int = parameter(200, "points along the edge at each distance")
-    seed: int = parameter(0, "seed of the points at random")
+    seed: int = parameter(0, "seed of the random points")
 
     def __post_init__(self) -> None:
         require_at_least(self, steps=7, scattered=40, nearest=2, places=2, seed=0)
@@ -77,7 +81,7 @@ def run(params: Params, each: Map = map) -> Result:
         tables={
             "stars": _stars_table(stars, found),
             "spiral": _spiral_table(params.steps),
-            "edge": Table(
+            "edge": ResultTable(
                 ("distance", *FORMS),
                 tuple((d, *map(_told, row)) for d, row in zip(distances, near, strict=True)),
             ),
@@ -116,13 +120,13 @@ def measure(steps: int, star: Star) -> dict[str, float]:
 
 
 def linear_error(w: np.ndarray, corners: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the error of the sum of coordinates at each query, over the data; 1 for no value."""
+    """Return the relative error of linear data at each query; 1 if there is no value."""
     error = np.abs(w @ corners.sum(axis=1) - x.sum(axis=1)) / np.abs(corners.sum(axis=1)).max()
     return np.where(np.isfinite(error), error, 1.0)
 
 
 def errors_near_an_edge(params: Params, distance: float) -> list[float]:
-    """Return the largest error of linear data, by the three forms, so near to an edge inside."""
+    """Return the largest error of linear data, by the three forms, at a distance from an edge."""
     star = hexagon(params.turn)
     cell, spoke = VoronoiCell(*star), star.spokes[0]
     a, b = cell.points[np.argsort(cell.points @ spoke)[-2:]]  # the ends of the edge
@@ -134,7 +138,7 @@ def errors_near_an_edge(params: Params, distance: float) -> list[float]:
     ]
 
 
-def _stars_table(stars: dict[str, Star], found: dict[str, dict[str, float]]) -> Table:
+def _stars_table(stars: dict[str, Star], found: dict[str, dict[str, float]]) -> ResultTable:
     columns = (
         "star",
         "dimension",
@@ -147,7 +151,7 @@ def _stars_table(stars: dict[str, Star], found: dict[str, dict[str, float]]) -> 
         "quadratic",
     )
     rows = (_star_row(name, star, found[name]) for name, star in stars.items())
-    return Table(columns, tuple(rows))
+    return ResultTable(columns, tuple(rows))
 
 
 def _star_row(name: str, star: Star, m: dict[str, float]) -> tuple[Cell, ...]:
@@ -157,8 +161,8 @@ def _star_row(name: str, star: Star, m: dict[str, float]) -> tuple[Cell, ...]:
     return name, *size, smallest, *errors, m["quadratic"]
 
 
-def _spiral_table(steps: int) -> Table:
-    """The exercise: each point, its smallest weight, and values beside the true ones."""
+def _spiral_table(steps: int) -> ResultTable:
+    """The exercise: each point, its smallest weight, and values beside the exact ones."""
     star = hexagon()
     cell, s = VoronoiCell(*star), spiral(star, steps)
     smallest = cell.weights(s).min(axis=1)
@@ -166,7 +170,7 @@ def _spiral_table(steps: int) -> Table:
     values = (cell.field(linear)(s), s.sum(axis=1), cell.field(quadratic)(s), (s**2).sum(axis=1))
     numbers = np.round(np.column_stack([s, smallest, *values]), 13) + 0.0
     columns = ("n", "x", "y", "smallest weight", "linear", "x + y", "quadratic", "x² + y²")
-    return Table(columns, tuple((n + 1, *row) for n, row in enumerate(numbers.tolist())))
+    return ResultTable(columns, tuple((n + 1, *row) for n, row in enumerate(numbers.tolist())))
 
 
 def _told(error: float) -> float:
@@ -223,11 +227,99 @@ def _drawn(params: Params) -> dict[str, np.ndarray]:
     return arrays
 
 
+VIEW = Rotation.from_euler("zyx", [200, 0, -70], degrees=True).as_matrix()
+"""Rows: directions to the right, upward, and toward the viewer."""
+
+FLOOR = 3e-17
+"""The value at which zero errors are drawn."""
+
+
 def plot(result: Result) -> Figure:
     """The stars, their Voronoi cells, and the spirals coloured by value."""
-    return draw_stars(result.arrays)
+    arrays = result.arrays
+    with figure(FULL_WIDTH, height=5.0, rows=2, columns=2) as (page, axes):
+        asked, middle, moved, space = axes.flat
+        points = _draw_star(asked, "as asked", arrays, "asked")
+        _draw_star(middle, "as asked, the middle enlarged", arrays, "asked")
+        s = arrays["asked_spiral"]
+        reach = 1.15 * np.abs(s[3]).max()
+        middle.set(xlim=(-0.45 * reach, reach), ylim=(-0.55 * reach, 0.9 * reach))
+        for n in range(4, len(s) + 1):
+            if n in (4, 6, 10, 20, len(s)):
+                outward = 9 * s[n - 1] / np.linalg.norm(s[n - 1])
+                look = {"textcoords": "offset points", "ha": "center", "va": "center"}
+                middle.annotate(f"{n}", s[n - 1], outward, **look)
+        _draw_star(moved, "turned and moved", arrays, "moved")
+        moved.plot(*s.T, ".", color="#8a8a8a", markersize=3)
+        moved.annotate("without\n$x_i$", s[-1], (6, -8), textcoords="offset points", va="top")
+        _draw_star(space, "icosahedron", arrays, "space")
+        page.colorbar(points, ax=list(axes.flat), shrink=0.6, label="value above that at $x_i$")
+    return page
+
+
+def _draw_star(
+    panel: Axes, title: str, arrays: Mapping[str, np.ndarray], name: str
+) -> PathCollection:
+    edges, dual, corners, s = (
+        arrays[f"{name}_{what}"] for what in ("edges", "dual", "corners", "spiral")
+    )
+    for lines, near, far, width in (
+        (edges, "#9a9a9a", "#d8d8d8", 0.6),
+        (dual, "black", "#b0b0b0", 1.3),
+    ):
+        colors = np.where(_behind(lines), far, near)
+        panel.add_collection(LineCollection(list(_seen(lines)), colors=colors, linewidths=width))
+    front = corners[~_behind(corners[:, None])]
+    panel.plot(*_seen(front).T, "s", color="black", markersize=3)
+    sizes = 24 / np.sqrt(np.arange(1, len(s) + 1))
+    x, y = _seen(s).T
+    points = panel.scatter(
+        x,
+        y,
+        c=arrays[f"{name}_values"],
+        s=sizes,
+        zorder=3,
+        cmap=SEQUENTIAL,
+        vmin=-0.1,
+        vmax=0.6,
+        edgecolors="black",
+        linewidths=0.3,
+    )
+    panel.set_aspect("equal", anchor="N")
+    panel.axis("off")
+    panel.set_title(title, loc="center")
+    return points
+
+
+def _seen(points: np.ndarray) -> np.ndarray:
+    """Project from space along a fixed direction; planar points stay."""
+    return points if points.shape[-1] == 2 else points @ VIEW[:2].T
+
+
+def _behind(pieces: np.ndarray) -> np.ndarray:
+    """Whether the middle of each piece (m, k, d) is behind the plane of the drawing."""
+    depth = pieces.mean(axis=1) @ VIEW[2] if pieces.shape[-1] == 3 else np.zeros(len(pieces))
+    return depth < -1e-9
 
 
 def plot_errors(result: Result) -> Figure:
-    """Errors of linear data along the spiral that begins on an edge, and ever nearer to an edge."""
-    return draw_errors(result.arrays, FORMS)
+    """Errors of linear data along the spiral from an edge, and near an edge."""
+    arrays = result.arrays
+    looks = dict(zip(FORMS, [line("LS"), shades("truth", 2)[1], line("MLS")], strict=True))
+    with figure(FULL_WIDTH, height=2.6, columns=2, sharey=True) as (page, (left, right)):
+        for form in (FORMS[0], FORMS[-1]):
+            errors = np.maximum(arrays[f"moved_{form}"], FLOOR)
+            look = looks[form] | {"linestyle": "none", "label": form}
+            left.plot(np.arange(1, len(errors) + 1), errors, **look)
+        left.set(xlabel="point $n$ of the spiral", ylabel="error of linear data")
+        left.set_title("first point on an edge")
+        distances = arrays["distances"]
+        for form, errors in zip(FORMS, arrays["near"].T, strict=True):
+            right.plot(distances, np.maximum(errors, FLOOR), **looks[form] | {"label": form})
+        guide = np.finfo(float).eps / distances
+        right.plot(distances, guide, **line("truth", label="rounding / distance"))
+        right.set(xscale="log", yscale="log", xlabel="distance from the edge")
+        right.set_title("ever nearer to an edge")
+        for panel in (left, right):
+            panel.legend(loc="upper right")
+    return page

@@ -1,10 +1,11 @@
-"""Barycentric coordinates of convex polygons and polyhedra, against independent ways to them.
+"""Barycentric coordinates of convex polygons and polyhedra against independent formulas.
 
-The coordinates of triangles, squares, other polygons, and of six polyhedra are compared with closed
-forms and with volumes of the polar dual from a hull. Where four faces meet they are compared with
-those of polyhedra whose faces were moved apart, ever less. Beside an edge and a corner the quotient
-of the slides loses its digits; the products do not. Outside of a polygon the coordinates have
-poles, on the curve through the points where its edges would cross.
+The coordinates of triangles, squares, other polygons and six polyhedra are compared with closed
+forms, and with volumes of the polar dual that are computed from a convex hull. Where four faces
+meet they are compared with the coordinates of polyhedra whose faces were shifted apart, by
+decreasing distances. Near an edge and near a corner the quotient form of the slides loses digits;
+the product form does not. Outside a polygon the coordinates have poles, on the curve through the
+intersections of its extended edges.
 
 References
 ----------
@@ -24,13 +25,6 @@ from matplotlib.figure import Figure
 
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
-from fieldreport.experiments.barycentric.convex_shapes import (
-    OUTSIDE,
-    POLYHEDRA,
-    Planes,
-    mesh_of,
-    polygons,
-)
 from fieldreport.experiments.barycentric.coordinate_limits import Outside, errors_beside
 from fieldreport.experiments.barycentric.polyhedra_figures import (
     FROM_THE_RIGHT,
@@ -41,11 +35,18 @@ from fieldreport.experiments.barycentric.polyhedra_figures import (
     plot_polygons,
     plot_splitting,
 )
+from fieldreport.experiments.barycentric.polytopes import (
+    OUTSIDE,
+    POLYHEDRA,
+    Planes,
+    mesh_of,
+    polygons,
+)
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -70,25 +71,25 @@ CLOSED_FORMS: dict[str, tuple[str, Callable[[np.ndarray, np.ndarray], np.ndarray
 }
 EXACT = 1e-10
 SMALL = 0.02
-"""Shifts below it are fitted by a power: above, the next order of the difference is seen."""
+"""Only shifts below this are used for the power law: larger ones show the next order."""
 
 
 @dataclass(frozen=True)
 class Params:
-    """How many places are asked, how far faces are moved apart, how near an edge is approached."""
+    """Numbers of query points, shifts of the faces, and distances from edges."""
 
     corners: int = parameter(7, "corners of the random polygon")
-    queries: int = parameter(100, "random places in each polytope")
-    splits: int = parameter(6, "random ways in which the faces are moved apart")
-    largest_shift: float = parameter(0.1, "largest distance δ by which a face is moved")
+    queries: int = parameter(100, "random query points in each polytope")
+    splits: int = parameter(6, "random splittings, in which faces are shifted apart")
+    largest_shift: float = parameter(0.1, "largest distance δ by which a face is shifted")
     smallest_shift: float = parameter(1e-10, "smallest δ")
     shifts: int = parameter(10, "values of δ, in geometric progression")
-    turns: int = parameter(25, "random turns of the hexagon that is asked beside its edges")
-    nearest: float = parameter(1e-18, "least distance from an edge or corner; the size is 1")
+    turns: int = parameter(25, "random rotations of the hexagon for queries near its edges")
+    nearest: float = parameter(1e-18, "smallest distance from an edge or corner; the size is 1")
     distances: int = parameter(37, "distances from an edge or corner, in geometric progression")
-    poles: int = parameter(200, "directions in which poles are looked for outside")
-    rings: int = parameter(14, "fineness of the meshes that are drawn")
-    seed: int = parameter(4, "seed of polygons, places, shifts and turns")
+    poles: int = parameter(200, "directions in which poles are searched outside")
+    rings: int = parameter(14, "refinement of the meshes in the figures")
+    seed: int = parameter(4, "seed of polygons, query points, shifts and rotations")
 
     def __post_init__(self) -> None:
         require_at_least(self, corners=4, queries=1, splits=1, shifts=2, turns=1, distances=2)
@@ -101,7 +102,7 @@ DIGITS = {"difference_at_smallest_shift": 3, "quotient_digits_lost": 2}
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Compare, split, approach edges, and go outside."""
+    """Compare formulas, split corners, approach edges, and evaluate outside."""
     shapes = polygons(params.corners, params.seed) | POLYHEDRA
     compared = dict(zip(shapes, each(partial(comparison, params), shapes.items()), strict=True))
     crowded = {name: p for name, p in POLYHEDRA.items() if not Planes.of(p).simple}
@@ -144,7 +145,7 @@ def comparison(params: Params, shape: tuple[str, np.ndarray]) -> dict[str, float
 
 
 def splitting_errors(params: Params, corners: np.ndarray) -> np.ndarray:
-    """Return (split, shift) the largest difference from the weights of polyhedra split apart."""
+    """Return the largest difference (split, shift) from the weights of the split polyhedra."""
     planes, x = Planes.of(corners), 0.8 * _places(params, corners)
     w = BarycentricCoordinates(corners).weights(x)
     errors = np.empty((params.splits, params.shifts))
@@ -157,7 +158,7 @@ def splitting_errors(params: Params, corners: np.ndarray) -> np.ndarray:
 
 
 def gradient_error(params: Params) -> float:
-    """Return the largest error of the gradient of xyz in the cube, where it comes back exactly."""
+    """Return the largest error of the gradient of xyz in the cube, which should be zero."""
     corners = POLYHEDRA["cube"]
     x = _places(params, corners)
     gradient = BarycentricCoordinates(corners).field(corners.prod(axis=1)).gradient(x)
@@ -165,7 +166,7 @@ def gradient_error(params: Params) -> float:
 
 
 def ways_apart(params: Params, name: str) -> int:
-    """Return in how many ways the faces of a polyhedron came to meet, over all the splits."""
+    """Return the number of combinatorially different splittings of a polyhedron."""
     planes = Planes.of(POLYHEDRA[name])
     apart = (
         formulas.split(planes, params.smallest_shift * direction)[0]
@@ -175,7 +176,7 @@ def ways_apart(params: Params, name: str) -> int:
 
 
 def shifts(params: Params) -> np.ndarray:
-    """Return the distances δ by which faces are moved."""
+    """Return the distances δ by which faces are shifted."""
     return np.geomspace(params.largest_shift, params.smallest_shift, params.shifts)
 
 
@@ -193,7 +194,7 @@ def _told(error: float) -> float:
     return order_of_magnitude(error) if error < EXACT else error
 
 
-def _table(shapes: dict[str, np.ndarray], compared: dict[str, dict[str, float]]) -> Table:
+def _table(shapes: dict[str, np.ndarray], compared: dict[str, dict[str, float]]) -> ResultTable:
     rows = []
     for name, corners in shapes.items():
         planes, found = Planes.of(corners), compared[name]
@@ -205,13 +206,13 @@ def _table(shapes: dict[str, np.ndarray], compared: dict[str, dict[str, float]])
         rows.append((name, *counts, "yes" if planes.simple else "no", *errors, *closed))
     counts_named = ("D", "corners", "faces", "faces at a corner, most", "simple")
     errors_named = ("positions", "polar dual", "positions, D faces", "closed form", "difference")
-    return Table(("polytope", *counts_named, *errors_named), tuple(rows))
+    return ResultTable(("polytope", *counts_named, *errors_named), tuple(rows))
 
 
-def _split_table(params: Params, split: dict[str, np.ndarray]) -> Table:
+def _split_table(params: Params, split: dict[str, np.ndarray]) -> ResultTable:
     names = [f"{name}, {what}" for name in split for what in ("least", "most")]
     columns = [f(errors, axis=0) for errors in split.values() for f in (np.min, np.max)]
-    return Table(("delta", *names), tuple(zip(shifts(params), *columns, strict=True)))
+    return ResultTable(("delta", *names), tuple(zip(shifts(params), *columns, strict=True)))
 
 
 def _facts(compared: dict[str, dict[str, float]]) -> dict[str, Cell]:
@@ -288,5 +289,5 @@ def _pictures(params: Params, shapes: dict[str, np.ndarray]) -> dict[str, np.nda
 
 
 def plot(result: Result) -> Figure:
-    """The six polyhedra, with one coordinate on the faces that are seen."""
+    """The six polyhedra, with one coordinate on their visible faces."""
     return draw_solids(result)

@@ -1,4 +1,4 @@
-"""The figures of the barycentric coordinates: level sets, solids, corners split apart, poles."""
+"""Figures of the experiment `polyhedra`: level sets, solids, split corners, poles."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from matplotlib.ticker import NullLocator
 from matplotlib.tri import Triangulation
 
 from fieldrecon.plotting.style import DIVERGING, SEQUENTIAL, figure, shades
-from fieldreport.experiments.barycentric.convex_shapes import POLYHEDRA, Planes
 from fieldreport.experiments.barycentric.coordinate_formulas import split
+from fieldreport.experiments.barycentric.polytopes import POLYHEDRA, Planes
 from fieldreport.framework.experiment import Result
 
 LEVELS = np.linspace(0, 1, 11)
@@ -26,13 +26,13 @@ FAINT: dict[str, Any] = {"color": "0.6", "linewidth": 0.5}
 HIDDEN: dict[str, Any] = {"color": "0.55", "linewidth": 0.5, "linestyle": (0, (4, 3))}
 
 TOWARD = {"octahedron": (0.88, 0.24, 0.36), "rhombic dodecahedron": (0.85, 0.36, 0.38)}
-"""Whence some polyhedra are seen, so that a corner of four faces shows all of them."""
+"""View direction of some polyhedra, from which all four faces at a corner are visible."""
 FROM_THE_RIGHT = (0.62, 0.42, 0.46)
-"""Whence the others are."""
+"""View direction of the other polyhedra."""
 
 
 def draw_solids(result: Result) -> Figure:
-    """Draw the polyhedra, the simple ones above, and a coordinate on the faces that are seen."""
+    """Draw the polyhedra, the simple ones above, and a coordinate on their visible faces."""
     with figure(height=4.35, rows=2, columns=3) as (page, axes):
         for panel, name in zip(axes.ravel(), POLYHEDRA, strict=True):
             bands = _draw_solid(panel, result, name)
@@ -59,7 +59,7 @@ def plot_polygons(result: Result) -> Figure:
 
 
 def plot_edge(result: Result) -> Figure:
-    """Errors of the quotient and of the products beside an edge and beside a corner."""
+    """Errors of the quotient and of the products near an edge and near a corner."""
     arrays, (dark, light) = result.arrays, shades("truth", 2, markersize=3, markevery=2)
     with figure(height=2.4, columns=2, sharey=True) as (page, axes):
         for panel, what, errors in zip(
@@ -135,7 +135,7 @@ def plot_outside(result: Result) -> Figure:
 
 
 class _Mesh:
-    """What was computed of one shape: a mesh of it or of its faces, and a coordinate there."""
+    """The data of one shape: a mesh of it or of its faces, and a coordinate there."""
 
     def __init__(self, result: Result, name: str) -> None:
         key = name.replace(" ", "_")

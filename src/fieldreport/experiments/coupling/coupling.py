@@ -1,9 +1,10 @@
-"""Loads from a wing's skin to its structure: by interpolation, and by the transpose.
+"""Load transfer from the skin of a wing to its structure: interpolation and transpose.
 
-A pressure with a known lift acts on the skin of a wing. It is handed to the nodes of a few spars,
-which neither match the skin nor reach its edges, in ways that look reasonable. Lift, moments, and
-the deflection of the tip of a uniform cantilever under the loads that arrive are compared with
-their closed forms; then it is shown where the load of one point of the skin goes.
+A pressure with known lift acts on the skin of a wing. Its forces are transferred, in several
+plausible ways, to the nodes of a few spars, which neither match the skin nor reach its edges. Lift,
+moments and the tip deflection of a uniform cantilever under the transferred loads are compared with
+closed forms. The experiment also shows to which nodes the load of one point of the skin is
+distributed.
 
 References
 ----------
@@ -28,29 +29,36 @@ from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.coupling.precice_mappings import integrated, separate
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
-THICKNESS = 0.12  # of the profile, as a part of the chord
-SPARS = (0.2, 0.45, 0.7)  # places along the chord
-SPAR_HEIGHT = 0.8  # of the spars, as a part of the thickness there
+THICKNESS = 0.12  # of the profile, as a fraction of the chord
+SPARS = (0.2, 0.45, 0.7)  # positions along the chord
+SPAR_HEIGHT = 0.8  # of the spars, as a fraction of the local thickness
 SPARRED = 0.95  # of the span
-REACH = 0.5  # of the kernel that is compared with preCICE, as a part of the half span
-ROUNDING = 1e-12  # errors below are rounding, and told as this
+REACH = 0.5  # of the kernel compared with preCICE, as a fraction of the half span
+ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 
 
 @dataclass(frozen=True)
 class Params:
     """The wing of half span 1, its meshes, and the load."""
 
-    chord: float = parameter(0.3, "chord of the wing, as a part of the half span")
+    chord: float = parameter(0.3, "chord of the wing, as a fraction of the half span")
     stations: tuple[int, ...] = parameter(
         (4, 8, 16, 32), "stations of the structure along the span"
     )
     shown: int = parameter(8, "stations in the table")
-    pictured: int = parameter(40, "stations in the picture of where a load goes")
+    pictured: int = parameter(40, "stations in the figure of the load distribution")
     across: int = parameter(20, "points of the skin along the chord, on each side")
     along: int = parameter(60, "points of the skin along the span")
-    drag: float = parameter(0.05, "drag as a part of the lift, everywhere")
+    drag: float = parameter(0.05, "drag as a fraction of the lift, everywhere")
 
     def __post_init__(self) -> None:
         require_at_least(
@@ -71,15 +79,15 @@ class Wing:
 
 
 def height(c: np.ndarray) -> np.ndarray:
-    """Half thickness of the profile at parts c of the chord, in chords."""
+    """Half thickness of the profile at fractions c of the chord, in chords."""
     return THICKNESS * np.sqrt(np.maximum(c * (1 - c), 0.0))
 
 
 def wing(params: Params) -> Wing:
     """Lift that is elliptic along the span and falls linearly along the chord, half on each side.
 
-    The total is one: with y = sin θ each point carries its part exactly, by the rule of Gauss and
-    Chebyshev along the span, and by the midpoint rule along the chord.
+    The total is one: with y = sin θ each point carries its exact share, by Gauss-Chebyshev
+    quadrature along the span and the midpoint rule along the chord.
     """
     k = np.arange(1, params.along + 1)
     angle = k * np.pi / (2 * params.along + 1)
@@ -96,7 +104,7 @@ def wing(params: Params) -> Wing:
 
 
 def spars(params: Params, stations: int, sides: tuple[float, ...] = (1.0, -1.0)) -> np.ndarray:
-    """Nodes of the structure; with the side 0, in its middle plane."""
+    """Nodes of the structure; with side 0, in its middle plane."""
     y = SPARRED * np.arange(stations) / (stations - 1)
     c, span, side = (a.ravel() for a in np.meshgrid(SPARS, y, sides, indexing="ij"))
     return np.column_stack([params.chord * c, span, side * SPAR_HEIGHT * params.chord * height(c)])
@@ -150,14 +158,14 @@ def closed_forms(params: Params) -> np.ndarray:
 
 
 def quantities(points: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """The same of forces at points, about the front of the root in the middle plane."""
+    """The same quantities for forces at points, about the leading edge of the root."""
     total = net_force_and_moment(points, forces)
     y = points[:, 1]
     return np.array([total[2], total[3], total[4], forces[:, 2] @ (y**2 * (3 - y)) / 6])
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Hand the load over in all ways, for all numbers of stations."""
+    """Transfer the load in all ways, for all numbers of stations."""
     jobs = [(way, k) for way in WAYS for k in (*params.stations, params.shown)]
     found = dict(zip(jobs, each(partial(errors_of, params), jobs), strict=True))
     errors = np.array([[found[way, k] for k in params.stations] for way in WAYS])
@@ -168,8 +176,8 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "errors": Table(("way", *QUANTITIES), tuple(rows)),
-            "mappings": Table(
+            "errors": ResultTable(("way", *QUANTITIES), tuple(rows)),
+            "mappings": ResultTable(
                 ("polynomial", "displacements", "loads", *QUANTITIES[:3]),
                 tuple(maps),
             ),
@@ -180,7 +188,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def errors_of(params: Params, job: tuple[str, int]) -> np.ndarray:
-    """Relative errors of the quantities, against what acts on the skin."""
+    """Relative errors of the quantities, compared with the forces on the skin."""
     way, stations = job
     given = wing(params)
     nodes = spars(params, stations, (0.0,) if way.endswith("flat") else (1.0, -1.0))
@@ -190,7 +198,7 @@ def errors_of(params: Params, job: tuple[str, int]) -> np.ndarray:
 
 
 def footprints(params: Params, given: Wing) -> tuple[np.ndarray, np.ndarray]:
-    """Where a unit load on one point of the skin goes: weights of two couplings on the nodes."""
+    """Distribution of a unit load at one point of the skin: nodal weights of two couplings."""
     nodes = spars(params, params.pictured)
     inner = np.abs(given.skin - [0.35 * params.chord, 0.5, 0.05 * params.chord]).sum(axis=1)
     one = given.skin[[int(np.argmin(inner))]]
@@ -203,9 +211,9 @@ def footprints(params: Params, given: Wing) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mappings(params: Params, given: Wing) -> list[tuple[Cell, ...]]:
-    """PreCICE's two mappings against the coupling with the same kernel, and their own errors.
+    """The two mappings of preCICE compared with the coupling with the same kernel; their errors.
 
-    Largest differences, relative to the largest entries; then relative errors of what arrives.
+    Largest differences, relative to the largest entries; then relative errors of the loads.
     """
     nodes, kernel = spars(params, params.shown), wendland(3, 2, REACH)
     ours = np.asarray(RBF(nodes, kernel, degree=1).weights(given.skin))
@@ -267,7 +275,7 @@ def plot(result: Result) -> Figure:
 
 
 def plot_footprint(result: Result) -> Figure:
-    """The nodes of the upper side that share the load of one point of the skin, in plan view."""
+    """Plan view of the upper nodes among which the load of one point of the skin is distributed."""
     places, weights = result.arrays["places"], result.arrays["weights"]
     nodes, one = places[:-1], places[-1]
     upper = nodes[:, 2] > 0

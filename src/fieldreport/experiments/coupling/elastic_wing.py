@@ -1,9 +1,10 @@
-"""A swept wing that bends in the air that it bends in, to the steady state.
+"""Static aeroelasticity of a swept wing: fixed-point iteration to the steady state.
 
-A transport's wing at Mach 0.8: a lattice of vortices for the air, a plate of finite elements for
-the skins, and a coupling between their nodes. Air and structure take turns, plainly and relaxed.
-How fast that converges, and where it cannot, is compared with the eigenvalues of the coupled
-problem, and the parts with closed forms. Then loads are handed over pointwise instead.
+A transport wing at Mach 0.8: a vortex lattice for the flow, a plate of finite elements for the
+skins, and a coupling between their nodes. Flow and structure are solved alternately, without and
+with relaxation. The rate of convergence and the divergence of the wing are compared with the
+eigenvalues of the coupled problem, and the components with closed forms. Finally the loads are
+transferred pointwise instead of by the transpose.
 
 References
 ----------
@@ -14,32 +15,35 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import partial
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from fieldrecon.coupling.flat_structures import FlatCoupling
+from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line, shades
 from fieldreport.experiments.coupling.elastic_wing_checks import checks
-from fieldreport.experiments.coupling.elastic_wing_figures import (
-    draw_wing,
-    plot_section,
-    plot_span,
-    plot_turns,
-)
 from fieldreport.experiments.coupling.pointwise_loads import compared
 from fieldreport.experiments.coupling.standard_atmosphere import TOP, standard_atmosphere
-from fieldreport.experiments.coupling.swept_wings import Plan, built_incidences, elastic, skin
-from fieldreport.experiments.coupling.wing import ElasticWing
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
-
-__all__ = ["QUICK", "Params", "plot", "plot_section", "plot_span", "plot_turns", "run"]
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
+from fieldreport.experiments.coupling.wing_models import Plan, built_incidences, elastic, skin
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
-SKIN = (16, 29)  # pieces of the skin that is drawn, along half its section and along the span
-SETTLED = 1e-8  # residual at which factors are observed, well above rounding
-NONE = 100  # times the flight's dynamic pressure: what diverges there only, does not
-ROUNDING = 1e-12  # errors below are rounding, and told as this
+SKIN = (16, 29)  # cells of the drawn skin, along half its section and along the span
+SETTLED = 1e-8  # residual at which convergence factors are measured, well above rounding
+NONE = 100  # multiples of the flight's dynamic pressure beyond which divergence is ignored
+ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 
 
 @dataclass(frozen=True)
@@ -51,28 +55,30 @@ class Params:
     height: float = parameter(10498.0, "height of the flight, m")
     half_span: float = parameter(29.0, "half span, m")
     root_chord: float = parameter(10.5, "chord at the root, m")
-    taper: float = parameter(0.25, "chord at the tip, as a part of that at the root")
+    taper: float = parameter(0.25, "chord at the tip, as a fraction of the root chord")
     sweep: float = parameter(30.0, "sweep of the quarter chords, degrees")
-    thickness: float = parameter(0.12, "thickness of the profile, as a part of the chord")
-    camber: float = parameter(0.02, "height of the mean line, as a part of the chord")
+    thickness: float = parameter(0.12, "thickness of the profile, as a fraction of the chord")
+    camber: float = parameter(0.02, "height of the mean line, as a fraction of the chord")
     incidence: tuple[float, ...] = parameter((4.5, 0.0), "incidence at root and tip, degrees")
-    skin: tuple[float, ...] = parameter((0.009, 0.003), "the skins at root and tip, m")
-    plate: tuple[float, ...] = parameter((0.03, 0.97), "the plate's edges, as parts of the chord")
+    skin: tuple[float, ...] = parameter((0.009, 0.003), "thickness of the skins at root and tip, m")
+    plate: tuple[float, ...] = parameter(
+        (0.03, 0.97), "edges of the plate, as fractions of the chord"
+    )
     young: float = parameter(70e9, "Young's modulus, Pa")
     poisson: float = parameter(0.33, "Poisson's ratio")
-    pieces: tuple[int, ...] = parameter((30, 120), "pieces of the plate along chord and span")
+    pieces: tuple[int, ...] = parameter((30, 120), "cells of the plate along chord and span")
     panels: tuple[int, ...] = parameter((12, 32), "panels of the lattice along chord and span")
-    section: float = parameter(0.77, "section shown, as a part of the half span")
+    section: float = parameter(0.77, "section shown, as a fraction of the half span")
     sweeps: tuple[float, ...] = parameter((30.0, 0.0, -20.0), "sweeps compared, degrees")
     pressures: tuple[float, ...] = parameter(
-        (0.5, 1.0, 1.5, 2.0, 2.5), "dynamic pressures compared, as parts of that of the flight"
+        (0.5, 1.0, 1.5, 2.0, 2.5), "dynamic pressures compared, as fractions of that of the flight"
     )
 
     def __post_init__(self) -> None:
         require_at_least(self, half_span=1, root_chord=0.1, pieces=2, panels=2, pressures=0.01)
 
     def plan(self, sweep: float) -> Plan:
-        """The wing with this sweep."""
+        """The wing model with a sweep."""
         named = {field.name: getattr(self, field.name) for field in fields(Plan)}
         return Plan(**named | {"sweep": sweep})
 
@@ -94,7 +100,7 @@ QUICK = Params(pieces=(4, 12), panels=(3, 6), sweeps=(30.0, -20.0), pressures=(0
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Let the wing settle and hand its loads over in all ways; sweep it; check the parts."""
+    """Compute the steady state and all transfers, vary the sweep, check the components."""
     jobs = (
         partial(flight, params),
         *(partial(swept, params, s) for s in params.sweeps),
@@ -105,11 +111,11 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "loads": Table(("loads by", "lift", "bending", "work", "tip", "lift lost"), ways),
-            "sweeps": Table(
+            "loads": ResultTable(("loads by", "lift", "bending", "work", "tip", "lift lost"), ways),
+            "sweeps": ResultTable(
                 ("sweep", "factor", "contracts below", "observed", "diverges at"), sweeps
             ),
-            "checks": Table(("quantity", "computed", "closed form", "error"), rows),
+            "checks": ResultTable(("quantity", "computed", "closed form", "error"), rows),
         },
         facts=facts | _divergence(params, sweeps[-1][-1]),
         arrays=arrays | {"rates": np.array([r for _, r in found])},
@@ -121,16 +127,16 @@ def _done(job: partial) -> tuple:
 
 
 def checked(params: Params) -> tuple[tuple[Cell, ...], ...]:
-    """Rows of the parts against closed forms."""
+    """Rows of the components compared with closed forms."""
     found = checks(params.mach)
     return tuple((*c, abs(c.computed / c.closed_form - 1)) for c in found)
 
 
 def swept(params: Params, sweep: float) -> tuple[tuple[Cell, ...], np.ndarray]:
-    """The factor of a plain turn in flight; pressures in kPa; contraction at each pressure.
+    """The factor of unrelaxed iteration in flight; pressures in kPa; contraction at each pressure.
 
-    The pressures are those at which plain turns cease to contract, by the largest eigenvalue and as
-    observed, and at which the wing diverges.
+    The pressures are those at which unrelaxed iteration ceases to converge, by the largest
+    eigenvalue and as observed, and at which the wing diverges.
     """
     wing, incidences = params.wing(sweep), params.incidences(sweep)
     pressures = np.array(params.pressures) * params.pressure
@@ -144,7 +150,7 @@ def swept(params: Params, sweep: float) -> tuple[tuple[Cell, ...], np.ndarray]:
 
 
 def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tuple]:
-    """Facts, arrays and the table of ways, of the wing that flies."""
+    """Facts, arrays and the table of transfers for the wing in flight."""
     wing, incidences = params.wing(params.sweep), params.incidences(params.sweep)
     q, air = params.pressure, wing.lattice
     turns = {
@@ -186,14 +192,14 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
 
 
 def at_section(params: Params, wing: ElasticWing, panels: np.ndarray) -> np.ndarray:
-    """What is known of panels (a, b), between their middles at the section shown, (a,)."""
+    """Values (a,) at the shown section, interpolated from panels (a, b)."""
     y = wing.lattice.points.reshape(wing.lattice.shape[0] + 1, -1, 2)[0, :, 1]
     middles = (y[1:] + y[:-1]) / 2
     return np.array([np.interp(params.section * params.half_span, middles, row) for row in panels])
 
 
 def drawn(params: Params, wing: ElasticWing, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points of the skin before, and where the plate's deflections take them."""
+    """Points of the skin before and after the deflection of the plate."""
     before = skin(params.plan(params.sweep), *SKIN)
     points = before.reshape(-1, 3)
     moved = FlatCoupling(wing.coupling.structure, points).displacements(w[:, None] * [0, 0, 1.0])
@@ -231,7 +237,7 @@ def _flight_facts(
 
 
 def _divergence(params: Params, kilopascals: Cell) -> dict[str, Cell]:
-    """Height below which the wing of the last sweep diverges at the Mach number, and the speed."""
+    """Altitude below which the wing of the last sweep diverges, and the speed there."""
     facts: dict[str, Cell] = {"divergence_kpa": kilopascals}
     if isinstance(kilopascals, str):
         return facts
@@ -246,6 +252,117 @@ def _divergence(params: Params, kilopascals: Cell) -> dict[str, Cell]:
     return facts
 
 
+TURN, RISE = np.radians([155.0, 26.0])  # view direction: azimuth and elevation
+
+
+def seen(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (..., 2) in the picture, and depths (...), in parallel projection."""
+    x, y, z = np.moveaxis(points, -1, 0)
+    right = -np.sin(TURN) * x + np.cos(TURN) * y
+    toward = np.cos(TURN) * x + np.sin(TURN) * y
+    up = np.cos(RISE) * z - np.sin(RISE) * toward
+    return np.stack([right, up], axis=-1), np.cos(RISE) * toward + np.sin(RISE) * z
+
+
 def plot(result: Result) -> Figure:
-    """The wing before and after, at its true scale."""
-    return draw_wing(result)
+    """The undeformed skin by its edges, and the deformed skin coloured by its rise."""
+    before, after = result.arrays["before"], result.arrays["after"]
+    with figure(FULL_WIDTH, height=1.8) as (page, panel):
+        surface(panel, after, (after - before)[..., 2])
+        for curve in (before[0], before[len(before) // 2], before[:, 0], before[:, -1]):
+            panel.plot(*seen(curve)[0].T, color="black", linewidth=0.7, linestyle=(0, (4, 2)))
+        panel.set(aspect="equal")
+        panel.set_axis_off()
+        page.colorbar(panel.collections[0], ax=panel, shrink=0.8, aspect=15, label="rise [m]")
+    return page
+
+
+def surface(panel: Axes, points: np.ndarray, values: np.ndarray) -> None:
+    """Draw the cells of a surface (u, v, 3), the farthest first, coloured by values and shaded."""
+    places, near = seen(points)
+    corners = [places[:-1, :-1], places[1:, :-1], places[1:, 1:], places[:-1, 1:]]
+    pieces = np.stack(corners, axis=2).reshape(-1, 4, 2)
+    depth = (near[:-1, :-1] + near[1:, 1:] + near[1:, :-1] + near[:-1, 1:]).ravel()
+    mean = (values[:-1, :-1] + values[1:, 1:]).ravel() / 2
+    order = np.argsort(depth, kind="stable")
+    drawn = PolyCollection(list(pieces[order]), cmap=SEQUENTIAL, array=mean[order])
+    drawn.set(edgecolor="white", linewidth=0.15)
+    panel.add_collection(drawn)
+    panel.autoscale_view()
+
+
+def plot_section(result: Result) -> Figure:
+    """Pressure along the chord of the section, and the section itself, stiff and elastic."""
+    pressures, outlines = result.arrays["section"], result.arrays["profile"]
+    with figure(FULL_WIDTH, height=2.3, columns=2) as (page, axes):
+        part = (np.arange(pressures.shape[1]) + 0.25) / pressures.shape[1]
+        for (name, look), pressure, outline in zip(looks(), pressures, outlines, strict=True):
+            axes[0].plot(part, pressure, **look | {"label": name, "marker": "."})
+            axes[1].plot(*outline.T, **look)
+        axes[0].set(xlabel="part of the chord", ylabel="$\\Delta p/q$", xlim=(0, 1))
+        axes[0].set_ylim(bottom=0)
+        axes[0].legend()
+        axes[1].set(xlabel="along the stream [m]", ylabel="up [m]", aspect="equal")
+    return page
+
+
+def plot_span(result: Result) -> Figure:
+    """Rise, twist, and lift, along the span."""
+    y = result.arrays["y"]
+    with figure(FULL_WIDTH, height=2.0, columns=3) as (page, axes):
+        elastic = looks()[1][1]
+        axes[0].plot(y, result.arrays["rise"], **elastic)
+        axes[1].plot(y, result.arrays["twist"], **elastic)
+        for (name, look), lift in zip(looks(), result.arrays["lift"], strict=True):
+            axes[2].plot((y[1:] + y[:-1]) / 2, lift, **look | {"label": name})
+        titles = ("rise [m]", "twist, nose up [°]", "lift per length over $q$ [m]")
+        for panel, title in zip(axes, titles, strict=True):
+            panel.set(title=title, xlim=(0, 1))
+        axes[1].set_xlabel("part of the half span")
+        axes[2].set_ylim(bottom=0)
+        axes[2].legend()
+    return page
+
+
+def looks() -> tuple[tuple[str, dict[str, Any]], ...]:
+    """Line styles of the rigid and of the elastic wing."""
+    return (
+        ("stiff", line("truth", linestyle=(0, (5, 2)), marker="")),
+        ("elastic", line("MLS", marker="")),
+    )
+
+
+def plot_turns(result: Result) -> Figure:
+    """Left, the iteration at the pressure of the flight; right, contraction against pressure."""
+    params, rates = result.params, result.arrays["rates"]
+    table = result.tables["sweeps"]
+    with figure(FULL_WIDTH, height=2.6, columns=2) as (page, axes):
+        names = {"plain": "plain", "half": "half steps", "aitken": "Aitken"}
+        for look, (key, name) in zip(shades("MLS", 3), names.items(), strict=True):
+            size = result.arrays[key]
+            axes[0].semilogy(np.arange(len(size)), size, **look | {"label": name, "markersize": 2})
+        axes[0].set(xlabel="turns", ylabel="residual, relative")
+        axes[0].legend()
+        q = np.array(params.pressures) * params.pressure / 1000
+        most = 1.25 * q[-1]
+        for look, sweep, limit, rate, bound in zip(
+            shades("RBF", len(rates)),
+            table.column("sweep"),
+            table.column("contracts below"),
+            rates,
+            table.column("diverges at"),
+            strict=True,
+        ):
+            label = f"{sweep:.0f}°".replace("-", "−")
+            axes[1].plot([0, most], [0, most / limit], **look | {"marker": ""})
+            axes[1].plot(q, rate, **look | {"linestyle": "none", "label": label})
+            if bound != "none" and bound < most:
+                axes[1].plot(bound, 1, marker="*", markersize=10, color="black", zorder=5)
+        axes[1].axhline(1, color="black", linewidth=0.6)
+        axes[1].axvline(params.pressure / 1000, color="black", linewidth=0.6, linestyle=":")
+        axes[1].set(
+            xlabel="dynamic pressure [kPa]", ylabel="factor of a plain turn", xlim=(0, most)
+        )
+        axes[1].set_ylim(0, 1.5)
+        axes[1].legend(title="sweep")
+    return page

@@ -1,4 +1,4 @@
-"""The parts of an elastic wing, each alone, against closed forms."""
+"""Components of the elastic wing, each compared with a closed form."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 from fieldrecon.coupling.flat_structures import FlatCoupling
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldreport.experiments.coupling.plate import Plate, isotropic_rigidity
-from fieldreport.experiments.coupling.swept_wings import flat
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
-from fieldreport.experiments.coupling.wing import ElasticWing
+from fieldreport.experiments.coupling.wing_models import flat
 
 
-class Check(NamedTuple):
-    """A quantity, what was computed, and what a closed form says."""
+class ClosedFormCheck(NamedTuple):
+    """A quantity, its computed value, and the value of a closed form."""
 
     quantity: str
     computed: float
@@ -24,9 +24,9 @@ class Check(NamedTuple):
 
 
 class Strips(VortexLattice):
-    """Each strip of the wing as if it were alone in the plane: lift slope times incidence.
+    """Strip theory: the lift of each strip of the wing is lift slope times incidence.
 
-    With one panel along the chord, whose vortex lies at a quarter of it.
+    There is one panel along the chord, whose vortex lies at a quarter of the chord.
     """
 
     lift_slope = 2 * np.pi
@@ -47,17 +47,19 @@ def strip(length: float, across: int, along: int) -> SimplexMesh:
     return SimplexMesh(np.column_stack([x.ravel(), y.ravel()]), cells)
 
 
-def cantilever(across: int = 8) -> Check:
+def cantilever(across: int = 8) -> ClosedFormCheck:
     """Deflection of the end of a strip, evenly loaded: q L⁴ / (8 D), for a Poisson's ratio of 0."""
     length = 4.0
     mesh = strip(length, across, 4 * across)
     plate = Plate(mesh, isotropic_rigidity(1.0, 0.0), mesh.points[:, 1] == 0)
     areas = np.bincount(mesh.cells.ravel(), np.repeat(mesh.cell_measures / 3, 3))
     end = plate.deflections(areas)[mesh.points[:, 1] == length]
-    return Check("deflection of an evenly loaded cantilever", float(end.mean()), length**4 / 8)
+    return ClosedFormCheck(
+        "deflection of an evenly loaded cantilever", float(end.mean()), length**4 / 8
+    )
 
 
-def straight_wing(along: int = 60) -> Check:
+def straight_wing(along: int = 60) -> ClosedFormCheck:
     """Divergence of a straight even wing that only twists: (π/2)² GJ / (e a L²), e = c² / 4.
 
     The section's twisting stiffness is GJ = 4 D_66 c. Chords do not bend, since D_11 is large; and
@@ -70,29 +72,29 @@ def straight_wing(along: int = 60) -> Check:
     air = Strips(np.stack([x, y], axis=-1))
     wing = ElasticWing(plate, air, FlatCoupling(flat(mesh.points), flat(air.points)))
     closed = (np.pi / 2) ** 2 * 2.0 / (2 * np.pi / 4 * length**2)
-    return Check("divergence of a straight even wing", wing.divergence_pressure, closed)
+    return ClosedFormCheck("divergence of a straight even wing", wing.divergence_pressure, closed)
 
 
-def elliptic_wing(aspect: float = 100.0, along: int = 40) -> Check:
+def elliptic_wing(aspect: float = 100.0, along: int = 40) -> ClosedFormCheck:
     """Lift slope of an elliptic wing of high aspect ratio: 2 π / (1 + 2 / A), after Prandtl."""
     angle = np.linspace(0, np.pi / 2, along + 1)
     chord = 8 / (np.pi * aspect) * np.maximum(np.cos(angle), 1e-3)
     part = np.linspace(0, 1, 9)[:, None]
     air = VortexLattice(np.stack(np.broadcast_arrays((part - 0.25) * chord, np.sin(angle)), -1))
     slope = air.lift_coefficient(air.circulations(np.ones(air.shape)))
-    return Check("lift slope of an elliptic wing", slope, 2 * np.pi / (1 + 2 / aspect))
+    return ClosedFormCheck("lift slope of an elliptic wing", slope, 2 * np.pi / (1 + 2 / aspect))
 
 
-def long_wing(mach: float, length: float = 1000.0) -> Check:
+def long_wing(mach: float, length: float = 1000.0) -> ClosedFormCheck:
     """Lift slope of a long wing at a Mach number: 2 π / √(1 - M²), after Prandtl and Glauert."""
     x, y = np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, length, 11), indexing="ij")
     air = VortexLattice(np.stack([x, y], axis=-1), mach)
     gamma = air.circulations(np.ones(air.shape))
-    slope = float(2 * gamma[:, 0].sum())  # at the root, far from the tips
+    slope = float(2 * gamma[:, 0].sum())  # at the root, far from the tip
     closed = 2 * np.pi / np.sqrt(1 - mach**2)
-    return Check("lift slope of a long wing in such a stream", slope, closed)
+    return ClosedFormCheck("lift slope of a long wing in such a stream", slope, closed)
 
 
-def checks(mach: float) -> list[Check]:
-    """All of them, the last at this Mach number."""
+def checks(mach: float) -> list[ClosedFormCheck]:
+    """All checks, the last at this Mach number."""
     return [cantilever(), straight_wing(), elliptic_wing(), long_wing(mach)]

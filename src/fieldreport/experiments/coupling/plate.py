@@ -1,4 +1,4 @@
-"""Thin plates that bend: the finite element of Morley, in the words of faces and their normals."""
+"""Kirchhoff plates: bending by the finite element of Morley, in terms of face normals."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 
 
 def isotropic_rigidity(rigidity: ArrayLike, poisson: float) -> np.ndarray:
-    """Moments per curvature of plates that are alike in all directions of their plane.
+    """Moments per curvature of isotropic plates.
 
     D ((1 - ν) ∇²w + ν tr(∇²w) I), as a matrix for the curvatures (w_xx, w_yy, 2 w_xy).
 
@@ -97,14 +97,15 @@ def _products(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 class Plate:
-    """A thin plate, clamped somewhere, that bends under forces across it.
+    """A Kirchhoff plate, partly clamped, under transverse forces.
 
-    Of all deflections with Morley's shape functions the one of least energy,
+    Its deflection minimizes the energy among Morley's shape functions,
 
         1/2 ∫ κ^T D κ - sum_i f_i w_i,   κ = (w_xx, w_yy, 2 w_xy),
 
-    after Kirchhoff: thin, small deflections, normals stay normals. The element does not conform,
-    and is a little too soft; the error of the deflection is of second order in the size of cells.
+    by Kirchhoff's theory: thin plates, small deflections, normals remain normal. The element is
+    nonconforming and slightly too soft; the error of the deflection is of second order in the cell
+    size.
 
     Parameters
     ----------
@@ -113,12 +114,12 @@ class Plate:
     rigidity : (3, 3) or (c, 3, 3) array_like
         Moments per curvature D, of all cells or of each, such as `isotropic_rigidity`.
     clamped : (n,) array_like of bool
-        Which vertices neither move nor, along the faces between them, turn.
+        Vertices with zero deflection; on faces between them the normal derivative is zero, too.
 
     Attributes
     ----------
     stiffness : (n + f, n + f) csr_array
-        Of values at vertices and normal derivatives of faces, before anything is clamped.
+        For values at vertices and normal derivatives of faces, before clamping.
 
     Raises
     ------
@@ -126,7 +127,7 @@ class Plate:
         If an argument has the wrong form, a rigidity is not symmetric positive definite, or a
         point belongs to no cell.
     numpy.linalg.LinAlgError
-        If some part of the plate has no clamped face, and may move as it likes.
+        If a part of the plate has no clamped face, so that its deflection is not determined.
 
     References
     ----------
@@ -156,13 +157,13 @@ class Plate:
         self._factor = splu(self.stiffness[self._free][:, self._free].tocsc())
 
     def deflections(self, forces: ArrayLike) -> np.ndarray:
-        """Deflections w (n, ...) of the vertices under forces across the plate.
+        """Deflections w (n, ...) of the vertices under transverse forces.
 
         Parameters
         ----------
         forces : (n, ...) array_like
-            A force at each vertex, one load case or several. What acts on clamped vertices goes to
-            where they are clamped.
+            A force at each vertex, for one or several load cases. Forces on clamped vertices go to
+            the supports.
 
         Returns
         -------

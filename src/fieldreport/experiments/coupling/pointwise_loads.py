@@ -1,4 +1,4 @@
-"""An elastic wing whose loads are handed over in other ways than by the transpose."""
+"""Pointwise load transfer for the elastic wing, as alternatives to the transpose."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Transfer, applied
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.rbf import RBF
-from fieldreport.experiments.coupling.wing import ElasticWing
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 
 Matrix: TypeAlias = np.ndarray | sparse.sparray
 
@@ -72,7 +72,7 @@ WAYS: dict[str, Callable[[ElasticWing], Matrix] | None] = {
 
 
 def loaded(wing: ElasticWing, way: str) -> ElasticWing:
-    """The same wing, with loads that way."""
+    """The same wing with another load transfer."""
     make = WAYS[way]
     return wing if make is None else replace(wing, coupling=OtherLoads(wing.coupling, make(wing)))
 
@@ -80,7 +80,7 @@ def loaded(wing: ElasticWing, way: str) -> ElasticWing:
 def compared(
     wing: ElasticWing, pressure: float, incidences: np.ndarray
 ) -> list[tuple[str, float, float, float, float, float]]:
-    """Of each way, relative errors of lift, of root bending and of work, then tip and lift lost.
+    """For each transfer: relative errors of lift, bending and work; then tip rise, lift loss.
 
     The first two are of what arrives of the loads on the stiff wing; work is that of the loads in
     balance, in the deflections in balance; the tip's rise is in m.

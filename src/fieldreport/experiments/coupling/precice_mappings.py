@@ -1,9 +1,10 @@
 """The radial basis mappings of the coupling library preCICE, by their published formulas.
 
-With the kernel's matrices C between nodes and A from nodes to places, and the linear polynomials Q
-at nodes and V at places, displacements are mapped by a matrix H, called consistent, and loads by
-its transpose, called conservative. The polynomial is *integrated*, as in the augmented system, or
-*separate*: fitted first, and taken off what the kernels interpolate.
+With the kernel matrices C between nodes and A from nodes to evaluation points, and the linear
+polynomials Q at nodes and V at evaluation points, displacements are mapped by a matrix H, called
+consistent, and loads by its transpose, called conservative. The polynomial is *integrated*, as in
+the augmented system, or *separate*: fitted first, and subtracted from the data that the kernels
+interpolate.
 
 References
 ----------

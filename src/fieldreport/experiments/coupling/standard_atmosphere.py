@@ -1,4 +1,4 @@
-"""The standard atmosphere: temperature, pressure and density of the air at a height."""
+"""The standard atmosphere: temperature, pressure and density of the air at an altitude."""
 
 from __future__ import annotations
 

@@ -15,13 +15,13 @@ class VortexLattice:
     """A thin, nearly flat wing in a uniform stream along x, and its mirror image at y < 0.
 
     The wing is cut into panels. On each, a horseshoe vortex of circulation Γ lies at a quarter of
-    the panel's chord and trails to infinity; at three quarters of it, in the middle, the flow that
-    all vortices make together goes along the wing: with γ = Γ / U,
+    the panel's chord and trails to infinity; at three quarters of the chord, at mid-span of the
+    panel, the total flow is tangential to the wing: with γ = Γ / U,
 
         A γ = -θ,   θ = incidence, nose up.
 
-    Subsonic compressible flow is that of an incompressible fluid about the wing drawn out along
-    the stream by 1 / √(1 - M²), with the same slopes and the same circulations (Prandtl, Glauert,
+    Subsonic compressible flow is that of an incompressible fluid about the wing stretched along the
+    stream by 1 / √(1 - M²), with the same slopes and the same circulations (Prandtl, Glauert,
     Göthert). A panel of width Δy carries the force 2 q γ Δy, with q the dynamic pressure.
 
     Parameters
@@ -46,7 +46,7 @@ class VortexLattice:
     Raises
     ------
     ValueError
-        If an argument has the wrong form, panels are turned over, or the flow is not subsonic.
+        If an argument has the wrong form, panels are inverted, or the flow is not subsonic.
 
     Notes
     -----
@@ -103,8 +103,8 @@ class VortexLattice:
     def forces(self, circulations: ArrayLike) -> np.ndarray:
         """Forces upwards at the corners (m, ...), divided by the dynamic pressure.
 
-        Each panel's 2 γ Δy acts in the middle of its vortex, and goes to its corners by the
-        transpose of the interpolation between them, which keeps force, moment and work.
+        Each panel's 2 γ Δy acts at the midpoint of its vortex and is distributed to its corners by
+        the transpose of the interpolation between them, which conserves force, moment and work.
         """
         gamma = np.asarray(circulations, dtype=float)
         tail = gamma.shape[2:]

@@ -1,4 +1,4 @@
-"""What isolines leave unsaid: summits and hollows, bands of height, and terraces."""
+"""Landforms that isolines do not determine: summits and hollows, height bands, and terraces."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ def level_below(height: np.ndarray, spacing: int) -> np.ndarray:
 
 
 def landforms(height: np.ndarray, spacing: int) -> np.ndarray:
-    """Tell the cells that lie inside a last isoline from those that lie between two.
+    """Classify cells: inside a last isoline (summit or hollow), or between two isolines.
 
-    Isolines divide the map into pieces. A piece all of whose neighbours are lower is a top, one
-    all of whose neighbours are higher a hollow; every other is a slope, where isolines on both
-    sides bound the height. A piece at the edge is judged by the neighbours that the map shows.
+    Isolines divide the map into pieces. A piece is a top if all its neighbours are lower, a hollow
+    if all are higher, and otherwise a slope, where isolines on both sides bound the height. A piece
+    at the edge is classified by its neighbours on the map.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def _pieces(level: np.ndarray) -> np.ndarray:
 
 
 def relief_told(surface: np.ndarray, truth: np.ndarray, spacing: int, form: int) -> float:
-    """Return how much of the relief beyond the last isolines a surface shows: 1 is all of it.
+    """Return the fraction of the relief beyond the last isolines that a surface reproduces.
 
     Parameters
     ----------
@@ -84,15 +84,15 @@ def relief_told(surface: np.ndarray, truth: np.ndarray, spacing: int, form: int)
 
 
 def beyond_band(surface: np.ndarray, truth: np.ndarray, spacing: int) -> np.ndarray:
-    """Tell where a surface leaves the band between two isolines in which the truth lies."""
+    """Whether a surface leaves the band between two isolines that contains the true height."""
     above_level = surface - level_below(truth, spacing)
     return (above_level < 0) | (above_level > spacing)
 
 
 def phase(height: np.ndarray, spacing: int) -> np.ndarray:
-    """Return where between two isolines a height lies, from -½ to ½; 0 is on an isoline.
+    """Return the position of a height between two isolines, from -½ to ½; 0 is on an isoline.
 
-    Heights crowd at 0 where a surface has terraces.
+    Terraces show as a concentration of heights at 0.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""A real terrain from points on its isolines.
+"""Reconstruction of a real terrain from points on its isolines.
 
-A topographic map tells heights along lines. Here the lines are drawn on a known elevation model,
-so that a surface made from them can be judged at every cell: by least squares, moving least
-squares and radial basis functions, all from the same points.
+A topographic map gives heights along isolines. Here the isolines are computed from a known
+elevation model, so that the error of a reconstructed surface is known at every cell. Least squares,
+moving least squares and radial basis functions use the same points.
 
 References
 ----------
@@ -19,20 +19,9 @@ from matplotlib.figure import Figure
 
 from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldreport.experiments.datasets.landforms import LANDFORMS, phase
-from fieldreport.experiments.datasets.surfaces import (
-    GUARDED,
-    THIN_PLATE,
-    TRIANGLES,
-    Method,
-    Surface,
-    key,
-    methods,
-    scipy_thin_plate,
-    solved,
-)
 from fieldreport.experiments.datasets.terrain_errors import (
     NEAR,
-    Problem,
+    TerrainProblem,
     by_distance,
     by_landform,
     correlation,
@@ -48,11 +37,29 @@ from fieldreport.experiments.datasets.terrain_figures import plot_errors as plot
 from fieldreport.experiments.datasets.terrain_figures import plot_profiles as plot_profiles
 from fieldreport.experiments.datasets.terrain_figures import plot_spacing as plot_spacing
 from fieldreport.experiments.datasets.terrain_figures import plot_terraces as plot_terraces
+from fieldreport.experiments.datasets.terrain_methods import (
+    GUARDED,
+    THIN_PLATE,
+    TRIANGLES,
+    Method,
+    Surface,
+    key,
+    methods,
+    scipy_thin_plate,
+    solved,
+)
 from fieldreport.experiments.datasets.terrain_weights import facts_of_weights
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 PUBLISHED_SUMMIT = 1077
-"""Height of Cross Mountain in metres, by the gazetteer of the U.S. Geological Survey."""
+"""Height of Cross Mountain in metres, from the gazetteer of the U.S. Geological Survey."""
 
 PHASES = np.linspace(-0.5, 0.5, 26)
 DISTANCES = (0.0, 0.25, 0.5, 1.0, 2.0, np.inf)
@@ -67,8 +74,8 @@ class Params:
     """The isolines, the methods, and the window in which the isolines' spacing is varied."""
 
     spacing: int = parameter(100, "difference of height between isolines, m")
-    apart: float = parameter(300.0, "least distance of points on isolines of one height, m")
-    every: int = parameter(1, "take every so manyth row and column of the elevation model")
+    apart: float = parameter(300.0, "smallest distance of points on isolines of one height, m")
+    every: int = parameter(1, "stride of rows and columns of the elevation model")
     degrees: tuple[int, ...] = parameter((1, 2, 4, 8, 12, 16, 20), "degrees of least squares")
     shown_degree: int = parameter(12, "degree of least squares in maps, profiles and the window")
     per_coefficient: int = parameter(4, "points per coefficient in a neighbourhood of MLS")
@@ -93,7 +100,7 @@ class Params:
 
     @property
     def quoted(self) -> dict[str, str]:
-        """The methods of which facts are told, by what the facts' names begin with."""
+        """The methods with facts, by the prefix of the names of the facts."""
         told = ("ls", "mls_1", "mls_2", "mls_guarded", "thin_plate")
         return dict(zip(told, self.shown, strict=True)) | {
             "ls_highest": f"LS {max(self.degrees)}",
@@ -108,15 +115,15 @@ DIGITS = {"cubic_top_told_percent": 5, "thin_plate_behind_percent": 4, "differen
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Make the elevation model again from its isolines, and compare."""
+    """Reconstruct the elevation model from its isolines, and compare."""
     return study(params, part(terrain(), np.s_[:: params.every], np.s_[:: params.every]), each)
 
 
 def study(params: Params, land: Terrain, each: Map = map) -> Result:
-    """Make a land again from its isolines, and compare."""
-    whole = Problem(land, params.spacing, params.apart)
+    """Reconstruct a terrain from its isolines, and compare."""
+    whole = TerrainProblem(land, params.spacing, params.apart)
     window = windowed(land, params.window)
-    windows = [Problem(window, spacing, params.apart) for spacing in params.spacings]
+    windows = [TerrainProblem(window, spacing, params.apart) for spacing in params.spacings]
     tried = methods(params.degrees, params.per_coefficient, params.bound)
     step = max(1, len(whole.truth) // SCIPY_QUERIES)
     jobs = [
@@ -146,31 +153,33 @@ def study(params: Params, land: Terrain, each: Map = map) -> Result:
 
 
 def _job(
-    method: Method, problem: Problem, step: int = 1
+    method: Method, problem: TerrainProblem, step: int = 1
 ) -> tuple[Method, np.ndarray, np.ndarray, np.ndarray]:
     return method, *problem.isolines, problem.land.points[::step]
 
 
 def _table_of(
-    judge: Callable[[Problem, Surface], dict[str, Cell]],
-    problem: Problem,
+    judge: Callable[[TerrainProblem, Surface], dict[str, Cell]],
+    problem: TerrainProblem,
     found: Mapping[str, Surface],
-) -> Table:
+) -> ResultTable:
     rows = {name: judge(problem, surface) for name, surface in found.items()}
     columns = ("method", *next(iter(rows.values())))
-    return Table(columns, tuple((name, *row.values()) for name, row in rows.items()))
+    return ResultTable(columns, tuple((name, *row.values()) for name, row in rows.items()))
 
 
-def _distances_table(params: Params, problem: Problem, found: Mapping[str, Surface]) -> Table:
+def _distances_table(
+    params: Params, problem: TerrainProblem, found: Mapping[str, Surface]
+) -> ResultTable:
     edges = np.array(DISTANCES) * problem.apart
     share = 100 * np.histogram(problem.distance, edges)[0] / problem.distance.size
     columns = (by_distance(problem, found[name], edges) for name in params.shown)
     rows = zip(edges[:-1], share, *columns, strict=True)
-    return Table(("from", "cells percent", *params.shown), tuple(rows))
+    return ResultTable(("from", "cells percent", *params.shown), tuple(rows))
 
 
 def _rms_in_window(
-    params: Params, windows: list[Problem], surfaces: Iterable[Surface]
+    params: Params, windows: list[TerrainProblem], surfaces: Iterable[Surface]
 ) -> dict[str, np.ndarray]:
     """Return the rms error for each spacing, by the method."""
     left = iter(surfaces)
@@ -179,14 +188,14 @@ def _rms_in_window(
 
 
 def _spacings_table(
-    params: Params, windows: list[Problem], in_window: Mapping[str, np.ndarray]
-) -> Table:
+    params: Params, windows: list[TerrainProblem], in_window: Mapping[str, np.ndarray]
+) -> ResultTable:
     points = [len(problem.isolines[0]) for problem in windows]
     rows = zip(params.spacings, points, *in_window.values(), strict=True)
-    return Table(("spacing", "points", *in_window), tuple(rows))
+    return ResultTable(("spacing", "points", *in_window), tuple(rows))
 
 
-def _facts_of_land(problem: Problem) -> dict[str, Cell]:
+def _facts_of_land(problem: TerrainProblem) -> dict[str, Cell]:
     land = problem.land
     return {
         "rows": len(land.y),
@@ -207,9 +216,9 @@ def _facts_of_land(problem: Problem) -> dict[str, Cell]:
 
 
 def _facts_of_methods(
-    params: Params, problem: Problem, found: Mapping[str, Surface]
+    params: Params, problem: TerrainProblem, found: Mapping[str, Surface]
 ) -> dict[str, Cell]:
-    """Return what the tables have that sentences need, and which is best inside of the hull."""
+    """Return the facts from the tables, and which method is best inside the hull."""
     facts: dict[str, Cell] = {}
     for told, name in params.quoted.items():
         judged = measured(problem, found[name]) | by_landform(problem, found[name])
@@ -236,9 +245,9 @@ def _facts_of_methods(
 
 
 def _facts_of_window(
-    params: Params, windows: list[Problem], in_window: Mapping[str, np.ndarray]
+    params: Params, windows: list[TerrainProblem], in_window: Mapping[str, np.ndarray]
 ) -> dict[str, Cell]:
-    """Return the power of the spacing with which each error falls, and its ends."""
+    """Return the power of the spacing with which each error decreases, and its end values."""
     finest, coarsest = np.argmin(params.spacings), np.argmax(params.spacings)
     facts: dict[str, Cell] = {
         "window_finest_points": len(windows[finest].isolines[0]),
@@ -258,7 +267,7 @@ def _facts_of_window(
 
 def _arrays(
     params: Params,
-    problem: Problem,
+    problem: TerrainProblem,
     found: Mapping[str, Surface],
     in_window: Mapping[str, np.ndarray],
 ) -> dict[str, np.ndarray]:
@@ -279,5 +288,5 @@ def _arrays(
 
 
 def plot(result: Result) -> Figure:
-    """The points, the surface that they give back, and the land."""
+    """The points, the reconstructed surface, and the terrain."""
     return draw_points_surface_land(result)

@@ -1,4 +1,4 @@
-"""How far a surface is from the land: all over, by landform, by distance from the points."""
+"""Errors of reconstructed terrain: overall, by landform, and by distance from the points."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from fieldreport.experiments.datasets.landforms import (
     phase,
     relief_told,
 )
-from fieldreport.experiments.datasets.surfaces import Surface
+from fieldreport.experiments.datasets.terrain_methods import Surface
 from fieldreport.framework.experiment import Cell
 
 NEAR = 0.05
-"""A height is on a terrace if it is within this part of the spacing from an isoline's."""
+"""A height is on a terrace if it is within this fraction of the spacing from that of an isoline."""
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
-    """A land to be made again from points on its isolines.
+class TerrainProblem:
+    """A terrain to be reconstructed from points on its isolines.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Problem:
     spacing : int
         Difference of height between isolines, metres.
     apart : float
-        Least distance of points on isolines of one height, metres.
+        Smallest distance of points on isolines of one height, metres.
     """
 
     land: Terrain
@@ -55,7 +55,7 @@ class Problem:
 
     @cached_property
     def outside(self) -> np.ndarray:
-        """Which cells lie outside of the convex hull of the points."""
+        """Whether each cell lies outside the convex hull of the points."""
         return outside_hull(self.isolines[0], self.land.points)
 
     @cached_property
@@ -98,16 +98,16 @@ MEASURES: Mapping[str, Callable[[np.ndarray], float]] = {
 }
 
 NONE = "none"
-"""What is told of no cells."""
+"""The value that is reported for an empty set of cells."""
 
 
 def rms_or_none(errors: np.ndarray) -> Cell:
-    """Return the root of the mean square, or that there is nothing."""
+    """Return the root of the mean square, or `NONE` for an empty set."""
     return rms(errors) if errors.size else NONE
 
 
-def measured(problem: Problem, surface: Surface) -> dict[str, Cell]:
-    """Return the errors of a surface in metres: wherever it is defined, and by the points' hull."""
+def measured(problem: TerrainProblem, surface: Surface) -> dict[str, Cell]:
+    """Return the errors of a surface in metres, inside and outside the hull of the points."""
     known = np.isfinite(surface.heights)
     errors = surface.heights - problem.truth
     beyond = beyond_band(surface.heights[known], problem.truth[known], problem.spacing)
@@ -118,8 +118,8 @@ def measured(problem: Problem, surface: Surface) -> dict[str, Cell]:
     }
 
 
-def by_landform(problem: Problem, surface: Surface) -> dict[str, Cell]:
-    """Return errors on tops, slopes and in hollows, and how much of tops and hollows is told."""
+def by_landform(problem: TerrainProblem, surface: Surface) -> dict[str, Cell]:
+    """Return errors on tops, slopes and hollows, and the fraction of relief that is reproduced."""
     known = np.isfinite(surface.heights)
     result: dict[str, Cell] = {}
     for name, form in LANDFORMS.items():
@@ -135,7 +135,7 @@ def by_landform(problem: Problem, surface: Surface) -> dict[str, Cell]:
     return result | {"terrace_percent": terrace_percent(surface.heights[known], problem.spacing)}
 
 
-def by_distance(problem: Problem, surface: Surface, edges: np.ndarray) -> list[Cell]:
+def by_distance(problem: TerrainProblem, surface: Surface, edges: np.ndarray) -> list[Cell]:
     """Return the rms error of cells by their distance from the nearest point."""
     errors = surface.heights - problem.truth
     place = np.digitize(problem.distance, edges) - 1
@@ -143,18 +143,18 @@ def by_distance(problem: Problem, surface: Surface, edges: np.ndarray) -> list[C
 
 
 def terrace_percent(heights: np.ndarray, spacing: int) -> float:
-    """Return the percentage of heights that are near an isoline's."""
+    """Return the percentage of heights close to that of an isoline."""
     return 100 * float(np.mean(np.abs(phase(heights, spacing)) < NEAR))
 
 
-def correlation(problem: Problem, surface: Surface) -> float:
-    """Return the correlation of the size of the error with the distance from the nearest point."""
+def correlation(problem: TerrainProblem, surface: Surface) -> float:
+    """Return the correlation of the absolute error with the distance from the nearest point."""
     sizes = np.abs(surface.heights - problem.truth)
     return float(np.corrcoef(sizes, problem.distance)[0, 1])
 
 
-def worst_place(problem: Problem, surface: Surface) -> dict[str, float]:
-    """Return the heights where the error is largest, and how far the nearest point is."""
+def worst_place(problem: TerrainProblem, surface: Surface) -> dict[str, float]:
+    """Return the heights where the error is largest, and the distance of the nearest point."""
     worst = np.abs(surface.heights - problem.truth).argmax()
     return {
         "distance": float(problem.distance[worst]),

@@ -1,4 +1,4 @@
-"""The figures of the terrain: reliefs, maps of errors, profiles, terraces."""
+"""Figures of the experiment `terrain`: reliefs, maps of errors, profiles, terraces."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.ticker import MultipleLocator
 
 from fieldrecon.plotting.maps import SHADE, hillshade, map_axes
 from fieldrecon.plotting.style import DIVERGING, FULL_WIDTH, figure, line, shades
-from fieldreport.experiments.datasets.surfaces import GUARDED, THIN_PLATE, family, key
+from fieldreport.experiments.datasets.terrain_methods import GUARDED, THIN_PLATE, family, key
 from fieldreport.framework.experiment import Result
 
 EXAGGERATION = 2.0
@@ -29,17 +29,17 @@ ERROR_LIMIT = 110.0
 LARGEST_AMPLIFICATION = 30.0
 
 PLACES = {"MLS 2": "MLS 2", THIN_PLATE: "the thin plate"}
-"""Methods through whose worst places there are profiles."""
+"""Methods with profiles through the points of their largest error."""
 
 PROFILE = 5000.0
-"""Metres that a profile reaches to either side."""
+"""Half the length of a profile, in metres."""
 
 BESIDE = 150.0
-"""Points so many metres beside a profile are drawn in it."""
+"""Points within this distance of a profile, in metres, are drawn in it."""
 
 
 def draw_points_surface_land(result: Result) -> Figure:
-    """Draw the points, the thin plate through them, and the land on which they were taken."""
+    """Draw the points, the thin-plate spline through them, and the terrain."""
     arrays = result.arrays
     height = _height_of_maps(result, 3) + 0.6
     with figure(height=height, columns=3) as (page, (given, made, land)):
@@ -58,7 +58,7 @@ def draw_points_surface_land(result: Result) -> Figure:
 
 
 def plot_errors(result: Result) -> Figure:
-    """Errors of the methods on one scale, and the sizes of the weights of one of them."""
+    """Errors of the methods on one scale, and the absolute weights of one of them."""
     arrays = result.arrays
     height = 2 * _height_of_maps(result, 3) + 0.65
     with figure(height=height, rows=2, columns=3) as (page, axes):
@@ -89,7 +89,7 @@ _SHORT = _BELOW | {"aspect": 19}
 
 
 def plot_profiles(result: Result) -> Figure:
-    """Profiles through the worst places of two methods, and the points beside them."""
+    """Profiles through the points of largest error of two methods, and the data beside them."""
     with figure(height=4.6, rows=2) as (page, axes):
         for panel, (name, called) in zip(axes, PLACES.items(), strict=True):
             _profile(panel, result, name)
@@ -149,14 +149,14 @@ def plot_terraces(result: Result) -> Figure:
 
 
 def _look(name: str, **changes: Any) -> dict[str, Any]:
-    """Return the look of a method; of the variants of one, the plain ones are lighter."""
+    """Return the line style of a method; basic variants of a method are lighter."""
     variants = dict(zip((GUARDED, "MLS 2", "MLS 1"), shades("MLS", 3), strict=True))
     look = variants.get(name) or line("truth" if name == "the land" else family(name))
     return look | {"label": name} | changes
 
 
 def _relief(axes: Axes, result: Result, surface: str) -> None:
-    """Draw the relief of the window; its own contrast, so that nothing outside changes it."""
+    """Draw the relief of the window, with a contrast that depends on the window only."""
     x, y = result.arrays["x"], result.arrays["y"]
     west, south, side = result.params.window
     columns, rows = (x >= west) & (x <= west + side), (y >= south) & (y <= south + side)
@@ -186,7 +186,7 @@ def _frame(axes: Axes, result: Result, title: str) -> None:
 
 
 def _profile(axes: Axes, result: Result, worst_of: str) -> None:
-    """Draw heights from west to east through the worst place of a method."""
+    """Draw heights from west to east through the point of largest error of a method."""
     arrays = result.arrays
     x, y, truth = arrays["x"], arrays["y"], arrays["truth"]
     row, column = np.unravel_index(np.abs(arrays[key(worst_of)] - truth).argmax(), truth.shape)

@@ -1,4 +1,4 @@
-"""What the weights of moving least squares tell of its errors, before any height is known."""
+"""Weights of moving least squares as predictors of its errors, from the points alone."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fieldreport.experiments.datasets.surfaces import WEIGHT, Surface
-from fieldreport.experiments.datasets.terrain_errors import Problem, rms_or_none
+from fieldreport.experiments.datasets.terrain_errors import TerrainProblem, rms_or_none
+from fieldreport.experiments.datasets.terrain_methods import WEIGHT, Surface
 from fieldreport.framework.experiment import Cell
 
 
 def facts_of_weights(
-    bound: float, problem: Problem, found: Mapping[str, Surface]
+    bound: float, problem: TerrainProblem, found: Mapping[str, Surface]
 ) -> dict[str, Cell]:
-    """Return how errors go with neighbourhoods of one height, and with large weights.
+    """Return the relation of errors to neighbourhoods of one height, and to large weights.
 
     Parameters
     ----------
     bound : float
-        Sum of the sizes of the weights above which a place counts as unsafe.
-    problem : Problem
+        Sum of the absolute weights above which a point counts as unsafe.
+    problem : TerrainProblem
     found : mapping of str to Surface
-        With those of moving least squares of degree 1 and 2.
+        Must contain those of moving least squares of degree 1 and 2.
     """
     linear, quadratic = found["MLS 1"], found["MLS 2"]
     errors = linear.heights - problem.truth
@@ -48,18 +48,18 @@ def facts_of_weights(
     }
 
 
-def on_one_isoline(problem: Problem, neighbors: int) -> np.ndarray:
-    """Tell the cells whose nearest points all have the same height."""
+def on_one_isoline(problem: TerrainProblem, neighbors: int) -> np.ndarray:
+    """Whether the nearest points of a cell all have the same height."""
     points, heights = problem.isolines
     nearest = cKDTree(points).query(problem.land.points, neighbors)[1]
     return np.ptp(heights[nearest], axis=1) == 0
 
 
 def standoff(points: np.ndarray, x: np.ndarray, neighbors: int) -> tuple[float, float]:
-    """Return how far a place is from the mean of its neighbours, and how narrow these are.
+    """Return the distance of a point from the mean of its neighbours, and their smallest spread.
 
-    Mean and spread are weighted as the neighbours are in moving least squares; the spread is that
-    in the direction in which it is least. Far from a narrow row of points, a fit is extrapolated.
+    Mean and spread have the weights of moving least squares; the spread is that in the direction in
+    which it is smallest. Far from a narrow row of points, a fit is an extrapolation.
 
     Parameters
     ----------

@@ -1,9 +1,10 @@
-"""Conditionally positive definite kernels: each condition of the theory, and what fails without.
+"""Conditionally positive definite kernels: conditions of the theory and counterexamples.
 
-For every kernel the least eigenvalue of the quadratic form is taken on the coefficients that
-annihilate the polynomials of its order, and on those of one degree less; and the inertia of the
-bordered system. An even power of the distance, points on a line, points of too many dimensions and
-a kernel without its polynomial show what each premise is for.
+For every kernel the experiment computes the smallest eigenvalue of the quadratic form on the
+coefficients that annihilate the polynomials of its order, the same for polynomials of one degree
+less, and the inertia of the saddle-point system. Each of the counterexamples violates one premise:
+an even power of the distance, collinear points, points in too many dimensions, and a kernel without
+its polynomial.
 
 References
 ----------
@@ -36,7 +37,7 @@ from fieldrecon.polynomials import dimension, monomials
 from fieldreport.framework.experiment import (
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -51,12 +52,12 @@ SIDE = 61
 
 @dataclass(frozen=True)
 class Params:
-    """Which points, and how long the kernels are."""
+    """The points and the lengths of the kernels."""
 
     points: int = parameter(24, "random points in the square [0, 3]²")
-    scale: float = parameter(0.6, "length of the kernels that have one")
-    radius: float = parameter(1.5, "support of Wendland's function")
-    lattice: int = parameter(9, "points along the side of the lattice that (1 - r)₊ fails on")
+    scale: float = parameter(0.6, "scale of the kernels with a scale")
+    radius: float = parameter(1.5, "radius of Wendland's function")
+    lattice: int = parameter(9, "points along the side of the lattice on which (1 - r)₊ fails")
     step: float = parameter(0.7, "step of that lattice, in radii")
     seed: int = parameter(0, "seed of the points")
 
@@ -85,11 +86,11 @@ def kernels(params: Params) -> dict[str, Radial]:
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Show every condition, and what fails without it."""
+    """Test every condition, and its counterexample."""
     x = 3 * uniform(params.points, 2, params.seed)
     known = kernels(params)
     rows = list(each(partial(conditions, x), known.values()))
-    table = Table(
+    table = ResultTable(
         ("kernel", "order", "least with", "least below", "positive", "negative", "zero"),
         tuple((name, *row) for name, row in zip(known, rows, strict=True)),
     )
@@ -111,20 +112,20 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def conditions(x: np.ndarray, kernel: Radial) -> tuple[int, float, float | str, int, int, int]:
-    """Return the order, the least eigenvalues with and below it, and the inertia of the system."""
+    """Return the order, the smallest eigenvalues for it and one less, and the inertia."""
     below = least(kernel, x, kernel.order - 2) if kernel.order else ""
     return (kernel.order, least(kernel, x, kernel.order - 1), below, *inertia(system(kernel, x)))
 
 
 def least(kernel: Radial, x: np.ndarray, degree: int) -> float:
-    """Least eigenvalue of the form on what annihilates the polynomials of the degree."""
+    """Smallest eigenvalue of the form on the coefficients that annihilate the polynomials."""
     p = monomials(x / 3, degree)
     z = np.linalg.qr(p, mode="complete")[0][:, p.shape[1] :]
     return float(np.linalg.eigvalsh(z.T @ kernel(cdist(x, x)) @ z).min())
 
 
 def system(kernel: Radial, x: np.ndarray, degree: int | None = None) -> np.ndarray:
-    """The kernel bordered by polynomials of its order, or of the degree."""
+    """The kernel matrix bordered by polynomials of its order, or of the given degree."""
     p = monomials(x / 3, kernel.order - 1 if degree is None else degree)
     zero = np.zeros((p.shape[1], p.shape[1]))
     return np.block([[kernel(cdist(x, x)), p], [p.T, zero]])
@@ -156,9 +157,9 @@ def on_the_diagonal() -> tuple[np.ndarray, np.ndarray]:
 
 
 def two_fields() -> tuple[np.ndarray, np.ndarray, float]:
-    """Return two thin plates through the same data on a line, on a grid, and how far they differ.
+    """Return two thin-plate splines through the same collinear data, and their difference.
 
-    The second has a multiple of x - y more, which vanishes on the line.
+    The second differs by a multiple of x - y, which vanishes on the line.
     """
     x, f = on_the_diagonal()
     kernel, n = thin_plate_spline(), len(x)
@@ -172,7 +173,7 @@ def two_fields() -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def _facts(
-    params: Params, x: np.ndarray, table: Table, apart: float
+    params: Params, x: np.ndarray, table: ResultTable, apart: float
 ) -> dict[str, float | int | str]:
     line_x, _ = on_the_diagonal()
     h = system(thin_plate_spline(), line_x)
@@ -215,7 +216,7 @@ def _facts(
 
 
 def refusal(x: np.ndarray) -> str:
-    """Return what the library says to points on a line."""
+    """Return the error message of the library for collinear points."""
     try:
         RBF(x, thin_plate_spline())
     except np.linalg.LinAlgError as error:
@@ -224,7 +225,7 @@ def refusal(x: np.ndarray) -> str:
 
 
 def plot(result: Result) -> Figure:
-    """Least eigenvalues with the order and below it; the transform of (1 - r)₊."""
+    """Smallest eigenvalues for the order and one less; the transform of (1 - r)₊."""
     a = result.arrays
     names = result.tables["conditions"].column("kernel")
     with figure(height=2.9, columns=2, width_ratios=[1.25, 1]) as (page, (left, right)):

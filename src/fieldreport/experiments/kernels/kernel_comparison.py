@@ -1,9 +1,9 @@
 """Kernels of radial basis functions on Franke's function: error, conditioning, augmentation.
 
-Each kernel interpolates Franke's function at more and more points; the smoother the
-kernel, the faster the error falls and the condition number of the system grows. A second part shows
-what the polynomial added to the kernels is for: affine data come back exactly, and far from the
-data the field grows as a polynomial does and not as the kernel.
+Each kernel interpolates Franke's function at increasing numbers of points. The smoother the kernel,
+the faster the error decreases and the condition number of the system grows. A second part shows the
+purpose of the polynomial that augments the kernels: affine data are reproduced exactly, and far
+from the data the field grows like a polynomial and not like the kernel.
 
 References
 ----------
@@ -39,29 +39,29 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
 )
 
-# A condition number beyond it is rounding, and so are the digits of what was solved with it.
+# Larger computed condition numbers are dominated by rounding, as are the solutions.
 CERTAIN = 1e13
 ROUNDING = 1e-16
 
 
 @dataclass(frozen=True)
 class Params:
-    """How many points, and the lengths of the kernels that have one."""
+    """The numbers of points, and the lengths of the kernels."""
 
     sizes: tuple[int, ...] = parameter((50, 100, 200, 400, 800), "numbers of points, increasing")
     scale: float = parameter(
         0.2, "scale of Gaussian, multiquadric and Matérn; the square has side 1"
     )
     radius: float = parameter(1.0, "radius of Wendland's function")
-    side: int = parameter(40, "places along a side of the square where the error is measured")
+    side: int = parameter(40, "evaluation points along a side of the square")
     few: int = parameter(100, "points of the part on augmentation")
-    farthest: float = parameter(1e3, "largest distance from the middle of the square")
+    farthest: float = parameter(1e3, "largest distance from the centre of the square")
 
     def __post_init__(self) -> None:
         require_at_least(self, sizes=4, few=4, scale=1e-3, radius=1e-3, side=2, farthest=10)
@@ -107,7 +107,7 @@ def run(params: Params, each: Map = map) -> Result:
         params=params,
         tables={
             "kernels": _kernel_table(params, error, condition),
-            "affine": Table(
+            "affine": ResultTable(
                 ("kernel", "order", "degree", "error", "error with degree 1"),
                 tuple(_affine_rows(params)),
             ),
@@ -135,7 +135,7 @@ def error_and_condition(params: Params, case: tuple[Radial, int]) -> tuple[float
 
 
 def interpolation_matrix(kernel: Radial, x: np.ndarray) -> np.ndarray:
-    """Return the kernel matrix, bordered by the polynomials that its order asks for."""
+    """Return the kernel matrix, bordered by the polynomials that its order requires."""
     p = monomial_matrix(x, kernel.order - 1) if kernel.order else np.empty((len(x), 0))
     return np.block([[kernel(cdist(x, x)), p], [p.T, np.zeros((p.shape[1], p.shape[1]))]])
 
@@ -145,7 +145,7 @@ def affine(x: np.ndarray) -> np.ndarray:
     return 1 + x @ np.array([2.0, 3.0])
 
 
-def _kernel_table(params: Params, error: np.ndarray, condition: np.ndarray) -> Table:
+def _kernel_table(params: Params, error: np.ndarray, condition: np.ndarray) -> ResultTable:
     columns = (f"{what}, n = {n}" for what in ("error", "condition") for n in params.sizes)
     rows = (
         (
@@ -156,18 +156,18 @@ def _kernel_table(params: Params, error: np.ndarray, condition: np.ndarray) -> T
         )
         for k, (name, kernel) in enumerate(params.kernels.items())
     )
-    return Table(("kernel", "order", *columns), tuple(rows))
+    return ResultTable(("kernel", "order", *columns), tuple(rows))
 
 
 def _told_error(error: float, condition: float) -> Cell:
-    """Tell an error of an ill-conditioned system by its order of magnitude only."""
+    """Report an error of an ill-conditioned system by its order of magnitude only."""
     if error == 0:
         return "refused"
     return float(error) if condition < CERTAIN else order_of_magnitude(error)
 
 
 def _told_condition(condition: float) -> Cell:
-    """Tell a condition number, or the bound beyond which double precision cannot."""
+    """Report a condition number, at most the largest that double precision can resolve."""
     return float(condition) if condition < CERTAIN else f"over {CERTAIN:.0e}"
 
 
@@ -183,12 +183,12 @@ def _affine_rows(params: Params) -> Iterator[tuple[Cell, ...]]:
 
 
 def _far_fields(params: Params, distances: np.ndarray) -> dict[str, np.ndarray]:
-    """Return fields along a ray from the middle of the square, with and without a polynomial."""
+    """Return fields along a ray from the centre of the square, with and without a polynomial."""
     x = halton(params.few, 2)
     values, bell, plate = franke(x), gaussian(params.scale), thin_plate_spline()
     ray = 0.5 + distances[:, None] * np.array([0.6, 0.8])
-    # What the library rightly refuses: the thin plate without its plane. Its matrix happens to be
-    # regular, but nothing holds the kernels together far away.
+    # The library refuses the thin plate without its plane. Its matrix happens to be regular     #
+    # here, but without the side conditions the field grows like the kernel.
     loose = plate(cdist(ray, x)) @ np.linalg.solve(plate(cdist(x, x)), values)
     return {
         "far_plate": RBF(x, plate).field(values)(ray),
@@ -222,7 +222,7 @@ def _far_facts(distances: np.ndarray, far: dict[str, np.ndarray]) -> dict[str, C
 
 
 def _difference(params: Params) -> float:
-    """Return how far the interpolants are, at most, from those of scipy.interpolate."""
+    """Return the largest difference of the interpolants from those of scipy.interpolate."""
     x, queries = halton(params.few, 2), halton(params.few + 100, 2)[params.few :]
     shared: dict[str, dict[str, Any]] = {
         "linear": {"kernel": "linear", "degree": 0},

@@ -1,10 +1,10 @@
-"""Two points change places: why functions chosen before the points cannot always interpolate.
+"""Mairhuber-Curtis theorem: a determinant that vanishes while two points exchange places.
 
-Three points interpolate in the span of 1, x and y if the determinant of the functions at the points
-is not zero. Two of them are exchanged along paths that meet neither each other nor the third. Rows
-change places, so the determinant ends as it began with the other sign, and vanishes on the way; the
-same happens to six points and quadratics. Functions that travel with the points, radial ones, keep
-a determinant whose sign is fixed.
+Three points admit interpolation in the span of 1, x and y if and only if the determinant of these
+functions at the points is not zero. Two of the points are exchanged along paths that meet neither
+each other nor the third point. Two rows are then exchanged, so the determinant ends with the
+opposite sign, and vanishes on the way; the same happens to six points and quadratics. Radial basis
+functions, whose centres move with the points, keep a determinant of fixed sign.
 
 References
 ----------
@@ -30,7 +30,7 @@ from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import METHOD_COLORS, figure, line
 from fieldrecon.polynomials import monomials
-from fieldreport.framework.experiment import Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
 
 TIMES = np.linspace(0.0, 1.0, 241)
 THIRD = np.array([[0.55, 0.75]])
@@ -40,10 +40,10 @@ OTHERS = np.array([[0.55, 0.75], [-0.9, -0.35], [0.1, -0.95], [0.95, -0.6]])
 
 @dataclass(frozen=True)
 class Params:
-    """How the points travel."""
+    """The paths of the points."""
 
     rise: float = parameter(0.6, "height of the ellipse on which two points change places")
-    scale: float = parameter(1.0, "length of the gaussian that travels with the points")
+    scale: float = parameter(1.0, "scale of the Gaussian that moves with the points")
     frames: int = parameter(5, "frames of the strip, the singular one among them")
 
     def __post_init__(self) -> None:
@@ -70,17 +70,17 @@ def determinant(basis: Basis, points: np.ndarray) -> float:
 
 
 def gaussians(scale: float, points: np.ndarray) -> np.ndarray:
-    """Gaussians about the points, at the points."""
+    """Gaussians centred at the points, evaluated at the points."""
     return gaussian(scale)(cdist(points, points))
 
 
 def bordered(points: np.ndarray) -> np.ndarray:
-    """Thin plates about the points, bordered by 1, x and y."""
+    """Thin-plate kernels centred at the points, bordered by 1, x and y."""
     return RBF(points, thin_plate_spline()).matrix()
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Follow the determinants, and find when those of fixed functions vanish."""
+    """Compute the determinants along the paths, and the zeros of those of fixed functions."""
     ways: dict[str, tuple[Basis, np.ndarray]] = {
         "1, x, y": (partial(monomials, degree=1), THIRD),
         "quadratics": (partial(monomials, degree=2), OTHERS),
@@ -98,7 +98,7 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "determinants": Table(
+            "determinants": ResultTable(
                 ("functions", "first", "last", "smallest", "largest"),
                 tuple(
                     (name, d[0], d[-1], d.min(), d.max())
@@ -149,7 +149,7 @@ def collinear_time(rise: float) -> float:
 
 
 def refusal(singular: np.ndarray) -> str:
-    """Return what least squares says to three points on a line."""
+    """Return the error message of least squares for three collinear points."""
     try:
         LeastSquares(singular)
     except np.linalg.LinAlgError as error:

@@ -1,1 +1,1 @@
-"""Meshes and their duals, and flows on them that are known everywhere."""
+"""Meshes and their duals, and reference flows in closed form."""

@@ -1,9 +1,9 @@
-"""Three dual meshes: circumcentric of a Delaunay mesh and of another, and barycentric.
+"""Circumcentric and barycentric dual meshes, with and without the Delaunay property.
 
-The same points are cut into cells twice: by Delaunay, and by Delaunay after they were stretched in
-one direction, which gives a mesh that is not Delaunay. Then it is counted how often dual edges run
-backwards and cross, and measured how far they are from perpendicular to the faces of the mesh; and
-the same in space, where dual edges pass each other and it is the dual cells that overlap.
+The same points are triangulated twice: by Delaunay, and by Delaunay after they were stretched in
+one direction, which gives a mesh that is not Delaunay. The experiment counts reversed and crossing
+dual edges, and measures the angles between dual edges and face normals. It repeats this in space,
+where dual edges do not cross and the dual cells overlap instead.
 
 References
 ----------
@@ -25,12 +25,12 @@ from matplotlib.figure import Figure
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
-from fieldreport.experiments.meshes.meshed_flows import jittered_cube
+from fieldreport.experiments.meshes.reference_flows import jittered_cube
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -51,13 +51,13 @@ CASES = {
 
 @dataclass(frozen=True)
 class Params:
-    """The points, and how they are stretched."""
+    """The points and their stretching."""
 
     side: int = parameter(5, "steps of the grid along the unit square")
     side_3d: int = parameter(6, "steps of the grid along the unit cube")
-    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
-    stretch: float = parameter(2.0, "by how much the first coordinate is stretched")
-    seed: int = parameter(1, "seed of the moves")
+    jitter: float = parameter(0.6, "range of the random displacement of a vertex, in steps")
+    stretch: float = parameter(2.0, "factor by which the first coordinate is stretched")
+    seed: int = parameter(1, "seed of the displacements")
 
     def __post_init__(self) -> None:
         require_at_least(self, side=3, side_3d=3, jitter=0, stretch=1, seed=0)
@@ -84,7 +84,7 @@ def run(params: Params, each: Map = map) -> Result:
     by_case = {f"{case}_{d}d": found for (d, case, _), found in zip(jobs, measured, strict=True)}
     return Result(
         params=params,
-        tables={"duals": Table(("dimension", "mesh", "dual", *measured[0]), tuple(rows))},
+        tables={"duals": ResultTable(("dimension", "mesh", "dual", *measured[0]), tuple(rows))},
         facts=_facts(by_case),
         arrays=_drawn({case: mesh for d, case, mesh in jobs if d == 2}),
     )
@@ -138,7 +138,7 @@ def dual_lengths(mesh: SimplexMesh) -> np.ndarray:
 
 
 def overlap(mesh: SimplexMesh, lengths: np.ndarray) -> float:
-    """Return how much more the diamonds over faces and dual edges measure than the mesh.
+    """Return the relative excess of the measure of the diamonds over that of the mesh.
 
     The signed ones measure Σ A_f l*_f / d, the volume of the mesh, since each cell is the sum of
     the pyramids from its circumcentre to its faces. Those of negative length lie on others.

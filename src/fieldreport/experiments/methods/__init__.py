@@ -1,1 +1,1 @@
-"""Least squares, moving least squares and radial basis functions compared, also with others."""
+"""Least squares, moving least squares and radial basis functions; other libraries."""

@@ -1,4 +1,4 @@
-"""How large errors are, and with which power of the step they fall."""
+"""Error norms and orders of convergence."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ def rms(vectors: np.ndarray) -> float:
 
 
 def middle(vectors: np.ndarray) -> float:
-    """Return the median length of vectors (..., d), which a few large ones do not move."""
+    """Return the median length of vectors (..., d), which a few outliers do not change."""
     return float(np.median(np.linalg.norm(vectors, axis=-1)))
 
 
 def order(sizes: ArrayLike, errors: ArrayLike) -> float:
-    """Return the order p of errors that fall like hᵖ: the slope of log error against log h.
+    """Return the order p of errors that decrease like hᵖ: the slope of log error against log h.
 
     Examples
     --------

@@ -1,9 +1,9 @@
-"""Which ε suits moving least squares, and what tells it without the truth.
+"""Choice of ε for moving least squares: errors and three criteria from the data alone.
 
-The weight 1/(r² + ε²) has one parameter. A sweep over six decades shows the error of value and
-gradient, with exact and with noisy data, and three criteria that need the data alone: the
-minimised objective ψ, ψ divided by the sum of the squared weights, and the leave-one-out error.
-The regret of a criterion is how many times larger the error is at its ε than at the best ε.
+The weight 1/(r² + ε²) has one parameter. A sweep over six decades shows the errors of value and
+gradient, with exact and with noisy data, and three criteria that need only the data: the minimised
+objective ψ, ψ divided by the sum of the squared weights, and the leave-one-out error. The regret of
+a criterion is the error at its ε divided by the error at the best ε.
 
 References
 ----------
@@ -26,7 +26,14 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")
 CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "leave_one_out"}
@@ -38,12 +45,13 @@ class Params:
 
     power: int = parameter(3, "power n of the field (x₁ + x₂)ⁿ")
     points: int = parameter(100, "random points in the unit square")
-    queries: int = parameter(100, "random places where the error is measured")
-    draws: int = parameter(20, "how often points, places and noise are drawn")
+    queries: int = parameter(100, "random points where the error is measured")
+    draws: int = parameter(20, "number of draws of points, evaluation points and noise")
     noises: tuple[float, ...] = parameter(
-        (0.0, 0.05, 0.2, 0.5, 1.0), "standard deviations of the noise, from 0; the field goes to 2ⁿ"
+        (0.0, 0.05, 0.2, 0.5, 1.0),
+        "standard deviations of the noise, from 0; the field has the maximum 2ⁿ",
     )
-    shown_noise: float = parameter(0.5, "the noise that is drawn beside the exact data")
+    shown_noise: float = parameter(0.5, "noise shown in the figure beside the exact data")
     smallest: float = parameter(1e-4, "smallest ε; the square has side 1")
     largest: float = parameter(1e2, "largest ε")
     steps: int = parameter(25, "values of ε, in geometric progression")
@@ -107,12 +115,12 @@ def sweep_of_draw(params: Params, seed: tuple[int, ...]) -> np.ndarray:
 
 
 def chosen(params: Params, sweeps: np.ndarray, measure: str) -> np.ndarray:
-    """Return the ε (draw, noise) at which a measure is least."""
+    """Return the ε (draw, noise) that minimizes a measure."""
     return params.epsilons[sweeps[:, MEASURES.index(measure)].argmin(axis=1)]
 
 
 def regrets(sweeps: np.ndarray, criterion: str) -> np.ndarray:
-    """Return the error at the ε that a criterion chooses, by the least error: (draw, noise)."""
+    """Return the error at the ε chosen by a criterion over the smallest error: (draw, noise)."""
     errors = sweeps[:, 0]
     choice = sweeps[:, MEASURES.index(criterion)].argmin(axis=1)
     at_choice = np.take_along_axis(errors, choice[:, None], axis=1)[:, 0]
@@ -131,13 +139,13 @@ def _rms(errors: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean(errors**2, axis=0))
 
 
-def _sweep_table(params: Params, means: np.ndarray) -> Table:
+def _sweep_table(params: Params, means: np.ndarray) -> ResultTable:
     rows = np.column_stack([params.epsilons, *means])
-    return Table(("epsilon", *MEASURES), tuple(map(tuple, rows)))
+    return ResultTable(("epsilon", *MEASURES), tuple(map(tuple, rows)))
 
 
-def _choice_table(params: Params, sweeps: np.ndarray) -> Table:
-    return Table(
+def _choice_table(params: Params, sweeps: np.ndarray) -> ResultTable:
+    return ResultTable(
         (
             "noise",
             "best epsilon",
@@ -229,7 +237,7 @@ def plot(result: Result) -> Figure:
 
 
 def _draw(axes: Axes, result: Result, noise: int, measures: tuple[str, ...]) -> None:
-    """Draw curves with a dot at the least value of each, and the spacing of the points."""
+    """Draw curves with a dot at the minimum of each, and the spacing of the points."""
     epsilons = result.arrays["epsilons"]
     for measure in measures:
         y = result.arrays["means"][MEASURES.index(measure), :, noise]
@@ -241,7 +249,7 @@ def _draw(axes: Axes, result: Result, noise: int, measures: tuple[str, ...]) -> 
 
 
 def plot_choice(result: Result) -> Figure:
-    """The ε that each criterion chooses, and what that costs, against the noise."""
+    """The ε that each criterion chooses, and its regret, against the noise."""
     noises = np.array(result.params.noises)
     names = {"best": "best", "psi": "ψ", "normalized_psi": "normalized ψ"}
     names |= {"leave_one_out": "leave-one-out"}

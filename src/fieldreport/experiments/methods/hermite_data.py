@@ -1,10 +1,10 @@
-"""Data that are no values: a closed curve from normals, and Poisson's equation from Laplacians.
+"""Hermite data: a closed curve from normals, and Poisson's equation by collocation.
 
-A closed curve is found from points and normals alone, as the zeros of the field with the values
-zero and the normal derivatives minus one, and from points beside it as the book has it. Poisson's
-equation in the unit square is solved by collocation: Laplacians are given inside and values on the
-edge. Errors are taken on ever more points, against a known solution; and the torsion of the square
-is compared with its series.
+A closed curve is reconstructed from points and normals alone, as the zero set of the field with
+value zero and normal derivative minus one; and, as in the book, from additional points beside the
+curve. Poisson's equation in the unit square is solved by collocation: Laplacians are given in the
+interior and values on the boundary. Errors are measured against a known solution for increasing
+numbers of points, and the torsion function of the square is compared with its series.
 
 References
 ----------
@@ -33,7 +33,7 @@ from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
 
 KERNELS: dict[str, Radial] = {
     "r⁵": polyharmonic(5),
@@ -53,7 +53,7 @@ class Params:
     wave: float = parameter(0.3, "depth of the lobes, in radii")
     offset: float = parameter(0.1, "distance of the points beside the curve, in radii")
     sizes: tuple[int, ...] = parameter((8, 12, 16, 24, 32), "points along an edge of the square")
-    queries: int = parameter(500, "points at which the error in the square is taken")
+    queries: int = parameter(500, "points at which the error in the square is measured")
 
     def __post_init__(self) -> None:
         require_at_least(self, points=8, lobes=2, wave=0.0, offset=1e-6, sizes=4, queries=10)
@@ -64,7 +64,7 @@ DIGITS = {"order_r7": 4, "error_finest": 3, "torsion_percent": 2}
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Find the curve in both ways, and solve the equation on every grid."""
+    """Reconstruct the curve in both ways, and solve the equation on every grid."""
     p, normals = on_the_curve(params, np.arange(params.points) * 2 * np.pi / params.points)
     fields = {
         "normals": by_normals(p, normals),
@@ -84,14 +84,14 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "curve": Table(
+            "curve": ResultTable(
                 ("data", "number", "missed by"),
                 (
                     ("values and normals", 2 * len(p), missed["normals"]),
                     ("values and points beside", 3 * len(p), missed["beside"]),
                 ),
             ),
-            "poisson": Table(
+            "poisson": ResultTable(
                 ("edge", *KERNELS),
                 tuple((n, *e) for n, e in zip(params.sizes, errors.T, strict=True)),
             ),
@@ -144,7 +144,7 @@ def by_points_beside(p: np.ndarray, normals: np.ndarray, offset: float) -> Field
 
 
 def rms_distance(field: Field, dense: np.ndarray) -> float:
-    """Root mean square distance of the zero level from the curve, by one step of Newton."""
+    """Root mean square distance of the zero level from the curve, by one Newton step."""
     slope = np.linalg.norm(field.gradient(dense), axis=1)
     return float(np.sqrt(np.mean((field(dense) / slope) ** 2)))
 
@@ -194,7 +194,7 @@ def torsion(n: int) -> HermiteField:
 
 
 def torsion_series(terms: int = 400) -> float:
-    """Return the value in the middle by the double sine series.
+    """Return the value at the centre by the double sine series.
 
     >>> round(torsion_series(), 6)
     0.073671

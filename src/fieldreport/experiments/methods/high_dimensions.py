@@ -1,9 +1,10 @@
-"""High dimensions: what can be reconstructed in ten to a hundred variables, and what cannot.
+"""Reconstruction in high dimensions: three to a hundred variables.
 
-Six functions on the unit cube, all of standard deviation one, are sampled at a thousand sites and
-more, and reconstructed at other places; next to the methods stand the mean of the data (error one),
-the nearest datum and polynomials by least squares. Besides: how distances concentrate, how large
-polynomials and Wendland's functions become, and what is wrong with Halton's points.
+Six functions on the unit cube, each of standard deviation one, are sampled at a thousand sites and
+more and reconstructed at other points. The methods are compared with the mean of the data (error
+one), the value at the nearest site and least-squares polynomials. The experiment also shows the
+concentration of distances, the growth of polynomials and of Wendland's functions with the
+dimension, and the correlation of the coordinates of Halton points.
 
 References
 ----------
@@ -13,35 +14,31 @@ Ramakrishnan and Shaft, When is "nearest neighbor" meaningful? (1999).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.datasets.synthetic import halton, uniform
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.rbf import RBF
+from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.experiments.methods.high_dimensions_cases import FIELDS, METHODS, methods
-from fieldreport.experiments.methods.high_dimensions_figures import (
-    errors_drawn,
-    plot_distances,
-    plot_sites,
-)
 from fieldreport.experiments.methods.high_dimensions_geometry import KINDS, Geometry, sites
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
 )
-
-__all__ = ["QUICK", "Params", "plot", "plot_distances", "plot_sites", "run"]
 
 CERTAIN, ROUNDING = 1e-9, 1e-15
 
@@ -52,11 +49,11 @@ class Params:
 
     variables: tuple[int, ...] = parameter((3, 5, 10, 20, 50, 100), "numbers of variables")
     sites: int = parameter(1000, "sites, at random in the unit cube")
-    more: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "numbers of sites to compare")
-    at: int = parameter(10, "variables where numbers of sites are compared; of variables")
-    queries: int = parameter(150, "places where errors are measured, at random too")
-    large: int = parameter(20000, "places that tell mean and deviation of the functions")
-    seed: int = parameter(1, "of sites, queries and functions")
+    more: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "numbers of sites compared")
+    at: int = parameter(10, "number of variables for which numbers of sites are compared")
+    queries: int = parameter(150, "random points where errors are measured")
+    large: int = parameter(20000, "points for the mean and the deviation of the functions")
+    seed: int = parameter(1, "seed of sites, queries and functions")
 
     def __post_init__(self) -> None:
         require_at_least(self, variables=2, sites=20, more=20, queries=1, large=100)
@@ -83,7 +80,7 @@ def run(params: Params, each: Map = map) -> Result:
         tables={
             "errors": _table("variables", params.variables, by_variables),
             "sites": _table("sites", params.more, by_sites),
-            "geometry": Table(tuple(Geometry.COLUMNS), tuple(g.row() for g in geometry)),
+            "geometry": ResultTable(tuple(Geometry.COLUMNS), tuple(g.row() for g in geometry)),
             "kinds": _kinds(params, geometry, by_variables, by_kind),
         },
         facts=_facts(params, by_variables, by_sites, by_kind, geometry),
@@ -98,10 +95,10 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def errors(params: Params, case: tuple[int, int, str]) -> np.ndarray:
-    """Return rms errors (methods, functions) in standard deviations; zero where there is none.
+    """Return rms errors (methods, functions) in standard deviations; zero where not computed.
 
-    Of sites that are not random only those of the cubic are wanted. In the last row is the cubic on
-    the two variables that matter, for the function of these.
+    For sites that are not random only the errors of the cubic are computed. The last row is the
+    cubic on the two relevant variables, for the function of two variables.
     """
     d, n, kind = case
     x, q = sites(n, d, kind, params.seed), uniform(params.queries, d, params.seed + 1)
@@ -115,7 +112,7 @@ def errors(params: Params, case: tuple[int, int, str]) -> np.ndarray:
     for name, make in methods(d, n).items():
         if kind != "random" and name != "cubic":
             continue
-        with suppress(np.linalg.LinAlgError):  # neighbours that do not determine a plane
+        with suppress(np.linalg.LinAlgError):  # the neighbours do not determine a plane
             error = make(x, data)(q) - truth
             found[METHODS.index(name)] = np.maximum(rms(error), ROUNDING)
     known = RBF(x[:, :2], polyharmonic(3)).field(data[:, 1])(q[:, :2]) - truth[:, 1]
@@ -128,14 +125,14 @@ def rms(error: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean(error**2, axis=0))
 
 
-def _table(what: str, numbers: tuple[int, ...], found: np.ndarray) -> Table:
+def _table(what: str, numbers: tuple[int, ...], found: np.ndarray) -> ResultTable:
     columns = (what, "method", *(f.__name__ for f in FIELDS))
     rows = (
         (number, name, *map(_told, row))
         for number, each in zip(numbers, found, strict=True)
         for name, row in zip(METHODS, each, strict=False)
     )
-    return Table(columns, tuple(rows))
+    return ResultTable(columns, tuple(rows))
 
 
 def _told(error: float) -> Cell:
@@ -146,7 +143,7 @@ def _told(error: float) -> Cell:
 
 def _kinds(
     params: Params, geometry: list[Geometry], random: np.ndarray, others: np.ndarray
-) -> Table:
+) -> ResultTable:
     columns = ("variables", "sites", "largest correlation", *(f.__name__ for f in FIELDS))
     cubic = METHODS.index("cubic")
     rows = (
@@ -154,7 +151,7 @@ def _kinds(
         for i, (d, g) in enumerate(zip(params.variables, geometry, strict=True))
         for k, kind in enumerate(KINDS)
     )
-    return Table(columns, tuple(rows))
+    return ResultTable(columns, tuple(rows))
 
 
 def _facts(
@@ -190,7 +187,7 @@ def _facts(
 
 
 def _rates(params: Params, by_sites: np.ndarray) -> Iterator[tuple[str, float]]:
-    """Yield the exponents p of errors that fall as n^-p."""
+    """Yield the exponents p of errors that decrease as n^-p."""
     for name in ("nearest", "cubic"):
         errors_of = np.log(by_sites[:, METHODS.index(name)])
         rates = -np.polyfit(np.log(params.more), errors_of, 1)[0]
@@ -202,3 +199,86 @@ def _rates(params: Params, by_sites: np.ndarray) -> Iterator[tuple[str, float]]:
 def plot(result: Result) -> Figure:
     """Error against the number of variables, for each function and method."""
     return errors_drawn(result.params.variables, result.arrays["by_variables"], "variables")
+
+
+TITLES = (
+    "step across the diagonal",
+    "function of two variables",
+    "sum of functions of one",
+    "distance from the middle",
+    "products of all pairs",
+    "wave across the diagonal",
+)
+LEAST, MOST = 8e-4, 12
+"""The range of errors in the figures, in standard deviations."""
+
+
+def _looks() -> dict[str, dict[str, Any]]:
+    """Label and line style of each method, in the order of the arrays."""
+    straight, curved = shades("LS", 2)
+    near, wide = shades("MLS", 2)
+    cone, cubic = shades("RBF", 2)
+    return {
+        "nearest": line("truth", marker="x", linestyle=":", label="nearest datum"),
+        "linear": straight | {"label": "LS, linear"},
+        "quadratic": curved | {"label": "LS, quadratic"},
+        "near": near | {"label": "MLS, near sites"},
+        "wide": wide | {"label": "MLS, all sites"},
+        "cone": cone | {"label": "RBF, r"},
+        "cubic": cubic | {"label": "RBF, r³"},
+        "patches": line("PU", label="patches, r³"),
+    }
+
+
+def plot_sites(result: Result) -> Figure:
+    """Error against the number of sites."""
+    return errors_drawn(result.params.more, result.arrays["by_sites"], "sites")
+
+
+def errors_drawn(numbers: Sequence[int], found: np.ndarray, what: str) -> Figure:
+    """Draw errors (numbers, methods, functions) against the number of variables or of sites."""
+    with figure(height=5.2, rows=2, columns=3, sharex=True, sharey=True) as (page, panels):
+        for k, (panel, title) in enumerate(zip(panels.flat, TITLES, strict=True)):
+            panel.axhline(1, **line("truth", marker="", label="mean of the data"))
+            for i, look in enumerate(_looks().values()):
+                error = found[:, i, k]
+                there = error > 0
+                panel.plot(np.array(numbers)[there], error[there], **look)
+            panel.set(title=title, xscale="log", yscale="log", ylim=(LEAST, MOST))
+            panel.set_xticks(numbers, [str(n) for n in numbers])
+            panel.minorticks_off()
+        for panel in panels[1]:
+            panel.set_xlabel(f"number of {what}")
+        for panel in panels[:, 0]:
+            panel.set_ylabel("rms error / deviation")
+        handles, labels = panels[0, 0].get_legend_handles_labels()
+        page.legend(handles, labels, loc="outside lower center", ncols=3)
+    return page
+
+
+def plot_distances(result: Result) -> Figure:
+    """Concentration of distances; the last two coordinates of Halton points."""
+    variables, distances = result.params.variables, result.arrays["distances"]
+    with figure(height=2.6, columns=3, width_ratios=(1.6, 1, 1)) as (page, panels):
+        middles = (np.arange(distances.shape[1]) + 0.5) * 2.5 / distances.shape[1]
+        looks = shades("truth", len(variables), marker="")
+        for d, density, look in zip(variables, distances, looks, strict=True):
+            panels[0].plot(middles, density, **look, label=str(d))
+        panels[0].set(title="distances of two sites", xlabel="distance / mean")
+        panels[0].set(xlim=(0, 2.2), ylim=(0, None))
+        panels[0].set_yticks([])
+        panels[0].legend(title="variables")
+        last = variables[-1]
+        for panel, name, title in (
+            (panels[1], "last_columns", "Halton"),
+            (panels[2], "scrambled", "scrambled"),
+        ):
+            _cloud(panel, result.arrays[name], title, f"$x_{{{last - 1}}}$", f"$x_{{{last}}}$")
+    return page
+
+
+def _cloud(panel: Axes, points: np.ndarray, title: str, across: str, up: str) -> None:
+    panel.plot(*points.T, **line("data", markersize=1.2))
+    panel.set(title=title, xlabel=across, ylabel=up, aspect="equal", xlim=(0, 1), ylim=(0, 1))
+    panel.set_xticks([0, 1])
+    panel.set_yticks([0, 1])

@@ -1,4 +1,4 @@
-"""Functions of many variables, and what may reconstruct them from samples."""
+"""Functions of many variables, and methods that reconstruct them from samples."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from fieldrecon.methods.rbf import RBF
 from fieldrecon.polynomials import dimension
 
 Maker: TypeAlias = Callable[[np.ndarray, np.ndarray], Callable[[np.ndarray], np.ndarray]]
-"""Takes sites and data to a field."""
+"""Maps sites and data to a field."""
 MOST_FOR_PATCHES = 10
-"""Variables beyond which each patch has a good part of all sites, or there is but one."""
+"""With more variables, each patch contains a large part of all sites, or is the only patch."""
 
 
 def centred(x: np.ndarray) -> np.ndarray:
@@ -30,7 +30,7 @@ def centred(x: np.ndarray) -> np.ndarray:
 
 
 def ridge(x: np.ndarray) -> np.ndarray:
-    """Return a step across the diagonal, as steep in any number of variables."""
+    """Return a step across the diagonal, equally steep in any number of variables."""
     return np.tanh(2 * centred(x).sum(axis=1) / np.sqrt(x.shape[1]))
 
 
@@ -40,24 +40,24 @@ def few(x: np.ndarray) -> np.ndarray:
 
 
 def additive(x: np.ndarray) -> np.ndarray:
-    """Return a sum of cosines of one variable each, none of which a linear function can follow."""
+    """Return a sum of cosines of single variables, which no linear function approximates."""
     return np.cos(2 * np.pi * x).sum(axis=1)
 
 
 def radial(x: np.ndarray) -> np.ndarray:
-    """Return the distance from the middle."""
+    """Return the distance from the centre."""
     return np.linalg.norm(x - 0.5, axis=1)
 
 
 def pairs(x: np.ndarray) -> np.ndarray:
-    """Return a sum of products of any two variables, with coefficients drawn by chance."""
+    """Return a sum of products of two variables, with random coefficients."""
     y, d = centred(x), x.shape[1]
     b = np.triu(np.random.default_rng(d).standard_normal((d, d)), 1)
     return np.einsum("ni,ij,nj->n", y, b, y, optimize=True)
 
 
 def wave(x: np.ndarray) -> np.ndarray:
-    """Return a wave across the diagonal, as steep along each axis as in one variable."""
+    """Return a wave across the diagonal, with the same slope along each axis as in one variable."""
     return np.cos(2 * np.pi * x.sum(axis=1))
 
 
@@ -65,7 +65,7 @@ FIELDS = (ridge, few, additive, radial, pairs, wave)
 
 
 def methods(d: int, n: int) -> Mapping[str, Maker]:
-    """Return what makes a field of sites and data, by name: what can be had of so many sites."""
+    """Return the methods by name that are available for a number of sites."""
     wide = gaussian(np.sqrt(d / 6) / 2)  # half the root mean square distance of two sites
     near = min(4 * dimension(d, 1), n - 1)
     made: dict[str, Maker] = {

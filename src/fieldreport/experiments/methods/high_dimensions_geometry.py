@@ -1,4 +1,4 @@
-"""What many variables do to distances, polynomials, weights and Halton's points."""
+"""Geometry in many variables: distances, polynomial dimensions, weights and Halton points."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from fieldreport.framework.experiment import Cell
 
 KINDS = ("random", "halton", "scrambled")
 BINS = np.linspace(0, 2.5, 101)
-"""Of distances, in units of their mean."""
+"""Bins of distances, in units of their mean."""
 FEW = 500
-"""Sites whose distances from each other are counted."""
+"""The number of sites with pairwise distances in the histogram."""
 
 
 def sites(n: int, d: int, kind: str, seed: int) -> np.ndarray:
-    """Return points of a kind in the unit cube."""
+    """Return points in the unit cube: random, Halton or scrambled Halton."""
     if kind == "random":
         return uniform(n, d, seed)
     return halton(n, d, seed if kind == "scrambled" else None)
@@ -32,7 +32,7 @@ def sites(n: int, d: int, kind: str, seed: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Geometry:
-    """What so many variables do to distances, polynomials, weights and Halton's points."""
+    """Distances, polynomial dimensions, weights and Halton points in a number of variables."""
 
     COLUMNS = (
         "variables",
@@ -55,7 +55,7 @@ class Geometry:
 
     @classmethod
     def of(cls, n: int, queries: int, seed: int, d: int) -> Geometry:
-        """Measure it on so many sites."""
+        """Measure the geometry on n sites."""
         x = sites(n, d, "random", seed)
         some = pdist(x[:FEW])
         histogram = np.histogram(some / some.mean(), BINS, density=True)[0]
@@ -74,14 +74,14 @@ class Geometry:
 
 
 def overlap(x: np.ndarray) -> float:
-    """Return in how many patches a site is, on average; zero where there are none."""
+    """Return the mean number of patches that contain a site; zero if there are no patches."""
     if x.shape[1] > MOST_FOR_PATCHES:
         return 0.0
     return PartitionOfUnityRBF(x).patch_sizes.sum() / len(x)
 
 
 def counting(x: np.ndarray, q: np.ndarray) -> float:
-    """Return how many sites would count as much with equal weights, (sum w)² / sum w²."""
+    """Return the effective number of sites near a query, (sum w)² / sum w²."""
     n, d = x.shape
     near = min(4 * dimension(d, 1), n - 1)
     distance = cKDTree(x).query(q, near + 1)[0]
@@ -90,5 +90,5 @@ def counting(x: np.ndarray, q: np.ndarray) -> float:
 
 
 def largest_correlation(x: np.ndarray) -> float:
-    """Return the largest correlation of two columns, in size."""
+    """Return the largest absolute correlation of two columns."""
     return float(np.abs(np.triu(np.corrcoef(x.T), 1)).max())

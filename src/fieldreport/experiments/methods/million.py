@@ -1,6 +1,6 @@
-"""The largest clouds once more, with the machine to themselves.
+"""The largest clouds, measured on an idle machine.
 
-Nothing is timed here: the numbers are those of ``make bench ONLY=million``.
+The experiment does no timing: it reads what ``make bench ONLY=million`` measured.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import figure
+from fieldreport.framework.benchmark_results import read_benchmark, select_columns, tables
 from fieldreport.framework.experiment import Map, Result, input_file, parameter, require_at_least
-from fieldreport.framework.measurements import measured, selected, tables
 
 USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
 RIVAL = "ferreus_rbf, thin plate"
@@ -38,7 +38,7 @@ class Params:
     """The measurements."""
 
     results: str = input_file("benchmarks/results/million.json", "file that make bench wrote")
-    wanted: float = parameter(10.0, "how many times as fast as ferreus_rbf was aimed at")
+    wanted: float = parameter(10.0, "target for the speed, in multiples of that of ferreus_rbf")
 
     def __post_init__(self) -> None:
         require_at_least(self, wanted=1.0)
@@ -48,10 +48,10 @@ QUICK = Params(wanted=5.0)
 
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
-    """Read what was measured."""
-    result = measured(params.results)
+    """Read the measurements."""
+    result = read_benchmark(params.results)
     (table,) = tables(result)
-    runs = selected(table, COLUMNS)
+    runs = select_columns(table, COLUMNS)
     found = [dict(zip(COLUMNS, row, strict=True)) for row in runs.rows]
     facts: dict[str, float | int | str] = {"repeats": result["parameters"]["repeats"]}
     for comparison in result["comparisons"]:
@@ -63,7 +63,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
 def _against(
     found: list[dict[str, Any]], comparison: Mapping[str, Any], wanted: float
 ) -> Iterator[tuple[str, float | int | str]]:
-    """Yield what is told of a cloud: times and errors of the rival over ours."""
+    """Yield the facts of a cloud: times and errors of ferreus_rbf relative to fieldrecon."""
     data = comparison["what"].partition(",")[0]
     here = {r["method"]: r for r in found if r["data"] == data}
     ours, theirs = here[USUAL], here[RIVAL]
@@ -102,6 +102,6 @@ def plot(result: Result) -> Figure:
             )
             panel.set(xlabel="seconds", title=f"{sites:,} points, {TITLES[data]}")
             panel.grid(visible=False, axis="y")
-        page.set_layout_engine("constrained", wspace=0.06)  # names stand between the panels
+        page.set_layout_engine("constrained", wspace=0.06)  # the names are between the panels
         axes[-1].legend(loc="upper right")  # where bars are short
     return page

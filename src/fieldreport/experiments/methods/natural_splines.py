@@ -1,9 +1,10 @@
-"""Natural cubic splines: of least energy, linear outside, and local.
+"""Natural cubic splines: minimal energy, linear extrapolation, locality.
 
 Data of sin(k x) at scattered sites on [0, 1] are interpolated by the natural cubic spline, by other
-splines with the same sites, and by the polynomial; their energies are compared with that of the
-function, which has a closed form. On ever more sites the errors inside and at the ends are taken,
-and the decay of the influence of one datum is compared with the root of a recurrence.
+splines with the same sites, and by the polynomial. Their energies are compared with that of the
+function, which has a closed form. For increasing numbers of sites the errors are measured in the
+interior and near the ends, and the decay of the influence of one datum is compared with the root of
+a recurrence.
 
 References
 ----------
@@ -34,7 +35,7 @@ from fieldreport.experiments.methods.convergence import order
 from fieldreport.framework.experiment import (
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -50,14 +51,14 @@ ROUNDING = np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Params:
-    """Which function, and where its data lie."""
+    """The function and its sites."""
 
     sites: int = parameter(11, "scattered sites on [0, 1]")
     frequency: float = parameter(9.0, "k of the function sin(k x)")
     sizes: tuple[int, ...] = parameter(
         (17, 33, 65, 129, 257, 513), "numbers of equidistant sites of the convergence study"
     )
-    reach: float = parameter(0.3, "how far beyond the outer sites the figure looks, a length")
+    reach: float = parameter(0.3, "length beyond the outer sites that the figure shows")
     seed: int = parameter(4, "seed of the sites")
 
     def __post_init__(self) -> None:
@@ -82,8 +83,8 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "energies": Table(("curve", "energy"), tuple(energies.items())),
-            "errors": Table(
+            "energies": ResultTable(("curve", "energy"), tuple(energies.items())),
+            "errors": ResultTable(
                 ("sites", "middle", "ends"),
                 tuple((n, *row) for n, row in zip(params.sizes, errors, strict=True)),
             ),
@@ -117,7 +118,7 @@ def interpolants(x: np.ndarray, f: np.ndarray) -> dict[str, tuple[Curve, Curve]]
 
 
 def bend_of(spline: NaturalSpline, at: np.ndarray) -> np.ndarray:
-    """Second derivative between sites: of the parabolas of s' a difference quotient is exact."""
+    """Second derivative between sites: a difference quotient, exact for the quadratic s'."""
     h = 1e-6
     return (spline.gradient(at + h) - spline.gradient(at - h)) / (2 * h)
 
@@ -145,7 +146,7 @@ def errors_at(frequency: float, sites: int) -> np.ndarray:
 
 
 def influence(sites: int) -> np.ndarray:
-    """Return how a datum in the middle counts in the middles of the intervals to its right."""
+    """Return the influence of a central datum on the midpoints of the intervals to its right."""
     middle = sites // 2
     x = np.arange(sites, dtype=float)
     return NaturalCubicSpline(x).weights(x[middle] + 0.5 + np.arange(12))[:, middle]

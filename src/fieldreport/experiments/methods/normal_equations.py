@@ -1,9 +1,9 @@
-"""What the normal equations lose: the condition number squared, and the digits at an offset.
+"""Normal equations: squared condition number and lost digits.
 
-An affine field is sampled on a regular grid in a unit square that lies ever farther from the
+An affine field is sampled on a regular grid in a unit square, at increasing distances from the
 origin. The same least-squares problem is solved by the normal equations BᵀB c = BᵀV and by
-orthogonal factorization of B, both in the coordinates as they are, and by `LeastSquares`, which
-factors B in a local frame.
+orthogonal factorization of B, both in the given coordinates, and by `LeastSquares`, which factors B
+in a local frame.
 
 References
 ----------
@@ -25,27 +25,27 @@ from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.framework.experiment import (
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
 )
 
 SOLVERS = ("normal equations", "factorization, same coordinates", "factorization, local frame")
-CERTAIN = 1e13  # a computed condition number above it has lost its digits
+CERTAIN = 1e13  # larger computed condition numbers have no correct digits
 ROUNDING = np.finfo(float).eps
 
 
 @dataclass(frozen=True)
 class Params:
-    """Where the points lie."""
+    """The positions of the points."""
 
     side: int = parameter(10, "points along each side of the grid on which the field is sampled")
-    queries: int = parameter(100, "random places at which it is reconstructed")
+    queries: int = parameter(100, "random points at which it is reconstructed")
     decades: tuple[int, ...] = parameter(
         (0, 1, 2, 3, 4, 5, 6, 7, 8), "decimal logarithms of the offset of the square of side 1"
     )
-    seed: int = parameter(0, "seed of the places")
+    seed: int = parameter(0, "seed of the random points")
 
     def __post_init__(self) -> None:
         require_at_least(self, side=2, queries=1, decades=0, seed=0)
@@ -124,13 +124,13 @@ def exact_condition(side: int, offset: float) -> float:
     return float(largest / min(v, v / largest))
 
 
-def _table(offsets: np.ndarray, conditions: np.ndarray, errors: np.ndarray) -> Table:
+def _table(offsets: np.ndarray, conditions: np.ndarray, errors: np.ndarray) -> ResultTable:
     columns = ("offset", "cond B", "cond BᵀB", *(f"error, {solver}" for solver in SOLVERS))
     rows = (
         (offset, *map(_told, condition), *map(_told_order, np.maximum(error, ROUNDING)))
         for offset, condition, error in zip(offsets, conditions, errors, strict=True)
     )
-    return Table(columns, tuple(rows))
+    return ResultTable(columns, tuple(rows))
 
 
 def _facts(

@@ -1,8 +1,9 @@
-"""Which kernel, degree and patch size: blended patches on smooth, steep, noisy and rough data.
+"""Partition-of-unity RBF: error and operation count by kernel, degree and patch size.
 
-Radial basis functions on overlapping patches, the same sites and queries for every choice. Nothing
-is timed: the cost is a count, that of the multiplications to factor the systems of the patches and
-to evaluate the field once for each site.
+Smooth, steep, noisy and rough data are reconstructed by radial basis functions on overlapping
+patches, with the same sites and queries for every choice. The experiment does no timing: the cost
+is the number of multiplications needed to factor the systems of the patches and to evaluate the
+field once for each site.
 
 References
 ----------
@@ -31,7 +32,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -45,12 +46,12 @@ class Params:
     """The sites and the choices."""
 
     sites: int = parameter(6000, "number of sites, at random in the unit square and in the terrain")
-    queries: int = parameter(6000, "number of places where errors are measured")
+    queries: int = parameter(6000, "number of points where errors are measured")
     sizes: tuple[int, ...] = parameter((16, 24, 40, 64), "numbers of sites in a patch, increasing")
-    told: int = parameter(40, "that of them of which facts are told")
+    told: int = parameter(40, "the patch size for which facts are reported")
     radius: float = parameter(0.1, "radius of Wendland's function; the square has side 1")
     steepness: float = parameter(40.0, "1 / width of the steep front")
-    seed: int = parameter(1, "of sites, queries and noise")
+    seed: int = parameter(1, "seed of sites, queries and noise")
 
     def __post_init__(self) -> None:
         require_at_least(self, sites=200, queries=1, sizes=16, radius=1e-3)
@@ -81,8 +82,8 @@ TITLES = {
 }
 
 
-class Samples(NamedTuple):
-    """Data (n, v) at sites (n, 2), and the truth (m, v) at queries (m, 2)."""
+class SampledData(NamedTuple):
+    """Data (n, v) at sites (n, 2), and exact values (m, v) at queries (m, 2)."""
 
     sites: np.ndarray
     data: np.ndarray
@@ -102,7 +103,7 @@ def run(params: Params, each: Map = map) -> Result:
     columns = ("choice", "sites of a patch", "multiplications per site", *TITLES.values())
     return Result(
         params=params,
-        tables={"choices": Table(columns, tuple(rows))},
+        tables={"choices": ResultTable(columns, tuple(rows))},
         facts=_facts(params, found)
         | {"difference_from_scipy": order_of_magnitude(_difference(params))},
         arrays={"cost": found[..., 0], "error": found[..., 1:]},
@@ -110,7 +111,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def cost_and_errors(params: Params, case: tuple[str, int]) -> list[float]:
-    """Return multiplications for each site, and the rms error in each of the sets of data."""
+    """Return the multiplications per site, and the rms error for each data set."""
     name, size = case
     _, kernel, degree = params.choices[name]
     errors: list[float] = []
@@ -124,12 +125,12 @@ def cost_and_errors(params: Params, case: tuple[str, int]) -> list[float]:
     return [float(cost), *errors]
 
 
-def square(params: Params) -> Samples:
-    """Franke's function, a front, and noise whose truth is zero, side by side."""
+def square(params: Params) -> SampledData:
+    """Franke's function, a front, and noise around zero, as three components."""
     rng = np.random.default_rng(params.seed)
     x, q = uniform(params.sites, 2, rng), uniform(params.queries, 2, rng)
     data = np.stack([franke(x), front(params, x), rng.standard_normal(len(x))], axis=1)
-    return Samples(x, data, q, np.stack([franke(q), front(params, q), 0 * q[:, 0]], axis=1))
+    return SampledData(x, data, q, np.stack([franke(q), front(params, q), 0 * q[:, 0]], axis=1))
 
 
 def front(params: Params, x: np.ndarray) -> np.ndarray:
@@ -137,13 +138,13 @@ def front(params: Params, x: np.ndarray) -> np.ndarray:
     return np.tanh(params.steepness * (x[:, 1] - 0.5 - 0.2 * np.sin(4 * x[:, 0])))
 
 
-def land(params: Params) -> Samples:
-    """Heights at some nodes of the terrain, to be told at others; its longer side is one."""
+def land(params: Params) -> SampledData:
+    """Heights at some nodes of the terrain, and at others as queries; its longer side is one."""
     whole = terrain()
     x, height = whole.points / whole.points.max(), whole.height.reshape(-1, 1)
     drawn = np.random.default_rng(params.seed).permutation(len(x))
     known, asked = np.split(drawn[: params.sites + params.queries], [params.sites])
-    return Samples(x[known], height[known], x[asked], height[asked])
+    return SampledData(x[known], height[known], x[asked], height[asked])
 
 
 def _facts(params: Params, found: np.ndarray) -> dict[str, Cell]:
@@ -156,7 +157,7 @@ def _facts(params: Params, found: np.ndarray) -> dict[str, Cell]:
 
 
 def _difference(params: Params) -> float:
-    """Return how far a single patch is, at most, from `scipy.interpolate`."""
+    """Return the largest difference of a single patch from `scipy.interpolate`."""
     x, q = halton(60, 2), uniform(200, 2, params.seed)
     ours = PartitionOfUnityRBF(x).field(franke(x))(q)
     theirs = RBFInterpolator(x, franke(x), kernel="cubic", degree=3)(q)

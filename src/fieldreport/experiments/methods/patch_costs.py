@@ -1,6 +1,6 @@
-"""Kernel, degree, patch size and overlap of blended patches, by the clock, and growth.
+"""Partition-of-unity RBF: measured time by kernel, degree, patch size, overlap and sites.
 
-Nothing is timed here: the numbers are those of ``make bench``, read from the file that it wrote.
+The experiment does no timing: it reads what ``make bench`` measured.
 """
 
 from __future__ import annotations
@@ -12,28 +12,28 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
+from fieldreport.framework.benchmark_results import read_benchmark, tables
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     input_file,
     parameter,
     require_at_least,
 )
-from fieldreport.framework.measurements import measured, tables
 
 
 @dataclass(frozen=True)
 class Params:
-    """The measurements, and the choice that the library makes."""
+    """The measurements, and the defaults of the library."""
 
     results: str = input_file("benchmarks/results/patch_sizes.json", "file that make bench wrote")
-    kernel: str = parameter("r³", "kernel that is taken by default")
-    degree: int = parameter(3, "degree of polynomials that is taken by default")
-    patch: int = parameter(40, "sites of a patch that are taken by default")
+    kernel: str = parameter("r³", "default kernel")
+    degree: int = parameter(3, "default degree of polynomials")
+    patch: int = parameter(40, "default number of sites in a patch")
 
-    most: float = parameter(1.15, "exponent of growth that is aimed at, or less")
+    most: float = parameter(1.15, "target for the exponent of growth, at most")
 
     def __post_init__(self) -> None:
         require_at_least(self, degree=-1, patch=1)
@@ -59,15 +59,15 @@ TOLD = {
     "septic": ("r⁷", 3, 40),
     "plate": ("r² log r", 1, 40),
 }
-"""Choices of which the text tells, besides the default."""
+"""Choices with facts, besides the default."""
 MARKERS = {1: "o", 2: "s", 3: "D", 4: "^"}
 
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
-    """Read what was measured."""
-    result = measured(params.results)
+    """Read the measurements."""
+    result = read_benchmark(params.results)
     choices, overlap, growth = tables(result)
-    grown = Table(growth.columns, tuple(r for r in growth.rows if isinstance(r[0], int)))
+    grown = ResultTable(growth.columns, tuple(r for r in growth.rows if isinstance(r[0], int)))
     return Result(
         params,
         {"choices": choices, "overlap": overlap, "growth": grown},
@@ -79,8 +79,8 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     )
 
 
-def _told(params: Params, choices: Table) -> dict[str, Cell]:
-    """Return seconds and errors of the default and of some others, by name."""
+def _told(params: Params, choices: ResultTable) -> dict[str, Cell]:
+    """Return seconds and errors of the default and of some other choices, by name."""
     usual = (params.kernel, params.degree, params.patch)
     facts: dict[str, Cell] = {}
     for name, choice in {"usual": usual, **TOLD}.items():
@@ -91,8 +91,8 @@ def _told(params: Params, choices: Table) -> dict[str, Cell]:
     return facts | {"few_patch": TOLD["few"][2]}
 
 
-def _of_growth(growth: Table) -> Iterator[tuple[str, Cell]]:
-    """Yield exponents p of seconds C n^p in the plane, and what the largest cloud takes."""
+def _of_growth(growth: ResultTable) -> Iterator[tuple[str, Cell]]:
+    """Yield exponents p of seconds C n^p in the plane, and time and memory of the largest cloud."""
     plane = [r for r in growth.rows if r[1] == 2]
     sites, steps = np.array([r[0] for r in plane]), np.array([r[2:5] for r in plane])
     yield "most_sites", int(sites[-1])

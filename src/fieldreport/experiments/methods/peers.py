@@ -1,26 +1,31 @@
-"""Error against time, beside what else an engineer could take.
+"""Comparison with other libraries: error against time.
 
-Nothing is timed here: the numbers are those of ``make bench``, read from the file that it wrote.
+The experiment does no timing: it reads what ``make bench`` measured.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from fieldreport.experiments.methods.peers_figures import draw_errors, draw_growth
+from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
+from fieldreport.framework.benchmark_results import read_benchmark, select_columns, tables
 from fieldreport.framework.experiment import (
     Map,
     Result,
-    Table,
+    ResultTable,
     input_file,
     parameter,
     require_at_least,
 )
-from fieldreport.framework.measurements import measured, selected, tables
 
 
 @dataclass(frozen=True)
@@ -28,8 +33,8 @@ class Params:
     """The measurements."""
 
     results: str = input_file("benchmarks/results/peers.json", "file that make bench wrote")
-    large: int = parameter(50_000, "number of sites from which on a cloud is called large")
-    small: int = parameter(1000, "number of sites up to which it is called small")
+    large: int = parameter(50_000, "smallest number of sites of a large cloud")
+    small: int = parameter(1000, "largest number of sites of a small cloud")
 
     def __post_init__(self) -> None:
         require_at_least(self, large=1, small=0)
@@ -61,11 +66,11 @@ TOLD = {
     "noisy_means": ("noisy", TOLD_SITES, f"fieldrecon patches, {MEANS} means"),
     "land_chosen": ("terrain", LAND, "fieldrecon patches, by leave-one-out"),
 }
-"""Runs of which the text tells seconds and error, by the names it has for them."""
+"""Runs with facts for seconds and error, by the prefix of the facts."""
 
 
-class Run(NamedTuple):
-    """One method on one set of data: seconds of all, and of the parts; the error; memory in MiB."""
+class MethodRun(NamedTuple):
+    """One method on one data set: seconds in total and of the parts; the error; memory in MiB."""
 
     data: str
     sites: int
@@ -83,12 +88,12 @@ class Run(NamedTuple):
         """Whether it is a method of this library."""
         return self.method.startswith(OURS)
 
-    def covers(self, other: Run) -> bool:
-        """Whether it takes no longer and errs no more."""
+    def covers(self, other: MethodRun) -> bool:
+        """Whether neither its time nor its error is larger."""
         return self.total <= other.total and self.is_as_accurate_as(other)
 
-    def is_as_accurate_as(self, other: Run) -> bool:
-        """Whether it errs no more; the same interpolant by two libraries differs by rounding."""
+    def is_as_accurate_as(self, other: MethodRun) -> bool:
+        """Whether its error is not larger, up to rounding, which differs between libraries."""
         return self.rms <= other.rms * (1 + ROUNDING)
 
 
@@ -116,10 +121,10 @@ LOST = (
 
 
 def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is nothing to run
-    """Read what was measured."""
-    result = measured(params.results)
+    """Read the measurements."""
+    result = read_benchmark(params.results)
     (table,) = tables(result)
-    runs = [Run._make(row) for row in selected(table, COLUMNS).rows]
+    runs = [MethodRun._make(row) for row in select_columns(table, COLUMNS).rows]
     ratios = {(c["what"], c["peer"]): c for c in result["comparisons"]}
     machine, patience = result["machine"], result["parameters"]["patience in seconds"]
     lost = uncovered(runs)
@@ -142,10 +147,10 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
         **_targets(runs, ratios, patience),
     }
     told = {
-        "runs": Table(COLUMNS, tuple(runs)),
+        "runs": ResultTable(COLUMNS, tuple(runs)),
         "lost": _losses(runs, lost),
         "lost_beyond_small": _losses(runs, [r for r in lost if r.sites > params.small]),
-        "versions": Table(
+        "versions": ResultTable(
             ("package", "version"), tuple((name, f"version {machine[name]}") for name in PACKAGES)
         ),
         **{
@@ -156,8 +161,8 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     return Result(params, told, facts)
 
 
-def uncovered(runs: Sequence[Run]) -> list[Run]:
-    """Peers' runs that none of ours on the same data covers."""
+def uncovered(runs: Sequence[MethodRun]) -> list[MethodRun]:
+    """Runs of other libraries that are not covered by one of ours on the same data."""
     return [
         peer
         for peer in runs
@@ -166,22 +171,22 @@ def uncovered(runs: Sequence[Run]) -> list[Run]:
     ]
 
 
-def _is_ahead(runs: Sequence[Run], peer: Run) -> bool:
-    """Whether a peer is both faster and more accurate than every one of ours on the same data."""
+def _is_ahead(runs: Sequence[MethodRun], peer: MethodRun) -> bool:
+    """Whether a run is both faster and more accurate than every run of ours on the same data."""
     mine = _ours(runs, peer.data, peer.sites)
     return not peer.ours and all(peer.total < r.total and peer.rms < r.rms for r in mine)
 
 
-def _ours(runs: Iterable[Run], data: str, sites: int) -> list[Run]:
+def _ours(runs: Iterable[MethodRun], data: str, sites: int) -> list[MethodRun]:
     return [r for r in runs if r.ours and (r.data, r.sites) == (data, sites)]
 
 
-def _losses(runs: Sequence[Run], lost: Iterable[Run]) -> Table:
-    return Table(LOST, tuple(_loss(runs, peer) for peer in lost))
+def _losses(runs: Sequence[MethodRun], lost: Iterable[MethodRun]) -> ResultTable:
+    return ResultTable(LOST, tuple(_loss(runs, peer) for peer in lost))
 
 
-def _loss(runs: Sequence[Run], peer: Run) -> tuple[str | int | float, ...]:
-    """Return what ours do in the peer's time, and how long they take to its error."""
+def _loss(runs: Sequence[MethodRun], peer: MethodRun) -> tuple[str | int | float, ...]:
+    """Return our error in the time of another run, and our time for its error."""
     mine = _ours(runs, peer.data, peer.sites)
     error = min((r.rms for r in mine if r.total <= peer.total), default=NONE)
     seconds = min((r.total for r in mine if r.is_as_accurate_as(peer)), default=NONE)
@@ -189,15 +194,18 @@ def _loss(runs: Sequence[Run], peer: Run) -> tuple[str | int | float, ...]:
 
 
 def _side_by_side(
-    runs: Iterable[Run], ratios: Mapping[tuple[str, str], Mapping[str, float]], data: str, n: int
-) -> Table:
-    """Every method on one set of data, in the order of its errors, times over our usual one's."""
+    runs: Iterable[MethodRun],
+    ratios: Mapping[tuple[str, str], Mapping[str, float]],
+    data: str,
+    n: int,
+) -> ResultTable:
+    """Every method on one data set, by increasing error, with times relative to our default."""
     rows = []
     for r in sorted((r for r in runs if (r.data, r.sites) == (data, n)), key=lambda r: r.rms):
         c = ratios.get((f"{data}, {n} sites: fit and evaluate", r.method))
         times = f"{_times(c['ratio'])} ({_times(c['most'])} … {_times(c['least'])})" if c else NONE
         rows.append((r.method, r.fit, r.evaluate, times, r.rms, r.cpu / r.total, r.memory))
-    return Table(
+    return ResultTable(
         (
             "method",
             "fit s",
@@ -212,12 +220,12 @@ def _side_by_side(
 
 
 def _times(ratio: float) -> str:
-    """Return a ratio turned round, with two digits or more."""
+    """Return the reciprocal of a ratio, with two digits or more."""
     return f"{1 / ratio:.2g}" if ratio > 0.1 else f"{1 / ratio:.0f}"
 
 
-def _numbers(runs: Sequence[Run]) -> dict[str, float | str]:
-    """Return seconds and errors of the runs that are told of, and of the most accurate peers."""
+def _numbers(runs: Sequence[MethodRun]) -> dict[str, float | str]:
+    """Return seconds and errors of the reported runs, and of the most accurate peers."""
     facts: dict[str, float | str] = {"told_sites": TOLD_SITES, "land_sites": LAND, "means": MEANS}
     for name, told in TOLD.items():
         (own,) = (r for r in runs if r[:3] == told)
@@ -235,9 +243,11 @@ def _numbers(runs: Sequence[Run]) -> dict[str, float | str]:
 
 
 def _targets(
-    runs: Sequence[Run], ratios: Mapping[tuple[str, str], Mapping[str, float]], patience: float
+    runs: Sequence[MethodRun],
+    ratios: Mapping[tuple[str, str], Mapping[str, float]],
+    patience: float,
 ) -> dict[str, float | str]:
-    """Return what was aimed at: the largest clouds against the fast multipole method."""
+    """Return the facts about the targets: the largest clouds against the fast multipole method."""
     facts: dict[str, float | str] = {}
     for data in ("smooth", "cube"):
         n = max(r.sites for r in runs if r.data == data)
@@ -261,11 +271,107 @@ def _targets(
     return facts
 
 
+LIBRARIES: Mapping[str, tuple[str, Any]] = {
+    "fieldrecon": (METHOD_COLORS["PU"], "-"),
+    "SciPy": (METHOD_COLORS["MLS"], (0, (5, 1.5))),
+    "ferreus_rbf": (METHOD_COLORS["RBF"], (0, (6, 1.5, 1, 1.5))),
+    "wlsqm": (METHOD_COLORS["LS"], (0, (1, 1.2))),
+    "verde": ("#b04a3a", (0, (3, 1, 1, 1, 1, 1))),
+    "scikit-learn": ("#707070", (0, (2, 2))),
+}
+"""Colour and dashes of each library."""
+MARKERS = "oDs^vP*Xd"
+RANGE = 30.0
+HIGHEST = {"terrain": 10.0}
+"""Largest errors drawn, in metres: one peer would otherwise compress all other curves."""
+
+
+def looks(methods: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Return the line styles: ours thick with filled markers, the others with open markers."""
+    seen: Counter[str] = Counter()
+    drawn = {}
+    for method in methods:
+        library = method.replace(",", "").split()[0]
+        color, dashes = LIBRARIES[library]
+        ours = library == "fieldrecon"
+        drawn[method] = {
+            "color": color,
+            "linestyle": dashes,
+            "linewidth": 1.5 if ours else 0.8,
+            "marker": MARKERS[seen[library]],
+            "markersize": 4.2 if ours else 4.6,
+            "markerfacecolor": color if ours else "white",
+            "markeredgewidth": 0.8,
+            "label": method,
+            "zorder": 3 if ours else 2,
+        }
+        seen[library] += 1
+    return drawn
+
+
 def plot(result: Result) -> Figure:
-    """Error at places left out against the time of fit and evaluation, a curve for each method."""
-    return draw_errors(result.tables["runs"], DATA)
+    """Draw error against seconds, a panel for each set of data."""
+    table = result.tables["runs"]
+    methods = looks(dict.fromkeys(map(str, table.column("method"))))
+    data = table.columns.index("data")
+    with figure(FULL_WIDTH, height=8.6, rows=3, columns=2) as (page, axes):
+        for panel, (name, title) in zip(axes.ravel(), DATA.items(), strict=True):
+            here = ResultTable(table.columns, tuple(r for r in table.rows if r[data] == name))
+            shown = {m: look for m, look in methods.items() if m in here.column("method")}
+            _curves(panel, here, shown, "total s", "rms error")
+            panel.set(title=title, xscale="log", yscale="log")
+            _label(panel.xaxis)
+            if name in HIGHEST:
+                panel.set(yscale="linear", ylim=(None, HIGHEST[name]))
+        for panel in axes[-1]:
+            panel.set_xlabel("seconds, fit and evaluation")
+        for panel in axes[:, 0]:
+            panel.set_ylabel("root mean square error")
+        _legend(page, axes.ravel())
+    return page
+
+
+def _label(axis: Axis) -> None:
+    """Label an axis of little more than a decade or less at 1, 2 and 5, in plain numbers."""
+    low, high = axis.get_data_interval()
+    if high / low < RANGE:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def plot_growth(result: Result) -> Figure:
-    """Time of fit and evaluation, and memory, against the number of sites."""
-    return draw_growth(result.tables["runs"], "smooth")
+    """Draw seconds and memory against the number of sites."""
+    table = result.tables["runs"]
+    here = ResultTable(table.columns, tuple(r for r in table.rows if r[0] == "smooth"))
+    methods = looks(dict.fromkeys(map(str, here.column("method"))))
+    with figure(FULL_WIDTH, height=4.4, columns=2) as (page, axes):
+        for panel, column, title in (
+            (axes[0], "total s", "seconds, fit and evaluation"),
+            (axes[1], "memory MiB", "memory of the process, MiB"),
+        ):
+            _curves(panel, here, methods, "sites", column)
+            panel.set(title=title, xlabel="sites, and as many queries", xscale="log", yscale="log")
+        _legend(page, axes)
+    return page
+
+
+def _curves(
+    panel: Axes, table: ResultTable, methods: Mapping[str, Mapping[str, Any]], x: str, y: str
+) -> None:
+    numbers = list(zip(*(table.column(name) for name in ("method", x, y)), strict=True))
+    for method, look in methods.items():
+        own = [(u, v) for m, u, v in numbers if m == method]
+        panel.plot(*zip(*own, strict=True), **look)
+
+
+def _legend(page: Figure, panels: Iterable[Axes]) -> None:
+    """Put every method once below the panels."""
+    drawn: dict[str, Artist] = {}
+    for panel in panels:
+        handles, labels = panel.get_legend_handles_labels()
+        drawn |= dict(zip(map(str, labels), handles, strict=True))
+    order = sorted(drawn, key=lambda label: [*LIBRARIES].index(label.replace(",", "").split()[0]))
+    page.legend(
+        [drawn[label] for label in order], order, loc="outside lower center", ncols=3, fontsize=7
+    )

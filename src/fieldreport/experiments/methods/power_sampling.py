@@ -1,8 +1,8 @@
-"""Least squares against moving least squares on powers of the sum of the coordinates.
+"""Least squares and moving least squares on powers of the sum of the coordinates.
 
-The field (x₁ + x₂)ⁿ is sampled at random points of the unit square and reconstructed at a few
-other random places, with polynomials of degree one. One draw says little about which method is
-better, and less about how much: the draw is repeated, and the errors are told with their spread.
+The field (x₁ + x₂)ⁿ is sampled at random points of the unit square and reconstructed at a few other
+random points with polynomials of degree one. A single draw does not show which method is better,
+and by how much, so the draw is repeated and the errors are reported with their spread.
 
 References
 ----------
@@ -26,7 +26,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -40,12 +40,12 @@ EXACT = 1e-12
 
 @dataclass(frozen=True)
 class Params:
-    """What is sampled, how often, and with what weight."""
+    """The fields, the samples, and the weight."""
 
     powers: tuple[int, ...] = parameter((1, 2, 3, 4, 5, 6, 7, 8), "powers n of the field")
     points: int = parameter(100, "random points at which the field is sampled")
-    queries: int = parameter(10, "random places at which it is reconstructed")
-    draws: int = parameter(1000, "how often points and places are drawn")
+    queries: int = parameter(10, "random points at which it is reconstructed")
+    draws: int = parameter(1000, "number of draws")
     epsilon: float = parameter(0.01, "ε of the weight 1/(r² + ε²); the square has side 1")
     seed: int = parameter(0, "seed of the draws")
 
@@ -59,7 +59,7 @@ QUICK = Params(powers=(1, 2, 3), draws=20)
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Draw, reconstruct and measure, many times over."""
+    """Draw, reconstruct and measure repeatedly."""
     seeds = [(params.seed, draw) for draw in range(params.draws)]
     errors = np.stack(list(each(partial(errors_of_draw, params), seeds)))
     rms = np.sqrt(np.mean(errors**2, axis=2))
@@ -90,11 +90,11 @@ def errors_of_draw(params: Params, seed: tuple[int, ...]) -> np.ndarray:
 
 
 def best_linear_rms(n: int) -> float:
-    """Return the rms distance of (x₁ + x₂)ⁿ, over the whole square, from its best linear fit.
+    """Return the rms distance of (x₁ + x₂)ⁿ from its best linear fit over the whole square.
 
     By symmetry the fit is a + b s with s = x₁ + x₂, so that the squared distance is
-    Var sⁿ − Cov(s, sⁿ)² / Var s, in which E sᵐ = 2 (2ᵐ⁺¹ − 1) / ((m + 1)(m + 2)). It is what
-    least squares tends to with ever more points.
+    Var sⁿ − Cov(s, sⁿ)² / Var s, in which E sᵐ = 2 (2ᵐ⁺¹ − 1) / ((m + 1)(m + 2)). Least squares
+    tends to it as the number of points increases.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def _drawn(params: Params, seed: tuple[int, ...]) -> tuple[np.ndarray, ...]:
     return x, queries, values, truth
 
 
-def _table(params: Params, measured: dict[str, np.ndarray]) -> Table:
+def _table(params: Params, measured: dict[str, np.ndarray]) -> ResultTable:
     columns = (
         f"{method} {measure}{part}"
         for measure in MEASURES
@@ -129,7 +129,7 @@ def _table(params: Params, measured: dict[str, np.ndarray]) -> Table:
     rows = (
         _row(n, {m: measured[m][:, :, k] for m in MEASURES}) for k, n in enumerate(params.powers)
     )
-    return Table(("n", *columns, "LS/MLS rms", "MLS better, % of draws"), tuple(rows))
+    return ResultTable(("n", *columns, "LS/MLS rms", "MLS better, % of draws"), tuple(rows))
 
 
 def _row(n: int, measured: dict[str, np.ndarray]) -> tuple[Cell, ...]:
@@ -145,10 +145,10 @@ def _row(n: int, measured: dict[str, np.ndarray]) -> tuple[Cell, ...]:
     return n, *cells, float(_geometric_mean(ls / mls)), float(100 * np.mean(mls < ls))
 
 
-def _limits(params: Params, all_draws: np.ndarray, best: np.ndarray) -> Table:
+def _limits(params: Params, all_draws: np.ndarray, best: np.ndarray) -> ResultTable:
     columns = ("n", "LS rms over all draws", "best linear fit rms, exact")
     rows = zip(params.powers, map(_told, all_draws), best, strict=True)
-    return Table(columns, tuple(rows))
+    return ResultTable(columns, tuple(rows))
 
 
 def _facts(params: Params, rms: np.ndarray) -> dict[str, Cell]:
@@ -173,7 +173,7 @@ def _facts(params: Params, rms: np.ndarray) -> dict[str, Cell]:
 
 
 def _difference_from_lapack(params: Params) -> float:
-    """Return how far MLS is, relative to the field, from a weighted fit by numpy.linalg.lstsq."""
+    """Return the relative difference of MLS from a weighted fit by numpy.linalg.lstsq."""
     x, queries, values, truth = _drawn(params, (params.seed, 0))
     errors = errors_of_draw(params, (params.seed, 0))[1]
     differences = []

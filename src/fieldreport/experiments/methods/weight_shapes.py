@@ -1,10 +1,10 @@
-"""Bumps and dimples of moving least squares: where they occur and where they do not.
+"""Bumps and dimples of moving least squares, and their dependence on ε.
 
 The slides warn of bumps and dimples unless ε is substantially larger than the spacing of the
-points. With constant polynomials that is so: as ε falls, the field flattens at every point, to a
-staircase in one variable and to terraces in two, since its slope there is of the order of ε⁴. With
-linear polynomials most of the slope stays, and ripples are left of the terraces. Both follow the
-slope best with ε near the spacing; beyond it they blur.
+points. With constant polynomials this is confirmed: as ε decreases, the field becomes flat at every
+point, a staircase in one variable and terraces in two, since its slope there is of the order of ε⁴.
+With linear polynomials most of the slope remains, and the terraces become ripples. Both follow the
+slope best with ε near the spacing; a larger ε blurs.
 
 References
 ----------
@@ -28,7 +28,14 @@ from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.maps import SHADE, hillshade
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 DEGREES = {0: "constant", 1: "linear"}
 
@@ -39,13 +46,13 @@ class Params:
 
     sites: int = parameter(9, "points on the interval [0, 1]")
     side: int = parameter(16, "cells along a side of the square, with a point in each")
-    jitter: float = parameter(0.6, "part of its cell that a point may lie in")
+    jitter: float = parameter(0.6, "fraction of its cell in which a point is drawn")
     shown: tuple[float, ...] = parameter((0.1, 0.5, 2.0), "values of ε/h that are drawn")
     smallest: float = parameter(0.01, "smallest ε/h of the sweep; h is the side of a cell")
     largest: float = parameter(10.0, "largest ε/h of the sweep")
     steps: int = parameter(19, "values of ε/h in the sweep, in geometric progression")
-    curve_points: int = parameter(401, "places where a curve is drawn")
-    relief_side: int = parameter(110, "places along a side of a relief")
+    curve_points: int = parameter(401, "points on a curve in the figure")
+    relief_side: int = parameter(110, "points along a side of a relief")
     seed: int = parameter(1, "seed of the jitter")
 
     def __post_init__(self) -> None:
@@ -65,7 +72,7 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "sweep": Table(
+            "sweep": ResultTable(
                 ("epsilon/h", *columns), tuple(map(tuple, np.column_stack([ratios, *kept, *error])))
             )
         },
@@ -78,9 +85,10 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def slope_and_error(params: Params, sites: np.ndarray, ratio: float) -> np.ndarray:
-    """Return, for both degrees, the part of the slope kept at the sites and the rms error.
+    """Return, for both degrees, the reproduced fraction of the slope at the sites, and the error.
 
-    The slope kept is the sum of ∇s · ∇f over the sites by that of ∇f · ∇f: 1 at best, 0 if flat.
+    The fraction is the sum of ∇s · ∇f over the sites divided by that of ∇f · ∇f: ideally 1, 0 if
+    flat.
     """
     queries, slopes = _mesh(40), franke.gradient(sites)
     fields = [_field(params, sites, degree, ratio) for degree in DEGREES]
@@ -90,7 +98,7 @@ def slope_and_error(params: Params, sites: np.ndarray, ratio: float) -> np.ndarr
 
 
 def curve(x: np.ndarray) -> np.ndarray:
-    """Return the field in one variable, which rises everywhere."""
+    """Return the field in one variable, which is increasing."""
     return x[..., 0] + 0.12 * np.sin(2 * np.pi * x[..., 0])
 
 
@@ -206,7 +214,7 @@ def _draw_relief(axes: Axes, heights: np.ndarray, title: str) -> None:
 
 
 def plot_sweep(result: Result) -> Figure:
-    """The part of the slope kept at the sites, and the error, against ε/h."""
+    """The reproduced fraction of the slope at the sites, and the error, against ε/h."""
     a = result.arrays
     looks = dict(zip(DEGREES.values(), shades("MLS", 2, marker=""), strict=True))
     with figure(height=2.5, columns=2) as (page, (slopes, errors)):

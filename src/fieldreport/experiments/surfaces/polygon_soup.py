@@ -1,10 +1,11 @@
-"""Polygon soup: a closed surface from loose polygons, that goes through them or around them.
+"""Polygon soup: closed implicit surfaces that interpolate or approximate loose polygons.
 
-Segments that leave gaps and cross, and triangles torn from a ring, become the zero level of
-implicit moving least squares: weights are integrated over each polygon, and data are functions.
-Without smoothing the level goes through the polygons; with it, it bulges, and is put back around
-the corners by moving each polygon. On a cube the distance of the level is followed as the smoothing
-goes to zero, and the integrals in closed form are compared with quadrature.
+Segments with gaps and crossings, and triangles torn from a ring, define the zero level set of
+implicit moving least squares, in which weights are integrated over each polygon and the data are
+functions. Without smoothing the level set passes through the polygons. With smoothing it bulges,
+and is corrected around the corners by moving each polygon. On a cube the distance of the level set
+is measured as the smoothing tends to zero, and the integrals in closed form are compared with
+quadrature.
 
 References
 ----------
@@ -28,7 +29,7 @@ from fieldrecon.surfaces.polygon_soup import PolygonSoup
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_triangles
 from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.triangles.triangle_shapes import Surface, cube, torus
-from fieldreport.framework.experiment import Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
 
 OUTLINE = np.array(
     [
@@ -46,28 +47,31 @@ OUTLINE = np.array(
 )
 VIEWER = np.array([0.5, -0.8, 0.75])
 BOX = np.array([[-1.6, -1.6, -0.65], [1.6, 1.6, 0.65]])
-_ROUNDING = 1e-15  # relative errors that are less are told as this
+_ROUNDING = 1e-15  # smaller relative errors are reported as this
 TITLES = ("ε = 0", "ε = {:g}", "ε = {:g}, around")
 
 
 @dataclass(frozen=True)
 class Params:
-    """The looseness of the polygons, the smoothing, and the pictures."""
+    """The perturbation of the polygons, the smoothing, and the figures."""
 
-    loose: float = parameter(0.06, "by how much the ends of segments are off, in lengths")
-    smoothing: float = parameter(0.25, "epsilon in the plane, in lengths")
-    torn: float = parameter(0.04, "by how much triangles are shifted, in radii of the ring")
-    lost: float = parameter(0.06, "part of the triangles that is missing")
+    loose: float = parameter(0.06, "displacement of the ends of segments, as a length")
+    smoothing: float = parameter(0.25, "epsilon in the plane, as a length")
+    torn: float = parameter(0.04, "shift of the triangles, in radii of the ring")
+    lost: float = parameter(0.06, "fraction of the triangles that is missing")
     smoothing_in_space: float = parameter(0.12, "epsilon in space, in radii of the ring")
-    around: int = parameter(22, "quadrangles round the ring; half as many across")
-    epsilons: tuple[float, ...] = parameter((0.1, 0.05, 0.025, 0.0125), "on the cube, in edges")
+    around: int = parameter(22, "quadrilaterals around the ring; half as many across")
+    epsilons: tuple[float, ...] = parameter(
+        (0.1, 0.05, 0.025, 0.0125), "epsilon on the cube, in edge lengths"
+    )
     heights: tuple[float, ...] = parameter(
-        (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0), "of places above a triangle, in edges"
+        (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
+        "heights of points above a triangle, in edge lengths",
     )
     rules: tuple[int, ...] = parameter((4, 8, 16), "points along each side of a triangle")
     side: int = parameter(121, "nodes along each side of the plane")
     pixels: int = parameter(170, "along each side of a picture")
-    seed: int = parameter(3, "of the random numbers")
+    seed: int = parameter(3, "seed of the random numbers")
 
     def __post_init__(self) -> None:
         require_at_least(
@@ -91,7 +95,7 @@ QUICK = Params(around=8, epsilons=(0.1, 0.05), rules=(4,), side=21, pixels=8)
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Make the implicit functions, and measure them."""
+    """Compute the implicit functions, and measure their errors."""
     rng = np.random.default_rng(params.seed)
     ends, segments = loose_outline(params.loose, rng)
     smooth = PolygonSoup(ends, segments, params.smoothing)
@@ -108,18 +112,18 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "corners": Table(
+            "corners": ResultTable(
                 ("level", "least F", "largest F"),
                 tuple(
                     (name, f.min(), f.max())
                     for name, f in zip(("through", "smoothed", "around"), at_ends, strict=True)
                 ),
             ),
-            "cube": Table(
+            "cube": ResultTable(
                 ("epsilon", "on faces", "on edges"),
                 tuple(zip(params.epsilons, inner, edges, strict=True)),
             ),
-            "quadrature": Table(
+            "quadrature": ResultTable(
                 ("height", *(f"{n} x {n}" for n in params.rules)),
                 tuple((h, *e) for h, e in zip(params.heights, errors.T, strict=True)),
             ),
@@ -149,14 +153,14 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def loose_outline(loose: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Segments of the outline, each with ends of its own that are a little off."""
+    """Segments of the outline with slightly displaced ends."""
     ends = np.stack([OUTLINE, np.roll(OUTLINE, -1, axis=0)], axis=1)
     ends = ends + rng.uniform(-loose, loose, ends.shape)
     return ends.reshape(-1, 2), np.arange(2 * len(OUTLINE)).reshape(-1, 2)
 
 
 def torn_ring(params: Params, rng: np.random.Generator) -> Surface:
-    """Triangles of a ring, each with corners of its own, shifted, and some lost."""
+    """Triangles of a ring, without shared corners, shifted, and some of them removed."""
     points, triangles = torus(params.around, params.around // 2)
     kept = rng.random(len(triangles)) >= params.lost
     corners = points[triangles[kept]]
@@ -174,7 +178,7 @@ def on_the_cube(epsilon: float) -> tuple[float, float]:
 
 
 def gauss_on_triangles(corners: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places (k, n², 3) and shares of Gauss's rule on a square, folded onto triangles (k, 3, 3)."""
+    """Points (k, n², 3) and weights of Gauss's rule on a square, mapped to triangles (k, 3, 3)."""
     node, weight = np.polynomial.legendre.leggauss(n)
     u, v = np.meshgrid((node + 1) / 2, (node + 1) / 2, indexing="ij")
     share = np.outer(weight, weight).ravel() / 4 * (1 - u.ravel())
@@ -186,7 +190,7 @@ def gauss_on_triangles(corners: np.ndarray, n: int) -> tuple[np.ndarray, np.ndar
 
 
 def quadrature_errors(heights: tuple[float, ...], rules: tuple[int, ...]) -> np.ndarray:
-    """Relative error (rules, heights) of Gauss's rules, against the closed form."""
+    """Relative errors (rules, heights) of Gauss's rules, compared with the closed form."""
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     x = np.column_stack([np.full((len(heights), 2), 1 / 3), heights])
     many = np.broadcast_to(corners, (len(x), 3, 3))
@@ -209,7 +213,7 @@ def _picture(torn: Surface, pixels: int, soup: PolygonSoup) -> np.ndarray:
 
 
 def plot(result: Result) -> Figure:
-    """Draw the loose segments and the levels through and around them."""
+    """Draw the loose segments and the interpolating and approximating level sets."""
     a, params = result.arrays, result.params
     t = np.linspace(-0.5, 3.5, params.side)
     with figure(height=2.1, columns=3) as (page, axes):
@@ -233,7 +237,7 @@ def plot(result: Result) -> Figure:
 
 
 def plot_bodies(result: Result) -> Figure:
-    """Draw the torn ring and the bodies that are made of it."""
+    """Draw the torn ring and the solids reconstructed from it."""
     a, params = result.arrays, result.params
     soup = Picture(a["torn"], a["triangles"], VIEWER, 3 * params.pixels).image()
     titles = ("triangles", *(t.format(params.smoothing_in_space) for t in TITLES))
@@ -249,7 +253,7 @@ def plot_bodies(result: Result) -> Figure:
 
 
 def plot_orders(result: Result) -> Figure:
-    """Draw how the level comes to the faces of a cube, and what quadrature misses."""
+    """Draw the distance of the level set from the faces of a cube, and the errors of quadrature."""
     a, params = result.arrays, result.params
     with figure(height=2.3, columns=2) as (page, (left, right)):
         for name, values, look in zip(

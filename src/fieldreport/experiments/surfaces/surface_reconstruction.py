@@ -1,10 +1,11 @@
-"""Surfaces from points: a cloud becomes a body, and bodies are put together and deformed.
+"""Surfaces from point clouds, and Boolean operations and deformations of solids.
 
-The cloud of a part with sharp edges and a thin fin is made a body, without any normals given, and
-its triangles are audited. A wheel is scanned with noise, with holes, in the shadow of itself, with
-stray points and copies, beside another body, and far from the origin; each time the distance of the
-triangles from the true surface is taken. Errors fall with the number of points and with the cells.
-Isolines of a terrain become a surface too, the explicit case.
+A solid is reconstructed from a cloud of a part with sharp edges and a thin fin, without given
+normals, and its triangles are audited. A wheel is scanned with noise, with holes, with
+self-occlusion, with outliers and duplicates, beside another solid, and far from the origin; each
+time the distance of the triangles from the true surface is measured. Convergence is measured in the
+number of points and in the size of the cells. Isolines of a terrain become a surface too: the
+explicit case.
 
 References
 ----------
@@ -19,62 +20,57 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from fieldrecon.datasets.elevation import terrain
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.plotting.mesh_pictures import Picture
+from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.solids.constructive import Solid, blend, morph, transform
 from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
 from fieldrecon.solids.shapes import Ball, Box, Torus, sample_surface
 from fieldrecon.surfaces.implicit_surfaces import implicit_surface
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.experiments.surfaces.scanned_bodies import Scan, damaged, machine_part, spheroid
-from fieldreport.experiments.surfaces.surface_figures import (
-    draw_cloud_and_surface,
-    plot_bodies,
-    plot_convergence,
-    plot_deformation,
-    plot_isolines,
-    plot_scans,
+from fieldreport.experiments.surfaces.synthetic_scans import (
+    SyntheticScan,
+    damaged,
+    machine_part,
+    spheroid,
 )
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
-
-__all__ = [
-    "QUICK",
-    "Params",
-    "plot",
-    "plot_bodies",
-    "plot_convergence",
-    "plot_deformation",
-    "plot_isolines",
-    "plot_scans",
-    "run",
-]
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 FAR = 1e7
-"""Where the wheel is carried, in its own units, to see what rounding does."""
+"""The distance of the translated wheel from the origin, in its own units, for testing rounding."""
 INVENTED = 2.0
-"""Spacings from the points beyond which nobody knows where the surface is."""
+"""Vertices farther than this from all points, in spacings, count as invented surface."""
 TIMES = (0.25, 0.5, 0.75)
-"""Of the frames between two bodies."""
+"""Parameters of the frames of a deformation."""
 METHODS = ("rbf", "hermite")
 COLUMNS = ("scan", "points", "left out", "noise", "rms", "largest", "parts", "errors")
 
 
 @dataclass(frozen=True)
 class Params:
-    """How many points the clouds have, and how fine the surfaces are."""
+    """Numbers of points of the clouds, and resolutions of the surfaces."""
 
-    points: int = parameter(6000, "points of the part that becomes a body")
-    scanned: int = parameter(2000, "points of the wheel in each of its states")
-    noise: float = parameter(0.3, "standard deviation of the noise, in distances of the points")
-    sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the flattened ball")
+    points: int = parameter(6000, "points of the part")
+    scanned: int = parameter(2000, "points of the wheel in each scan")
+    noise: float = parameter(0.3, "standard deviation of the noise, in spacings of the points")
+    sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the spheroid")
     cells: tuple[int, ...] = parameter((4, 8, 16), "cells across the tube of a torus")
-    frame: float = parameter(0.09, "edge of the cells of bodies put together, in lengths")
+    frame: float = parameter(0.09, "edge of the cells for Boolean operations, as a length")
     isolines: int = parameter(40, "difference of height between isolines, in metres")
-    window: int = parameter(100, "nodes along each side of the terrain that is shown")
+    window: int = parameter(100, "nodes along each side of the terrain in the figure")
     seed: int = parameter(4, "seed of the points")
 
     def __post_init__(self) -> None:
@@ -98,7 +94,7 @@ DIGITS = {"far_change": 0}
 
 @dataclass(frozen=True)
 class Rebuilt:
-    """What came of a scan: its points, triangles, and numbers for the table."""
+    """The reconstruction of a scan: points, triangles, and the row of the table."""
 
     cloud: np.ndarray
     points: np.ndarray
@@ -107,9 +103,9 @@ class Rebuilt:
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Reconstruct all bodies, and compare them with what they should be."""
+    """Reconstruct all solids, and compare them with the exact ones."""
     scans = damaged(params.scanned, params.noise, params.seed)
-    scans["part"] = Scan(
+    scans["part"] = SyntheticScan(
         sample_surface(machine_part(), params.points, params.seed)[0], machine_part()
     )
     scans["far away"] = _far(scans["as drawn"])
@@ -123,7 +119,7 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "scans": Table(COLUMNS, rows),
+            "scans": ResultTable(COLUMNS, rows),
             "convergence": _table("points", METHODS, params.sizes, errors),
             "cells": _table("cells", ("volume", "area"), params.cells, measures),
         },
@@ -146,8 +142,8 @@ def run(params: Params, each: Map = map) -> Result:
     )
 
 
-def reconstructed(scan: Scan) -> Rebuilt:
-    """Make a body of a scan, and triangles of the body where there are points."""
+def reconstructed(scan: SyntheticScan) -> Rebuilt:
+    """Reconstruct a solid from a scan, and its triangles where there are points."""
     body = implicit_surface(scan.points)
     surface = extract_surface(body)
     off = np.abs(scan.body(surface.points)) / surface.spacing
@@ -165,7 +161,7 @@ def reconstructed(scan: Scan) -> Rebuilt:
 
 
 def errors_of(n: int) -> tuple[float, ...]:
-    """Return the rms distances of a flattened ball from its n points' surface, by each method."""
+    """Return the rms distance of a spheroid from the surface through n points, by each method."""
     points, normals = spheroid(n)
     queries, _ = spheroid(1234)
     bodies = [implicit_surface(points, normals, method=m, smoothing=0.0) for m in METHODS]
@@ -173,7 +169,7 @@ def errors_of(n: int) -> tuple[float, ...]:
 
 
 def torus_errors(cells: int) -> tuple[float, float]:
-    """Return the relative errors of volume and area of a torus, its tube so many cells wide."""
+    """Return the relative errors of volume and area of a torus, by cells across its tube."""
     tube = 0.4
     surface = extract_surface(Torus(1.0, tube), 2 * tube / cells)
     volume, area = 2 * np.pi**2 * tube**2, 4 * np.pi**2 * tube
@@ -181,7 +177,7 @@ def torus_errors(cells: int) -> tuple[float, float]:
 
 
 def together(params: Params) -> dict[str, Solid]:
-    """Return two bodies made from points, put together in each way, and frames between two."""
+    """Return Boolean operations of two reconstructed solids, and the frames of a deformation."""
     n = params.scanned // 2
     ring, block, ball = (
         implicit_surface(sample_surface(s, n, params.seed)[0])
@@ -201,13 +197,13 @@ def together(params: Params) -> dict[str, Solid]:
 
 
 def framed(spacing: float, solid: Solid) -> tuple[np.ndarray, np.ndarray]:
-    """Return the triangles of a body."""
+    """Return the triangles of a solid."""
     surface = extract_surface(solid, spacing)
     return surface.points, surface.triangles
 
 
 def isolines(params: Params) -> dict[str, np.ndarray]:
-    """Return points on isolines of a piece of terrain, and the surface of thin plates there."""
+    """Return points on isolines of a part of the terrain, and the thin-plate surface there."""
     whole, side = terrain(), params.window
     row, column = np.array(whole.height.shape) // 2 - side // 2
     x, y = whole.x[column : column + side], whole.y[row : row + side]
@@ -223,13 +219,13 @@ def isolines(params: Params) -> dict[str, np.ndarray]:
     }
 
 
-def _far(scan: Scan) -> Scan:
+def _far(scan: SyntheticScan) -> SyntheticScan:
     shift = np.array([FAR, -FAR, FAR])
-    return Scan(scan.points + shift, transform(scan.body, shift=shift))
+    return SyntheticScan(scan.points + shift, transform(scan.body, shift=shift))
 
 
 def _invented(surface: ExtractedSurface) -> np.ndarray:
-    """Vertices that are far from all points."""
+    """Select vertices that are far from all points."""
     near = surface.solid.near
     found = cKDTree(near).query(surface.points, distance_upper_bound=INVENTED * surface.spacing)
     return np.flatnonzero(np.isinf(found[0]))
@@ -237,8 +233,10 @@ def _invented(surface: ExtractedSurface) -> np.ndarray:
 
 def _table(
     first: str, columns: tuple[str, ...], sizes: tuple[int, ...], values: np.ndarray
-) -> Table:
-    return Table((first, *columns), tuple((n, *v) for n, v in zip(sizes, values, strict=True)))
+) -> ResultTable:
+    return ResultTable(
+        (first, *columns), tuple((n, *v) for n, v in zip(sizes, values, strict=True))
+    )
 
 
 def _orders(names: tuple[str, ...], steps: list[float], errors: np.ndarray) -> dict[str, Cell]:
@@ -246,7 +244,7 @@ def _orders(names: tuple[str, ...], steps: list[float], errors: np.ndarray) -> d
 
 
 def _facts(rebuilt: Mapping[str, Rebuilt]) -> dict[str, Cell]:
-    """Return what the text says of the scans."""
+    """Return the facts about the scans."""
     told = {name: dict(zip(COLUMNS[1:], one.row, strict=True)) for name, one in rebuilt.items()}
     near, far = (float(told[name]["rms"]) for name in ("as drawn", "far away"))
     return {
@@ -266,6 +264,146 @@ def _drawn(name: str, *arrays: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
+TOWARD = np.array([0.55, -0.7, 0.55])
+"""View direction of the solids."""
+SHOWN = ("with noise", "with holes", "in shadow", "with strays and copies")
+BODIES = ("union", "intersection", "difference", "blend")
+FROM_ABOVE = np.array([0.35, -0.75, 0.8])
+_HEIGHTS = 3.0  # vertical exaggeration: the relief is flat
+
+
 def plot(result: Result) -> Figure:
-    """The cloud of a part, and the surface made from it."""
-    return draw_cloud_and_surface(result)
+    """Draw the cloud of the part beside its surface."""
+    with figure(height=2.35, columns=2) as (page, (left, right)):
+        _cloud(left, result, "part", size=1.2)
+        _surface(right, result, "part", 640, edges=True)
+    return page
+
+
+def plot_scans(result: Result) -> Figure:
+    """Clouds with defects, above, and their reconstructions, below."""
+    with figure(height=2.7, rows=2, columns=len(SHOWN)) as (page, axes):
+        for name, (above, below) in zip(SHOWN, axes.T, strict=True):
+            above.set_title(name, loc="center", fontsize=8)
+            _cloud(above, result, name, size=0.5)
+            _surface(below, result, name, 320)
+        for row in axes:
+            _alike(row)
+    return page
+
+
+def plot_bodies(result: Result) -> Figure:
+    """Two reconstructed solids, combined in four ways."""
+    return _strip(result, BODIES, height=1.6)
+
+
+def plot_deformation(result: Result) -> Figure:
+    """The deformation of a ball into a ring."""
+    frames = tuple(str(n) for n in result.arrays["frames"] if str(n).startswith("t ="))
+    return _strip(result, frames, height=1.35)
+
+
+def plot_isolines(result: Result) -> Figure:
+    """Points on isolines, and the surface through them, both seen obliquely from above."""
+    sites, x, y, z = (result.arrays[f"land:{k}"] for k in ("sites", "x", "y", "heights"))
+    columns, rows = np.meshgrid(x, y)
+    points = np.column_stack([columns.ravel(), rows.ravel(), _HEIGHTS * z.ravel()])
+    picture = Picture(points, _triangulated(z.shape), FROM_ABOVE, 640)
+    raised = sites * [1, 1, _HEIGHTS]
+    places = (raised - points.min(axis=0)) / np.ptp(points, axis=0).max() @ picture.axes
+    with figure(height=2.1, columns=2) as (page, (left, right)):
+        left.scatter(
+            *places[:, :2].T, c=sites[:, 2], cmap="viridis", s=0.7, linewidths=0, rasterized=True
+        )
+        left.set(aspect="equal")
+        left.set_axis_off()
+        _draw(right, picture, edges=False)
+    return page
+
+
+def plot_convergence(result: Result) -> Figure:
+    """Errors against the number of points, and against the number of cells."""
+    with figure(height=2.3, columns=2) as (page, (left, right)):
+        table = result.tables["convergence"]
+        n = np.array(table.column("points"), dtype=float)
+        looks = (line("RBF"), line("MLS"))
+        for name, label, look in zip(
+            ("rbf", "hermite"), ("points off the surface", "normals"), looks, strict=True
+        ):
+            left.loglog(n, np.array(table.column(name), dtype=float), **look | {"label": label})
+        left.set(xlabel="points", ylabel="rms distance")
+        _ticks(left, n)
+        left.legend()
+        table = result.tables["cells"]
+        n = np.array(table.column("cells"), dtype=float)
+        for name, look in zip(("volume", "area"), shades("truth", 2), strict=True):
+            right.loglog(n, np.array(table.column(name), dtype=float), **look | {"label": name})
+        right.set(xlabel="cells across the tube", ylabel="relative error")
+        _ticks(right, n)
+        right.legend()
+    return page
+
+
+def _ticks(panel: Axes, n: np.ndarray) -> None:
+    panel.set_xticks(n, [f"{k:g}" for k in n])
+    panel.set_xticks([], minor=True)
+
+
+def _strip(result: Result, names: tuple[str, ...], height: float) -> Figure:
+    with figure(height=height, columns=len(names)) as (page, axes):
+        for name, panel in zip(names, axes, strict=True):
+            panel.set_title(name, loc="center", fontsize=8)
+            _surface(panel, result, name, 320)
+        _alike(axes)
+    return page
+
+
+def _surface(panel: Axes, result: Result, name: str, pixels: int, *, edges: bool = False) -> None:
+    points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
+    _draw(panel, Picture(points, triangles, TOWARD, pixels), edges=edges)
+
+
+def _draw(panel: Axes, picture: Picture, *, edges: bool) -> None:
+    picture.near_edge &= edges
+    panel.imshow(picture.image(), interpolation="antialiased")
+    panel.set_axis_off()
+
+
+def _alike(panels: np.ndarray) -> None:
+    """Give panels axis limits of one aspect ratio, so that their titles are aligned."""
+    sizes = [np.ptp([panel.get_xlim(), panel.get_ylim()], axis=1) for panel in panels]
+    shape = max(height / width for width, height in sizes)
+    for panel, (width, height) in zip(panels, sizes, strict=True):
+        more = (shape * width - height) / 2
+        low, high = panel.get_ylim()
+        panel.set_ylim(low - more, high + more)
+
+
+def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
+    """Draw points; points at the back are lighter."""
+    points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
+    picture = Picture(points, triangles, TOWARD, 40)
+    x, y, depth = (result.arrays[f"{name}:cloud"] @ picture.axes).T
+    order = np.argsort(depth)
+    panel.scatter(
+        x[order],
+        y[order],
+        c=-depth[order],
+        cmap="Greys_r",
+        s=size,
+        linewidths=0,
+        vmin=-depth.max(),
+        vmax=-2.2 * depth.min(),
+        rasterized=True,
+    )
+    panel.set(aspect="equal")
+    panel.set_axis_off()
+
+
+def _triangulated(shape: tuple[int, ...]) -> np.ndarray:
+    """Two triangles for each square of a grid."""
+    index = np.arange(shape[0] * shape[1]).reshape(shape)
+    a, b, c, d = (
+        index[s].ravel() for s in (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
+    )
+    return np.concatenate([np.column_stack([a, b, d]), np.column_stack([a, d, c])])

@@ -1,10 +1,11 @@
-"""Variational implicit functions: surfaces of least energy, and shapes that turn into others.
+"""Variational implicit surfaces: minimal energy and shape transformation.
 
-A closed surface is the zero level of the field of least energy that vanishes at points and falls
-along their normals. The normals are told as slopes, or as Turk and O'Brien do, by the value of an
-offset at points a little inside. Both are measured on an ellipsoid, by the distance of the zero
-level and by the volume that it encloses. Then two shapes become slices of one field of one variable
-more: a star turns into two discs, and a ring into a ball, through shapes that nobody gave.
+A closed surface is the zero level set of the field of minimal energy that vanishes at points and
+decreases along their normals. The normals are given as derivatives or, as by Turk and O'Brien, as
+the value of an offset at points slightly inside. Both are tested on an ellipsoid, by the distance
+of the zero level set and by the volume that it encloses. Then two shapes become slices of one field
+of one more variable: a star is transformed into two discs, and a ring into a ball; the shapes
+between them are not given.
 
 References
 ----------
@@ -27,10 +28,10 @@ from fieldrecon.reconstruction import Field
 from fieldrecon.solids.ray_tracing import View, ray_traced
 from fieldrecon.surfaces.variational_implicits import ShapeTransformation, variational_implicit
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Map, Result, Table, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
 
 AXES = np.array([1.5, 1.0, 0.7])
-"""Half axes of the ellipsoid."""
+"""Semi-axes of the ellipsoid."""
 RING, TUBE = 0.75, 0.3
 STAR_WAVE, STAR_LOBES, DISC = 0.3, 5, 0.55
 _NEWTON_STEPS = 4
@@ -39,15 +40,15 @@ VIEWER = (0.5, -0.8, 0.75)
 
 @dataclass(frozen=True)
 class Params:
-    """The sizes of the clouds, the offset, and the pictures."""
+    """The sizes of the clouds, the offset, and the figures."""
 
     sizes: tuple[int, ...] = parameter((50, 100, 200, 400), "points on the ellipsoid")
     offsets: tuple[float, ...] = parameter((0.1, 0.01), "distances of the points inside, in radii")
-    queries: int = parameter(800, "places on the ellipsoid at which the error is taken")
-    points: int = parameter(48, "points on each shape of the plane")
-    ring_points: int = parameter(160, "points on each body")
-    distance: float = parameter(1.5, "between the two times, in lengths")
-    frames: int = parameter(5, "times that are drawn")
+    queries: int = parameter(800, "points on the ellipsoid at which the error is measured")
+    points: int = parameter(48, "points on each shape in the plane")
+    ring_points: int = parameter(160, "points on each solid")
+    distance: float = parameter(1.5, "difference of the two times, as a length")
+    frames: int = parameter(5, "times in the figure")
     side: int = parameter(161, "nodes along each side of the plane")
     pixels: int = parameter(120, "along each side of a body's picture")
 
@@ -70,7 +71,7 @@ QUICK = Params(sizes=(30, 60), queries=100, points=20, ring_points=50, frames=3,
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Measure the ellipsoid, and turn shapes into others."""
+    """Measure the errors on the ellipsoid, and transform shapes."""
     ways = (None, *params.offsets)
     works = [(n, offset) for offset in ways for n in params.sizes]
     missed, volumes = np.array(list(each(partial(on_ellipsoid, params.queries), works))).T
@@ -92,11 +93,11 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "ellipsoid": Table(
+            "ellipsoid": ResultTable(
                 ("points", *ways_named),
                 tuple((n, *e) for n, e in zip(params.sizes, missed.T, strict=True)),
             ),
-            "slices": Table(
+            "slices": ResultTable(
                 ("time", "parts", "area"), tuple(zip(times, parts, areas, strict=True))
             ),
         },
@@ -123,7 +124,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def on_ellipsoid(queries: int, work: tuple[int, float | None]) -> tuple[float, float]:
-    """Root mean square distance of the zero level from the ellipsoid, and the volume in it."""
+    """Root mean square distance of the zero level set from the ellipsoid, and its volume."""
     n, offset = work
     p, normals = ellipsoid(n)
     f = variational_implicit(p, normals, offset=offset)
@@ -133,10 +134,10 @@ def on_ellipsoid(queries: int, work: tuple[int, float | None]) -> tuple[float, f
 
 
 def volume_between(f: Field, dense: np.ndarray) -> float:
-    """Volume of the zero level, seen from the middle: the rays through places on the ellipsoid.
+    """Volume enclosed by the zero level set, from rays through points on the ellipsoid.
 
-    A point of the unit sphere becomes AXES times it, so the volume is AXES.prod() times the mean of
-    the cubes of how far the zero level is along each ray, times 4 pi / 3.
+    The unit sphere is scaled by AXES, so the volume is AXES.prod() times 4 pi / 3 times the mean of
+    the cubed distances of the zero level set along the rays.
     """
     far = np.ones(len(dense))
     for _ in range(_NEWTON_STEPS):
@@ -153,7 +154,7 @@ def ellipsoid(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def on_sphere(n: int) -> np.ndarray:
-    """Points (n, 3) on the unit sphere, evenly on a spiral."""
+    """Points (n, 3) on the unit sphere, evenly distributed on a spiral."""
     z = 1 - (2 * np.arange(n) + 1) / n
     angle = np.pi * (3 - 5**0.5) * np.arange(n)
     r = np.sqrt(1 - z**2)

@@ -1,1 +1,1 @@
-"""Errors of triangle meshes: planted, found, told apart, and repaired."""
+"""Errors of triangle meshes: detection, classification and repair."""

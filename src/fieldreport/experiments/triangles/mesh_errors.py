@@ -1,9 +1,9 @@
-"""Errors of triangle meshes: planted, found, told apart, and repaired.
+"""Errors of triangle meshes: detection, classification and repair.
 
-Each kind of error is planted into a mesh without any. The audit finds it, and nothing else; what a
-soup of triangles, as in STL files, can tell of it is found again there. A body with many errors at
-once is repaired. The signs that decide are compared with exact ones where rounding could change
-them, and the pairs of triangles that the search for self-intersections looks at are counted.
+Each kind of error is planted into a valid mesh. The audit finds this error and no other, and the
+experiment shows which errors can still be found in a triangle soup, as in STL files. A mesh with
+many errors at once is repaired. Orientation signs are compared with exact ones where rounding could
+change them, and the pairs of triangles that the search for self-intersections examines are counted.
 
 References
 ----------
@@ -16,40 +16,45 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from fieldrecon.plotting.mesh_pictures import CONCERN_OF, Marks, marks
+from fieldrecon.plotting.mesh_pictures import COLORS, CONCERN_OF, MARKERS, Marks, draw, marks
+from fieldrecon.plotting.style import figure, shades
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh, in_words
 from fieldrecon.triangles.bounding_volumes import BVH, intersecting_pairs
 from fieldrecon.triangles.intersections import close_pairs
 from fieldrecon.triangles.predicates import orient2d
 from fieldrecon.triangles.repair import MeshRepair, repair_mesh
-from fieldreport.experiments.triangles.damaged_bodies import damaged
-from fieldreport.experiments.triangles.mesh_errors_figures import (
-    draw_gallery,
-    plot_repair,
-    plot_search,
-    plot_signs,
-)
-from fieldreport.experiments.triangles.planted_errors import Planted, planted_errors
+from fieldreport.experiments.triangles.damaged_meshes import damaged
+from fieldreport.experiments.triangles.planted_errors import TOWARD, Planted, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import Surface, bumpy, cube
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
-
-__all__ = ["QUICK", "Params", "plot", "plot_repair", "plot_search", "plot_signs", "run"]
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 LINE = np.array([[12.0, 12.0], [24.0, 24.0]])
-"""Two points on the diagonal; beside it, near (½, ½), rounding decides about the side."""
+"""Two points on the diagonal; near (½, ½), rounding affects the computed side."""
 
 
 @dataclass(frozen=True)
 class Params:
-    """How fine the meshes are, how much is damaged, how closely signs are looked at."""
+    """The refinement of the meshes, the number of errors, and the resolution of the sign map."""
 
-    level: int = parameter(2, "times the triangles of an icosahedron are cut, for each error")
-    body: int = parameter(4, "times they are cut for the body that is repaired")
-    damage: int = parameter(8, "errors of each kind in it")
+    level: int = parameter(2, "subdivisions of an icosahedron, for the single errors")
+    body: int = parameter(4, "subdivisions for the mesh that is repaired")
+    damage: int = parameter(8, "errors of each kind in the mesh that is repaired")
     side: int = parameter(200, "points along each side of the map of signs, 2⁻⁵³ apart")
-    levels: tuple[int, ...] = parameter((2, 3, 4, 5, 6), "cuts of the bodies that are searched")
+    levels: tuple[int, ...] = parameter(
+        (2, 3, 4, 5, 6), "subdivisions of the meshes that are searched for self-intersections"
+    )
     seed: int = parameter(6, "seed of the damage")
 
     def __post_init__(self) -> None:
@@ -76,7 +81,7 @@ def run(params: Params, each: Map = map) -> Result:
         tables={
             "errors": _error_table(planted, audits, soups, repairs),
             "repair": _repair_table(repaired),
-            "search": Table(("triangles", "all pairs", "boxes", "planes"), tuple(counts)),
+            "search": ResultTable(("triangles", "all pairs", "boxes", "planes"), tuple(counts)),
         },
         facts=_example_facts()
         | _planted_facts(planted, audits)
@@ -92,7 +97,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def pair_counts(level: int) -> tuple[int, int, int, int]:
-    """Return how many triangles, pairs of them, pairs of boxes, and pairs left there are."""
+    """Return the numbers of triangles, pairs, pairs of boxes, and remaining pairs."""
     points, triangles = bumpy(level)
     corners = points[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -133,7 +138,7 @@ def _repair(surface: Surface) -> MeshRepair:
 
 
 def _drawn(name: str, surface: Surface, audit: MeshAudit) -> list[tuple[str, np.ndarray]]:
-    """Return what is drawn of a mesh: points, triangles, and where its errors are."""
+    """Return the arrays of a figure: points, triangles, and positions of errors."""
     key = name.replace(" ", "_")
     found = marks(audit, surface[1])
     arrays = [(f"{key}:points", surface[0]), (f"{key}:triangles", surface[1])]
@@ -145,7 +150,7 @@ def _drawn(name: str, surface: Surface, audit: MeshAudit) -> list[tuple[str, np.
 
 
 def _told(found: dict[str, int]) -> str:
-    """Spell what was found."""
+    """Return the findings as a text."""
     return ", ".join(in_words(kind, n) for kind, n in found.items()) or "nothing"
 
 
@@ -154,7 +159,7 @@ def _error_table(
     audits: dict[str, MeshAudit],
     soups: dict[str, MeshAudit],
     repairs: dict[str, MeshRepair],
-) -> Table:
+) -> ResultTable:
     rows = tuple(
         (
             name,
@@ -166,21 +171,21 @@ def _error_table(
         )
         for name, p in planted.items()
     )
-    return Table(("error", "concerns", "found", "in a soup", "done", "left"), rows)
+    return ResultTable(("error", "concerns", "found", "in a soup", "done", "left"), rows)
 
 
-def _repair_table(repaired: MeshRepair) -> Table:
+def _repair_table(repaired: MeshRepair) -> ResultTable:
     after = repaired.after.counts
     rows = tuple(
         (concern, kind.replace("_", " "), n, after[concern][kind])
         for concern, kinds in repaired.before.counts.items()
         for kind, n in kinds.items()
     )
-    return Table(("concerns", "kind", "before", "after"), rows)
+    return ResultTable(("concerns", "kind", "before", "after"), rows)
 
 
 def _example_facts() -> dict[str, Cell]:
-    """Return what two common files do to the count of edges: a soup, and one triangle twice."""
+    """Return the edge counts of two common cases: a triangle soup, and a duplicate triangle."""
     points, triangles = cube(1)
     soup = points[triangles].reshape(-1, 3)
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
@@ -224,6 +229,98 @@ def _search_facts(counts: list[tuple[int, int, int, int]]) -> dict[str, Cell]:
     }
 
 
+FROM_THE_SIDE = np.array([0.9, -0.05, 0.65])
+"""The view direction, from which protruding errors are visible."""
+WHOLE = ("one side", "inside out", "overlap")
+"""Errors that are visible only in the picture of the whole mesh."""
+_THREE = ListedColormap(["#0072b2", "#f2f2f2", "#d55e00"])
+
+
 def plot(result: Result) -> Figure:
-    """Each planted error, marked by the audit."""
-    return draw_gallery(result)
+    """Each planted error, marked by the audit, and a key to the colours."""
+    names = result.arrays["names"].tolist()
+    columns = 4
+    rows = -(-(len(names) + 1) // columns)
+    with figure(height=1.62 * rows, rows=rows, columns=columns) as (page, axes):
+        panels = axes.ravel()
+        for panel, name in zip(panels, names, strict=False):
+            panel.set_title(name, loc="center", fontsize=8)
+            toward = TOWARD if name in WHOLE else FROM_THE_SIDE
+            _draw(panel, result, name, toward, near=name not in WHOLE)
+        _key(panels[len(names)])
+        for panel in panels[len(names) + 1 :]:
+            panel.remove()
+    return page
+
+
+def plot_repair(result: Result) -> Figure:
+    """A mesh with many errors, before and after its repair."""
+    with figure(height=2.75, columns=2) as (page, axes):
+        for panel, name in zip(axes, ("before", "after"), strict=True):
+            panel.set_title(name, loc="center")
+            _draw(panel, result, name, np.array([0.8, -0.7, 0.6]), near=False, pixels=700)
+    return page
+
+
+def plot_signs(result: Result) -> Figure:
+    """The side of the diagonal on which points are, in rounded arithmetic and exactly."""
+    with figure(height=2.6, columns=2, sharey=True) as (page, axes):
+        for panel, name in zip(axes, ("rounded", "exact"), strict=True):
+            signs = result.arrays[name]
+            panel.imshow(signs, cmap=_THREE, vmin=-1, vmax=1)
+            panel.plot([-0.5, len(signs) - 0.5], [-0.5, len(signs) - 0.5], "k", linewidth=0.6)
+            panel.set_title(f"{name} sign", loc="center")
+            panel.set(xlabel="(x − ½) · 2⁵³", aspect="equal")
+            panel.grid(visible=False)
+        axes[0].set_ylabel("(y − ½) · 2⁵³")
+        swatches = [
+            Line2D([], [], marker="s", linestyle="", color=_THREE(k), markersize=6, label=label)
+            for k, label in enumerate(("right", "on the line", "left"))
+        ]
+        page.legend(handles=swatches, loc="outside lower center", ncols=3)
+    return page
+
+
+def plot_search(result: Result) -> Figure:
+    """The number of triangle pairs that each stage of the search examines."""
+    table = result.tables["search"]
+    m = np.array(table.column("triangles"), dtype=float)
+    labels = {
+        "all pairs": "all pairs",
+        "boxes": "pairs whose boxes overlap",
+    }
+    with figure(height=2.4) as (page, panel):
+        for (column, label), look in zip(labels.items(), shades("truth", 2), strict=True):
+            panel.loglog(m, np.array(table.column(column), dtype=float), **look, label=label)
+        panel.set(xlabel="triangles", ylabel="pairs")
+        panel.legend()
+    return page
+
+
+def _draw(
+    panel: Axes, result: Result, name: str, toward: np.ndarray, *, near: bool, pixels: int = 330
+) -> None:
+    key, found = name.replace(" ", "_"), _marks(result, name)
+    points, triangles = (result.arrays[f"{key}:{what}"] for what in ("points", "triangles"))
+    draw(panel, points, triangles, found, toward, pixels, near=near)
+
+
+def _marks(result: Result, name: str) -> dict[str, Marks]:
+    key = name.replace(" ", "_")
+    kinds = {k.split(":")[1] for k in result.arrays if k.startswith(f"{key}:") and k.count(":") > 1}
+    return {
+        kind: Marks(
+            *(result.arrays[f"{key}:{kind}:{what}"] for what in ("triangles", "edges", "vertices"))
+        )
+        for kind in sorted(kinds)
+    }
+
+
+def _key(panel: Axes) -> None:
+    """Draw the key to the colours."""
+    handles = [
+        Line2D([], [], color=color, marker=MARKERS[concern], markersize=4, label=concern)
+        for concern, color in COLORS.items()
+    ]
+    panel.legend(handles=handles, loc="center", fontsize=7.5, handlelength=2, borderaxespad=0)
+    panel.set_axis_off()

@@ -1,4 +1,4 @@
-"""One error at a time, planted into a mesh without any."""
+"""Single errors planted into a valid triangle mesh."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from fieldreport.experiments.triangles.triangle_shapes import (
 )
 
 TOWARD = np.array([0.62, -0.62, 0.48])
-"""Where errors are planted, as seen from the middle of the body."""
+"""The direction from the centre in which errors are planted."""
 
 
 @dataclass(frozen=True)
 class Planted:
-    """A mesh with an error, and what an audit is to find: how many of which kind, nothing else.
+    """A mesh with an error, and the expected findings of the audit: counts by kind.
 
     Parameters
     ----------
     surface : tuple of ndarray
     found : dict of str to int
     indexed : bool
-        Whether the error is in how triangles share vertices, which a soup does not tell.
+        Whether the error is in the sharing of vertices, which a triangle soup does not have.
     """
 
     surface: Surface
@@ -37,7 +37,7 @@ class Planted:
 
 
 def planted_errors(level: int) -> dict[str, Planted]:
-    """Plant each error; the sphere in which most of them are has 20 · 4ˡᵉᵛᵉˡ triangles."""
+    """Plant each error, most of them into a sphere with 20 · 4ˡᵉᵛᵉˡ triangles."""
     return {
         "duplicate vertex": Planted(
             _slit(level),
@@ -68,13 +68,13 @@ def planted_errors(level: int) -> dict[str, Planted]:
 
 
 def _toward(surface: Surface) -> int:
-    """Return the triangle of a sphere that is nearest to where errors are planted."""
+    """Return the triangle of a sphere at which errors are planted."""
     points, triangles = surface
     return int(np.argmax(points[triangles].mean(axis=1) @ TOWARD))
 
 
 def _slit(level: int) -> Surface:
-    """Give two neighbouring triangles at a vertex a vertex of their own in its place."""
+    """Replace a vertex by a copy in two neighbouring triangles."""
     points, triangles = sphere(level)
     vertex = triangles[_toward((points, triangles)), 0]
     at = np.flatnonzero((triangles == vertex).any(axis=1))
@@ -109,7 +109,7 @@ def _open(level: int) -> Surface:
 
 
 def _split_on_one_side(level: int) -> Surface:
-    """Cut one triangle in two at the middle of an edge, and leave the neighbour whole."""
+    """Split one triangle at the midpoint of an edge without splitting its neighbour."""
     points, triangles = sphere(level)
     chosen = _toward((points, triangles))
     a, b, c = triangles[chosen]
@@ -120,14 +120,14 @@ def _split_on_one_side(level: int) -> Surface:
 
 
 def _capped(level: int) -> Surface:
-    """Do the same, and close the seam by a triangle without area."""
+    """Do the same, and close the seam by a triangle of zero area."""
     points, triangles = _split_on_one_side(level)
     (a, middle, _), (_, b, _) = triangles[-2:]
     return points, np.concatenate([triangles, [[a, b, middle]]])
 
 
 def _with_fin(level: int) -> Surface:
-    """Set a tetrahedron on an edge, so that they share it."""
+    """Attach a tetrahedron to an edge."""
     points, triangles = sphere(level)
     _, a, b = triangles[_toward((points, triangles))]
     along = points[b] - points[a]
@@ -144,7 +144,7 @@ def _with_fin(level: int) -> Surface:
 
 
 def _with_spike(level: int, *, shared: bool) -> Surface:
-    """Set a tetrahedron on a vertex, point down, with that vertex or with one in its place."""
+    """Attach a tetrahedron by its tip to a vertex, sharing the vertex or with a copy of it."""
     points, triangles = sphere(level)
     vertex = triangles[_toward((points, triangles)), 0]
     spike = _tetrahedron(points[vertex], 2.2 * points[vertex] / 2**level)
@@ -156,7 +156,7 @@ def _with_spike(level: int, *, shared: bool) -> Surface:
 
 
 def _pierced(level: int) -> Surface:
-    """Let the tip of a tetrahedron come through a triangle from outside."""
+    """Let the tip of a tetrahedron pierce a triangle from outside."""
     points, triangles = sphere(level)
     chosen = _toward((points, triangles))
     middle = points[triangles[chosen]].mean(axis=0)
@@ -176,7 +176,7 @@ def _tetrahedron(tip: np.ndarray, axis: np.ndarray) -> Surface:
 
 
 def _folded() -> Surface:
-    """Move one vertex within a flat face so far that triangles lie on one another."""
+    """Move one vertex within a flat face so far that triangles overlap."""
     points, triangles = cube(3)
     inner = np.flatnonzero((points[:, 2] == 1) & (points[:, :2] % 1 > 0).all(axis=1))
     points = points.copy()

@@ -1,4 +1,4 @@
-"""Surfaces of triangles in space: closed, with holes in them, with a rim, and with one side."""
+"""Triangle meshes of surfaces: closed, with handles, with a boundary, and non-orientable."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _GOLDEN = (1 + 5**0.5) / 2
 
 
 def sphere(level: int) -> Surface:
-    """Return the unit sphere, the triangles of an icosahedron cut in four so many times."""
+    """Return the unit sphere: an icosahedron with repeatedly subdivided triangles."""
     one, other = np.array([[-1, 1, -1, 1], [_GOLDEN, _GOLDEN, -_GOLDEN, -_GOLDEN]])
     zero = np.zeros(4)
     points = np.concatenate(
@@ -30,7 +30,7 @@ def sphere(level: int) -> Surface:
 
 
 def refined(points: np.ndarray, triangles: np.ndarray) -> Surface:
-    """Cut each triangle in four at the middles of its edges."""
+    """Subdivide each triangle into four at the midpoints of its edges."""
     n, sides = len(points), np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     key, middle = np.unique(sides[:, 0] * n + sides[:, 1], return_inverse=True)
     ab, bc, ca = n + middle.reshape(-1, 3).T
@@ -48,7 +48,7 @@ def bumpy(level: int) -> Surface:
 
 
 def cube(cells: int) -> Surface:
-    """Return the unit cube, each face cut into so many squares along each edge."""
+    """Return the unit cube, with a number of squares along each edge."""
     u, v = np.meshgrid(*[np.arange(cells + 1)] * 2, indexing="ij")
     square = np.column_stack([u.ravel(), v.ravel()])
     corner = np.arange((cells + 1) ** 2).reshape(cells + 1, -1)
@@ -76,7 +76,7 @@ def torus(around: int, across: int) -> Surface:
 
 
 def klein_bottle(around: int, across: int) -> Surface:
-    """Return Klein's bottle as a figure of eight that turns over on its way round."""
+    """Return the figure-eight immersion of the Klein bottle."""
     u, v = _angles(around, across)
     v += np.pi / across  # no vertex where the eight crosses itself
     r = np.cos(u / 2) * np.sin(v) - np.sin(u / 2) * np.sin(2 * v)
@@ -86,7 +86,7 @@ def klein_bottle(around: int, across: int) -> Surface:
 
 
 def band(around: int, *, half_turns: int) -> Surface:
-    """Return a band round the unit circle; with one half turn it is Möbius's."""
+    """Return a band around the unit circle; with one half-twist it is the Möbius band."""
     u = np.repeat(2 * np.pi * np.arange(around) / around, 2)
     s = np.tile([-0.3, 0.3], around)
     r = 1 + s * np.cos(half_turns * u / 2)
@@ -99,14 +99,14 @@ def band(around: int, *, half_turns: int) -> Surface:
 
 
 def together(*surfaces: Surface) -> Surface:
-    """Return several surfaces as one, each with its own points."""
+    """Return several surfaces as one, without shared points."""
     starts = np.cumsum([0, *(len(points) for points, _ in surfaces)])
     triangles = [t + start for (_, t), start in zip(surfaces, starts, strict=False)]
     return np.concatenate([points for points, _ in surfaces]), np.concatenate(triangles)
 
 
 def turned_over(surface: Surface) -> Surface:
-    """Return the surface with its other side out."""
+    """Return the surface with inverted orientation."""
     points, triangles = surface
     return points, triangles[:, ::-1]
 
@@ -117,7 +117,7 @@ def _angles(around: int, across: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _sewn(around: int, across: int, *, twisted: bool) -> np.ndarray:
-    """Triangles of a grid that closes in both directions, the first perhaps with a twist."""
+    """Triangles of a grid that is periodic in both directions, possibly with a twist in one."""
     number = np.arange(around * across).reshape(around, across)
     beyond = number[:1, ::-1] if twisted else number[:1]
     after = np.concatenate([number[1:], beyond])
@@ -128,7 +128,7 @@ def _sewn(around: int, across: int, *, twisted: bool) -> np.ndarray:
 
 
 def _hull(points: np.ndarray) -> np.ndarray:
-    """Triangles between points on a sphere that are as near to one another as any."""
+    """Triangles of mutually nearest points on a sphere."""
     distance = np.linalg.norm(points[:, None] - points, axis=2)
     near = (distance > 0) & (distance < 1.01 * distance[distance > 0].min())
     i, j, k = np.nonzero(near[:, :, None] & near[:, None] & near[None])

@@ -1,1 +1,1 @@
-"""Velocities and gradients on meshes, and vertices that one ring does not determine."""
+"""Velocities and gradients on meshes, and vertices whose velocity one ring does not determine."""

@@ -1,9 +1,9 @@
-"""Velocities of cells: what a constant per cell gets right, where, and what it cannot see.
+"""Cell velocities from normal velocities: accuracy at the circumcentre and elsewhere.
 
-The normal velocities of the faces of a cell are fitted by one constant velocity. For a rotation, an
-expansion and a strain the result is compared with the field itself at the circumcentre of the cell,
-and, to show the trap, at its centroid and at its vertices; the error is compared with its closed
-form. Then the normal velocities are disturbed, so that what flows in no longer flows out.
+One constant velocity is fitted to the normal velocities of the faces of each cell. For a rotation,
+an expansion and a strain it is compared with the field at the circumcentre of the cell and, as a
+warning, at its centroid and at its vertices; the error is compared with its closed form. Then the
+normal velocities are perturbed, so that inflow and outflow of a cell no longer balance.
 
 References
 ----------
@@ -17,19 +17,18 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+from matplotlib.tri import Triangulation
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
 from fieldrecon.velocity.cells import cell_velocities, raviart_thomas
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import normal_velocities
-from fieldreport.experiments.meshes.meshed_flows import abc_flow, jittered_cube, taylor_green
+from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
 from fieldreport.experiments.methods.convergence import middle, order, rms
-from fieldreport.experiments.velocity.cell_velocity_figures import (
-    draw_fields,
-    draw_orders,
-    draw_places,
-)
 from fieldreport.experiments.velocity.triangle_velocity import (
     ROTATION,
     STRAIN,
@@ -40,7 +39,7 @@ from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -60,7 +59,7 @@ GRADIENTS = {
         "strain": np.diag([1.0, 0.0, -1.0]),
     },
 }
-"""Of the affine fields u(x) = G (x - m), by dimension."""
+"""Gradients G of the affine fields u(x) = G (x - m), by dimension."""
 
 PLACES = ("circumcentre", "centroid", "vertices", "RT at circumcentre", "inner vertices")
 EXACT = 1e-12
@@ -68,17 +67,17 @@ EXACT = 1e-12
 
 @dataclass(frozen=True)
 class Params:
-    """Meshes, a triangle, and by how much the normal velocities are disturbed."""
+    """Meshes, a triangle, and the perturbation of the normal velocities."""
 
     sides: tuple[int, ...] = parameter((8, 16, 32, 64), "steps along a side of the unit square")
     sides_3d: tuple[int, ...] = parameter((4, 6, 9, 13), "steps along a side of the unit cube")
-    shown_side: int = parameter(4, "steps along a side of the mesh that is drawn")
-    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
+    shown_side: int = parameter(4, "steps along a side of the mesh in the figure")
+    jitter: float = parameter(0.6, "range of the random displacement of a vertex, in steps")
     triangle: tuple[float, ...] = parameter(
-        (0.0, 0.0, 4.0, 0.0, 1.0, 2.6), "coordinates of the corners of the triangle that is drawn"
+        (0.0, 0.0, 4.0, 0.0, 1.0, 2.6), "coordinates of the corners of the triangle in the figure"
     )
     strains: int = parameter(24, "axes of the strains of that triangle")
-    draws: int = parameter(100, "how often noise is drawn")
+    draws: int = parameter(100, "number of draws of the noise")
     disturbance: float = parameter(0.1, "standard deviation of the noise; a rotation has rate 1")
     seed: int = parameter(0, "seed of meshes and noise")
 
@@ -106,7 +105,7 @@ def run(params: Params, each: Map = map) -> Result:
         params=params,
         tables={
             "fields": _table(finest),
-            "disturbed": Table(
+            "disturbed": ResultTable(
                 ("dimension", "disturbance", "predicted disturbance", "defect / noise"),
                 tuple((d, *row) for d, row in zip((2, 3), disturbed, strict=True)),
             ),
@@ -167,7 +166,7 @@ def _gap_from_closed_form(mesh: SimplexMesh, g: np.ndarray, v: np.ndarray) -> fl
 
 
 def _disturbed(params: Params, side: int, d: int) -> tuple[float, float, float]:
-    """Return the rms change of velocities by noise on the faces, that by numpy, and the defect."""
+    """Return the rms change of velocities by noise, its value by numpy, and the defect."""
     mesh = jittered_cube(side, d, params.jitter, params.seed)
     shape = (len(mesh.faces), params.draws)
     noise = np.random.default_rng(params.seed).normal(0, params.disturbance, shape)
@@ -186,14 +185,14 @@ def _told(error: float) -> float:
     return order_of_magnitude(error) if error < EXACT else float(error)
 
 
-def _table(finest: dict[int, dict[str, np.ndarray]]) -> Table:
+def _table(finest: dict[int, dict[str, np.ndarray]]) -> ResultTable:
     rows: Iterable[tuple[Cell, ...]] = (
         (d, name, *map(_told, errors[: len(PLACES) + 1]))
         for d, of_fields in finest.items()
         for name, errors in of_fields.items()
         if name != "vortices"
     )
-    return Table(("dimension", "field", *PLACES, "defect"), tuple(rows))
+    return ResultTable(("dimension", "field", *PLACES, "defect"), tuple(rows))
 
 
 def _curves(
@@ -259,16 +258,88 @@ def _facts(
     return facts
 
 
+TRUE, FOUND = "#b4b4b4", METHOD_COLORS["RBF"]
+
+
 def plot(result: Result) -> Figure:
-    """The three fields on one mesh: found velocities over true ones."""
-    return draw_fields(result.arrays, tuple(GRADIENTS[2]))
+    """The reconstructed velocities, thin, over the exact ones at the circumcentres, thick."""
+    arrays, names = result.arrays, tuple(GRADIENTS[2])
+    triangles = Triangulation(arrays["points"][:, 0], arrays["points"][:, 1], arrays["cells"])
+    with figure(FULL_WIDTH, height=2.35, columns=len(names)) as (page, axes):
+        for panel, name, found, true in zip(
+            axes, names, arrays["found"], arrays["truth"], strict=True
+        ):
+            panel.triplot(triangles, color="#d2d2d2", linewidth=0.6)
+            look = {"angles": "xy", "scale_units": "xy", "scale": 4.2, "zorder": 3}
+            at = arrays["circumcenters"].T
+            thick = {"width": 0.021, "headwidth": 2.2, "headlength": 2.6, "headaxislength": 2.4}
+            panel.quiver(*at, *true.T, color=TRUE, label="true", **thick, **look)
+            panel.quiver(*at, *found.T, color=FOUND, width=0.006, label="found", **look)
+            panel.set_title(name)
+            _bare(panel)
+        axes[1].legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2)
+    return page
 
 
 def plot_places(result: Result) -> Figure:
-    """Where in a triangle each field has the velocity that least squares gives it."""
-    return draw_places(result.arrays)
+    """A triangle with its centres, its nine-point circle, and the points of exact velocity."""
+    arrays = result.arrays
+    corners, places = arrays["corners"], arrays["places"]
+    center, nine = arrays["center"], arrays["nine_point_center"]
+    with figure(FULL_WIDTH * 0.62, height=3.0) as (page, panel):
+        panel.add_patch(Polygon(corners, facecolor="#f1f1f1", edgecolor="black", linewidth=0.9))
+        radius = float(np.linalg.norm(corners[0] - center))
+        circle = {"fill": False, "edgecolor": "#8a8a8a", "linewidth": 0.7}
+        panel.add_patch(Circle(tuple(center), radius, linestyle=(0, (4, 2)), **circle))
+        panel.add_patch(Circle(tuple(nine), float(arrays["nine_point_radius"]), **circle))
+        small = {"linestyle": "none", "zorder": 4, "clip_on": False}
+        panel.plot(*places[2:].T, "o", color=METHOD_COLORS["LS"], label="strains", **small)
+        panel.plot(*places[1], "s", color=METHOD_COLORS["MLS"], label="expansion", **small)
+        panel.plot(*places[0], "^", color=METHOD_COLORS["RBF"], label="rotation", **small)
+        named = {"$O$": center, "$K$": arrays["symmedian"], "$M$": arrays["centroid"]}
+        panel.plot(
+            *arrays["centroid"], "x", color="black", markersize=4, label="(centroid)", **small
+        )
+        for name, at in named.items():
+            panel.annotate(name, at, (5, 3), textcoords="offset points")
+        _bare(panel)
+        panel.set(xlim=center[0] + np.array([-1.04, 1.04]) * radius)
+        panel.set(ylim=center[1] + np.array([-1.04, 1.04]) * radius)
+        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return page
 
 
 def plot_orders(result: Result) -> Figure:
-    """Errors of the vortices against the size of the cells."""
-    return draw_orders(result.arrays, result.params)
+    """Errors of the vortices against the size of the cells, left in the plane, right in space."""
+    arrays, params = result.arrays, result.params
+    looks = {
+        "at the vertices": line("LS"),
+        "at the circumcentre": line("RBF"),
+        "at the centroid": line("MLS"),
+        "back at inner vertices": line("PU"),
+    }
+    shown = [2, 0, 1, 4]
+    with figure(FULL_WIDTH, height=2.7, columns=2) as (page, axes):
+        for panel, d, sides in zip(axes, (2, 3), (params.sides, params.sides_3d), strict=True):
+            h = 1 / np.array(sides)
+            errors = arrays[f"vortices_{d}d"][:, shown]
+            for error, (label, look) in zip(errors.T, looks.items(), strict=True):
+                panel.plot(h, error, **look | {"label": label})
+            reach = h[[0, -1]]
+            panel.plot(reach, 0.6 * errors[-1].min() * reach / h[-1], **line("truth", label=None))
+            panel.annotate(
+                "$h$", (h[-1], 0.6 * errors[-1].min()), (4, -6), textcoords="offset points"
+            )
+            panel.set(xscale="log", yscale="log", xlabel="step $h$")
+            panel.set_title("vortices in the plane" if d == 2 else "ABC flow in space")
+            panel.set_xticks(h, [f"1/{side}" for side in sides], minor=False)
+            panel.minorticks_off()
+        axes[0].set_ylabel("median error")
+        handles, labels = axes[0].get_legend_handles_labels()
+        page.legend(handles, labels, loc="outside upper center", ncols=len(looks))
+    return page
+
+
+def _bare(panel: Axes) -> None:
+    panel.set_aspect("equal")
+    panel.set_axis_off()

@@ -1,9 +1,9 @@
-"""Flow past a cylinder: fluxes through faces in, full velocities everywhere out.
+"""Flow past a cylinder: velocities from the fluxes through faces.
 
-A solver of finite volumes knows how much flows through each face. Here these fluxes are those of
-the potential flow past a cylinder, exact, on an unstructured mesh. From them come the velocities of
-all vertices and cells, streamlines, and the pressure on the cylinder; each is compared with its
-closed form while the mesh is refined. The same is done for a ball in space.
+A finite-volume solver knows the flux through each face. Here the fluxes are exact: those of
+potential flow past a cylinder, on an unstructured mesh. They determine the velocities of all
+vertices and cells, streamlines, and the pressure on the cylinder; each is compared with its closed
+form while the mesh is refined. The same is done for a ball in space.
 
 References
 ----------
@@ -16,15 +16,20 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
+from matplotlib.tri import Triangulation
 
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
 from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
 from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.experiments.velocity.flow_past_ball import (
+from fieldreport.experiments.velocity.potential_flow import (
     ball_mesh,
     disc_mesh,
     mean_normal_velocities,
@@ -32,13 +37,12 @@ from fieldreport.experiments.velocity.flow_past_ball import (
     stream_function,
     velocity,
 )
-from fieldreport.experiments.velocity.fluid_frame_figures import draw_data, draw_flow, draw_surface
 from fieldreport.experiments.velocity.streamlines import exact_streamline, traced_streamlines
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -53,7 +57,7 @@ MEASURES = (
     "pressure on surface",
 )
 LEFT = 3.3
-"""Where streamlines begin, left of the cylinder, in its radii."""
+"""Start of the streamlines, left of the cylinder, in radii."""
 
 
 @dataclass(frozen=True)
@@ -62,16 +66,16 @@ class Params:
 
     around: tuple[int, ...] = parameter((24, 48, 96, 192), "vertices on the cylinder, by mesh")
     outer: float = parameter(8.0, "radius of the mesh of the plane, in radii of the cylinder")
-    relaxations: int = parameter(30, "how often springs push the vertices of the mesh apart")
+    relaxations: int = parameter(30, "relaxation steps that push the vertices of the mesh apart")
     steps_3d: tuple[float, ...] = parameter(
         (0.5, 0.35, 0.25, 0.18), "distance of neighbours on the ball, by mesh, in radii"
     )
     outer_3d: float = parameter(4.0, "radius of the mesh in space, in radii of the ball")
     epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps on the surface")
-    shown: int = parameter(48, "vertices on the cylinder of the mesh that is drawn")
+    shown: int = parameter(48, "vertices on the cylinder, for the mesh in the figure")
     heights: tuple[float, ...] = parameter(
         (0.03, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0),
-        "heights far away of the streamlines, in radii",
+        "distances of the streamlines from the axis, far away, in radii",
     )
     arc: float = parameter(0.02, "step along a streamline, in radii")
     seed: int = parameter(0, "seed of the meshes")
@@ -93,7 +97,7 @@ QUICK = Params(
 
 
 def run(params: Params, each: Map = map) -> Result:
-    """Reconstruct the flow on each mesh, and trace it."""
+    """Reconstruct the flow on each mesh, and trace streamlines."""
     jobs: list[tuple[int, float]] = [(2, n) for n in params.around]
     jobs += [(3, step) for step in params.steps_3d]
     found = dict(zip(jobs, each(partial(errors_on_mesh, params), jobs), strict=True))
@@ -115,7 +119,7 @@ def run(params: Params, each: Map = map) -> Result:
 
 
 def errors_on_mesh(params: Params, job: tuple[int, float]) -> dict[str, np.ndarray]:
-    """Return the sizes of a mesh, its rms errors by MEASURES, and what the table tells besides."""
+    """Return the sizes of a mesh, its rms errors by MEASURES, and the rest of its table row."""
     d, size = job
     mesh = _disc(params, int(size)) if d == 2 else ball_mesh(size, params.outer_3d, params.seed)
     v = mean_normal_velocities(mesh)
@@ -148,19 +152,19 @@ def errors_on_mesh(params: Params, job: tuple[int, float]) -> dict[str, np.ndarr
 
 
 def _at_vertices(params: Params, mesh: SimplexMesh, v: np.ndarray, step: float) -> np.ndarray:
-    """Return velocities by moving least squares, its weight suited to the cells at the surface."""
+    """Return velocities by moving least squares, with ε in units of the cells at the surface."""
     return vertex_velocities(mesh, v, inverse_square(params.epsilon * step)).values
 
 
 def on_ball(mesh: SimplexMesh) -> np.ndarray:
-    """Tell which vertices lie on the cylinder or the ball."""
+    """Whether each vertex lies on the cylinder or the ball."""
     return np.linalg.norm(mesh.points, axis=1) < 1 + 1e-9
 
 
 def surface_pressure(mesh: SimplexMesh, u: np.ndarray) -> np.ndarray:
     """Return the angle from the stream, 1 − |u|² and its closed form, at the surface.
 
-    The angle goes full circle in the plane, and half of it in space.
+    The angle covers the full circle in the plane, and half of it in space.
     """
     at, d = mesh.points[on_ball(mesh)], mesh.points.shape[1]
     angle = np.arccos(np.clip(at[:, 0], -1, 1))
@@ -171,7 +175,7 @@ def surface_pressure(mesh: SimplexMesh, u: np.ndarray) -> np.ndarray:
 
 
 def drift_of_streamlines(params: Params, mesh: SimplexMesh, u: np.ndarray) -> float:
-    """Return by how much ψ departs from its first value along streamlines, root mean square."""
+    """Return the rms deviation of ψ from its initial value along streamlines."""
     psi = stream_function(_traced(params, mesh, u))
     return float(np.sqrt(np.mean((psi - psi[:, :1]) ** 2)))
 
@@ -207,22 +211,26 @@ def _shown(params: Params) -> dict[str, np.ndarray]:
     }
 
 
-def _plane_table(params: Params, found: dict[tuple[int, float], dict[str, np.ndarray]]) -> Table:
+def _plane_table(
+    params: Params, found: dict[tuple[int, float], dict[str, np.ndarray]]
+) -> ResultTable:
     rows = (
         (n, *map(int, f["counts"]), *f["errors"], float(f["drift"]))
         for n in params.around
         for f in [found[2, n]]
     )
-    return Table(("around", "vertices", "cells count", *MEASURES, "drift"), tuple(rows))
+    return ResultTable(("around", "vertices", "cells count", *MEASURES, "drift"), tuple(rows))
 
 
-def _space_table(params: Params, found: dict[tuple[int, float], dict[str, np.ndarray]]) -> Table:
+def _space_table(
+    params: Params, found: dict[tuple[int, float], dict[str, np.ndarray]]
+) -> ResultTable:
     rows = (
         (step, *map(int, f["counts"]), *f["errors"])
         for step in params.steps_3d
         for f in [found[3, step]]
     )
-    return Table(("step", "vertices", "cells count", *MEASURES), tuple(rows))
+    return ResultTable(("step", "vertices", "cells count", *MEASURES), tuple(rows))
 
 
 def _facts(
@@ -256,16 +264,128 @@ def _facts(
     return facts
 
 
+SPEED = LinearSegmentedColormap.from_list("speed", colormaps["YlGnBu"](np.linspace(0, 0.85, 64)))
+"""From light (slow) to dark (fast), also in grey, and light enough for black lines."""
+
+WINDOW = (-3.1, 3.1, -2.15, 2.15)
+CLOSE = (-1.75, -0.25, 0.15, 1.65)
+
+
 def plot(result: Result) -> Figure:
-    """The flow: speed and streamlines above, mesh and velocities below."""
-    return draw_flow(result.arrays)
+    """Speed and streamlines above the axis, mesh and velocities below."""
+    arrays = result.arrays
+    points, u = arrays["points"], arrays["velocities"]
+    triangles = Triangulation(points[:, 0], points[:, 1], arrays["cells"])
+    speed = np.linalg.norm(u, axis=1)
+    with figure(FULL_WIDTH, height=4.0) as (page, panel):
+        levels = np.linspace(0, 2.1, 43)
+        colors = panel.tricontourf(triangles, speed, levels=levels, cmap=SPEED, extend="max")
+        colors.set_edgecolor("face")
+        left, right, bottom, _ = WINDOW
+        half = Rectangle((left, bottom), right - left, -bottom, transform=panel.transData)
+        panel.add_patch(Rectangle((-9, -9), 18, 9, facecolor="white", alpha=0.55, zorder=2))
+        for lines in panel.triplot(triangles, color="#3c4650", linewidth=0.3, zorder=2.5):
+            lines.set(clip_path=half, in_layout=False)
+        below = _inside(points, (*WINDOW[:2], WINDOW[2], -0.02))
+        panel.quiver(
+            *points[below].T,
+            *u[below].T,
+            angles="xy",
+            scale_units="xy",
+            scale=5.5,
+            width=0.0021,
+            color=METHOD_COLORS["RBF"],
+            zorder=3,
+        )
+        for y in arrays["exact"]:
+            panel.plot(*y.T, color="white", linewidth=2.4, zorder=3)
+        upper = arrays["traced"][: len(arrays["exact"])]
+        for y in upper:
+            panel.plot(*y.T, color="black", linewidth=0.8, zorder=3.1)
+        panel.add_patch(Circle((0, 0), 1, facecolor="#e9e9e9", edgecolor="black", zorder=4))
+        panel.set(xlim=WINDOW[:2], ylim=WINDOW[2:], aspect="equal", xlabel="$x$", ylabel="$y$")
+        panel.grid(visible=False)
+        panel.set_yticks([-2, -1, 0, 1, 2])
+        bar = page.colorbar(colors, ax=panel, shrink=0.85, pad=0.02, ticks=[0, 0.5, 1, 1.5, 2])
+        bar.set_label("speed $|u|$")
+        bar.outline.set_linewidth(0.6)
+    return page
 
 
 def plot_data(result: Result) -> Figure:
-    """What goes in, and what comes out, before the cylinder."""
-    return draw_data(result.arrays)
+    """Normal velocities of faces; velocities of cells; velocities of vertices."""
+    arrays = result.arrays
+    triangles = Triangulation(arrays["points"][:, 0], arrays["points"][:, 1], arrays["cells"])
+    panels = {
+        "in: normal velocities of faces": ("middles", "normal_velocities", METHOD_COLORS["LS"]),
+        "out: velocities of cells": ("circumcenters", "cell_velocities", METHOD_COLORS["MLS"]),
+        "out: velocities of vertices": ("points", "velocities", METHOD_COLORS["RBF"]),
+    }
+    with figure(FULL_WIDTH, height=2.25, columns=3) as (page, axes):
+        for panel, (title, (where, what, color)) in zip(axes, panels.items(), strict=True):
+            panel.triplot(triangles, color="#bcbcbc", linewidth=0.5)
+            at, arrows = arrays[where], arrays[what]
+            near = _inside(at, CLOSE)
+            panel.quiver(
+                *at[near].T,
+                *arrows[near].T,
+                angles="xy",
+                scale_units="xy",
+                scale=9.0,
+                width=0.008,
+                color=color,
+                zorder=3,
+                pivot="mid" if where == "middles" else "tail",
+            )
+            panel.add_patch(Circle((0, 0), 1, facecolor="#e9e9e9", edgecolor="black", zorder=2))
+            panel.set(xlim=CLOSE[:2], ylim=CLOSE[2:], aspect="equal", xticks=[], yticks=[])
+            panel.set_title(title)
+            panel.grid(visible=False)
+            panel.spines[:].set_visible(True)
+    return page
 
 
 def plot_surface(result: Result) -> Figure:
-    """The pressure on the cylinder, and the errors against the step."""
-    return draw_surface(result.arrays, MEASURES)
+    """Pressure coefficient on the cylinder, and errors against the step."""
+    arrays = result.arrays
+    with figure(FULL_WIDTH, height=2.9, columns=2) as (page, (left, right)):
+        theta = np.linspace(0, 360, 361)
+        closed = 1 - 4 * np.sin(np.radians(theta)) ** 2
+        left.plot(theta, closed, **line("truth", label=r"$1 - 4\,\sin^2\theta$"))
+        for name, look in (
+            ("coarse", line("MLS", markerfacecolor="white")),
+            ("fine", line("RBF", marker=".", markersize=2.5)),
+        ):
+            angle, found, _ = arrays[f"surface_{name}"]
+            label = f"{len(angle)} vertices"
+            left.plot(np.degrees(angle), found, **look | {"linestyle": "none", "label": label})
+        left.set(xlabel=r"angle $\theta$ in degrees", title="pressure coefficient on the cylinder")
+        left.set_xticks([0, 90, 180, 270, 360])
+        left.set_ylim(-3.3, 3.6)
+        left.set_yticks([-3, -2, -1, 0, 1])
+        left.legend(loc="upper center", ncols=1)
+        looks = [
+            line("MLS"),
+            line("RBF"),
+            line("RBF", markerfacecolor="white", linewidth=0.7),
+            line("LS"),
+            line("PU"),
+        ]
+        for k, look in enumerate(looks):
+            right.plot(arrays["steps"], arrays["errors"][:, k], **look | {"label": MEASURES[k]})
+        right.set(xscale="log", yscale="log", xlabel="step on the cylinder, in radii")
+        right.set_title("error of the velocity")
+        h = arrays["steps"]
+        lowest = arrays["errors"][-1, 0]
+        right.plot(h, 0.5 * lowest * (h / h[-1]) ** 2, **line("truth", label=None))
+        right.annotate("$h^2$", (h[-1], 0.5 * lowest), (6, -5), textcoords="offset points")
+        right.set_xticks(h, [f"2π/{round(2 * np.pi / step)}" for step in h])
+        right.minorticks_off()
+        right.set_ylim(top=200 * arrays["errors"][0, 1])
+        right.legend(loc="upper left", ncols=2, columnspacing=1.0)
+    return page
+
+
+def _inside(x: np.ndarray, window: tuple[float, float, float, float]) -> np.ndarray:
+    left, right, bottom, top = window
+    return (x[:, 0] > left) & (x[:, 0] < right) & (x[:, 1] > bottom) & (x[:, 1] < top)

@@ -1,10 +1,10 @@
-"""Pressure gradients at vertices from the pressure at circumcentres, by the three methods.
+"""Pressure gradients at vertices from the pressure at circumcentres, by three methods.
 
 A smooth pressure is known at the circumcentres of the cells. Least squares, moving least squares
-and radial basis functions on the cells round a vertex give its gradient there, inside and on the
-boundary, in the plane and in space; the order of the errors is measured. Then the derivative of
-the weights is left out of moving least squares, and means over cells are taken for values at
-circumcentres.
+and radial basis functions on the cells around a vertex give its gradient there, in the interior and
+on the boundary, in the plane and in space; the orders of the errors are measured. Two common errors
+are measured as well: moving least squares without the derivative of the weights, and cell averages
+taken for values at circumcentres.
 
 References
 ----------
@@ -30,14 +30,14 @@ from fieldrecon.velocity.gradients import (
     local_rbf,
     vertex_gradients,
 )
-from fieldreport.experiments.meshes.meshed_flows import equilateral_mesh, jittered_cube
+from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
 from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.experiments.velocity.gradients_by_others import gradients_by_others
+from fieldreport.experiments.velocity.reference_gradients import gradients_by_others
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -55,7 +55,7 @@ class Params:
 
     sides: tuple[int, ...] = parameter((8, 16, 32, 64), "steps along a side of the unit square")
     sides_3d: tuple[int, ...] = parameter((4, 6, 9, 13), "steps along a side of the unit cube")
-    jitter: float = parameter(0.6, "how far apart a vertex may be moved, in steps")
+    jitter: float = parameter(0.6, "range of the random displacement of a vertex, in steps")
     epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps")
     smallest: float = parameter(0.03, "smallest ε of the sweep, in steps")
     largest: float = parameter(10.0, "largest ε of the sweep, in steps")
@@ -74,7 +74,7 @@ QUICK = Params(sides=(6, 12), sides_3d=(3, 5), values=3, sweep_side=8, compared=
 
 @dataclass(frozen=True)
 class diffuse(local_moving_least_squares):
-    """The slope of the local fit, as if the weights did not move: the diffuse derivative."""
+    """The diffuse derivative: the slope of the local fit, for fixed weights."""
 
     def _log_gradient(self, stencils: CellStencils) -> np.ndarray:
         return np.zeros_like(stencils.y)
@@ -94,7 +94,7 @@ def run(params: Params, each: Map = map) -> Result:
         params=params,
         tables={
             "orders": _order_table(errors, orders),
-            "sweep": Table(
+            "sweep": ResultTable(
                 ("epsilon/h", "full derivative", "diffuse derivative", "difference"),
                 tuple(map(tuple, np.column_stack([ratios, sweep]))),
             ),
@@ -118,8 +118,8 @@ def pressure_gradient(x: np.ndarray) -> np.ndarray:
 def errors_on_mesh(params: Params, job: tuple[str, int]) -> np.ndarray:
     """Return the rms errors (method, where), and those of least squares from means of cells.
 
-    The means are taken as values at the circumcentres, and then at the centroids, where to second
-    order they are.
+    The means are used as values at the circumcentres, and then at the centroids, where they are
+    correct to second order.
     """
     mesh, side = _mesh(params, *job), job[1]
     methods = _methods(params.epsilon / side)
@@ -161,7 +161,7 @@ def _mesh(params: Params, name: str, side: int) -> SimplexMesh:
 
 
 def differences_from_others(params: Params) -> dict[str, float]:
-    """Return how far each method is from NumPy and SciPy, relative to the largest gradient."""
+    """Return the difference of each method from NumPy and SciPy over the largest gradient."""
     side, epsilon = params.sweep_side, params.epsilon / params.sweep_side
     mesh = jittered_cube(side, 2, params.jitter, params.seed)
     inner = np.flatnonzero(~mesh.boundary_vertices)
@@ -179,7 +179,7 @@ def differences_from_others(params: Params) -> dict[str, float]:
 
 
 def _means(mesh: SimplexMesh) -> np.ndarray:
-    """Means over the cells, by d + 1 points on the way to the corners: exact for degree two."""
+    """Means over the cells, by quadrature with d + 1 points, which is exact for degree two."""
     center, corners = mesh.cell_centers[:, None], mesh.points[mesh.cells]
     return pressure(center + (corners - center) / np.sqrt(corners.shape[1] + 1)).mean(axis=1)
 
@@ -200,14 +200,14 @@ def _orders(params: Params, mesh: str, errors: np.ndarray) -> np.ndarray:
     return np.array([order(h, e) for e in flat]).reshape(errors.shape[1:])
 
 
-def _order_table(errors: dict[str, np.ndarray], orders: dict[str, np.ndarray]) -> Table:
+def _order_table(errors: dict[str, np.ndarray], orders: dict[str, np.ndarray]) -> ResultTable:
     columns = (f"{method}{what}" for method in METHODS for what in ("", ", order"))
     rows = (
         (mesh, where, *np.stack([errors[mesh][-1, :3, k], orders[mesh][:3, k]], axis=1).ravel())
         for mesh in MESHES
         for k, where in enumerate(WHERE)
     )
-    return Table(("mesh", "where", *columns), tuple(rows))
+    return ResultTable(("mesh", "where", *columns), tuple(rows))
 
 
 def _facts(

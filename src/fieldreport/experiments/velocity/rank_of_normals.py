@@ -1,10 +1,10 @@
-"""Normals that lose the rank of B', although the points have all the rank they need.
+"""Rank of B' and configurations of normals that reduce it.
 
-The slides ask which conditions the normals must fulfil so that B' keeps full column rank if B
-has it. Here are configurations that lose it, obvious ones and others: each is approached by
-turning the normals, and the smallest singular value falls like the distance t. In the plane the
-edges of triangles whose vertices lie on a conic are among them; in space stars of tetrahedra with
-few vertices.
+The slides ask which conditions the normals must satisfy so that B' has full column rank if B has.
+The configurations here violate them, some in obvious ways and some not. Each is approached by
+rotating the normals, and the smallest singular value decreases in proportion to the distance t. In
+the plane they include the edges of triangles whose vertices lie on a conic; in space, stars of
+tetrahedra with few vertices.
 
 References
 ----------
@@ -20,34 +20,45 @@ from functools import partial
 from itertools import combinations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldreport.experiments.velocity.normal_configurations import Configuration, configurations
-from fieldreport.experiments.velocity.normal_fits import normal_matrix, one_ring, rank
-from fieldreport.experiments.velocity.rank_figures import draw_approach, draw_configurations
-from fieldreport.framework.experiment import Cell, Map, Result, Table, parameter, require_at_least
+from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line, shades
+from fieldrecon.polynomials import monomials
+from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
+from fieldreport.experiments.velocity.rank_deficient_normals import Configuration, configurations
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Result,
+    ResultTable,
+    parameter,
+    require_at_least,
+)
 
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
 STEP = 1e-6
-"""Of the difference quotient by t."""
+"""Step of the difference quotient in t."""
 
 FULL = "full rank"
 
 NEARLY_CONSTANT = np.array([1.0, 0.5, 0.03, 0.02, -0.01, 0.04])
-"""Of the fields that are tangent to all samples the one nearest to this is drawn."""
+"""Among the fields that are tangent to all samples, the figure shows the one nearest to this."""
 
 
 @dataclass(frozen=True)
 class Params:
-    """How many samples, and how the bad configurations are approached."""
+    """Numbers of samples, and the approach to the rank-deficient configurations."""
 
     samples: int = parameter(12, "samples (p, n) in the plane; twice as many in space")
-    smallest: float = parameter(1e-6, "smallest t, the angle in radians by which normals turn")
+    smallest: float = parameter(1e-6, "smallest t, the angle in radians by which normals rotate")
     largest: float = parameter(1.0, "largest t")
     steps: int = parameter(13, "values of t, in geometric progression")
-    sets: int = parameter(400, "sets of points of a small grid, drawn for the rank at best")
+    sets: int = parameter(
+        400, "random sets of points of a small grid, for the largest possible rank"
+    )
     stars: int = parameter(100, "stars of tetrahedra drawn for each number of vertices")
     vertices: tuple[int, ...] = parameter((5, 6, 7, 8, 10, 14), "vertices of those stars")
     seed: int = parameter(3, "seed of points, normals and stars")
@@ -72,15 +83,15 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "configurations": Table(CONFIGURATIONS, rows),
-            "stars": Table(STARS, (*stars, _octahedron())),
+            "configurations": ResultTable(CONFIGURATIONS, rows),
+            "stars": ResultTable(STARS, (*stars, _octahedron())),
         },
         facts=_facts(rows) | _sets_of_points(params),
         arrays={"t": t, "smallest": smallest} | _drawn(cases),
     )
 
 
-# --- approached ---------------------------------------------------------------------------------
+# --- configurations ----------------------------------------------------------------------
 
 CONFIGURATIONS = (
     "configuration",
@@ -96,7 +107,7 @@ CONFIGURATIONS = (
 
 
 def smallest_singular_value(case: Configuration, t: float) -> float:
-    """Return that of B', the largest one being one."""
+    """Return the smallest singular value of B', relative to the largest."""
     s = np.linalg.svd(normal_matrix(*case.at(t)), compute_uv=False)
     return float(s[-1] / s[0])
 
@@ -137,7 +148,7 @@ def _facts(rows: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
 
 
 def _drawn(cases: list[Configuration]) -> dict[str, np.ndarray]:
-    """For those in the plane that lose rank: samples, and a field that is tangent to all."""
+    """For rank-deficient configurations in the plane: samples, and a field tangent to all."""
     arrays: dict[str, np.ndarray] = {}
     for case in cases:
         p, n = case.at(0.0)
@@ -153,13 +164,13 @@ def _drawn(cases: list[Configuration]) -> dict[str, np.ndarray]:
     return arrays
 
 
-# --- what the points allow ----------------------------------------------------------------------
+# --- largest possible rank ----------------------------------------------------------------------
 
 
 def best_rank(p: np.ndarray) -> int:
     """Return the rank of B' for almost all normals: min over sets S of n − |S| + 2 rank B(S).
 
-    It is enough to try the empty set, the points at one place, those on one line, and all.
+    It suffices to consider the empty set, coincident points, points on one line, and all points.
     """
     ones = np.column_stack([np.ones(len(p)), p])
     bounds = [len(p), 2 * rank(ones)]
@@ -201,7 +212,7 @@ STARS = (
 
 
 def ranks_of_stars(stars: int, job: tuple[int, int]) -> tuple[Cell, ...]:
-    """Return how many vertices, and the ranks of B' of random stars of so many."""
+    """Return the number of vertices, and the ranks of B' of random stars with this number."""
     seed, n = job
     return _star_row("at random", list(_random_stars(stars, n, np.random.default_rng((seed, n)))))
 
@@ -236,11 +247,60 @@ def _star(rim: np.ndarray, distance: np.ndarray | float = 1.0) -> SimplexMesh:
     return SimplexMesh(np.vstack([np.zeros(3), distance * rim]), cells)
 
 
+SHOWN = {
+    "parallel": "all parallel",
+    "two": "all but two parallel",
+    "three": "all but three, in line",
+    "five": "five of six points in line",
+    "rotation": "rotation",
+    "expansion": "expansion",
+    "spiral": "spiral",
+    "saddle": "saddle",
+    "parabola": "parabolas",
+    "hyperbola": "vertices on a hyperbola",
+}
+COLUMNS = 5
+HALF_EDGE = 0.15
+
+
 def plot(result: Result) -> Figure:
-    """The configurations in the plane, with the field that is tangent to all samples."""
-    return draw_configurations(result)
+    """Draw each sample as a short edge, and the streamlines of the tangent field."""
+    with figure(FULL_WIDTH, 2.75, rows=2, columns=COLUMNS) as (page, axes):
+        for panel, (name, title) in zip(axes.ravel(), SHOWN.items(), strict=True):
+            p, n, edges, c = (result.arrays[f"{name}_{k}"] for k in ("p", "n", "edges", "field"))
+            along = HALF_EDGE * np.column_stack([-n[:, 1], n[:, 0]])
+            edges = edges if len(edges) else np.stack([p - along, p + along], axis=1)
+            _draw_field(panel, c)
+            for ends in edges:
+                panel.plot(*ends.T, color="black", linewidth=1.2)
+            panel.plot(*p.T, ".", color="black", markersize=3.5)
+            panel.set(xlim=(-1.1, 1.1), ylim=(-1.1, 1.1), aspect="equal", xticks=[], yticks=[])
+            panel.set_title(title, fontsize=7.5)
+            panel.grid(visible=False)
+            panel.spines[:].set_visible(True)
+    return page
+
+
+def _draw_field(axes: Axes, c: np.ndarray) -> None:
+    ticks = np.linspace(-1.1, 1.1, 40)
+    x, y = np.meshgrid(ticks, ticks)
+    u, v = np.moveaxis(monomials(np.stack([x, y], axis=-1), 1) @ c.reshape(3, 2), -1, 0)
+    blue = METHOD_COLORS["MLS"]
+    axes.streamplot(x, y, u, v, color=blue, linewidth=0.6, arrowsize=0.5, density=0.55)
 
 
 def plot_approach(result: Result) -> Figure:
-    """The smallest singular value against the distance from the configuration."""
-    return draw_approach(result)
+    """Draw the smallest singular value against t, in the plane and in space."""
+    t, table = result.arrays["t"], result.tables["configurations"]
+    rows = list(zip(table.rows, result.arrays["smallest"], strict=True))
+    with figure(FULL_WIDTH, 3.5, columns=2, sharey=True) as (page, axes):
+        for panel, d, where in zip(axes, (2, 3), ("in the plane", "in space"), strict=True):
+            lines = [(row, s) for row, s in rows if row[1] == d]
+            looks = [*shades("MLS", len(lines) - 1, markersize=3), line("truth")]
+            for (row, s), look in zip(lines, looks, strict=True):
+                panel.plot(t, s, **(look | {"label": row[0], "linewidth": 0.9}))
+            panel.set(xscale="log", yscale="log", xlabel="$t$", title=where)
+            below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.19), "ncols": 2}
+            panel.legend(fontsize=7, labelspacing=0.3, columnspacing=1.0, **below)
+        axes[0].set_ylabel("smallest singular value / largest")
+    return page

@@ -1,10 +1,11 @@
-"""A rotation from the normal velocities of the edges: which vertices one ring determines.
+"""Rotation from the normal velocities of edges: vertices that one ring determines.
 
 The exercise of the slides: a rotation about the mean of the vertices of a mesh is reduced to the
-normal velocities of the edges and reconstructed at the vertices. It is affine, so it comes back
-without error wherever the edges determine it. With the edges of the triangles at a vertex they do
-not at interior vertices of three or four triangles, nor on the boundary of one to three: all
-vertices of so few triangles lie on a conic, and the field along it crosses no edge on the whole.
+normal velocities of the edges and reconstructed at the vertices. The field is affine, so it is
+reproduced exactly wherever the edges determine it. The edges of the triangles at a vertex do not
+determine it at interior vertices of three or four triangles, nor at boundary vertices of one to
+three: all vertices of so few triangles lie on a conic, and the net flow along the conic through
+each edge is zero.
 
 References
 ----------
@@ -17,25 +18,34 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
+from fieldrecon.polynomials import monomials
 from fieldrecon.velocity.vertices import (
     normal_velocities,
     velocity_weights,
     vertex_velocities,
 )
-from fieldreport.experiments.meshes.meshed_flows import (
+from fieldreport.experiments.meshes.reference_flows import (
     abc_flow,
     jittered_cube,
     random_square,
     rotation,
     taylor_green,
 )
-from fieldreport.experiments.velocity.normal_fits import conics_through, one_ring, vertices_around
+from fieldreport.experiments.velocity.normal_matrix_rank import (
+    conics_through,
+    field_along,
+    one_ring,
+    vertices_around,
+)
 from fieldreport.experiments.velocity.vertex_counts import (
     SPACE,
     VALENCES,
@@ -44,16 +54,11 @@ from fieldreport.experiments.velocity.vertex_counts import (
     rotation_in_space,
     valences,
 )
-from fieldreport.experiments.velocity.vertex_velocity_figures import draw_mesh
-from fieldreport.experiments.velocity.vertex_velocity_figures import (
-    plot_convergence as plot_convergence,
-)
-from fieldreport.experiments.velocity.vertex_velocity_figures import plot_unseen as plot_unseen
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Result,
-    Table,
+    ResultTable,
     order_of_magnitude,
     parameter,
     require_at_least,
@@ -68,9 +73,13 @@ class Params:
 
     inside: int = parameter(110, "random vertices inside the square of a mesh")
     side: int = parameter(8, "edges along each side of the square")
-    meshes: int = parameter(20, "random meshes whose vertices are counted; the first is drawn")
+    meshes: int = parameter(
+        20, "random meshes whose vertices are counted; the first is in the figure"
+    )
     epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in lengths of an edge")
-    jitter: float = parameter(0.6, "part of its cell in which a point of a regular mesh may lie")
+    jitter: float = parameter(
+        0.6, "fraction of its cell in which a point of a jittered mesh is drawn"
+    )
     sides_2d: tuple[int, ...] = parameter(
         (8, 16, 32, 64, 128), "edges along a square, Taylor-Green"
     )
@@ -111,10 +120,10 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={
-            "valences": Table(VALENCES, tuple(valences(counted))),
-            "convergence": Table(("D", "side", *ERRORS), convergence),
-            "weights": Table(WEIGHTS, tuple(_compared_weights(params))),
-            "space": Table(("side", *SPACE), tuple((side, *row) for side, row in space)),
+            "valences": ResultTable(VALENCES, tuple(valences(counted))),
+            "convergence": ResultTable(("D", "side", *ERRORS), convergence),
+            "weights": ResultTable(WEIGHTS, tuple(_compared_weights(params))),
+            "space": ResultTable(("side", *SPACE), tuple((side, *row) for side, row in space)),
         },
         facts=facts | facts_of_counts(counted) | _orders(convergence) | _gain_by_rings(params),
         arrays=arrays | _stars(meshes),
@@ -164,7 +173,7 @@ def _exercise(params: Params, mesh: SimplexMesh) -> tuple[dict[str, Cell], dict[
 
 
 def _stars(meshes: list[SimplexMesh]) -> dict[str, np.ndarray]:
-    """The roundest star of each kind that is not determined; and a cross, which is."""
+    """The roundest star of each kind that is not determined; and a cross, which is determined."""
     kinds = {"three": (False, 3), "four": (False, 4), "fan": (True, 3)}
     arrays: dict[str, np.ndarray] = {}
     for kind, (boundary, valence) in kinds.items():
@@ -193,11 +202,11 @@ def _star(kind: str, y: np.ndarray) -> dict[str, np.ndarray]:
     conics = conics_through(y)
     steepest = np.linalg.svd(conics[1:3])[2][0]
     conic = conics @ steepest
-    conic *= np.sign(conic[np.abs(conic).argmax()])  # a flow has no direction of its own
+    conic *= np.sign(conic[np.abs(conic).argmax()])  # the sign of the flow is arbitrary
     return {f"{kind}_points": y, f"{kind}_conic": conic}
 
 
-# --- refined ------------------------------------------------------------------------------------
+# --- refinement ----------------------------------------------------------------------
 
 ERRORS = (
     "h",
@@ -229,7 +238,7 @@ def errors_on_grid(params: Params, job: tuple[int, int]) -> np.ndarray:
 
 
 def _compared_weights(params: Params) -> Iterator[tuple[Cell, ...]]:
-    """Error of the flow, and rms velocity that noise of size one in the data makes."""
+    """Error of the flow, and rms velocity caused by unit noise in the data."""
     mesh = jittered_cube(params.weights_side, 2, params.jitter, params.seed)
     u = taylor_green(mesh.points)
     v = normal_velocities(mesh, u)
@@ -260,7 +269,7 @@ def _rms(lengths: np.ndarray) -> float:
 
 
 def _orders(convergence: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
-    """Orders over the last refinement, and what one ring leaves on the finest mesh."""
+    """Orders over the last refinement, and undetermined vertices on the finest mesh."""
     facts: dict[str, Cell] = {}
     for d in FLOWS:
         rows = np.array([row for row in convergence if row[0] == d], dtype=float)
@@ -273,6 +282,136 @@ def _orders(convergence: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
     return facts
 
 
+EDGES: dict[str, Any] = {"color": "0.72", "linewidth": 0.5, "zorder": 1}
+WRONG = METHOD_COLORS["RBF"]
+ARROWS: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "pivot": "tail", "zorder": 3}
+
+KINDS = {
+    "three": "inside, three triangles",
+    "four": "inside, four triangles",
+    "fan": "boundary, three triangles",
+    "cross": "four, on two lines",
+}
+"""Stars drawn with a field that none of their edges sees."""
+
+
 def plot(result: Result) -> Figure:
-    """The vertices that one ring does not determine, and the velocities it gives them."""
-    return draw_mesh(result)
+    """The mesh, the vertices that one ring does not determine, and their velocities by one ring."""
+    a = result.arrays
+    left, inside, cells = ~a["determined"], a["inside"], a["triangles"]
+    kinds = (
+        (left & inside & (cells == 3), "^", "inside, 3 triangles"),
+        (left & inside & (cells == 4), "s", "inside, 4 triangles"),
+        (left & ~inside, "o", "boundary, 1 to 3 triangles"),
+    )
+    with figure(FULL_WIDTH, 3.45, columns=2) as (page, (marked, arrows)):
+        for axes in (marked, arrows):
+            axes.triplot(*a["points"].T, a["cells"], **EDGES)
+            _bare(axes)
+        for mask, marker, label in kinds:
+            marked.plot(*a["points"][mask].T, marker, color=WRONG, markersize=4, label=label)
+        marked.plot(*a["points"][~left].T, ".", color="0.35", markersize=2.5)
+        scale = 7 * np.abs(a["truth"]).max()
+        given = {"color": WRONG, "width": 0.009, "label": "one ring there"}
+        _arrows(arrows, a["points"][left], a["one_ring"][left], scale, **given)
+        truth = {"color": "black", "width": 0.004, "label": "truth"}
+        _arrows(arrows, a["points"][left], a["truth"][left], scale, **truth)
+        arrows.margins(0.12)
+        marked.set(xlim=arrows.get_xlim(), ylim=arrows.get_ylim())
+        marked.set_title("vertices that one ring does not determine")
+        arrows.set_title("the velocities that it gives them")
+        page.legend(loc="outside lower center", ncols=5, handlelength=1.2, columnspacing=1.2)
+    return page
+
+
+def _arrows(axes: Axes, start: np.ndarray, u: np.ndarray, scale: float, **look: Any) -> None:
+    axes.quiver(*start.T, *u.T, scale=scale, **ARROWS, **look)
+
+
+def plot_unseen(result: Result) -> Figure:
+    """Conics through the vertices of four stars, and the flows along their level lines."""
+    kinds = [kind for kind in KINDS if f"{kind}_points" in result.arrays]
+    with figure(FULL_WIDTH, 1.68, columns=len(kinds), squeeze=False) as (page, axes):
+        for panel, kind in zip(axes[0], kinds, strict=True):
+            y, conic = result.arrays[f"{kind}_points"], result.arrays[f"{kind}_conic"]
+            draw_flow_along(panel, y, conic)
+            _draw_star(panel, y, boundary=kind == "fan")
+            velocity = field_along(conic)[:2]
+            if np.linalg.norm(velocity) > 1e-6:
+                tip = 0.55 * velocity / np.linalg.norm(velocity)
+                panel.quiver(0, 0, *tip, color=WRONG, scale=1, width=0.02, **ARROWS)
+            panel.set_title(KINDS[kind])
+            _bare(panel)
+    return page
+
+
+def draw_flow_along(axes: Axes, y: np.ndarray, conic: np.ndarray) -> None:
+    """Draw the level lines of a conic round points, the conic itself thick."""
+    reach = 1.25 * np.abs(y).max()
+    ticks = np.linspace(-reach, reach, 161)
+    grid = np.stack(np.meshgrid(ticks, ticks), axis=-1)
+    psi = monomials(grid, 2) @ conic
+    levels = np.linspace(-1, 1, 14) * np.abs(psi).max() * 0.7
+    axes.contour(
+        ticks,
+        ticks,
+        psi,
+        levels=levels,
+        colors=[METHOD_COLORS["MLS"]],
+        linewidths=0.5,
+        linestyles="solid",
+        alpha=0.75,
+    )
+    axes.contour(ticks, ticks, psi, levels=[0.0], colors=[METHOD_COLORS["MLS"]], linewidths=1.6)
+
+
+def _draw_star(axes: Axes, y: np.ndarray, boundary: bool) -> None:
+    """Draw the triangles round the first vertex, in the order of the angles of the others."""
+    angle = np.arctan2(*y[1:].T[::-1])
+    order = np.argsort(angle)
+    if boundary:  # begin after the widest gap, which is the exterior
+        turn = np.argmax(np.diff(angle[order], append=angle[order[0]] + 2 * np.pi))
+        order = np.roll(order, -turn - 1)
+    rim = y[1:][order]
+    rim = rim if boundary else np.vstack([rim, rim[:1]])
+    look: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 2}
+    axes.plot(*rim.T, **look)
+    for corner in y[1:]:
+        axes.plot(*np.stack([y[0], corner]).T, **look)
+    axes.plot(*y.T, "o", color="black", markersize=3, zorder=4)
+
+
+def _bare(axes: Axes) -> None:
+    axes.set(aspect="equal", xticks=[], yticks=[])
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(False)
+
+
+def plot_convergence(result: Result) -> Figure:
+    """Errors of smooth flows against the length of the edges, in the plane and in space."""
+    table = result.tables["convergence"]
+    rows = np.array(table.rows, dtype=float)
+    column = {name: k for k, name in enumerate(table.columns)}
+    looks: dict[str, dict[str, Any]] = {
+        "one ring max": line("truth", linestyle=":", marker="v", label="one ring, largest"),
+        "one ring rms": line("truth", marker="v", label="one ring, rms"),
+        "LS rms": line("LS", label="rings as needed, LS, rms"),
+        "MLS rms": line("MLS", label="rings as needed, MLS, rms"),
+    }
+    with figure(FULL_WIDTH, 2.9, columns=2) as (page, axes):
+        for panel, d, flow in zip(axes, (2, 3), ("Taylor-Green", "ABC flow"), strict=True):
+            chosen = rows[rows[:, column["D"]] == d]
+            h = chosen[:, column["h"]]
+            for name, look in looks.items():
+                panel.plot(h, chosen[:, column[name]], **look)
+            second = 0.6 * chosen[0, column["LS rms"]] * (h / h[0]) ** 2
+            panel.plot(h, second, color="0.6", linewidth=0.8, zorder=0)
+            at = (np.sqrt(h[0] * h[1]), np.sqrt(second[0] * second[1]))
+            panel.annotate("$h^2$", at, (3, -3), textcoords="offset points", va="top", color="0.4")
+            panel.set(xscale="log", yscale="log", xlabel="$h$", title=f"{flow}, D = {d}")
+            sides = chosen[:, column["side"]].astype(int)
+            panel.set_xticks(h, [f"1/{side}" for side in sides])
+            panel.minorticks_off()
+        axes[0].set_ylabel("error of the velocity")
+        page.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return page

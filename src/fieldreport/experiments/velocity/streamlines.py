@@ -1,4 +1,4 @@
-"""Streamlines: traced through velocities at the vertices of a mesh, and those past a cylinder."""
+"""Streamlines: traced through vertex velocities of a mesh, and exact ones past a cylinder."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ HALVINGS = 60
 def traced_streamlines(
     mesh: SimplexMesh, u: np.ndarray, start: np.ndarray, arc: float, right: float
 ) -> np.ndarray:
-    """Follow velocities, linear between the vertices of a mesh, by the rule of Runge and Kutta.
+    """Trace velocities, linear between the vertices of a mesh, by the Runge-Kutta method.
 
     Parameters
     ----------
     mesh : SimplexMesh
-        Of triangles.
+        A mesh of triangles.
     u : (n, 2) ndarray
         Velocities of the vertices.
     start : (m, 2) ndarray
-        Where the lines begin.
+        Starting points of the lines.
     arc : float
         Length of a step.
     right : float
-        A line that is beyond this x stays there.
+        Lines stop when x exceeds this value.
 
     Returns
     -------
@@ -59,8 +59,8 @@ def traced_streamlines(
 def exact_streamline(height: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return the points (x, y) with y (1 − 1/r²) = height, the streamlines past the unit circle.
 
-    For height > 0 the left side grows with y outside of the circle, up to which it is zero, and is
-    more than height at y = height + 1; so it is halved between.
+    For height > 0 the left side is zero on the circle, increases with y outside, and exceeds height
+    at y = height + 1; so y is found by bisection.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Least-squares velocity of one triangle in an affine field: its closed form and its place."""
+"""Least-squares velocity of one triangle in an affine field: closed form and exact points."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def closed_form(corners: np.ndarray, g: np.ndarray) -> np.ndarray:
     """
     s, sigma = np.trace(g) / 2, complex(g[0, 0] - g[1, 1], g[0, 1] + g[1, 0]) / 2
     p = corners @ np.array([1, 1j])
-    sides = np.abs(np.roll(p, -1, axis=1) - np.roll(p, -2, axis=1)) ** 2  # opposite to each corner
+    sides = np.abs(np.roll(p, -1, axis=1) - np.roll(p, -2, axis=1)) ** 2  # opposite each corner
     weights = sides * (sides.sum(axis=1, keepdims=True) - 2 * sides)
     center = (weights * p).sum(axis=1) / weights.sum(axis=1)
     q = p - center[:, None]
@@ -38,17 +38,19 @@ def closed_form(corners: np.ndarray, g: np.ndarray) -> np.ndarray:
 
 
 def places_on_triangle(corners: np.ndarray, strains: int) -> dict[str, np.ndarray]:
-    """Find where in a triangle each field has the velocity that least squares gives it.
+    """Find the points of a triangle where each field equals its least-squares velocity.
 
     Returns
     -------
     dict
         The corners, circumcentre, centroid, symmedian point, the centre and radius of the
-        nine-point circle, and the places: of the rotation, the expansion, and of strains.
+        nine-point circle, and the points for the rotation, the expansion, and strains.
     """
     mesh = SimplexMesh(corners, np.array([[0, 1, 2]]))
     center, sides = mesh.circumcenters[0], mesh.face_measures[mesh.cell_faces[0]]
-    angle = np.arange(strains) * np.pi / strains  # of σ; that of the axis is half of it
+    angle = (
+        np.arange(strains) * np.pi / strains
+    )  # argument of σ; the angle of the axis is half of it
     cos, sin = np.cos(angle), np.sin(angle)
     gradients = [
         ROTATION,

@@ -1,4 +1,4 @@
-"""Vertices of meshes counted: which of them one ring determines, by their cells."""
+"""Counts of the vertices of a mesh that one ring determines, by their number of cells."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.velocity.vertices import normal_velocities, vertex_velocities
-from fieldreport.experiments.meshes.meshed_flows import rotation
-from fieldreport.experiments.velocity.normal_fits import (
+from fieldreport.experiments.meshes.reference_flows import rotation
+from fieldreport.experiments.velocity.normal_matrix_rank import (
     VANISHES,
     conics_through,
     error_by_conics,
@@ -19,7 +19,7 @@ from fieldreport.experiments.velocity.normal_fits import (
 from fieldreport.framework.experiment import Cell, order_of_magnitude
 
 MOST = {False: 8, True: 5}
-"""Triangles at a vertex, inside and on the boundary, from which on it is counted with more."""
+"""Numbers of triangles at interior and boundary vertices from which on rows are merged."""
 
 VALENCES = (
     "where",
@@ -35,7 +35,7 @@ VALENCES = (
 
 
 def counts_of_mesh(mesh: SimplexMesh) -> np.ndarray:
-    """For each vertex of a mesh, of a rotation, what `valences` gathers, by columns."""
+    """For each vertex of a mesh and a rotation, the columns that `valences` summarizes."""
     u = rotation(mesh.points, mesh.points.mean(axis=0))
     v = normal_velocities(mesh, u)
     first, all_rings = one_ring(mesh, v), vertex_velocities(mesh, v)
@@ -59,7 +59,7 @@ def counts_of_mesh(mesh: SimplexMesh) -> np.ndarray:
 
 
 def valences(counted: np.ndarray) -> Iterator[tuple[Cell, ...]]:
-    """Gather the rows of a table: the vertices inside and on the boundary, by their triangles."""
+    """Return table rows for interior and boundary vertices, by their number of triangles."""
     for boundary, most in MOST.items():
         for n in range(1, most + 1):
             there = np.minimum(counted[:, 1], most) == n
@@ -80,7 +80,7 @@ def valences(counted: np.ndarray) -> Iterator[tuple[Cell, ...]]:
 
 
 def facts_of_counts(counted: np.ndarray) -> dict[str, Cell]:
-    """Compare ranks and errors with those that the conics through the vertices tell."""
+    """Compare ranks and errors with those predicted by the conics through the vertices."""
     determined = counted[:, 3] > 0
     return {
         "counted": len(counted),
@@ -105,7 +105,7 @@ SPACE = (
 
 
 def rotation_in_space(mesh: SimplexMesh) -> tuple[Cell, ...]:
-    """Count the rings that the vertices of a mesh in space take; measure errors of a rotation."""
+    """Count the rings that vertices of a mesh in space need; measure the errors of a rotation."""
     u = rotation(mesh.points, mesh.points.mean(axis=0))
     v = normal_velocities(mesh, u)
     first, all_rings = one_ring(mesh, v), vertex_velocities(mesh, v)

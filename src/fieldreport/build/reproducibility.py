@@ -1,0 +1,180 @@
+"""Reproducibility checks: equal bytes on one kind of machine, equal facts on all.
+
+With equal versions of Python, NumPy and SciPy, all x86-64 Linux machines with AVX2 are of one kind.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from fieldrecon._core.simd_dispatch import dispatch
+from fieldreport import experiments
+from fieldreport.build.errors import BuildError
+from fieldreport.build.pinned_kernels import pins
+from fieldreport.build.step_records import digests
+
+LEVEL_OF_ROUNDING = 1e-8
+"""Orders of magnitude below this are rounding errors."""
+
+NEGLIGIBLE = 1e-17
+"""Zero errors are replaced by this: on another machine they may be one rounding error."""
+
+SURROUNDINGS: tuple[Mapping[str, str], Mapping[str, str]] = (
+    {
+        "TZ": "Pacific/Kiritimati",
+        "LC_ALL": "C",
+        "PYTHONHASHSEED": "1",
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+    },
+    {
+        "TZ": "America/St_Johns",
+        "LC_ALL": "C.UTF-8",
+        "PYTHONHASHSEED": "2",
+        "OMP_NUM_THREADS": "4",
+        "OPENBLAS_NUM_THREADS": "4",
+    },
+)
+
+
+def callers() -> tuple[dict[str, str], dict[str, str]]:
+    """Return two environments that would give different bytes without the pins."""
+    first, second = map(dict, SURROUNDINGS)
+    if pins():
+        first |= {
+            "OPENBLAS_CORETYPE": "Prescott",
+            "NPY_DISABLE_CPU_FEATURES": " ".join(dispatch()),
+        }
+        second |= {"OPENBLAS_CORETYPE": "Haswell"}
+    return first, second
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Build in two new folders, in different environments, and compare all bytes."""
+    with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
+        built = [
+            _build(
+                arguments, Path(place, "folder " * depth, "report"), surroundings, jobs=depth + 1
+            )
+            for depth, (place, surroundings) in enumerate(
+                zip((first, second), callers(), strict=True)
+            )
+        ]
+        differences = different(*built)
+        count = len(_outputs(built[0]))
+    for name in differences:
+        print(f"differs: {name}", file=sys.stderr)
+    if differences:
+        raise BuildError(f"{len(differences)} of {count} files differ between two builds")
+    print(f"two builds gave the same {count} files, byte for byte")
+    return 0
+
+
+def different(first: Path, second: Path) -> list[str]:
+    """List the outputs that differ between two builds or exist in only one."""
+    a, b = (digests(_outputs(folder), folder) for folder in (first, second))
+    return sorted(name for name in a.keys() | b.keys() if a.get(name) != b.get(name))
+
+
+def compare_facts(arguments: argparse.Namespace) -> int:
+    """Compare the facts of the build with those of another manifest, to the stated digits."""
+    out = arguments.out or arguments.source / "build"
+    ours, theirs = (
+        json.loads(path.read_text(encoding="utf-8"))
+        for path in (out / "manifest.json", arguments.against)
+    )
+    differences = list(deviations(ours, theirs, _digits_of))
+    for text in differences:
+        print(f"differs: {text}", file=sys.stderr)
+    if differences:
+        raise BuildError(f"{len(differences)} facts differ from {arguments.against}")
+    print(f"the facts are those of {arguments.against}, to the digits that the experiments state")
+    return 0
+
+
+def _digits_of(experiment: str) -> Callable[[str], int]:
+    return experiments.get(experiment).digits
+
+
+def deviations(
+    ours: Mapping[str, Any],
+    theirs: Mapping[str, Any],
+    digits_of: Callable[[str], Callable[[str], int]],
+) -> Iterator[str]:
+    """Yield a line for each parameter or fact in which two manifests differ.
+
+    Integers and texts must be equal. Other numbers must agree to one unit in their last digit;
+    `digits_of` returns the number of digits by experiment, then by fact.
+    """
+    mine, other = ours["experiments"], theirs["experiments"]
+    for name in sorted(mine.keys() | other.keys()):
+        a, b = mine.get(name, {}), other.get(name, {})
+        if a.get("params") != b.get("params"):
+            yield f"{name}: the parameters {a.get('params')} and {b.get('params')}"
+            continue
+        digits = digits_of(name)
+        facts = a["facts"].keys() | b["facts"].keys()
+        for fact in sorted(facts):
+            x, y = a["facts"].get(fact), b["facts"].get(fact)
+            if not agree(x, y, digits(fact)):
+                yield f"{name}.{fact}: {x} and {y}"
+
+
+def agree(x: Any, y: Any, digits: int) -> bool:
+    """Whether two facts differ by at most one unit in their last digit.
+
+    Two orders of magnitude may differ by a factor of ten, since both values may be near a boundary.
+
+    Examples
+    --------
+    >>> agree(1.00001, 1.0, digits=6), agree(1.00002, 1.0, digits=6)
+    (True, False)
+    >>> agree(1e-15, 1e-16, digits=6), agree(0.01, 0.001, digits=0), agree(0.01, 0.001, digits=6)
+    (True, True, False)
+    >>> agree(3, 4, digits=6), agree("MLS", "MLS", digits=6)
+    (False, True)
+    """
+    if not (isinstance(x, float) and isinstance(y, int | float)):
+        return bool(x == y)
+    if digits == 0 or _is_rounding(x) or _is_rounding(y):
+        return _decades(x, y) < 1.5
+    return math.isclose(x, y, rel_tol=10.0 ** (1 - digits))
+
+
+def _is_rounding(x: float) -> bool:
+    return x == 0 or (0 < x < LEVEL_OF_ROUNDING and math.isclose(x, 10.0 ** round(math.log10(x))))
+
+
+def _decades(x: float, y: float) -> float:
+    return abs(math.log10(max(abs(x), NEGLIGIBLE) / max(abs(y), NEGLIGIBLE)))
+
+
+def _build(
+    arguments: argparse.Namespace, place: Path, surroundings: Mapping[str, str], jobs: int
+) -> Path:
+    """Build a copy of the text in a separate folder and process."""
+    shutil.copytree(arguments.source, place, ignore=shutil.ignore_patterns("build"))
+    command = [sys.executable, "-m", "fieldreport", f"--jobs={jobs}"]
+    if arguments.experiments:
+        command += ["--experiments", str(arguments.experiments.resolve())]
+    run = subprocess.run(command, cwd=place.parent, env={**os.environ, **surroundings}, check=False)
+    if run.returncode:
+        raise BuildError("one of the two builds to be compared failed")
+    return place / "build"
+
+
+def _outputs(folder: Path) -> list[Path]:
+    hidden = {".state", ".lock"}
+    return [
+        p for p in folder.rglob("*") if p.is_file() and p.relative_to(folder).parts[0] not in hidden
+    ]

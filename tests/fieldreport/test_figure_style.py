@@ -1,0 +1,170 @@
+"""The style of figures: methods are distinguishable with any colour vision and in grey."""
+
+import io
+import itertools
+import re
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from fieldrecon.plotting import style
+from fieldrecon.plotting.fonts import MATH, font_bytes
+from fieldrecon.plotting.maps import hillshade, map_axes
+from report_fixtures import REPORT
+
+METHODS = ("LS", "MLS", "PU", "RBF")
+
+# Machado, Oliveira and Fernandes, A physiologically-based model for simulation of color vision
+# deficiency (2009), severity 1; rows of the matrices act on linear RGB.
+EYES = {
+    "all cones": np.eye(3),
+    "no red cones": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "no green cones": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "no blue cones": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.303900],
+    ],
+}
+TO_XYZ = np.array(
+    [
+        [0.4124564, 0.3575761, 0.1804375],
+        [0.2126729, 0.7151522, 0.0721750],
+        [0.0193339, 0.1191920, 0.9503041],
+    ]
+)
+WHITE = np.array([0.95047, 1.0, 1.08883])
+
+
+def linear(color):
+    c = np.array(to_rgb(color))
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def lab(rgb):
+    """CIE L*a*b* of linear sRGB."""
+    x = TO_XYZ @ rgb / WHITE
+    f = np.where(x > 216 / 24389, np.cbrt(x), (24389 / 27 * x + 16) / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+def closest(colors, eye):
+    """Return the smallest distance in L*a*b* between two colours as an eye sees them."""
+    seen = [lab(np.clip(np.array(EYES[eye]) @ linear(c), 0, 1)) for c in colors]
+    return min(np.linalg.norm(a - b) for a, b in itertools.combinations(seen, 2))
+
+
+@pytest.mark.parametrize("eye", EYES)
+def test_methods_are_told_apart_by_every_eye(eye):
+    """Colours of methods are at least 18 apart in L*a*b* for each kind of colour vision."""
+    assert closest([style.METHOD_COLORS[m] for m in (*METHODS, "truth")], eye) > 18
+
+
+def test_red_and_green_of_equal_lightness_would_be_refused():
+    """The measure fails on a pair that is known to be bad."""
+    assert closest(["#d62728", "#2ca02c"], "all cones") > 18
+    assert closest(["#b3591f", "#7a7a1f"], "no green cones") < 18
+
+
+def test_methods_are_told_apart_in_grey():
+    """Lightness falls by ten and more from method to method; lines differ in dashes and marker."""
+    lightness = [lab(linear(style.METHOD_COLORS[m]))[0] for m in METHODS]
+    assert (np.diff(lightness) < -10).all()
+    for look in (style.METHOD_LINESTYLES, style.METHOD_MARKERS):
+        assert len({look[m] for m in METHODS}) == len(METHODS)
+
+
+def test_lines_stand_out_from_paper():
+    """Every colour has a contrast of three and more against white (WCAG 1.4.11)."""
+    for color in style.METHOD_COLORS.values():
+        assert 1.05 / ((TO_XYZ @ linear(color))[1] + 0.05) > 3
+
+
+def test_looks_are_complete():
+    """Colour, dashes and marker are given for the same methods."""
+    assert style.METHOD_COLORS.keys() == style.METHOD_LINESTYLES.keys()
+    assert style.METHOD_COLORS.keys() == style.METHOD_MARKERS.keys()
+
+
+def test_variants_of_a_method_get_lighter():
+    """Shades rise in lightness, so that their order is seen in grey."""
+    lightness = [lab(linear(look["color"]))[0] for look in style.shades("RBF", 5)]
+    assert (np.diff(lightness) > 5).all()
+
+
+def test_sequential_map_rises_and_diverging_map_is_lightest_at_zero():
+    """Both colour maps can be read in grey."""
+    steps = np.linspace(0, 1, 33)
+    rising = [lab(linear(c))[0] for c in mpl.colormaps[style.SEQUENTIAL](steps)[:, :3]]
+    assert (np.diff(rising) > 0).all()
+    signed = [lab(linear(c))[0] for c in mpl.colormaps[style.DIVERGING](steps)[:, :3]]
+    assert np.argmax(signed) == 16
+
+
+def test_full_width_is_the_text_width_of_the_pdf():
+    """A4 less both margins of the template, and the width that the passes count with."""
+    margin = int(re.search(r"margin: \(x: (\d+)mm", (REPORT / "template.typ").read_text()).group(1))
+    assert 210 - 2 * margin == pytest.approx(style.FULL_WIDTH * 25.4)
+    passes = (REPORT / "filters" / "pictures.lua").read_text()
+    assert int(re.search(r"text_width = (\d+)", passes).group(1)) == 210 - 2 * margin
+
+
+def drawn():
+    with style.figure(columns=2, width=style.FULL_WIDTH) as (page, axes):
+        axes[0].plot([1, 2], [1e-3, 1], **style.line("MLS"))
+        axes[0].set(yscale="log", xlabel=r"$\varepsilon / h$", title="error")
+        axes[1].imshow(hillshade(np.eye(8), 1, 1), cmap=style.SHADE, extent=(0, 9000, 0, 8000))
+        map_axes(axes[1], "heights")
+    return page
+
+
+def saved(page, kind):
+    buffer = io.BytesIO()
+    page.savefig(buffer, format=kind)
+    return buffer.getvalue()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
+def test_a_figure_is_the_same_bytes_whatever_the_reader_has_set(kind):
+    """Neither a second saving, nor a second drawing, nor the user's settings change a byte."""
+    first, again = drawn(), drawn()
+    bytes_ = saved(first, kind)
+    with mpl.rc_context({"font.family": "serif", "svg.fonttype": "none", "lines.linewidth": 9}):
+        assert saved(first, kind) == bytes_
+        assert saved(again, kind) == bytes_
+        assert saved(drawn(), kind) == bytes_
+
+
+def test_style_is_left_behind_outside():
+    """Drawing a figure does not change the settings of others."""
+    before = dict(mpl.rcParams)
+    drawn()
+    assert dict(mpl.rcParams) == before
+
+
+def test_hillshade_is_bright_towards_the_light():
+    """A slope that faces north-west is brighter than flat ground, its opposite darker."""
+    y, x = np.mgrid[0:20.0, 0:20.0]
+    faces_north_west, faces_south_east = x - y, y - x
+    flat = hillshade(0 * x, 1, 1).mean()
+    assert (
+        hillshade(faces_north_west, 1, 1).mean() > flat > hillshade(faces_south_east, 1, 1).mean()
+    )
+
+
+def test_a_font_that_typst_lacks_is_told():
+    """The error names the font and lists those that there are."""
+    with pytest.raises(LookupError, match=r"the font Comic is not in the Typst wheel .*NewCMMath"):
+        font_bytes("Comic")
+    assert font_bytes(MATH).startswith(b"OTTO")

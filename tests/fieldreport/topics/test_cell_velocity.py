@@ -1,0 +1,191 @@
+"""The claims of the chapter on cell velocities: triangles, tetrahedra and noise."""
+
+import numpy as np
+import pytest
+
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.velocity.cells import cell_velocities
+from fieldrecon.velocity.vertices import normal_velocities
+from fieldreport import experiments
+from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
+from fieldreport.experiments.methods.convergence import order
+from fieldreport.experiments.velocity import cell_velocity, triangle_velocity
+from fieldreport.experiments.velocity.cell_velocity import GRADIENTS, PLACES
+from fieldreport.experiments.velocity.triangle_velocity import ROTATION, STRAIN, closed_form
+
+ROUNDING = 1e-12
+
+
+@pytest.fixture(scope="module")
+def found():
+    return experiments.get("cell_velocity").run(
+        cell_velocity.Params(sides=(8, 32), sides_3d=(3, 9))
+    )
+
+
+def row(found, d, field):
+    """Return a row of the table of fields by its columns."""
+    table = found.tables["fields"]
+    (cells,) = (r for r in table.rows if r[:2] == (d, field))
+    return dict(zip(table.columns, cells, strict=True))
+
+
+def some_triangles():
+    corners = np.random.default_rng(0).uniform(-1, 1, (300, 3, 2))
+    edges = corners[:, 1:] - corners[:, :1]
+    return corners[np.abs(np.linalg.det(edges)) > 0.05]
+
+
+def by_least_squares(corners, g):
+    """Return u − u(O) in the field G x by numpy, each triangle for itself."""
+    error = []
+    for p in corners:
+        middle, edge = (np.roll(p, -1, axis=0) + p) / 2, np.roll(p, -1, axis=0) - p
+        n = edge @ ROTATION / np.linalg.norm(edge, axis=1, keepdims=True)
+        u = np.linalg.lstsq(n, np.einsum("ad,ad->a", n, middle @ g.T))[0]
+        center = np.linalg.solve(2 * (p[1:] - p[0]), (p[1:] ** 2 - p[0] ** 2).sum(axis=1))
+        error.append(u - g @ center)
+    return np.array(error)
+
+
+def is_closed_form(form):
+    corners, rng = some_triangles(), np.random.default_rng(1)
+    for _ in range(5):
+        g = rng.uniform(-1, 1, (2, 2))
+        np.testing.assert_allclose(form(corners, g), by_least_squares(corners, g), atol=1e-9)
+
+
+def test_the_closed_form_is_that_of_least_squares_by_numpy():
+    """For any affine field and any triangle, found without the library."""
+    is_closed_form(closed_form)
+
+
+@pytest.mark.parametrize("part", [np.eye(2), STRAIN, np.array([[0.0, 1.0], [1.0, 0.0]])])
+def test_a_closed_form_without_one_of_its_terms_is_caught(part):
+    """Expansion and both strains have their part in the error; the rotation has none."""
+    with pytest.raises(AssertionError, match="Not equal"):
+        is_closed_form(lambda corners, g: closed_form(corners, g - np.sum(g * part) / 2 * part))
+    is_closed_form(lambda corners, g: closed_form(corners, g + ROTATION))
+
+
+def places(corners, strains=7):
+    return triangle_velocity.places_on_triangle(corners, strains)
+
+
+@pytest.mark.parametrize("k", range(12))
+def test_each_field_has_the_velocity_found_at_a_centre_of_the_triangle(k):
+    """Rotation at the circumcentre, expansion at the symmedian point, strain on Feuerbach's circle.
+
+    That circle goes through the middles of the sides, which is how it is recognized here.
+    """
+    corners = some_triangles()[k]
+    at = places(corners)
+    np.testing.assert_allclose(at["places"][0], at["center"], atol=1e-10)
+    np.testing.assert_allclose(at["places"][1], at["symmedian"], atol=1e-10)
+    distance = np.linalg.norm(at["places"][2:] - at["nine_point_center"], axis=1)
+    middles = (np.roll(corners, -1, axis=0) + corners) / 2
+    through = np.linalg.norm(middles - at["nine_point_center"], axis=1)
+    np.testing.assert_allclose(through, at["nine_point_radius"], atol=1e-10)
+    np.testing.assert_allclose(distance, at["nine_point_radius"], atol=1e-10)
+
+
+def test_a_strain_along_a_side_has_its_place_at_the_middle_of_the_side():
+    """Its normal velocities on the side vanish at the middle, as do those of the other sides."""
+    corners = np.array([[-1.0, 0.0], [1.0, 0.0], [0.3, 1.7]])
+    mesh = SimplexMesh(corners, [[0, 1, 2]])
+    middle = corners[:2].mean(axis=0)
+    hits = []
+    for angle in np.linspace(0, np.pi, 3600, endpoint=False):
+        g = np.array([[np.cos(angle), np.sin(angle)], [np.sin(angle), -np.cos(angle)]])
+        u = cell_velocities(mesh, normal_velocities(mesh, mesh.points @ g.T)).values[0]
+        hits.append(np.linalg.norm(np.linalg.solve(g, u) - middle))
+    assert min(hits) < 2e-3
+
+
+def test_only_the_rotation_is_exact_at_the_circumcentre(found):
+    """Strain and expansion are wrong there, and the rotation is elsewhere."""
+    rotation = row(found, 2, "rotation")
+    assert rotation["circumcentre"] < ROUNDING < rotation["centroid"] < rotation["vertices"]
+    for field in ("expansion", "strain"):
+        assert row(found, 2, field)["circumcentre"] > row(found, 2, field)["centroid"] > ROUNDING
+    assert found.facts["closed_form_gap"] < ROUNDING
+
+
+def test_raviart_and_thomas_mends_the_expansion_and_not_the_strain(found):
+    """A field free of divergence is constant there too, so it is the same."""
+    for d in (2, 3):
+        expansion, strain = row(found, d, "expansion"), row(found, d, "strain")
+        assert expansion["RT at circumcentre"] < ROUNDING < expansion["circumcentre"]
+        assert strain["RT at circumcentre"] == pytest.approx(strain["circumcentre"], rel=1e-6)
+
+
+def test_in_space_a_rotation_wants_the_circumcentres_of_the_faces(found):
+    """With the normal velocities at the centroids of the faces it is not exact."""
+    assert row(found, 3, "rotation, v at circumcentres")["circumcentre"] < ROUNDING
+    assert row(found, 3, "rotation")["circumcentre"] > 0.01
+
+
+def test_consistent_is_not_accurate(found):
+    """The strain has no defect and the larger error."""
+    assert row(found, 2, "strain")["defect"] < ROUNDING
+    assert row(found, 2, "strain")["circumcentre"] > row(found, 2, "expansion")["circumcentre"]
+    assert row(found, 2, "expansion")["defect"] > 0.01
+
+
+def test_noise_shows_in_the_defect_in_full_and_in_the_velocity_as_predicted(found):
+    """The defect has the deviation of the noise; the velocity that of the pseudo-inverse."""
+    for d in (2, 3):
+        assert found.facts[f"defect_over_noise_{d}d"] == pytest.approx(1, abs=0.15)
+        assert found.facts[f"disturbance_off_percent_{d}d"] < 5
+
+
+@pytest.mark.parametrize(("u", "d"), [(taylor_green, 2), (abc_flow, 3)])
+def test_curved_flows_are_free_of_divergence(u, d):
+    """So that what remains of them is error, not expansion: by central differences."""
+    x = np.random.default_rng(2).random((50, d))
+    steps = 1e-5 * np.eye(d)
+    total = sum((u(x + s)[:, k] - u(x - s)[:, k]) / 2e-5 for k, s in enumerate(steps))
+    assert np.abs(total).max() < 1e-8
+
+
+def test_the_error_of_the_cells_is_of_first_order_and_partly_cancels_at_the_vertices():
+    """The mean of the cells round an inner vertex is better than each of them, by half an order."""
+    params = cell_velocity.Params(sides=(8, 16, 32))
+    errors = np.array(
+        [cell_velocity.errors_on_mesh(params, (2, side))["vortices"] for side in params.sides]
+    )
+    h = 1 / np.array(params.sides)
+    at = {place: errors[:, k] for k, place in enumerate(PLACES)}
+    assert order(h, at["circumcentre"]) == pytest.approx(1, abs=0.2)
+    assert order(h, at["inner vertices"]) > 1.4
+    assert at["inner vertices"][-1] < at["circumcentre"][-1] / 2
+
+
+def test_the_gradients_are_what_they_are_called():
+    """Skew, a multiple of one, symmetric without trace."""
+    for of_dimension in GRADIENTS.values():
+        rotation, expansion, strain = of_dimension.values()
+        np.testing.assert_array_equal(rotation, -rotation.T)
+        np.testing.assert_array_equal(expansion, np.eye(len(expansion)))
+        np.testing.assert_array_equal(strain, strain.T)
+        assert np.trace(strain) == 0
+
+
+def test_a_jittered_mesh_fills_the_cube_and_is_delaunay():
+    """Its cells have the volume of the cube, and no vertex lies in a circumcircle."""
+    for d, side in ((2, 6), (3, 3)):
+        mesh = jittered_cube(side, d, 0.6, 5)
+        assert mesh.cell_measures.sum() == pytest.approx(1)
+        radius = np.linalg.norm(mesh.points[mesh.cells[:, 0]] - mesh.circumcenters, axis=1)
+        distance = np.linalg.norm(mesh.points - mesh.circumcenters[:, None], axis=2).min(axis=1)
+        assert np.all(distance > radius * (1 - 1e-6) - 1e-9)
+
+
+def test_at_the_vertices_the_comparison_measures_the_circumradius(found):
+    """Of a rotation of rate one the apparent error is R at a vertex and |h|/3 at the centroid."""
+    mesh = jittered_cube(32, 2, found.params.jitter, found.params.seed)
+    radius = np.linalg.norm(mesh.points[mesh.cells[:, 0]] - mesh.circumcenters, axis=1)
+    offset = (mesh.points[mesh.cells] - mesh.circumcenters[:, None]).sum(axis=1) / 3
+    rotation = row(found, 2, "rotation")
+    assert rotation["vertices"] == pytest.approx(np.sqrt(np.mean(radius**2)))
+    assert rotation["centroid"] == pytest.approx(np.sqrt(np.mean((offset**2).sum(axis=1))))
