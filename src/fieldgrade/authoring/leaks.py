@@ -88,7 +88,7 @@ def number_leaks(
     calls, answers : sequence
         Hidden inputs, and the right answers.
     written : mapping
-        What `long_numbers` finds in the files, by their names.
+        The long numbers in the files, by the names of the files.
     """
     arrays = [np.asarray(a, dtype=float) for call in calls for a in call.arguments]
     secret = _long([*arrays, *(v for values in answers for v in values)])

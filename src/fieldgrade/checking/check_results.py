@@ -16,7 +16,7 @@ class CheckResult:
     Parameters
     ----------
     verdict : Verdict
-        How far up the ladder the answer came.
+        The verdict on the answer.
     check : str
         The name of the check if the answer failed it, else empty.
     broke : tuple of str

@@ -1,4 +1,4 @@
-"""What the staff decides beside the grader: assignments, extensions, manual marks, overrides.
+"""Decisions of the staff beside the grader: assignments, extensions, manual marks, overrides.
 
 The decisions are tables in the folder of the class. A copy of the tables is kept beside the
 results in ``decided.json``, so that a later comparison can report which grades changed because a

@@ -68,7 +68,7 @@ def grader_reports(source: Source, salt: str, only: str = "") -> Iterator[Grader
     for question in questions().values():
         if question.notebook == source.number and question.name.startswith(only):
             tried = trials(question, functions, mistakes, hidden, STUDENT, salt)
-            yield _prove(
+            yield _report(
                 question,
                 tried,
                 functions,
@@ -79,7 +79,7 @@ def grader_reports(source: Source, salt: str, only: str = "") -> Iterator[Grader
             )
 
 
-def _prove(
+def _report(
     question: Question,
     tried: Sequence[Trial],
     functions: dict[str, Any],

@@ -89,7 +89,7 @@ def run_in_worker(
 
 @dataclass(frozen=True)
 class Batch:
-    """How a class is graded.
+    """The grading of a class: trusted side, sandbox, cache and executor.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ class Limits:
     seconds_in_all : float
         Time limit of a whole submission.
     most_starts : int
-        How many processes of one submission may break down.
+        The largest number of processes of one submission.
     """
 
     memory: int = 1024 * MEBIBYTE
@@ -64,7 +64,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class ProcessEnd:
-    """How a process ended.
+    """The end of a process: its reason and its cost.
 
     Parameters
     ----------

@@ -16,19 +16,19 @@ from fieldgrade.isolation.process import NotStarted, Process, ProcessFailed
 from fieldgrade.isolation.server import ProcessEnd, Server
 
 MOST_FAILURES = 3
-"""How often a process may fail to start."""
+"""The largest number of failed starts."""
 
 
 @dataclass
 class SessionLog:
-    """What happened while a submission ran.
+    """Errors, killed processes and costs of a submission.
 
     Parameters
     ----------
     cell_errors : dict
         The errors of cells, by the number of the cell.
     processes : list of ProcessEnd
-        How each process ended.
+        The end of each process.
     killed : list of str
         Why processes were killed: ``"time"``, ``"memory"``, ``"output"``, ``"crash"``,
         ``"exit"``, ``"threads"`` or ``"disk"``.

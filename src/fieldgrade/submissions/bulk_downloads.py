@@ -31,7 +31,7 @@ NOTEBOOK = re.compile(
 
 @dataclass(frozen=True)
 class FileOrigin:
-    """What the path of a file says about its origin.
+    """The origin of a file, from its path.
 
     Parameters
     ----------

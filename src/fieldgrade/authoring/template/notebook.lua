@@ -12,7 +12,7 @@ local function numbered(math)
   return pandoc.Span({ math }, { '', { 'equation' }, { number = number } }), false
 end
 
--- In print nothing unfolds: a hint stands there with its heading.
+-- In print nothing unfolds: a hint is printed below its summary.
 local function unfolded(raw)
   if not FORMAT:match 'typst' then return nil end
   local summary = raw.text:match '<summary>(.-)</summary>'
@@ -28,7 +28,7 @@ local function picture(image)
   return image
 end
 
--- The first heading is the title, which stands above already.
+-- The first heading repeats the title, which the template prints.
 local function untitled(doc)
   if doc.blocks[1] and doc.blocks[1].t == 'Header' then doc.blocks:remove(1) end
   return doc
