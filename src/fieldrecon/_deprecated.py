@@ -10,7 +10,7 @@ _WING = "fieldreport.experiments.coupling"
 
 MOVED = {
     "Air": f"{_WING}.standard_atmosphere.Air",
-    "ElasticWing": f"{_WING}.wing.ElasticWing",
+    "ElasticWing": f"{_WING}.static_aeroelasticity.ElasticWing",
     "ExtractedSurface": "fieldrecon.solids.ExtractedSurface",
     "FixedPoint": "fieldrecon.coupling.FixedPoint",
     "FlatCoupling": "fieldrecon.coupling.FlatCoupling",
