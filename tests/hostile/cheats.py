@@ -126,7 +126,7 @@ sys.modules["numpy"] = np
         """
 import fieldcheck, fieldcheck.answers, fieldcheck.calls, fieldcheck.ladder, fieldcheck.verdict
 def right(question, *args): return fieldcheck.verdict.Verdict(question.name, "right", "")
-fieldcheck.ladder.judge = right
+fieldcheck.judge.judge = right
 fieldcheck.answers.distance = lambda *args: 0.0
 for name in ("distances", "_same", "as_arrays"):
     setattr(fieldcheck.calls, name, lambda *args: ())

@@ -8,7 +8,7 @@ from typing import Any
 
 from fieldcheck.answers import Answers, Mistake, from_json, to_json
 from fieldcheck.calls import Call, Outcome, Values, perform
-from fieldcheck.ladder import TIMEOUT_FACTOR
+from fieldcheck.judge import TIMEOUT_FACTOR
 from fieldcheck.question import Question
 from fieldcheck.questions import questions
 from fieldcheck.seeds import EVERYBODY, seed

@@ -9,7 +9,7 @@ from typing import Any
 
 from fieldcheck.answers import Answers, Mistake
 from fieldcheck.calls import Call, Outcome, perform
-from fieldcheck.ladder import TIMEOUT_FACTOR, judge
+from fieldcheck.judge import TIMEOUT_FACTOR, judge
 from fieldcheck.question import Question
 from fieldcheck.seeds import seed
 from fieldcheck.verdict import Verdict

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldcheck.answers import arrays_to_json
 from fieldcheck.calls import Outcome
-from fieldcheck.ladder import TIMEOUT_FACTOR
+from fieldcheck.judge import TIMEOUT_FACTOR
 from fieldcheck.question import Question
 from fieldcheck.verdict import Verdict
 from fieldgrade.authoring.trials import PUBLIC, Trial

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from fieldcheck.calls import Call, Outcome, perform
-from fieldcheck.ladder import TIMEOUT_FACTOR
+from fieldcheck.judge import TIMEOUT_FACTOR
 from fieldcheck.question import Question
 from fieldcheck.questions import get
 from fieldcheck.shapes import fitted, in_words

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldcheck.calls import Outcome
-from fieldcheck.ladder import TIMEOUT_FACTOR
+from fieldcheck.judge import TIMEOUT_FACTOR
 from fieldcheck.question import Question
 from fieldcheck.questions import questions
 from fieldgrade.authoring.catalogue import Entry, entries

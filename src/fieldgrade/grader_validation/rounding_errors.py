@@ -16,7 +16,7 @@ import numpy as np
 
 from fieldcheck.answers import Answers
 from fieldcheck.calls import Call, perform
-from fieldcheck.ladder import TIMEOUT_FACTOR, judge
+from fieldcheck.judge import TIMEOUT_FACTOR, judge
 from fieldcheck.questions import questions
 from fieldgrade.authoring.catalogue import Entry, entries
 from fieldgrade.authoring.hidden_cases import hidden_cases

@@ -25,6 +25,7 @@ from fieldrecon.methods.partition_of_unity.blending import (
     summed,
     weight_rows,
 )
+from fieldrecon.methods.partition_of_unity.leave_one_out import blended_residuals
 from fieldrecon.methods.partition_of_unity.patch_systems import Problem
 from fieldrecon.methods.solvability import (
     as_augmentation,
@@ -176,34 +177,7 @@ class PartitionOfUnityRBF(Reconstruction):
         return super()._arguments() | {"degree": self._levels[0].systems[0].degree}
 
     def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
-        """Residuals (n, v) of the data (n, v), each against the field of all others.
-
-        The patches stay, and each gives up the site: a weighted mean of lambda_i / (S^-1)_ii over
-        the patches that contain it.
-        """
-        level, total = self._levels[0], np.zeros_like(values)
-        weights, done = np.zeros(len(values)), 0
-        for number, systems in enumerate(level.systems):
-            patches = np.flatnonzero(level.group == number)
-            work = partial(systems.leave_one_out, values[level.sites])
-            own_progress = progress and partial(_level_progress, progress, done, len(level.patches))
-            done += len(systems)
-            every = np.arange(len(systems))
-            for part, (rest, valid_sites) in chunked(
-                work, every, systems.rows(), progress=own_progress
-            ):
-                own = systems.sites[part]
-                weight = level.patches.weights(patches[part], systems.points[own]) * valid_sites
-                np.add.at(weights, level.sites[own], weight)
-                np.add.at(total, level.sites[own], weight[..., None] * rest)
-        if not weights.all():
-            i = int(np.flatnonzero(weights == 0)[0])
-            where = valid.format_point(self.points[i])
-            raise np.linalg.LinAlgError(
-                f"without point {i}, ({where}), the others of its patches do not determine the "
-                "polynomial"
-            )
-        return total / weights[:, None]
+        return blended_residuals(self.points, self._levels[0], values, progress)
 
     def _prepare(
         self,

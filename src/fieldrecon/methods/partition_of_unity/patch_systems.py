@@ -26,7 +26,7 @@ from fieldrecon.methods.partition_of_unity.batched_systems import (
     batched_solve_grouped,
     solved,
 )
-from fieldrecon.methods.partition_of_unity.polynomial_rank import leverages, ranks
+from fieldrecon.methods.partition_of_unity.polynomial_rank import ranks
 from fieldrecon.methods.solvability import TOLERATED_MISS, too_flat
 from fieldrecon.polynomials import dimension, monomial_gradients, monomials
 
@@ -135,21 +135,6 @@ class PatchSystems:
         for i, transform in self._reduced_among(patch):
             found[i, k:] = transform @ found[i, k:]
         return found
-
-    def leave_one_out(self, values: np.ndarray, patch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals (p, k, v) of the sites, against the others of its patch, and their validity.
-
-        A residual is lambda_i / (S^-1)_ii. It is valid (p, k) if the other sites determine the
-        polynomials, and zero otherwise.
-        """
-        k = self.sites.shape[1]
-        unit = np.zeros((len(patch), self.size, k))
-        unit[:, range(k), range(k)] = 1.0
-        inverse = solved(self.matrices(patch), unit)[:, :k]
-        valid = leverages(self.frames(patch), self.degree) <= MOST_LEVERAGE
-        diagonal = np.where(valid, inverse[:, range(k), range(k)], 1.0)
-        residuals = inverse @ values[self.sites[patch]] / diagonal[..., None]
-        return np.where(valid[..., None], residuals, 0.0), valid
 
     def values(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
         """Values (p, v) at points x (p, d), for the coefficients of all patches."""
