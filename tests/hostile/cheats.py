@@ -124,7 +124,7 @@ sys.modules["numpy"] = np
     cheat(
         "the grader patched",
         """
-import fieldcheck, fieldcheck.answers, fieldcheck.calls, fieldcheck.ladder, fieldcheck.verdict
+import fieldcheck, fieldcheck.answers, fieldcheck.calls, fieldcheck.judge, fieldcheck.verdict
 def right(question, *args): return fieldcheck.verdict.Verdict(question.name, "right", "")
 fieldcheck.judge.judge = right
 fieldcheck.answers.distance = lambda *args: 0.0
