@@ -101,7 +101,7 @@ $(peers)/ready-bench: requirements-bench.lock requirements.lock pyproject.toml
 notebooks: $(ready) ## make exercises/ and the executed solutions from solutions/*.py
 	@$(VENV)/bin/fieldrecon course build
 
-check-graders: $(ready) ## prove the graders: right answers, mistakes, mutants; ONLY=02 for one notebook
+check-graders: $(ready) ## test the graders with right answers, known mistakes and mutants; ONLY=02 for one notebook
 	@$(VENV)/bin/fieldrecon course check $(if $(ONLY),--only $(ONLY))
 
 publish: $(ready) ## write the solved notebooks as HTML and PDF to dist/solutions/
@@ -110,8 +110,8 @@ publish: $(ready) ## write the solved notebooks as HTML and PDF to dist/solution
 bundle: $(ready) ## write dist/student-bundle.zip
 	@$(VENV)/bin/fieldrecon course bundle
 
-grade: $(ready) ## grade what a class handed in: SUBMISSIONS=dir; OUT=graded, CLASS=class, ONLY=02, JOBS=4, DIFF=1
-	@$(if $(SUBMISSIONS),,$(error SUBMISSIONS=dir is missing: what is to be graded))
+grade: $(ready) ## grade the submissions of a class: SUBMISSIONS=dir; OUT=graded, CLASS=class, ONLY=02, JOBS=4, DIFF=1
+	@$(if $(SUBMISSIONS),,$(error SUBMISSIONS=dir is missing: the folder or zip file to grade))
 	@$(VENV)/bin/fieldrecon grade "$(SUBMISSIONS)" $(if $(OUT),--out "$(OUT)") \
 	  $(if $(CLASS),--class "$(CLASS)") $(if $(ONLY),--only $(ONLY)) $(if $(JOBS),--jobs $(JOBS)) \
 	  $(if $(DIFF),--diff)
