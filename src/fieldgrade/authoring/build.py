@@ -18,8 +18,8 @@ from fieldgrade.authoring.leaks import code_leaks, long_numbers, number_leaks
 from fieldgrade.authoring.notebooks import execute, solved_notebook, stub, student_notebook, to_text
 from fieldgrade.authoring.sources import Source, sources
 from fieldgrade.authoring.trials import trials
-from fieldgrade.digests import bytes_digest, json_digest
 from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.digests import bytes_digest, json_digest
 
 Each = Callable[[Callable[[Source], None], list[Source]], Iterable[None]]
 NOTHING: Mapping[Path, str] = MappingProxyType({})

@@ -15,7 +15,7 @@ from typing import Any
 import nbformat
 
 from fieldgrade.authoring.sources import REGION, Cell, Source
-from fieldgrade.digests import bytes_digest
+from fieldrecon._core.digests import bytes_digest
 from fieldreport.build.pinned_kernels import environment, pins
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}

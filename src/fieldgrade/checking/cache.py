@@ -20,10 +20,10 @@ from fieldcheck.verdict import Verdict
 from fieldgrade.checking.check_results import CheckResult
 from fieldgrade.checking.course import Course
 from fieldgrade.checking.dependency_digests import environment_digest, grader_digest
-from fieldgrade.digests import json_digest
 from fieldgrade.isolation.server import Server
 from fieldgrade.submissions.submission import Submission
 from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.digests import json_digest
 
 
 def keys(course: Course, server: Server, submission: Submission, question: str) -> dict[str, str]:

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldgrade.digests import bytes_digest
+from fieldrecon._core.digests import bytes_digest
 
 OURS = ("fieldcheck", "fieldgrade", "fieldrecon", "fieldreport")
 

@@ -7,7 +7,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Iterable
 
-from fieldgrade.digests import bytes_digest
+from fieldrecon._core.digests import bytes_digest
 
 LONGEST = 60
 

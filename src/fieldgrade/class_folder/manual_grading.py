@@ -17,8 +17,8 @@ from fieldgrade.class_folder.csv_tables import (
     short,
     to_csv,
 )
-from fieldgrade.digests import bytes_digest
 from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.digests import bytes_digest
 
 COLUMNS = ("student", "points", "comment", "answer")
 NOTHING = "Nothing was written."

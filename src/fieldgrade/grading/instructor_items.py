@@ -20,12 +20,12 @@ from fieldgrade.checking.instructor_checks import (
     InstructorCheckResult,
     answer_of_solution,
 )
-from fieldgrade.digests import json_digest
 from fieldgrade.grading.batch import GradingTask
 from fieldgrade.grading.pytest_items import AnswerId, answer_ids, group, printable
 from fieldgrade.grading.run import GradingRun
 from fieldgrade.isolation.server import GraderError
 from fieldgrade.submissions.submission import Submission
+from fieldrecon._core.digests import json_digest
 
 MARK, FIXTURE = "question", "answer"
 USAGE = f"{MARK}(name, sentence, costs=None): a check that an instructor adds to a question"

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from fieldgrade.digests import bytes_digest, json_digest
 from fieldgrade.submissions.definitions import defined, plain, statements
+from fieldrecon._core.digests import bytes_digest, json_digest
 
 MOST_BYTES = 20 << 20
 MOST_CODE = 1 << 20

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.io.mesh_content import MeshContent
 from fieldrecon.io.meshes import READERS, read_content
 from fieldrecon.io.tables import ColumnSpec, bare_name, read_table
@@ -157,7 +158,7 @@ def _with_normals(cloud: Cloud) -> Cloud:
         return replace(cloud, normals=None)
     p = cloud.points - cloud.points.mean(axis=0)
     a, b, c = p[cloud.triangles].swapaxes(0, 1)
-    area = np.cross(b - a, c - a)
+    area = triangle_normals(a, b, c)
     normals = np.stack(
         [np.bincount(cloud.triangles.ravel(), np.repeat(column, 3), len(p)) for column in area.T],
         axis=1,

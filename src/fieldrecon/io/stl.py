@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.io.mesh_content import MeshContent
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -96,7 +97,7 @@ def stl_bytes(corners: np.ndarray) -> bytes:
     records = np.zeros(len(corners), dtype=_RECORD)
     records["corners"] = corners
     a, b, c = corners.swapaxes(0, 1)
-    normal = np.cross(b - a, c - a)
+    normal = triangle_normals(a, b, c)
     length = np.sqrt(np.einsum("ki,ki->k", normal, normal))[:, None]
     records["normal"] = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
     count = len(corners).to_bytes(_COUNT_BYTES, "little")

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon._core.validation import as_length
 from fieldrecon.io.clouds import Cloud, read_cloud
 from fieldrecon.pipelines.stages import Stages, silent
@@ -234,7 +235,7 @@ def _refuse_flat(points: np.ndarray) -> None:
 
 def _areas(mesh: ExtractedSurface) -> np.ndarray:
     a, b, c = mesh.points[mesh.triangles].swapaxes(0, 1)
-    return np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return np.linalg.norm(triangle_normals(a, b, c), axis=1)
 
 
 def _percent(share: float) -> str:

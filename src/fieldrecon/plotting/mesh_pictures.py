@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.triangles.audit import CONCERNS, MeshAudit
 
 COLORS = dict(zip(CONCERNS, ("#cc3f8e", "#d55e00", "#0072b2", "#c99700", "#009e73"), strict=True))
@@ -66,7 +67,7 @@ def _marks(kind: str, found: np.ndarray, triangles: np.ndarray) -> Marks:
     return Marks(none, no_edges, first)
 
 
-class Picture:
+class MeshPicture:
     """A parallel projection of triangles, drawn pixel by pixel.
 
     Parameters
@@ -114,7 +115,7 @@ class Picture:
     def image(self, tints: dict[int, np.ndarray] | None = None) -> np.ndarray:
         """Colours (rows, columns, 4), the lowest row first; triangles may be tinted."""
         a, b, c = self.points[self.triangles].swapaxes(0, 1)
-        normal = np.cross(b - a, c - a)
+        normal = triangle_normals(a, b, c)
         length = np.linalg.norm(normal, axis=1)[:, None]
         normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
         light = 0.5 + 0.5 * np.abs(normal @ LIGHT)
@@ -192,7 +193,7 @@ def draw(
     """
     marked = [mark.of_vertices(triangles) for mark in found.values()]
     middle = np.concatenate(marked) if near else None
-    picture = Picture(points, triangles, toward, pixels, middle)
+    picture = MeshPicture(points, triangles, toward, pixels, middle)
     tints = {
         int(t): np.array(to_rgb(COLORS[CONCERN_OF[kind]]))
         for kind, mark in found.items()
@@ -207,7 +208,7 @@ def draw(
     panel.set_axis_off()
 
 
-def _draw_edges(panel: Axes, picture: Picture, edges: np.ndarray, color: str) -> None:
+def _draw_edges(panel: Axes, picture: MeshPicture, edges: np.ndarray, color: str) -> None:
     ends = picture.points[edges]
     hidden = picture.hidden(ends.mean(axis=1))
     for behind, width, opacity in ((True, 1.0, 0.6), (False, 1.8, 1.0)):
@@ -217,7 +218,7 @@ def _draw_edges(panel: Axes, picture: Picture, edges: np.ndarray, color: str) ->
         )
 
 
-def _draw_vertices(panel: Axes, picture: Picture, vertices: np.ndarray, concern: str) -> None:
+def _draw_vertices(panel: Axes, picture: MeshPicture, vertices: np.ndarray, concern: str) -> None:
     marked = picture.points[vertices]
     hidden = picture.hidden(marked)
     color = COLORS[concern]

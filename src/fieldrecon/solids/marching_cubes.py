@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
 from fieldrecon._core.extras import optional
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.polynomials import EPS
 from fieldrecon.solids.constructive import Solid, as_box, intersection
 from fieldrecon.solids.shapes import Box
@@ -86,7 +87,7 @@ class ExtractedSurface:
 
     def _twice_areas(self) -> np.ndarray:
         a, b, c = self.points[self.triangles].swapaxes(0, 1)
-        return np.cross(b - a, c - a)
+        return triangle_normals(a, b, c)
 
 
 def extract_surface(

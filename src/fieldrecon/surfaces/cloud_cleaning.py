@@ -25,7 +25,7 @@ _ROUGH = 0.2  # of the spacing: noise at which planes are fitted to more neighbo
 
 
 @dataclass(frozen=True, eq=False)
-class Cloud:
+class CleanedCloud:
     """Distinct points of a surface, without outliers, with normals.
 
     Attributes
@@ -49,7 +49,7 @@ class Cloud:
     warnings: tuple[str, ...]
 
 
-def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
+def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> CleanedCloud:
     """Clean a cloud, and estimate its normals if they are not given."""
     given = as_cloud(points)
     n = None if normals is None else as_oriented(points, normals)[1]
@@ -81,7 +81,7 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> Cloud:
     )
     warnings = [sentence.format(_points(count)) + "." for count, sentence in findings if count]
     left_out = np.setdiff1d(np.arange(len(given)), kept)
-    return Cloud(p, outward, trusted, beside, left_out, spacing, noise, tuple(warnings))
+    return CleanedCloud(p, outward, trusted, beside, left_out, spacing, noise, tuple(warnings))
 
 
 def _estimate(p: np.ndarray, rough: bool) -> PointNormals:

@@ -17,7 +17,7 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.reconstruction import Field
 from fieldrecon.solids.constructive import Solid
-from fieldrecon.surfaces.cloud_cleaning import Cloud, as_clean_cloud
+from fieldrecon.surfaces.cloud_cleaning import CleanedCloud, as_clean_cloud
 from fieldrecon.surfaces.off_surface import classified_points, off_surface_points
 
 _METHODS = ("rbf", "partition", "hermite")
@@ -52,7 +52,7 @@ class ImplicitSurface(Solid):
 
     spacing: float
 
-    def __init__(self, cloud: Cloud, field: Field, smoothing: float) -> None:
+    def __init__(self, cloud: CleanedCloud, field: Field, smoothing: float) -> None:
         self.points, self.outward, self.left_out = cloud.points, cloud.outward, cloud.left_out
         self.noise, self.smoothing, self.spacing = cloud.noise, smoothing, cloud.spacing
         self.field, self.warnings = field, cloud.warnings + _warnings(cloud, smoothing)
@@ -182,7 +182,7 @@ def implicit_surface(
     return ImplicitSurface(cloud, patches.field(values, progress=progress), length)
 
 
-def _far_points(cloud: Cloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _far_points(cloud: CleanedCloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points farther from the surface, with values: coarser lattices, and the walls of the box.
 
     The nearest point classifies a node, if it has a normal. Nodes far inside are dropped, since the
@@ -207,14 +207,14 @@ def _far_points(cloud: Cloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(points), np.concatenate(values)
 
 
-def _walls(cloud: Cloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _walls(cloud: CleanedCloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points on the walls of the box, which are outside since the body is bounded."""
     t = np.stack(np.meshgrid(*[np.linspace(0, 1, _WALL)] * 3, indexing="ij"), -1).reshape(-1, 3)
     walls = box[0] + (box[1] - box[0]) * t[((t == 0) | (t == 1)).any(axis=1)]
     return walls, -cKDTree(cloud.points - box[0]).query(walls - box[0])[0]
 
 
-def _warnings(cloud: Cloud, smoothing: float) -> tuple[str, ...]:
+def _warnings(cloud: CleanedCloud, smoothing: float) -> tuple[str, ...]:
     """Warnings about noise and about missing normals."""
     warnings = []
     if smoothing:
@@ -230,13 +230,13 @@ def _warnings(cloud: Cloud, smoothing: float) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def _box_about(cloud: Cloud) -> np.ndarray:
+def _box_about(cloud: CleanedCloud) -> np.ndarray:
     low, high = cloud.points.min(axis=0), cloud.points.max(axis=0)
     margin = max(_MARGIN * cloud.spacing, _WIDER * float((high - low).max()))
     return np.array([low - margin, high + margin])
 
 
-def _hermite(cloud: Cloud) -> Field:
+def _hermite(cloud: CleanedCloud) -> Field:
     trusted = cloud.trusted
     method = HermiteRBF(
         [values_at(cloud.points), derivatives_at(cloud.points[trusted], cloud.outward[trusted])],
@@ -245,7 +245,7 @@ def _hermite(cloud: Cloud) -> Field:
     return method.field(np.concatenate([np.zeros(len(cloud.points)), -np.ones(int(trusted.sum()))]))
 
 
-def _smoothing_of(cloud: Cloud) -> float:
+def _smoothing_of(cloud: CleanedCloud) -> float:
     """Length at which the normals of the smoothed surface have a tenth of a radian of noise."""
     exact = cloud.noise < _EXACT * cloud.spacing
     return 0.0 if exact else 10 * float(np.sqrt(cloud.noise * cloud.spacing))

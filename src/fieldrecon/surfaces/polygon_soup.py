@@ -14,6 +14,7 @@ from scipy.spatial.distance import cdist
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.reconstruction import DENSE_LIMIT_BYTES
 from fieldrecon.solids.constructive import Solid
 from fieldrecon.surfaces.triangle_integrals import over_segments, over_triangles
@@ -265,7 +266,7 @@ def _normals(corners: np.ndarray) -> np.ndarray:
     if corners.shape[2] == 2:
         along = corners[:, 1] - corners[:, 0]
         return np.stack([along[:, 1], -along[:, 0]], axis=1)
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return triangle_normals(*corners.swapaxes(0, 1))
 
 
 def _as_polygons(polygons: ArrayLike, points: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress, chunked
+from fieldrecon._core.geometry import triangle_normals
 
 _ROWS = 4096
 _VERTICES = 6
@@ -71,7 +72,7 @@ def distances_to_triangles(
 def _squared(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Squared distance (k,) of each point (k, 3) to its triangle (k, 3, 3)."""
     a, b, c = corners.swapaxes(0, 1)
-    normal = np.cross(b - a, c - a)
+    normal = triangle_normals(a, b, c)
     inside = np.ones(len(x), dtype=bool)
     least = np.full(len(x), np.inf)
     for p, q in ((a, b), (b, c), (c, a)):

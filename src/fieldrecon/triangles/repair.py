@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.triangles.audit import MeshAudit, as_surface, audit_mesh, unit_of
 from fieldrecon.triangles.duplicates import first_duplicates, has_three_corners, merged_vertices
 from fieldrecon.triangles.half_edges import HalfEdges
@@ -274,7 +275,7 @@ def hole_patches(p: np.ndarray, t: np.ndarray, largest: float) -> tuple[np.ndarr
     share of the area of the part around it. A patch must not have an edge inside that exists.
     """
     half_edges = HalfEdges(t, len(p))
-    normal = np.cross(p[t[:, 1]] - p[t[:, 0]], p[t[:, 2]] - p[t[:, 0]])
+    normal = triangle_normals(*p[t.T])
     area = np.bincount(half_edges.parts, np.sqrt(np.einsum("ki,ki->k", normal, normal)) / 2)
     known = _keys(half_edges.edges, len(p))
     found, hole, count = [t[:0]], [t[:0, 0]], 0
@@ -365,5 +366,5 @@ def _chosen(choice: np.ndarray) -> np.ndarray:
 
 
 def _areas(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    normal = np.cross(b - a, c - a)
+    normal = triangle_normals(a, b, c)
     return np.sqrt(np.einsum("...i,...i->...", normal, normal)) / 2

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
+from fieldrecon._core.digests import json_digest
 from fieldrecon.cli.progress import Bar
 from fieldreport import experiments
 from fieldreport.build import up_to_date
@@ -18,7 +19,7 @@ from fieldreport.build.errors import BuildError
 from fieldreport.build.lock import only_build_in
 from fieldreport.build.manifest import manifest, versions
 from fieldreport.build.rerun import ExperimentJob, compute, jobs_of
-from fieldreport.build.step_records import Steps, content_digest, digest, digests
+from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.framework.result_files import read_result
 
@@ -54,7 +55,7 @@ def _finish(document: Document, jobs: list[ExperimentJob], steps: Steps, progres
     """Typeset the text and write the manifest."""
     values = {job.name: _values(job) for job in jobs}
     made = [*_results(jobs), document.out / "report.html", document.out / "report.pdf"]
-    key = digest(
+    key = json_digest(
         {
             "text": digests(document.inputs, document.source),
             "results": digests(_results(jobs), document.out),

@@ -14,12 +14,12 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
-from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
 from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.digests import bytes_digest
 
 PACKAGES = ("fieldrecon", "fieldreport")
 _distributions = cache(packages_distributions)
@@ -109,11 +109,7 @@ def _imported(module: str) -> frozenset[str]:
 
 
 def _digest(statements: Iterable[Statement]) -> str:
-    return _sha256("\n".join(s.form for s in statements))
-
-
-def _sha256(text: str) -> str:
-    return sha256(text.encode()).hexdigest()
+    return bytes_digest("\n".join(s.form for s in statements).encode())
 
 
 @cache
@@ -123,7 +119,7 @@ def _statements(module: str) -> tuple[Statement, ...]:
     if spec is None or not spec.origin:
         raise ImportError(f"there is no module {module}")
     text = Path(spec.origin).read_text(encoding="utf-8")
-    key = _sha256("\n".join([_surroundings(), module, text]))
+    key = bytes_digest("\n".join([_surroundings(), module, text]).encode())
     if key in _kept:
         return tuple(
             Statement(f, frozenset(d), frozenset(u), tuple(i)) for f, d, u, i in _kept[key]
@@ -153,7 +149,7 @@ def _statement(s: ast.stmt, module: str) -> Statement:
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             node.body = [s for s in node.body if not _is_text(s)] or [ast.Pass()]
     return Statement(
-        _sha256(ast.dump(s)),
+        bytes_digest(ast.dump(s).encode()),
         frozenset(_defined(s)),
         frozenset(node.id for node in nodes if isinstance(node, ast.Name)),
         tuple(_imports(nodes, module)),

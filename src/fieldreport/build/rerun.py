@@ -16,12 +16,13 @@ from typing import Any
 
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.blas_threads import one_blas_thread
+from fieldrecon._core.digests import json_digest
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport import experiments
 from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.pinned_kernels import pins
-from fieldreport.build.step_records import Steps, content_digest, digest, digests
+from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.build.workers import workers
 from fieldreport.framework.experiment import Experiment, Result
 from fieldreport.framework.parameters import replace_parameters
@@ -52,13 +53,13 @@ class ExperimentJob:
         params = asdict(self.params)
         for name, path in self.experiment.inputs(self.params).items():
             params[name] = content_digest(path)
-        return digest({"name": self.name, "params": params, "code": code, "pins": pins()})
+        return json_digest({"name": self.name, "params": params, "code": code, "pins": pins()})
 
     def figure_key(self, plot: Callable[[Result], Any]) -> str:
         """Return the digest of what a figure depends on: its code and the files of the run."""
         code = code_digests(self.experiment.module.__name__, [plot.__name__])
         result = digests(self.result_files(), self.folder)
-        return digest({"code": code, "result": result, "pins": pins()})
+        return json_digest({"code": code, "result": result, "pins": pins()})
 
     def inputs(self) -> list[Path]:
         """List the files that the parameters name."""

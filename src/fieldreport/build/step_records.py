@@ -5,7 +5,6 @@ The record is written last. After a build was killed, the steps without a record
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,24 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 from fieldrecon._core.atomic_files import write_atomically
-
-
-def digest(x: Any) -> str:
-    """Return the SHA-256 of a value as JSON, keys sorted.
-
-    Examples
-    --------
-    >>> digest({"a": 1, "b": 2}) == digest({"b": 2, "a": 1})
-    True
-    """
-    text = json.dumps(x, sort_keys=True, ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def file_digest(path: Path) -> str:
-    """Return the SHA-256 of a file's content."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+from fieldrecon._core.digests import file_digest
 
 
 def content_digest(path: Path) -> str:

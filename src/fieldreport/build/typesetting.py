@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Any, Final, cast
 
 from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.digests import json_digest
 from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.manifest import versions
-from fieldreport.build.step_records import Steps, digest
+from fieldreport.build.step_records import Steps
 
 PDF_STANDARD: Final = "ua-1"
 OUTPUTS: Final = ("html5", "typst-citations")
@@ -166,7 +167,7 @@ class Document:
         from fieldreport.build.webfonts import code_points, faces_of
 
         points = code_points(page)
-        key = digest(
+        key = json_digest(
             {
                 "points": [sorted(some) for some in points],
                 "versions": versions(),

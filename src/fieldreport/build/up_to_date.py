@@ -14,11 +14,12 @@ from pathlib import Path
 
 import fieldrecon
 import fieldreport
+from fieldrecon._core.digests import json_digest
 from fieldreport import experiments
 from fieldreport.build.lock import only_build_in
 from fieldreport.build.manifest import machine
 from fieldreport.build.pinned_kernels import pins
-from fieldreport.build.step_records import Steps, content_digest, digest
+from fieldreport.build.step_records import Steps, content_digest
 from fieldreport.build.typesetting import Document
 
 STEP = "build"
@@ -43,7 +44,7 @@ def key(arguments: argparse.Namespace) -> str:
     source = arguments.source
     text = Document(source, out_folder(arguments)).inputs
     files = [settings_file(arguments), *text, *_code()]
-    return digest(
+    return json_digest(
         {
             "files": {str(path): content_digest(path) for path in sorted(files)},
             "packages": sorted(_packages()),

@@ -9,7 +9,7 @@ import pytest
 from fieldrecon.cli.main import main
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.plotting import audit_picture
-from fieldrecon.plotting.mesh_pictures import COLORS, Picture, marks
+from fieldrecon.plotting.mesh_pictures import COLORS, MeshPicture, marks
 from fieldrecon.triangles.audit import CONCERNS, audit_mesh
 from fieldreport.experiments.triangles.damaged_meshes import damaged
 from fieldreport.experiments.triangles.planted_errors import TOWARD, planted_errors
@@ -141,7 +141,7 @@ def test_errors_are_marked_in_the_picture(folder):
 def test_what_is_in_front_hides_what_is_behind():
     """Each pixel shows the nearest of the triangles that cover it: of two squares the upper."""
     points, triangles = cube(1)
-    picture = Picture(points, triangles, np.array([0.01, 0.02, 1.0]), 60)
+    picture = MeshPicture(points, triangles, np.array([0.01, 0.02, 1.0]), 60)
     seen = np.unique(picture.front[picture.front >= 0], return_counts=True)
     top = np.flatnonzero((points[triangles][:, :, 2] == 1).all(axis=1))
     shown = dict(zip(*(s.tolist() for s in seen), strict=True))
@@ -153,7 +153,7 @@ def test_what_is_in_front_hides_what_is_behind():
 def test_a_picture_covers_what_it_shows():
     """The pixels of a sphere are those of a disc of its radius."""
     points, triangles = sphere(4)
-    picture = Picture(points, triangles, TOWARD, 400)
+    picture = MeshPicture(points, triangles, TOWARD, 400)
     radius = (400 - 8) / 2
     assert (picture.front >= 0).sum() == pytest.approx(np.pi * radius**2, rel=5e-3)
 

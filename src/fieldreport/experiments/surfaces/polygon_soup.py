@@ -22,7 +22,8 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from fieldrecon.plotting.mesh_pictures import Picture
+from fieldrecon._core.geometry import triangle_normals
+from fieldrecon.plotting.mesh_pictures import MeshPicture
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.solids.ray_tracing import View, ray_traced
 from fieldrecon.surfaces.polygon_soup import PolygonSoup
@@ -184,7 +185,7 @@ def gauss_on_triangles(corners: np.ndarray, n: int) -> tuple[np.ndarray, np.ndar
     share = np.outer(weight, weight).ravel() / 4 * (1 - u.ravel())
     second, third = u.ravel(), (v * (1 - u)).ravel()
     shape = np.stack([1 - second - third, second, third], axis=1)
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = triangle_normals(*corners.swapaxes(0, 1))
     twice = np.linalg.norm(normal, axis=1)
     return np.einsum("qc,kcd->kqd", shape, corners), twice[:, None] * share
 
@@ -239,7 +240,7 @@ def plot(result: Result) -> Figure:
 def plot_bodies(result: Result) -> Figure:
     """Draw the torn ring and the solids reconstructed from it."""
     a, params = result.arrays, result.params
-    soup = Picture(a["torn"], a["triangles"], VIEWER, 3 * params.pixels).image()
+    soup = MeshPicture(a["torn"], a["triangles"], VIEWER, 3 * params.pixels).image()
     titles = ("triangles", *(t.format(params.smoothing_in_space) for t in TITLES))
     seen = a["images"][..., 3].any(axis=0)
     rows, columns = (np.unique(index) for index in np.nonzero(seen))

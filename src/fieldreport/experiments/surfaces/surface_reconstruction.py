@@ -27,7 +27,7 @@ from scipy.spatial import cKDTree
 from fieldrecon.datasets.elevation import terrain
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldrecon.plotting.mesh_pictures import Picture
+from fieldrecon.plotting.mesh_pictures import MeshPicture
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.solids.constructive import Solid, blend, morph, transform
 from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
@@ -308,7 +308,7 @@ def plot_isolines(result: Result) -> Figure:
     sites, x, y, z = (result.arrays[f"land:{k}"] for k in ("sites", "x", "y", "heights"))
     columns, rows = np.meshgrid(x, y)
     points = np.column_stack([columns.ravel(), rows.ravel(), _HEIGHTS * z.ravel()])
-    picture = Picture(points, _triangulated(z.shape), FROM_ABOVE, 640)
+    picture = MeshPicture(points, _triangulated(z.shape), FROM_ABOVE, 640)
     raised = sites * [1, 1, _HEIGHTS]
     places = (raised - points.min(axis=0)) / np.ptp(points, axis=0).max() @ picture.axes
     with figure(height=2.1, columns=2) as (page, (left, right)):
@@ -360,10 +360,10 @@ def _strip(result: Result, names: tuple[str, ...], height: float) -> Figure:
 
 def _surface(panel: Axes, result: Result, name: str, pixels: int, *, edges: bool = False) -> None:
     points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
-    _draw(panel, Picture(points, triangles, TOWARD, pixels), edges=edges)
+    _draw(panel, MeshPicture(points, triangles, TOWARD, pixels), edges=edges)
 
 
-def _draw(panel: Axes, picture: Picture, *, edges: bool) -> None:
+def _draw(panel: Axes, picture: MeshPicture, *, edges: bool) -> None:
     picture.near_edge &= edges
     panel.imshow(picture.image(), interpolation="antialiased")
     panel.set_axis_off()
@@ -382,7 +382,7 @@ def _alike(panels: np.ndarray) -> None:
 def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
     """Draw points; points at the back are lighter."""
     points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
-    picture = Picture(points, triangles, TOWARD, 40)
+    picture = MeshPicture(points, triangles, TOWARD, 40)
     x, y, depth = (result.arrays[f"{name}:cloud"] @ picture.axes).T
     order = np.argsort(depth)
     panel.scatter(

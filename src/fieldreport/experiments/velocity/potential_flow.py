@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 
@@ -66,7 +67,7 @@ def mean_normal_velocities(mesh: SimplexMesh) -> np.ndarray:
     else:
         ends = np.roll(corners, -1, axis=1)
         flux = _along(corners.reshape(-1, 3), ends.reshape(-1, 3)).reshape(-1, 3).sum(axis=1)
-        right = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        right = triangle_normals(*corners.swapaxes(0, 1))
     side = np.sign(np.einsum("fd,fd->f", right, mesh.face_normals))
     return side * flux / mesh.face_measures
 
