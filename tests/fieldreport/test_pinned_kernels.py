@@ -75,7 +75,10 @@ def test_the_environment_is_the_callers_again(monkeypatch):
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     before = dict(os.environ)
     pinned = {"OPENBLAS_CORETYPE": "Haswell", "OMP_NUM_THREADS": "1"}
+    there = pinned_kernels.with_pins(pinned)
+    assert dict(os.environ) == before, "asking for it changes nothing, for any thread"
     with pinned_kernels.environment(pinned):
+        assert dict(os.environ) == there
         numerical = {x: os.environ[x] for x in os.environ if x.startswith(pinned_kernels.NUMERICAL)}
     assert numerical == pinned
     assert dict(os.environ) == before

@@ -6,7 +6,6 @@ time is recorded.
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator
 from tempfile import TemporaryDirectory
@@ -16,7 +15,7 @@ import nbformat
 
 from fieldgrade.authoring.sources import REGION, Cell, Source
 from fieldrecon._core.digests import bytes_digest
-from fieldreport.build.pinned_kernels import environment, pins
+from fieldreport.build.pinned_kernels import pins, with_pins
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 KEPT_METADATA = ("question", "answer", "rubric")
@@ -56,7 +55,7 @@ def execute(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     """
     from nbclient import NotebookClient
 
-    with TemporaryDirectory() as folder, environment(pins()):
+    with TemporaryDirectory() as folder:
         NotebookClient(
             notebook,
             timeout=SECONDS_PER_CELL,
@@ -64,7 +63,7 @@ def execute(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
             record_timing=False,
             resources={"metadata": {"path": folder}},
             extra_arguments=["--log-level=ERROR"],
-        ).execute(env=os.environ | ENVIRONMENT)
+        ).execute(env=with_pins(pins()) | ENVIRONMENT)
     notebook.metadata = _metadata(notebook.metadata["course"]["source"])
     return notebook
 

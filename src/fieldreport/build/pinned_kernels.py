@@ -60,22 +60,33 @@ def has_x86_64_v3(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
     return any(line.startswith("flags") and set(line.split()) >= X86_64_V3 for line in lines)
 
 
+def with_pins(pinned: Mapping[str, str]) -> dict[str, str]:
+    """Return the environment of this process with the pins in place of the caller's variables."""
+    if not pinned:
+        return dict(os.environ)
+    kept = {name: x for name, x in os.environ.items() if not name.startswith(NUMERICAL)}
+    return kept | dict(pinned)
+
+
 @contextmanager
 def environment(pinned: Mapping[str, str]) -> Iterator[None]:
-    """Start processes inside the ``with`` with the pins in place of the caller's variables."""
-    if not pinned:
-        yield
-        return
-    callers = {name: x for name, x in os.environ.items() if name.startswith(NUMERICAL)}
-    for name in callers:
-        del os.environ[name]
-    os.environ.update(pinned)
+    """Start processes inside the ``with`` with the pins in place of the caller's variables.
+
+    The variables belong to the whole process, so only one thread may be inside.
+    """
+    before = dict(os.environ)
+    after = with_pins(pinned)
+    _set_environment(after)
     try:
         yield
     finally:
-        for name in pinned:
-            del os.environ[name]
-        os.environ.update(callers)
+        _set_environment(before)
+
+
+def _set_environment(wanted: Mapping[str, str]) -> None:
+    for name in os.environ.keys() - wanted.keys():
+        del os.environ[name]
+    os.environ.update(wanted)
 
 
 def run_pinned(pinned: Mapping[str, str], work: Callable, /, *args: Any, **kwargs: Any) -> Any:
