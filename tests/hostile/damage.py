@@ -145,7 +145,7 @@ CASES = [
     unreadable(
         "a picture called a notebook",
         lambda _: ("01.ipynb", b"\x89PNG\r\n\x1a\n" + bytes(range(256))),
-        "no text",
+        "is not text",
     ),
     unreadable("a page of HTML", lambda _: ("01.ipynb", b"<!DOCTYPE html><html></html>"), "no"),
     unreadable(

@@ -146,7 +146,7 @@ def test_what_is_wrong_anyway_is_not_tried(tmp_path, calls):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ('"01.2", "Values', '"01.99", "Values', "asked for in question '01.99'"),
+        ('"01.2", "Values', '"01.99", "Values', "no function to write in question '01.99'"),
         ("Values that all grow by one move the plane up by one.", " ", "needs a sentence"),
         ("costs=1", "costs=0", "must cost more than 0 points, not 0"),
         ("costs=1", "price=1", "write @pytest.mark.question"),
@@ -326,7 +326,7 @@ def test_the_command_tells_what_came_out(tmp_path, capsys):
     run(tmp_path)
     assert grade_by_command(tmp_path) == 0
     printed = capsys.readouterr()
-    assert f"5 submissions, walls: {TIER}; 4 graded, 1 unreadable" in printed.out
+    assert f"5 submissions, sandbox: {TIER}; 4 graded, 1 unreadable" in printed.out
     assert "dan, 01.ipynb: the file is not a complete notebook" in printed.out
     assert str(tmp_path / "out" / "results.json") in printed.out
     assert "fieldrecon course feedback" in printed.out
@@ -367,7 +367,7 @@ def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
     ("more", "told"),
     [
         (["--only", "99"], "there is no notebook 99"),
-        (["--question", "01.99"], "asked for in question '01.99'"),
+        (["--question", "01.99"], "no function to write in question '01.99'"),
         (["--question", "01.2", "--only", "02"], "question 01.2 is not in 02"),
         (["--student", "nobody"], "contains no submission of the selection"),
         (["--class", "nowhere"], "nowhere is not a folder with the tables of a class"),
