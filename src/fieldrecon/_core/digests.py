@@ -29,4 +29,4 @@ def json_digest(*values: Any) -> str:
     >>> json_digest("ada", 1) == json_digest("ada", 2)
     False
     """
-    return bytes_digest(json.dumps(values, sort_keys=True, ensure_ascii=False).encode())
+    return bytes_digest(json.dumps(values, sort_keys=True).encode())

@@ -335,7 +335,7 @@ def test_the_command_tells_what_came_out(tmp_path, capsys):
     assert grade_by_command(tmp_path, "--student", "ada", "--only", "02", "--diff") == 0
     printed = capsys.readouterr().out
     assert "1 submission," in printed
-    assert "4 of earlier runs stay as they were" in printed
+    assert "4 submissions of earlier runs are unchanged" in printed
     assert "no grade changed" in printed
 
 
