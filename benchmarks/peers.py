@@ -1,7 +1,7 @@
 """Comparison with other libraries: error against time on the same data.
 
 Each run is a separate process on the same two cores: it imports its method, fits a few sites to
-warm up, then times the fit and the evaluation. So its memory is that of one method, and a run that
+warm up, then times the fit and the evaluation. So the memory belongs to one method, and a run that
 does not end can be stopped.
 """
 

@@ -66,7 +66,7 @@ def ring(rows: int = 4, columns: int = 6) -> Surface:
 
 
 def band(twists: int, columns: int = 12) -> Surface:
-    """Return a closed strip of paper after so many half turns; with one it is that of Möbius."""
+    """Return a closed strip of paper after half turns; one half turn gives the Möbius strip."""
     grid = np.meshgrid(
         np.linspace(-0.5, 0.5, 3), 2 * np.pi * np.arange(columns) / columns, indexing="ij"
     )

@@ -65,7 +65,7 @@ class InputFile:
 
     @property
     def is_zip(self) -> bool:
-        """Whether the name is that of a zip file."""
+        """Whether the name ends as the name of a zip file does."""
         return self.parts[-1].lower().endswith(".zip")
 
     def below(self, depth: int) -> InputFile:

@@ -107,8 +107,8 @@ def _fan(faces: np.ndarray, d: int) -> np.ndarray:
 class _Products:
     """Products of n factors without some of them, for many choices, by a tree of partial products.
 
-    The factors are the leaves n ... 2n - 1, and node k is the product of nodes 2k and 2k + 1. A
-    product without some leaves is that of the largest nodes that are above none of them. A factor
+    The factors are the leaves n ... 2n - 1, and node k is the product of nodes 2k and 2k + 1. The
+    product without some leaves multiplies the largest nodes that are above none of them. A factor
     is a value (1, m), or a value and its gradient (1 + d, m), multiplied by the product rule.
     """
 

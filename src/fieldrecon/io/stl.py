@@ -51,7 +51,7 @@ def read_stl(path: str | Path) -> MeshContent:
 
 
 def _corners_of_binary(content: bytes) -> np.ndarray | None:
-    """Corners (m, 3, 3) if the length is that of a binary file, whatever its header says."""
+    """Corners (m, 3, 3) if the file has the length of a binary one, whatever its header says."""
     if len(content) < _HEADER_BYTES + _COUNT_BYTES:
         return None
     count = int.from_bytes(content[_HEADER_BYTES : _HEADER_BYTES + _COUNT_BYTES], "little")

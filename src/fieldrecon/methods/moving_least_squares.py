@@ -50,7 +50,7 @@ class MovingLeastSquares(Reconstruction):
     The weights enter squared, as on the slides: a squared residual has the weight w^2, for instance
     with w = 1/(r^2 + epsilon^2).
     Each query is solved in its own frame, shifted to x and scaled to the neighbourhood. The
-    gradient is that of the field as it is, derivative of the weights included.
+    gradient is exact: it includes the derivative of the weights.
 
     Parameters
     ----------

@@ -200,7 +200,7 @@ def _count(count: int, what: str) -> str:
 
 
 def _merged(samples: partial[Samples], points: np.ndarray, values: np.ndarray) -> Samples:
-    """Merge repeated points, which get the mean of their values; the order is that of the file."""
+    """Merge repeated points, with the mean of their values, in the order of the file."""
     label = coincidence_labels(points)
     order = np.argsort(label, kind="stable")
     start = np.searchsorted(label[order], np.arange(label.max() + 1))

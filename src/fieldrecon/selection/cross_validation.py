@@ -137,7 +137,7 @@ def best(
     Raises
     ------
     numpy.linalg.LinAlgError
-        If there is none; the reason is that of the first, the simplest model.
+        If no model can be fitted. The message is the one of the first and simplest model.
     """
     reasons = [f"{score.model.name}: {score.reason}" for score in scores if score.reason]
     for score in sorted(scores, key=lambda score: score.rms)[: len(scores) - len(reasons)]:

@@ -256,7 +256,7 @@ def finest(parts: tuple[Solid, ...]) -> float | None:
 def blend(solid: Solid, other: Solid, radius: float) -> Solid:
     """Union with a rounded seam, F = max(F_1, F_2) + r h^2 / 4 with h = (1 - |F_1 - F_2| / r)_+.
 
-    The gradient is continuous. Where the fields differ by r or more, F is that of the union.
+    The gradient is continuous. Where the fields differ by r or more, F equals the union.
 
     Parameters
     ----------

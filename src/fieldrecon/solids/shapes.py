@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -28,8 +30,9 @@ class _Shape(Solid):
     def _gradients(self, x: np.ndarray) -> np.ndarray:
         return self._from_center(x - self._center)[1]
 
+    @abstractmethod
     def _from_center(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        raise NotImplementedError
+        """Values (m,) and gradients (m, 3) at points y (m, 3) relative to the centre."""
 
 
 class Ball(_Shape):

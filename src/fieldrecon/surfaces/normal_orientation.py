@@ -134,7 +134,7 @@ def _agreement(
 def _minimum_spanning_forest(costs: np.ndarray, index: np.ndarray) -> sparse.csr_array:
     """The minimum spanning forest of the edges.
 
-    The first forest is that of the cheapest edges, four for each point. Most other edges lie within
+    The first forest uses only the cheapest edges, four for each point. Most other edges lie within
     one of its trees, and are never sorted (Osipov, Sanders and Singler 2009).
     """
     count = min(4 * len(index), costs.size - 1)

@@ -262,7 +262,7 @@ class PolygonSoup:
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:
-    """Normals (m, d), whose length is that of the segment, or twice the area of the triangle."""
+    """Normals (m, d), as long as the segment, or twice the area of the triangle."""
     if corners.shape[2] == 2:
         along = corners[:, 1] - corners[:, 0]
         return np.stack([along[:, 1], -along[:, 0]], axis=1)

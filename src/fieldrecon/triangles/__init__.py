@@ -1,7 +1,7 @@
 """Surfaces of triangles in space: their errors, found and repaired.
 
 Duplicates, holes, inconsistent orientation, self-intersections and T-junctions, found by exact
-predicates. The list of errors is that of the appendix.
+predicates. The appendix lists the errors.
 """
 
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh

@@ -82,8 +82,8 @@ def compared(
 ) -> list[tuple[str, float, float, float, float, float]]:
     """For each transfer: relative errors of lift, bending and work; then tip rise, lift loss.
 
-    The first two are of what arrives of the loads on the stiff wing; work is that of the loads in
-    balance, in the deflections in balance; the tip's rise is in m.
+    The errors of lift and bending compare the transferred loads with the loads on the stiff wing.
+    The loads of the steady state do the work in its deflections. The rise of the tip is in m.
     """
     air = wing.lattice
     stiff = air.circulations(incidences)

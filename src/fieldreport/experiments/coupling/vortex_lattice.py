@@ -20,7 +20,7 @@ class VortexLattice:
 
         A γ = -θ,   θ = incidence, nose up.
 
-    Subsonic compressible flow is that of an incompressible fluid about the wing stretched along the
+    Subsonic compressible flow equals incompressible flow about the wing stretched along the
     stream by 1 / √(1 - M²), with the same slopes and the same circulations (Prandtl, Glauert,
     Göthert). A panel of width Δy carries the force 2 q γ Δy, with q the dynamic pressure.
 
