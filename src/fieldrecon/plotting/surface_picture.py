@@ -12,10 +12,12 @@ from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress
 from fieldrecon.pipelines.surface import GAP, ScanResult
-from fieldrecon.plotting.style import figure
+from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldrecon.solids.ray_tracing import OUTSIDE, View, ray_traced
 
 _PIXELS = 340
+_MARGIN = 0.5
+"""Inches for titles and legend."""
 _INVENTED = "#d98a3d"
 _VIEWS = {"from the front": (0.35, -0.9, 0.25), "from behind": (-0.6, 0.75, 0.3)}
 """Directions to the viewer: to the right, backward and up, if z is up."""
@@ -31,12 +33,15 @@ def plot(scan: ScanResult, up: Sequence[float], *, progress: Progress | None = N
         far = tree.query(points)[0] > GAP * scan.body.spacing
         return np.where(far[:, None], to_rgb(_INVENTED), OUTSIDE)
 
-    with figure(height=2.9, columns=2) as (drawn, axes):
-        for panel, (title, toward) in zip(axes, _VIEWS.items(), strict=True):
-            view = View.of_box(box, _rotated(toward, up), _PIXELS, up)
-            image = ray_traced(
-                scan.body, view, mesh.spacing, near=mesh.points, color=color, progress=progress
-            )
+    images = {}
+    for title, toward in _VIEWS.items():
+        view = View.of_box(box, _rotated(toward, up), _PIXELS, up)
+        images[title] = ray_traced(
+            scan.body, view, mesh.spacing, near=mesh.points, color=color, progress=progress
+        )
+    tallest = max(image.shape[0] / image.shape[1] for image in images.values())
+    with figure(height=FULL_WIDTH / 2 * tallest + _MARGIN, columns=2) as (drawn, axes):
+        for panel, (title, image) in zip(axes, images.items(), strict=True):
             panel.imshow(image, origin="lower", interpolation="antialiased")
             panel.set_title(title, loc="center")
             panel.set_axis_off()
