@@ -115,7 +115,7 @@ def test_flat_triangles_are_those_of_the_audit(random):
     triangles[15, 2] = triangles[15, 0]
     flat = NOTEBOOK["flat"](points, triangles, 1e-9)
     np.testing.assert_array_equal(np.flatnonzero(flat), [0, 2, 5, 9, 11, 15])
-    audit = audit_mesh(points, triangles, tolerance=1e-9)
+    audit = audit_mesh(points, triangles, tol=1e-9)
     np.testing.assert_array_equal(np.flatnonzero(flat), audit.degenerate_triangles)
 
 

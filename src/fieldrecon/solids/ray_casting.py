@@ -24,7 +24,7 @@ def ray_intersections(
     *,
     near: ArrayLike | None = None,
     slope: float | None = None,
-    tolerance: float = 0.0,
+    tol: float = 0.0,
     progress: Progress | None = None,
 ) -> np.ndarray:
     """Distances along rays to the first zero of a function.
@@ -49,7 +49,7 @@ def ray_intersections(
     slope : float, optional
         A Lipschitz constant of the function. With it, rays advance by |F| / slope if that is more
         than a step (sphere tracing).
-    tolerance : float
+    tol : float
         Tolerance of the distances; the rounding error by default.
     progress : callable, optional
         Called as progress(done, total) with numbers of rays.
@@ -104,7 +104,7 @@ def ray_intersections(
     distance = np.full(len(o), np.inf)
     hit = np.flatnonzero(bracketed)
     bracket = np.stack([before[hit], t[hit]])
-    distance[hit] = _refined(solid, o[hit], ahead, bracket, ends[:, hit], tolerance)
+    distance[hit] = _refined(solid, o[hit], ahead, bracket, ends[:, hit], tol)
     return distance
 
 

@@ -126,7 +126,7 @@ def ray_traced(
         step,
         near=near,
         slope=slope,
-        tolerance=_INVISIBLE * step,
+        tol=_INVISIBLE * step,
         progress=progress,
     )
     hit = np.isfinite(distance)

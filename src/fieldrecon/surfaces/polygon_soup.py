@@ -69,7 +69,7 @@ class PolygonSoup:
         Length below which details are smoothed.
     offsets : (m,) array_like, optional
         The outward displacement o_k of each polygon; zero by default.
-    tolerance : float
+    tol : float
         Relative error of each A_k. The integral is evaluated in closed form near a polygon, and by
         quadrature beyond a distance that depends on the tolerance.
 
@@ -98,12 +98,12 @@ class PolygonSoup:
         polygons: ArrayLike,
         epsilon: float = 0.0,
         offsets: ArrayLike | None = None,
-        tolerance: float = 1e-6,
+        tol: float = 1e-6,
     ) -> None:
         self.points = valid.as_points(points)
         self.polygons = _as_polygons(polygons, self.points)
         self.epsilon = valid.as_length(epsilon, "epsilon", zero_allowed=True)
-        self.tolerance = valid.as_length(tolerance, "tolerance")
+        self.tol = valid.as_length(tol, "tol")
         m, d = self.polygons.shape
         offsets = np.zeros(m) if offsets is None else offsets
         self.offsets = np.asarray(valid.as_values(offsets, m, "offsets", "polygon"), dtype=float)
@@ -123,7 +123,7 @@ class PolygonSoup:
         shape, weights = _RULES[d]
         self._nodes = np.einsum("qc,mcd->mqd", shape, self._corners)
         self._shares = (extent[kept] / (d - 1))[:, None] * weights
-        self._reach = (_RULE_ERROR / self.tolerance) ** (1 / 6) * self._diameters
+        self._reach = (_RULE_ERROR / self.tol) ** (1 / 6) * self._diameters
         size = np.ptp(self.points, axis=0).max()
         self._epsilon = max(self.epsilon, LEAST_EPSILON * size)
 
@@ -189,7 +189,7 @@ class PolygonSoup:
             offsets = offsets - values[index].min(axis=1)
         every = self.offsets.copy()
         every[self._kept] = best
-        return PolygonSoup(self.points, self.polygons, self.epsilon, every, self.tolerance)
+        return PolygonSoup(self.points, self.polygons, self.epsilon, every, self.tol)
 
     def _in_chunks(
         self,
@@ -313,7 +313,7 @@ class PolygonSoupSolid(Solid):
         epsilon: float,
         spacing: float | None = None,
     ) -> None:
-        soup = PolygonSoup(points, triangles, epsilon, tolerance=_TOLERANCE)
+        soup = PolygonSoup(points, triangles, epsilon, tol=_TOLERANCE)
         self.soup = soup.enclosing() if epsilon else soup
         corners = points[triangles]
         low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))

@@ -143,7 +143,7 @@ class MeshAudit:
 def audit_mesh(
     points: ArrayLike,
     triangles: ArrayLike,
-    tolerance: float | None = None,
+    tol: float | None = None,
     *,
     progress: Progress | None = None,
 ) -> MeshAudit:
@@ -156,7 +156,7 @@ def audit_mesh(
         counts as zero.
     triangles : (m, 3) array_like of int
         Vertices of each triangle.
-    tolerance : float, optional
+    tol : float, optional
         The largest error of the coordinates, a length. Vertices no farther apart coincide; a vertex
         is on an edge, a triangle degenerate, or two triangles coplanar, if a displacement of the
         points by the tolerance could make it so. By default four roundings of the largest
@@ -193,9 +193,9 @@ def audit_mesh(
     array([0])
     """
     p, t = as_surface(points, triangles)
-    if tolerance is None:
-        tolerance = default_tolerance(points)
-    tolerance = valid.as_length(tolerance, "tolerance", zero_allowed=True)
+    if tol is None:
+        tol = default_tolerance(points)
+    tolerance = valid.as_length(tol, "tol", zero_allowed=True)
     unit = unit_of(p)
     p = np.where(np.abs(p / unit) > 2.0**-200, p / unit, 0.0)
     merged = merged_vertices(p, tolerance / unit)

@@ -52,7 +52,7 @@ class MeshRepair:
 def repair_mesh(
     points: ArrayLike,
     triangles: ArrayLike,
-    tolerance: float | None = None,
+    tol: float | None = None,
     largest_hole: float = 0.1,
     *,
     progress: Progress | None = None,
@@ -69,7 +69,7 @@ def repair_mesh(
     ----------
     points : (n, 3) array_like
     triangles : (m, 3) array_like of int
-    tolerance : float, optional
+    tol : float, optional
         As for `audit_mesh`.
     largest_hole : float
         A hole is filled if its triangles have at most this share of the area of the part around it,
@@ -113,7 +113,7 @@ def repair_mesh(
     """
     p, given = as_surface(points, triangles)
     largest_hole = valid.as_length(largest_hole, "largest_hole", zero_allowed=True)
-    before = audit_mesh(points, given, tolerance, progress=progress)
+    before = audit_mesh(points, given, tol, progress=progress)
     if before.clean and not before.soup:
         return MeshRepair(p.copy(), given, before, before, {})
     unit = unit_of(p)

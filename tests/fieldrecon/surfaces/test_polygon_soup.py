@@ -111,7 +111,7 @@ def test_gradients_are_derivatives():
     """Of F with smoothing and offsets, near and far."""
     points, triangles = sphere(1)
     offsets = 0.1 * RNG.random(len(triangles))
-    soup = fr.surfaces.PolygonSoup(points, triangles, 0.1, offsets, tolerance=1e-12)
+    soup = fr.surfaces.PolygonSoup(points, triangles, 0.1, offsets, tol=1e-12)
     x, h = 1.5 * RNG.normal(size=(40, 3)), 1e-5
     slopes = [(soup(x + h * e) - soup(x - h * e)) / (2 * h) for e in np.eye(3)]
     np.testing.assert_allclose(soup.gradient(x), np.stack(slopes, axis=1), atol=1e-7)
@@ -120,10 +120,10 @@ def test_gradients_are_derivatives():
 def test_the_tolerance_is_kept_by_quadrature_far_away():
     """Coarser and finer, F is off by no more than it says."""
     points, triangles = sphere(2)
-    exact = fr.surfaces.PolygonSoup(points, triangles, 0.05, tolerance=1e-14)
+    exact = fr.surfaces.PolygonSoup(points, triangles, 0.05, tol=1e-14)
     x = 1.2 * RNG.normal(size=(60, 3))
     for tolerance in (1e-2, 1e-4, 1e-6):
-        soup = fr.surfaces.PolygonSoup(points, triangles, 0.05, tolerance=tolerance)
+        soup = fr.surfaces.PolygonSoup(points, triangles, 0.05, tol=tolerance)
         assert np.abs(soup(x) - exact(x)).max() < tolerance
 
 
@@ -134,8 +134,8 @@ def test_cutting_a_polygon_changes_nothing_and_doubling_it_does():
     a, b, c = triangles[0]
     cut = np.concatenate([triangles[1:], [[a, b, 8], [b, c, 8], [c, a, 8]]])
     x = RNG.normal(size=(30, 3))
-    whole = fr.surfaces.PolygonSoup(points, triangles, 0.2, tolerance=1e-14)
-    parts = fr.surfaces.PolygonSoup(np.vstack([points, middle]), cut, 0.2, tolerance=1e-14)
+    whole = fr.surfaces.PolygonSoup(points, triangles, 0.2, tol=1e-14)
+    parts = fr.surfaces.PolygonSoup(np.vstack([points, middle]), cut, 0.2, tol=1e-14)
     doubled = fr.surfaces.PolygonSoup(points, np.concatenate([triangles, triangles[:1]]), 0.2)
     np.testing.assert_allclose(parts(x), whole(x), rtol=1e-9, atol=1e-12)
     assert np.abs(doubled(x) - whole(x)).max() > 1e-3

@@ -499,9 +499,9 @@ def test_what_is_no_mesh_is_refused(points, triangles, words):
 def test_a_tolerance_that_welds_everything_is_refused():
     """In words, before memory runs out."""
     with pytest.raises(ValueError, match="too large for these points"):
-        audit_mesh(*sphere(4), tolerance=0.5)
-    with pytest.raises(ValueError, match="tolerance must be zero or a positive number"):
-        audit_mesh(*sphere(1), tolerance=-1)
+        audit_mesh(*sphere(4), tol=0.5)
+    with pytest.raises(ValueError, match="tol must be zero or a positive number"):
+        audit_mesh(*sphere(1), tol=-1)
 
 
 def test_all_points_in_one_place():

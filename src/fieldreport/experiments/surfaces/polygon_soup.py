@@ -104,8 +104,8 @@ def run(params: Params, each: Map = map) -> Result:
     x, y = np.linspace(-0.5, 3.5, params.side), np.linspace(-0.5, 3.5, params.side)
     grid = np.stack(np.meshgrid(x, y), axis=-1)
     torn = torn_ring(params, rng)
-    blurred = PolygonSoup(*torn, params.smoothing_in_space, tolerance=1e-3)
-    bodies = (PolygonSoup(*torn, tolerance=1e-3), blurred, blurred.enclosing())
+    blurred = PolygonSoup(*torn, params.smoothing_in_space, tol=1e-3)
+    bodies = (PolygonSoup(*torn, tol=1e-3), blurred, blurred.enclosing())
     images = list(each(partial(_picture, torn, params.pixels), bodies))
     at_ends = [np.round(soup(ends), 12) + 0.0 for soup in flat]
     inner, edges = np.array(list(each(on_the_cube, params.epsilons))).T
