@@ -13,11 +13,12 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.io.tables import csv_bytes
 from fieldreport.framework import result_files as files
 from fieldreport.framework.experiment import (
+    Parameters,
     Result,
     ResultTable,
     cell_from_text,
     order_of_magnitude,
-    require_at_least,
+    parameter,
 )
 from fieldreport.framework.parameters import replace_parameters
 
@@ -155,12 +156,21 @@ def test_a_wrong_setting_is_told_in_words(settings, words):
 
 
 def test_parameters_have_least_values():
-    """A value below the bound is refused, in a tuple as well."""
-    require_at_least(Params(), count=3, powers=1)
-    with pytest.raises(ValueError, match="parameter count must be 4 or more; got 3"):
-        require_at_least(Params(), count=4)
-    with pytest.raises(ValueError, match="parameter powers must be 2 or more; got 1"):
-        require_at_least(Params(), powers=2)
+    """A value below the bound is refused, in a tuple as well, and below another parameter."""
+
+    @dataclass(frozen=True)
+    class Bounded(Parameters):
+        count: int = parameter(3, "a count", least=3)
+        powers: tuple[int, ...] = parameter((1, 2), "powers", least=1)
+        largest: float = parameter(6.0, "twice the count or more", least=lambda p: 2 * p.count)
+
+    Bounded()
+    with pytest.raises(ValueError, match="parameter count must be 3 or more; got 2"):
+        Bounded(count=2)
+    with pytest.raises(ValueError, match="parameter powers must be 1 or more; got 0"):
+        Bounded(powers=(1, 0))
+    with pytest.raises(ValueError, match="parameter largest must be 8 or more; got 6"):
+        Bounded(count=4)
 
 
 def test_files_are_whole_or_absent(tmp_path, monkeypatch):

@@ -22,18 +22,30 @@ FACT_DIGITS = 6
 """Significant digits of a fact, unless the ``DIGITS`` of its experiment state another number."""
 
 
-def parameter(default: Any, meaning: str) -> Any:
-    """Declare a field of ``Params``: its default and its meaning, with its unit.
+def parameter(
+    default: Any, meaning: str, least: float | Callable[[Any], float] | None = None
+) -> Any:
+    """Declare a field of ``Params``: its default, its meaning with its unit, its smallest value.
+
+    Parameters
+    ----------
+    default : int, float, bool, str or tuple
+        The value of the report.
+    meaning : str
+        What the parameter is, with its unit.
+    least : float or callable, optional
+        The smallest value that makes sense, also for each entry of a tuple; a function of the
+        parameters where it depends on another one.
 
     Examples
     --------
     >>> @dataclass(frozen=True)
-    ... class Params:
-    ...     points: int = parameter(100, "number of sample points")
+    ... class Params(Parameters):
+    ...     points: int = parameter(100, "number of sample points", least=2)
     >>> Params().points
     100
     """
-    return field(default=default, metadata={"meaning": meaning})
+    return field(default=default, metadata={"meaning": meaning, "least": least})
 
 
 def input_file(default: str, meaning: str) -> Any:
@@ -50,16 +62,23 @@ def in_checkout(name: str) -> Path:
     return (root if (root / "pyproject.toml").is_file() else Path()) / name
 
 
-def require_at_least(params: Any, **least: float) -> None:
-    """Refuse parameters, and entries of tuples, below the smallest values that make sense.
+@dataclass(frozen=True)
+class Parameters:
+    """The parameters of an experiment, each at or above the smallest value that it declares.
 
     Raises
     ------
     ValueError
         Naming the parameter, its value and the smallest value.
     """
-    for name, bound in least.items():
-        value = getattr(params, name)
+
+    def __post_init__(self) -> None:
+        for f in fields(self):
+            if (least := f.metadata.get("least")) is not None:
+                self._require_at_least(f.name, least(self) if callable(least) else least)
+
+    def _require_at_least(self, name: str, bound: float) -> None:
+        value = getattr(self, name)
         for x in value if isinstance(value, tuple) else (value,):
             if x < bound:
                 raise ValueError(f"parameter {name} must be {bound:g} or more; got {x:g}")

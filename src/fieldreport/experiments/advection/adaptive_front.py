@@ -26,38 +26,28 @@ from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldreport.experiments.advection.advection import DISC, RADIUS, deforming, method_on
 from fieldreport.experiments.methods.convergence import rms
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 FRAMES = 4
 NOISE = 1e-6  # of the coarsening threshold: smaller residuals are rounding errors
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The front, the flow, and the rules for inserting and removing sites."""
 
-    sites: int = parameter(800, "initial sites, before adaptation")
-    fixed: tuple[int, ...] = parameter((1000, 2000, 4000, 8000), "numbers of fixed sites")
-    steps: int = parameter(30, "time steps, until the flow has returned")
+    sites: int = parameter(800, "initial sites, before adaptation", least=50)
+    fixed: tuple[int, ...] = parameter((1000, 2000, 4000, 8000), "numbers of fixed sites", least=50)
+    steps: int = parameter(30, "time steps, until the flow has returned", least=6)
     period: float = parameter(1.5, "period of the flow")
     steepness: float = parameter(40.0, "slope of the front")
     refine: float = parameter(0.01, "residual above which sites are inserted")
     coarsen: float = parameter(0.001, "residual below which sites are removed")
     spacing: float = parameter(0.008, "smallest distance of new sites")
     widest: float = parameter(0.05, "distance to the nearest site beyond which sites are kept")
-    rounds: int = parameter(4, "adaptations to the initial field")
+    rounds: int = parameter(4, "adaptations to the initial field", least=0)
     shift: float = parameter(1e-4, "side of the squares in which sites are shifted randomly")
     seed: int = parameter(0, "seed of the shifts")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, sites=50, fixed=50, steps=6, rounds=0)
 
 
 QUICK = Params(sites=200, fixed=(200, 400), steps=6, spacing=0.03, rounds=1)

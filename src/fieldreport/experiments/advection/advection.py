@@ -27,14 +27,7 @@ from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 DISC, CONE, HUMP = np.array([[0.5, 0.75], [0.5, 0.25], [0.25, 0.5]])
 RADIUS = 0.15
@@ -46,26 +39,22 @@ VARIANTS: dict[str, dict[str, bool]] = {
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Sites, in the unit square or its inner disc, and steps."""
 
-    sites: int = parameter(5000, "sites in the rotation, approximately")
-    steps: int = parameter(40, "time steps of one revolution")
-    deformed_sites: int = parameter(3000, "sites in the flow that reverses")
-    deformed_steps: int = parameter(30, "time steps, until the flow has returned")
+    sites: int = parameter(5000, "sites in the rotation, approximately", least=100)
+    steps: int = parameter(40, "time steps of one revolution", least=2)
+    deformed_sites: int = parameter(3000, "sites in the flow that reverses", least=100)
+    deformed_steps: int = parameter(30, "time steps, until the flow has returned", least=2)
     period: float = parameter(1.5, "period of the flow")
     counts: tuple[int, ...] = parameter(
-        (500, 1000, 2000, 4000), "numbers of sites, for the order in h"
+        (500, 1000, 2000, 4000), "numbers of sites, for the order in h", least=100
     )
     divisions: tuple[int, ...] = parameter(
-        (16, 32, 64, 128), "time steps of a revolution, for the order in dt"
+        (16, 32, 64, 128), "time steps of a revolution, for the order in dt", least=2
     )
-    powers: int = parameter(700, "sites of the matrix whose powers are computed")
-    grid: int = parameter(120, "points along a side of the pictures")
-
-    def __post_init__(self) -> None:
-        least = {"sites": 100, "deformed_sites": 100, "counts": 100, "powers": 50}
-        require_at_least(self, **least, steps=2, deformed_steps=2, divisions=2, grid=5)
+    powers: int = parameter(700, "sites of the matrix whose powers are computed", least=50)
+    grid: int = parameter(120, "points along a side of the pictures", least=5)
 
 
 QUICK = Params(

@@ -42,11 +42,11 @@ from fieldreport.experiments.methods.convergence import rms
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 INK = np.array([0.5, 0.72])
@@ -57,16 +57,15 @@ EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Meshes and steps."""
 
-    spacing: float = parameter(0.06, "edge length of the mesh away from the ink")
-    finest: float = parameter(0.025, "edge length of the mesh at the boundary of the ink")
-    steps: int = parameter(10, "time steps, of two meshes each")
+    spacing: float = parameter(0.06, "edge length of the mesh away from the ink", least=0.005)
+    finest: float = parameter(
+        0.025, "edge length of the mesh at the boundary of the ink", least=0.002
+    )
+    steps: int = parameter(10, "time steps, of two meshes each", least=FRAMES - 1)
     time: float = parameter(2.0, "final time; the centre rotates once in time 2")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, spacing=0.005, finest=0.002, steps=FRAMES - 1)
 
 
 QUICK = Params(spacing=0.2, finest=0.15, steps=5, time=0.5)

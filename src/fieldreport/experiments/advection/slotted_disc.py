@@ -30,14 +30,7 @@ from fieldreport.experiments.advection.advection import (
     turning,
 )
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 UNKNOWNS = 72314
 """Unknowns of the finest published mesh; each coarser mesh has twice the time step."""
@@ -51,15 +44,19 @@ SLOT, TOP = 0.025, 0.1  # half its width; its end above the centre of the disc
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Sites and steps."""
 
-    levels: int = parameter(3, "number of the four published meshes to use, coarsest first")
-    steps: int = parameter(20, "time steps of the revolution")
-    lattice: int = parameter(1200, "points along a side of the square in which areas are measured")
+    levels: int = parameter(
+        3, "number of the four published meshes to use, coarsest first", least=2
+    )
+    steps: int = parameter(20, "time steps of the revolution", least=2)
+    lattice: int = parameter(
+        1200, "points along a side of the square in which areas are measured", least=10
+    )
 
     def __post_init__(self) -> None:
-        require_at_least(self, levels=2, steps=2, lattice=10)
+        super().__post_init__()
         if self.levels > len(PUBLISHED["CIP"][0]):
             raise ValueError(f"parameter levels must be 4 or less; got {self.levels}")
 

@@ -38,11 +38,11 @@ from fieldreport.experiments.barycentric.vertex_stars import (
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 ROUNDING = 1e-16
@@ -50,19 +50,23 @@ FORMS = ("quotient", "quotient, one height", "product")
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The spiral, the stars, and the distances from an edge of a cell."""
 
-    steps: int = parameter(50, "points N of the spiral")
+    steps: int = parameter(50, "points N of the spiral", least=7)
     turn: float = parameter(20.0, "angle by which a hexagon is rotated, in degrees")
     center: tuple[float, ...] = parameter((-1.5, 0.5), "centre of the translated hexagon")
-    scattered: int = parameter(60, "random points, in the unit square and in the unit cube")
-    nearest: int = parameter(16, "smallest distance from an edge, as a negative power of ten")
-    places: int = parameter(200, "points along the edge at each distance")
-    seed: int = parameter(0, "seed of the random points")
+    scattered: int = parameter(
+        60, "random points, in the unit square and in the unit cube", least=40
+    )
+    nearest: int = parameter(
+        16, "smallest distance from an edge, as a negative power of ten", least=2
+    )
+    places: int = parameter(200, "points along the edge at each distance", least=2)
+    seed: int = parameter(0, "seed of the random points", least=0)
 
     def __post_init__(self) -> None:
-        require_at_least(self, steps=7, scattered=40, nearest=2, places=2, seed=0)
+        super().__post_init__()
         if len(self.center) != 2:
             raise ValueError(f"parameter center must be two coordinates; got {self.center}")
 

@@ -45,11 +45,11 @@ from fieldreport.experiments.barycentric.polytopes import (
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 __all__ = [
@@ -75,26 +75,29 @@ SMALL = 0.02
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Numbers of query points, shifts of the faces, and distances from edges."""
 
-    corners: int = parameter(7, "corners of the random polygon")
-    queries: int = parameter(100, "random query points in each polytope")
-    splits: int = parameter(6, "random splittings, in which faces are shifted apart")
-    largest_shift: float = parameter(0.1, "largest distance δ by which a face is shifted")
-    smallest_shift: float = parameter(1e-10, "smallest δ")
-    shifts: int = parameter(10, "values of δ, in geometric progression")
-    turns: int = parameter(25, "random rotations of the hexagon for queries near its edges")
-    nearest: float = parameter(1e-18, "smallest distance from an edge or corner; the size is 1")
-    distances: int = parameter(37, "distances from an edge or corner, in geometric progression")
-    poles: int = parameter(200, "directions in which poles are searched outside")
-    rings: int = parameter(14, "refinement of the meshes in the figures")
-    seed: int = parameter(4, "seed of polygons, query points, shifts and rotations")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, corners=4, queries=1, splits=1, shifts=2, turns=1, distances=2)
-        require_at_least(self, smallest_shift=1e-11, nearest=1e-300, poles=1, rings=2, seed=0)
-        require_at_least(self, largest_shift=2 * self.smallest_shift)
+    corners: int = parameter(7, "corners of the random polygon", least=4)
+    queries: int = parameter(100, "random query points in each polytope", least=1)
+    splits: int = parameter(6, "random splittings, in which faces are shifted apart", least=1)
+    largest_shift: float = parameter(
+        0.1, "largest distance δ by which a face is shifted", least=lambda p: 2 * p.smallest_shift
+    )
+    smallest_shift: float = parameter(1e-10, "smallest δ", least=1e-11)
+    shifts: int = parameter(10, "values of δ, in geometric progression", least=2)
+    turns: int = parameter(
+        25, "random rotations of the hexagon for queries near its edges", least=1
+    )
+    nearest: float = parameter(
+        1e-18, "smallest distance from an edge or corner; the size is 1", least=1e-300
+    )
+    distances: int = parameter(
+        37, "distances from an edge or corner, in geometric progression", least=2
+    )
+    poles: int = parameter(200, "directions in which poles are searched outside", least=1)
+    rings: int = parameter(14, "refinement of the meshes in the figures", least=2)
+    seed: int = parameter(4, "seed of polygons, query points, shifts and rotations", least=0)
 
 
 QUICK = Params(queries=4, splits=2, shifts=4, turns=2, distances=6, poles=12, rings=3)

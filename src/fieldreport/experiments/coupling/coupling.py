@@ -29,14 +29,7 @@ from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.coupling.precice_mappings import integrated, separate
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 THICKNESS = 0.12  # of the profile, as a fraction of the chord
 SPARS = (0.2, 0.45, 0.7)  # positions along the chord
@@ -47,23 +40,18 @@ ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The wing of half span 1, its meshes, and the load."""
 
-    chord: float = parameter(0.3, "chord of the wing, as a fraction of the half span")
+    chord: float = parameter(0.3, "chord of the wing, as a fraction of the half span", least=0.01)
     stations: tuple[int, ...] = parameter(
-        (4, 8, 16, 32), "stations of the structure along the span"
+        (4, 8, 16, 32), "stations of the structure along the span", least=3
     )
-    shown: int = parameter(8, "stations in the table")
-    pictured: int = parameter(40, "stations in the figure of the load distribution")
-    across: int = parameter(20, "points of the skin along the chord, on each side")
-    along: int = parameter(60, "points of the skin along the span")
-    drag: float = parameter(0.05, "drag as a fraction of the lift, everywhere")
-
-    def __post_init__(self) -> None:
-        require_at_least(
-            self, chord=0.01, stations=3, shown=3, pictured=3, across=4, along=4, drag=0
-        )
+    shown: int = parameter(8, "stations in the table", least=3)
+    pictured: int = parameter(40, "stations in the figure of the load distribution", least=3)
+    across: int = parameter(20, "points of the skin along the chord, on each side", least=4)
+    along: int = parameter(60, "points of the skin along the span", least=4)
+    drag: float = parameter(0.05, "drag as a fraction of the lift, everywhere", least=0)
 
 
 QUICK = Params(stations=(4, 8), pictured=16, across=8, along=16)

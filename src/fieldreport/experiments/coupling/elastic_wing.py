@@ -30,14 +30,7 @@ from fieldreport.experiments.coupling.pointwise_loads import compared
 from fieldreport.experiments.coupling.standard_atmosphere import TOP, standard_atmosphere
 from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 from fieldreport.experiments.coupling.wing_models import Plan, built_incidences, elastic, skin
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
 SKIN = (16, 29)  # cells of the drawn skin, along half its section and along the span
@@ -47,14 +40,14 @@ ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The flight, the wing, and the meshes."""
 
     mach: float = parameter(0.8, "Mach number")
     angle: float = parameter(-0.087, "angle of attack, degrees")
     height: float = parameter(10498.0, "height of the flight, m")
-    half_span: float = parameter(29.0, "half span, m")
-    root_chord: float = parameter(10.5, "chord at the root, m")
+    half_span: float = parameter(29.0, "half span, m", least=1)
+    root_chord: float = parameter(10.5, "chord at the root, m", least=0.1)
     taper: float = parameter(0.25, "chord at the tip, as a fraction of the root chord")
     sweep: float = parameter(30.0, "sweep of the quarter chords, degrees")
     thickness: float = parameter(0.12, "thickness of the profile, as a fraction of the chord")
@@ -66,16 +59,19 @@ class Params:
     )
     young: float = parameter(70e9, "Young's modulus, Pa")
     poisson: float = parameter(0.33, "Poisson's ratio")
-    pieces: tuple[int, ...] = parameter((30, 120), "cells of the plate along chord and span")
-    panels: tuple[int, ...] = parameter((12, 32), "panels of the lattice along chord and span")
+    pieces: tuple[int, ...] = parameter(
+        (30, 120), "cells of the plate along chord and span", least=2
+    )
+    panels: tuple[int, ...] = parameter(
+        (12, 32), "panels of the lattice along chord and span", least=2
+    )
     section: float = parameter(0.77, "section shown, as a fraction of the half span")
     sweeps: tuple[float, ...] = parameter((30.0, 0.0, -20.0), "sweeps compared, degrees")
     pressures: tuple[float, ...] = parameter(
-        (0.5, 1.0, 1.5, 2.0, 2.5), "dynamic pressures compared, as fractions of that of the flight"
+        (0.5, 1.0, 1.5, 2.0, 2.5),
+        "dynamic pressures compared, as fractions of that of the flight",
+        least=0.01,
     )
-
-    def __post_init__(self) -> None:
-        require_at_least(self, half_span=1, root_chord=0.1, pieces=2, panels=2, pressures=0.01)
 
     def plan(self, sweep: float) -> Plan:
         """The wing model with a sweep."""

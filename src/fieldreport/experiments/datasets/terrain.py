@@ -49,14 +49,7 @@ from fieldreport.experiments.datasets.terrain_methods import (
     solved,
 )
 from fieldreport.experiments.datasets.terrain_weights import facts_of_weights
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 PUBLISHED_SUMMIT = 1077
 """Height of Cross Mountain in metres, from the gazetteer of the U.S. Geological Survey."""
@@ -70,22 +63,29 @@ SCIPY_QUERIES = 2000
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The isolines, the methods, and the window in which the isolines' spacing is varied."""
 
-    spacing: int = parameter(100, "difference of height between isolines, m")
-    apart: float = parameter(300.0, "smallest distance of points on isolines of one height, m")
-    every: int = parameter(1, "stride of rows and columns of the elevation model")
-    degrees: tuple[int, ...] = parameter((1, 2, 4, 8, 12, 16, 20), "degrees of least squares")
+    spacing: int = parameter(100, "difference of height between isolines, m", least=1)
+    apart: float = parameter(
+        300.0, "smallest distance of points on isolines of one height, m", least=1
+    )
+    every: int = parameter(1, "stride of rows and columns of the elevation model", least=1)
+    degrees: tuple[int, ...] = parameter(
+        (1, 2, 4, 8, 12, 16, 20), "degrees of least squares", least=0
+    )
     shown_degree: int = parameter(12, "degree of least squares in maps, profiles and the window")
-    per_coefficient: int = parameter(4, "points per coefficient in a neighbourhood of MLS")
-    bound: float = parameter(3.0, "largest sum of |weights| that the guarded MLS accepts")
-    window: tuple[float, ...] = parameter((8000.0, 4000.0, 10000.0), "west, south edge, side, m")
-    spacings: tuple[int, ...] = parameter((10, 20, 40, 80, 160), "spacings tried in the window, m")
+    per_coefficient: int = parameter(4, "points per coefficient in a neighbourhood of MLS", least=2)
+    bound: float = parameter(3.0, "largest sum of |weights| that the guarded MLS accepts", least=1)
+    window: tuple[float, ...] = parameter(
+        (8000.0, 4000.0, 10000.0), "west, south edge, side, m", least=0
+    )
+    spacings: tuple[int, ...] = parameter(
+        (10, 20, 40, 80, 160), "spacings tried in the window, m", least=1
+    )
 
     def __post_init__(self) -> None:
-        require_at_least(self, spacing=1, apart=1, every=1, degrees=0, spacings=1)
-        require_at_least(self, per_coefficient=2, bound=1, window=0)
+        super().__post_init__()
         if self.shown_degree not in self.degrees:
             raise ValueError(
                 f"parameter shown_degree must be one of degrees; got {self.shown_degree}"

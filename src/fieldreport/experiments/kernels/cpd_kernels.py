@@ -36,11 +36,11 @@ from fieldrecon.plotting.style import DIVERGING, figure, line, shades
 from fieldrecon.polynomials import dimension, monomials
 from fieldreport.framework.experiment import (
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 ROUNDING = np.finfo(float).eps
@@ -51,18 +51,17 @@ SIDE = 61
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The points and the lengths of the kernels."""
 
-    points: int = parameter(24, "random points in the square [0, 3]²")
-    scale: float = parameter(0.6, "scale of the kernels with a scale")
-    radius: float = parameter(1.5, "radius of Wendland's function")
-    lattice: int = parameter(9, "points along the side of the lattice on which (1 - r)₊ fails")
-    step: float = parameter(0.7, "step of that lattice, in radii")
-    seed: int = parameter(0, "seed of the points")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, points=13, scale=1e-3, radius=1e-3, lattice=2, step=0.1, seed=0)
+    points: int = parameter(24, "random points in the square [0, 3]²", least=13)
+    scale: float = parameter(0.6, "scale of the kernels with a scale", least=1e-3)
+    radius: float = parameter(1.5, "radius of Wendland's function", least=1e-3)
+    lattice: int = parameter(
+        9, "points along the side of the lattice on which (1 - r)₊ fails", least=2
+    )
+    step: float = parameter(0.7, "step of that lattice, in radii", least=0.1)
+    seed: int = parameter(0, "seed of the points", least=0)
 
 
 QUICK = Params(points=16, lattice=6)

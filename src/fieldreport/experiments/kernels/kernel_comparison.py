@@ -38,11 +38,11 @@ from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 # Larger computed condition numbers are dominated by rounding, as are the solutions.
@@ -51,20 +51,22 @@ ROUNDING = 1e-16
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The numbers of points, and the lengths of the kernels."""
 
-    sizes: tuple[int, ...] = parameter((50, 100, 200, 400, 800), "numbers of points, increasing")
-    scale: float = parameter(
-        0.2, "scale of Gaussian, multiquadric and Matérn; the square has side 1"
+    sizes: tuple[int, ...] = parameter(
+        (50, 100, 200, 400, 800), "numbers of points, increasing", least=4
     )
-    radius: float = parameter(1.0, "radius of Wendland's function")
-    side: int = parameter(40, "evaluation points along a side of the square")
-    few: int = parameter(100, "points of the part on augmentation")
-    farthest: float = parameter(1e3, "largest distance from the centre of the square")
+    scale: float = parameter(
+        0.2, "scale of Gaussian, multiquadric and Matérn; the square has side 1", least=1e-3
+    )
+    radius: float = parameter(1.0, "radius of Wendland's function", least=1e-3)
+    side: int = parameter(40, "evaluation points along a side of the square", least=2)
+    few: int = parameter(100, "points of the part on augmentation", least=4)
+    farthest: float = parameter(1e3, "largest distance from the centre of the square", least=10)
 
     def __post_init__(self) -> None:
-        require_at_least(self, sizes=4, few=4, scale=1e-3, radius=1e-3, side=2, farthest=10)
+        super().__post_init__()
         if sorted(set(self.sizes)) != list(self.sizes) or len(self.sizes) < 2:
             raise ValueError(f"parameter sizes must be two or more, increasing; got {self.sizes}")
 

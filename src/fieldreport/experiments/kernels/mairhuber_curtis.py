@@ -30,7 +30,7 @@ from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import METHOD_COLORS, figure, line
 from fieldrecon.polynomials import monomials
-from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
 
 TIMES = np.linspace(0.0, 1.0, 241)
 THIRD = np.array([[0.55, 0.75]])
@@ -39,15 +39,14 @@ OTHERS = np.array([[0.55, 0.75], [-0.9, -0.35], [0.1, -0.95], [0.95, -0.6]])
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The paths of the points."""
 
-    rise: float = parameter(0.6, "height of the ellipse on which two points change places")
-    scale: float = parameter(1.0, "scale of the Gaussian that moves with the points")
-    frames: int = parameter(5, "frames of the strip, the singular one among them")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, rise=0.05, scale=0.05, frames=3)
+    rise: float = parameter(
+        0.6, "height of the ellipse on which two points change places", least=0.05
+    )
+    scale: float = parameter(1.0, "scale of the Gaussian that moves with the points", least=0.05)
+    frames: int = parameter(5, "frames of the strip, the singular one among them", least=3)
 
 
 QUICK = Params(rise=0.4, frames=3)

@@ -29,11 +29,11 @@ from fieldreport.experiments.meshes.reference_flows import jittered_cube
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 ROUNDING = 1e-16
@@ -50,17 +50,19 @@ CASES = {
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The points and their stretching."""
 
-    side: int = parameter(5, "steps of the grid along the unit square")
-    side_3d: int = parameter(6, "steps of the grid along the unit cube")
-    jitter: float = parameter(0.6, "range of the random displacement of a vertex, in steps")
-    stretch: float = parameter(2.0, "factor by which the first coordinate is stretched")
-    seed: int = parameter(1, "seed of the displacements")
+    side: int = parameter(5, "steps of the grid along the unit square", least=3)
+    side_3d: int = parameter(6, "steps of the grid along the unit cube", least=3)
+    jitter: float = parameter(
+        0.6, "range of the random displacement of a vertex, in steps", least=0
+    )
+    stretch: float = parameter(2.0, "factor by which the first coordinate is stretched", least=1)
+    seed: int = parameter(1, "seed of the displacements", least=0)
 
     def __post_init__(self) -> None:
-        require_at_least(self, side=3, side_3d=3, jitter=0, stretch=1, seed=0)
+        super().__post_init__()
         if self.jitter >= 1:
             raise ValueError(f"parameter jitter must be below 1; got {self.jitter:g}")
 

@@ -26,40 +26,33 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")
 CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "leave_one_out"}
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The field, its samples and their noise, and the range of ε."""
 
-    power: int = parameter(3, "power n of the field (x₁ + x₂)ⁿ")
-    points: int = parameter(100, "random points in the unit square")
-    queries: int = parameter(100, "random points where the error is measured")
-    draws: int = parameter(20, "number of draws of points, evaluation points and noise")
+    power: int = parameter(3, "power n of the field (x₁ + x₂)ⁿ", least=2)
+    points: int = parameter(100, "random points in the unit square", least=8)
+    queries: int = parameter(100, "random points where the error is measured", least=1)
+    draws: int = parameter(20, "number of draws of points, evaluation points and noise", least=1)
     noises: tuple[float, ...] = parameter(
         (0.0, 0.05, 0.2, 0.5, 1.0),
         "standard deviations of the noise, from 0; the field has the maximum 2ⁿ",
+        least=0,
     )
     shown_noise: float = parameter(0.5, "noise shown in the figure beside the exact data")
-    smallest: float = parameter(1e-4, "smallest ε; the square has side 1")
-    largest: float = parameter(1e2, "largest ε")
-    steps: int = parameter(25, "values of ε, in geometric progression")
-    seed: int = parameter(0, "seed of the draws")
+    smallest: float = parameter(1e-4, "smallest ε; the square has side 1", least=1e-6)
+    largest: float = parameter(1e2, "largest ε", least=lambda p: 10 * p.smallest)
+    steps: int = parameter(25, "values of ε, in geometric progression", least=3)
+    seed: int = parameter(0, "seed of the draws", least=0)
 
     def __post_init__(self) -> None:
-        require_at_least(self, power=2, points=8, queries=1, draws=1, noises=0, steps=3)
-        require_at_least(self, smallest=1e-6, largest=10 * self.smallest, seed=0)
+        super().__post_init__()
         if self.noises[0] != 0 or self.shown_noise not in self.noises[1:]:
             raise ValueError("parameter noises must begin with 0 and hold shown_noise after it")
 

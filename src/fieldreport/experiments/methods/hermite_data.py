@@ -33,7 +33,7 @@ from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
 
 KERNELS: dict[str, Radial] = {
     "r⁵": polyharmonic(5),
@@ -45,18 +45,17 @@ AROUND = np.linspace(0, 2 * np.pi, 721)
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The curve, the points beside it, and the sizes of the grids."""
 
-    points: int = parameter(24, "points on the closed curve")
-    lobes: int = parameter(3, "lobes of the curve r = 1 + wave cos(lobes t)")
-    wave: float = parameter(0.3, "depth of the lobes, in radii")
-    offset: float = parameter(0.1, "distance of the points beside the curve, in radii")
-    sizes: tuple[int, ...] = parameter((8, 12, 16, 24, 32), "points along an edge of the square")
-    queries: int = parameter(500, "points at which the error in the square is measured")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, points=8, lobes=2, wave=0.0, offset=1e-6, sizes=4, queries=10)
+    points: int = parameter(24, "points on the closed curve", least=8)
+    lobes: int = parameter(3, "lobes of the curve r = 1 + wave cos(lobes t)", least=2)
+    wave: float = parameter(0.3, "depth of the lobes, in radii", least=0.0)
+    offset: float = parameter(0.1, "distance of the points beside the curve, in radii", least=1e-6)
+    sizes: tuple[int, ...] = parameter(
+        (8, 12, 16, 24, 32), "points along an edge of the square", least=4
+    )
+    queries: int = parameter(500, "points at which the error in the square is measured", least=10)
 
 
 QUICK = Params(points=16, sizes=(6, 9), queries=50)

@@ -33,30 +33,34 @@ from fieldreport.experiments.methods.high_dimensions_geometry import KINDS, Geom
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 CERTAIN, ROUNDING = 1e-9, 1e-15
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Numbers of variables, sites and queries."""
 
-    variables: tuple[int, ...] = parameter((3, 5, 10, 20, 50, 100), "numbers of variables")
-    sites: int = parameter(1000, "sites, at random in the unit cube")
-    more: tuple[int, ...] = parameter((500, 1000, 2000, 4000), "numbers of sites compared")
+    variables: tuple[int, ...] = parameter((3, 5, 10, 20, 50, 100), "numbers of variables", least=2)
+    sites: int = parameter(1000, "sites, at random in the unit cube", least=20)
+    more: tuple[int, ...] = parameter(
+        (500, 1000, 2000, 4000), "numbers of sites compared", least=20
+    )
     at: int = parameter(10, "number of variables for which numbers of sites are compared")
-    queries: int = parameter(150, "random points where errors are measured")
-    large: int = parameter(20000, "points for the mean and the deviation of the functions")
+    queries: int = parameter(150, "random points where errors are measured", least=1)
+    large: int = parameter(
+        20000, "points for the mean and the deviation of the functions", least=100
+    )
     seed: int = parameter(1, "seed of sites, queries and functions")
 
     def __post_init__(self) -> None:
-        require_at_least(self, variables=2, sites=20, more=20, queries=1, large=100)
+        super().__post_init__()
         if self.at not in self.variables:
             raise ValueError(f"parameter at must be one of variables; got {self.at}")
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import figure
 from fieldreport.framework.benchmark_results import read_benchmark, select_columns, tables
-from fieldreport.framework.experiment import Map, Result, input_file, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Parameters, Result, input_file, parameter
 
 USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
 RIVAL = "ferreus_rbf, thin plate"
@@ -34,14 +34,13 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The measurements."""
 
     results: str = input_file("benchmarks/results/million.json", "file that make bench wrote")
-    wanted: float = parameter(10.0, "target for the speed, in multiples of that of ferreus_rbf")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, wanted=1.0)
+    wanted: float = parameter(
+        10.0, "target for the speed, in multiples of that of ferreus_rbf", least=1.0
+    )
 
 
 QUICK = Params(wanted=5.0)

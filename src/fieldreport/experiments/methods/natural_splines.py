@@ -34,11 +34,11 @@ from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.experiments.methods.convergence import order
 from fieldreport.framework.experiment import (
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 Curve = Callable[[np.ndarray], np.ndarray]
@@ -50,19 +50,18 @@ ROUNDING = np.finfo(float).eps
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The function and its sites."""
 
-    sites: int = parameter(11, "scattered sites on [0, 1]")
+    sites: int = parameter(11, "scattered sites on [0, 1]", least=4)
     frequency: float = parameter(9.0, "k of the function sin(k x)")
     sizes: tuple[int, ...] = parameter(
-        (17, 33, 65, 129, 257, 513), "numbers of equidistant sites of the convergence study"
+        (17, 33, 65, 129, 257, 513),
+        "numbers of equidistant sites of the convergence study",
+        least=9,
     )
     reach: float = parameter(0.3, "length beyond the outer sites that the figure shows")
-    seed: int = parameter(4, "seed of the sites")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, sites=4, sizes=9, seed=0)
+    seed: int = parameter(4, "seed of the sites", least=0)
 
 
 QUICK = Params(sites=7, sizes=(9, 17))

@@ -24,11 +24,11 @@ from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix, norm
 from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.framework.experiment import (
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 SOLVERS = ("normal equations", "factorization, same coordinates", "factorization, local frame")
@@ -37,18 +37,19 @@ ROUNDING = np.finfo(float).eps
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The positions of the points."""
 
-    side: int = parameter(10, "points along each side of the grid on which the field is sampled")
-    queries: int = parameter(100, "random points at which it is reconstructed")
-    decades: tuple[int, ...] = parameter(
-        (0, 1, 2, 3, 4, 5, 6, 7, 8), "decimal logarithms of the offset of the square of side 1"
+    side: int = parameter(
+        10, "points along each side of the grid on which the field is sampled", least=2
     )
-    seed: int = parameter(0, "seed of the random points")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, side=2, queries=1, decades=0, seed=0)
+    queries: int = parameter(100, "random points at which it is reconstructed", least=1)
+    decades: tuple[int, ...] = parameter(
+        (0, 1, 2, 3, 4, 5, 6, 7, 8),
+        "decimal logarithms of the offset of the square of side 1",
+        least=0,
+    )
+    seed: int = parameter(0, "seed of the random points", least=0)
 
 
 QUICK = Params(side=5, queries=5, decades=(0, 6))

@@ -31,30 +31,36 @@ from fieldrecon.polynomials import dimension
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 DATA = ("smooth", "front", "noisy", "terrain")
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The sites and the choices."""
 
-    sites: int = parameter(6000, "number of sites, at random in the unit square and in the terrain")
-    queries: int = parameter(6000, "number of points where errors are measured")
-    sizes: tuple[int, ...] = parameter((16, 24, 40, 64), "numbers of sites in a patch, increasing")
+    sites: int = parameter(
+        6000, "number of sites, at random in the unit square and in the terrain", least=200
+    )
+    queries: int = parameter(6000, "number of points where errors are measured", least=1)
+    sizes: tuple[int, ...] = parameter(
+        (16, 24, 40, 64), "numbers of sites in a patch, increasing", least=16
+    )
     told: int = parameter(40, "the patch size for which facts are reported")
-    radius: float = parameter(0.1, "radius of Wendland's function; the square has side 1")
+    radius: float = parameter(
+        0.1, "radius of Wendland's function; the square has side 1", least=1e-3
+    )
     steepness: float = parameter(40.0, "1 / width of the steep front")
     seed: int = parameter(1, "seed of sites, queries and noise")
 
     def __post_init__(self) -> None:
-        require_at_least(self, sites=200, queries=1, sizes=16, radius=1e-3)
+        super().__post_init__()
         if self.told not in self.sizes:
             raise ValueError(f"parameter told must be one of sizes; got {self.told}")
 

@@ -16,27 +16,24 @@ from fieldreport.framework.benchmark_results import read_benchmark, tables
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     input_file,
     parameter,
-    require_at_least,
 )
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The measurements, and the defaults of the library."""
 
     results: str = input_file("benchmarks/results/patch_sizes.json", "file that make bench wrote")
     kernel: str = parameter("r³", "default kernel")
-    degree: int = parameter(3, "default degree of polynomials")
-    patch: int = parameter(40, "default number of sites in a patch")
+    degree: int = parameter(3, "default degree of polynomials", least=-1)
+    patch: int = parameter(40, "default number of sites in a patch", least=1)
 
     most: float = parameter(1.15, "target for the exponent of growth, at most")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, degree=-1, patch=1)
 
 
 QUICK = Params(patch=24)

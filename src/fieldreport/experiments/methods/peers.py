@@ -20,24 +20,21 @@ from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
 from fieldreport.framework.benchmark_results import read_benchmark, select_columns, tables
 from fieldreport.framework.experiment import (
     Map,
+    Parameters,
     Result,
     ResultTable,
     input_file,
     parameter,
-    require_at_least,
 )
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The measurements."""
 
     results: str = input_file("benchmarks/results/peers.json", "file that make bench wrote")
-    large: int = parameter(50_000, "smallest number of sites of a large cloud")
-    small: int = parameter(1000, "largest number of sites of a small cloud")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, large=1, small=0)
+    large: int = parameter(50_000, "smallest number of sites of a large cloud", least=1)
+    small: int = parameter(1000, "largest number of sites of a small cloud", least=0)
 
 
 QUICK = Params(large=100_000)

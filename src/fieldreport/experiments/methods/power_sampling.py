@@ -25,11 +25,11 @@ from fieldrecon.plotting.style import figure, line
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 METHODS = ("LS", "MLS")
@@ -39,18 +39,20 @@ EXACT = 1e-12
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The fields, the samples, and the weight."""
 
-    powers: tuple[int, ...] = parameter((1, 2, 3, 4, 5, 6, 7, 8), "powers n of the field")
-    points: int = parameter(100, "random points at which the field is sampled")
-    queries: int = parameter(10, "random points at which it is reconstructed")
-    draws: int = parameter(1000, "number of draws")
-    epsilon: float = parameter(0.01, "ε of the weight 1/(r² + ε²); the square has side 1")
-    seed: int = parameter(0, "seed of the draws")
+    powers: tuple[int, ...] = parameter((1, 2, 3, 4, 5, 6, 7, 8), "powers n of the field", least=1)
+    points: int = parameter(100, "random points at which the field is sampled", least=4)
+    queries: int = parameter(10, "random points at which it is reconstructed", least=1)
+    draws: int = parameter(1000, "number of draws", least=1)
+    epsilon: float = parameter(
+        0.01, "ε of the weight 1/(r² + ε²); the square has side 1", least=1e-6
+    )
+    seed: int = parameter(0, "seed of the draws", least=0)
 
     def __post_init__(self) -> None:
-        require_at_least(self, powers=1, points=4, queries=1, draws=1, epsilon=1e-6, seed=0)
+        super().__post_init__()
         if max(self.powers) < 2:
             raise ValueError("parameter powers must hold 2 or more: both methods reproduce n = 1")
 

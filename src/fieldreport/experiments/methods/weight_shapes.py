@@ -28,36 +28,29 @@ from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.maps import SHADE, hillshade
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 DEGREES = {0: "constant", 1: "linear"}
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Sites in one and in two variables, and values of ε relative to their spacing."""
 
-    sites: int = parameter(9, "points on the interval [0, 1]")
-    side: int = parameter(16, "cells along a side of the square, with a point in each")
-    jitter: float = parameter(0.6, "fraction of its cell in which a point is drawn")
-    shown: tuple[float, ...] = parameter((0.1, 0.5, 2.0), "values of ε/h that are drawn")
-    smallest: float = parameter(0.01, "smallest ε/h of the sweep; h is the side of a cell")
-    largest: float = parameter(10.0, "largest ε/h of the sweep")
-    steps: int = parameter(19, "values of ε/h in the sweep, in geometric progression")
-    curve_points: int = parameter(401, "points on a curve in the figure")
-    relief_side: int = parameter(110, "points along a side of a relief")
-    seed: int = parameter(1, "seed of the jitter")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, sites=4, side=3, jitter=0, shown=1e-3, smallest=1e-3, steps=3)
-        require_at_least(self, largest=self.smallest, curve_points=2, relief_side=2, seed=0)
+    sites: int = parameter(9, "points on the interval [0, 1]", least=4)
+    side: int = parameter(16, "cells along a side of the square, with a point in each", least=3)
+    jitter: float = parameter(0.6, "fraction of its cell in which a point is drawn", least=0)
+    shown: tuple[float, ...] = parameter(
+        (0.1, 0.5, 2.0), "values of ε/h that are drawn", least=1e-3
+    )
+    smallest: float = parameter(
+        0.01, "smallest ε/h of the sweep; h is the side of a cell", least=1e-3
+    )
+    largest: float = parameter(10.0, "largest ε/h of the sweep", least=lambda p: p.smallest)
+    steps: int = parameter(19, "values of ε/h in the sweep, in geometric progression", least=3)
+    curve_points: int = parameter(401, "points on a curve in the figure", least=2)
+    relief_side: int = parameter(110, "points along a side of a relief", least=2)
+    seed: int = parameter(1, "seed of the jitter", least=0)
 
 
 QUICK = Params(steps=5, relief_side=12, curve_points=21, side=6)

@@ -30,7 +30,7 @@ from fieldrecon.surfaces.polygon_soup import PolygonSoup
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_triangles
 from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.triangles.triangle_shapes import Surface, cube, torus
-from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
 
 OUTLINE = np.array(
     [
@@ -53,43 +53,29 @@ TITLES = ("ε = 0", "ε = {:g}", "ε = {:g}, around")
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The perturbation of the polygons, the smoothing, and the figures."""
 
-    loose: float = parameter(0.06, "displacement of the ends of segments, as a length")
-    smoothing: float = parameter(0.25, "epsilon in the plane, as a length")
-    torn: float = parameter(0.04, "shift of the triangles, in radii of the ring")
-    lost: float = parameter(0.06, "fraction of the triangles that is missing")
-    smoothing_in_space: float = parameter(0.12, "epsilon in space, in radii of the ring")
-    around: int = parameter(22, "quadrilaterals around the ring; half as many across")
+    loose: float = parameter(0.06, "displacement of the ends of segments, as a length", least=0.0)
+    smoothing: float = parameter(0.25, "epsilon in the plane, as a length", least=1e-6)
+    torn: float = parameter(0.04, "shift of the triangles, in radii of the ring", least=0.0)
+    lost: float = parameter(0.06, "fraction of the triangles that is missing", least=0.0)
+    smoothing_in_space: float = parameter(
+        0.12, "epsilon in space, in radii of the ring", least=1e-6
+    )
+    around: int = parameter(22, "quadrilaterals around the ring; half as many across", least=6)
     epsilons: tuple[float, ...] = parameter(
-        (0.1, 0.05, 0.025, 0.0125), "epsilon on the cube, in edge lengths"
+        (0.1, 0.05, 0.025, 0.0125), "epsilon on the cube, in edge lengths", least=1e-6
     )
     heights: tuple[float, ...] = parameter(
         (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
         "heights of points above a triangle, in edge lengths",
+        least=1e-9,
     )
-    rules: tuple[int, ...] = parameter((4, 8, 16), "points along each side of a triangle")
-    side: int = parameter(121, "nodes along each side of the plane")
-    pixels: int = parameter(170, "along each side of a picture")
-    seed: int = parameter(3, "seed of the random numbers")
-
-    def __post_init__(self) -> None:
-        require_at_least(
-            self,
-            loose=0.0,
-            smoothing=1e-6,
-            torn=0.0,
-            lost=0.0,
-            smoothing_in_space=1e-6,
-            around=6,
-            epsilons=1e-6,
-            heights=1e-9,
-            rules=1,
-            side=11,
-            pixels=4,
-            seed=0,
-        )
+    rules: tuple[int, ...] = parameter((4, 8, 16), "points along each side of a triangle", least=1)
+    side: int = parameter(121, "nodes along each side of the plane", least=11)
+    pixels: int = parameter(170, "along each side of a picture", least=4)
+    seed: int = parameter(3, "seed of the random numbers", least=0)
 
 
 QUICK = Params(around=8, epsilons=(0.1, 0.05), rules=(4,), side=21, pixels=8)

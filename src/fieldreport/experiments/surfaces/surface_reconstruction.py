@@ -40,14 +40,7 @@ from fieldreport.experiments.surfaces.synthetic_scans import (
     machine_part,
     spheroid,
 )
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 FAR = 1e7
 """The distance of the translated wheel from the origin, in its own units, for testing rounding."""
@@ -60,32 +53,22 @@ COLUMNS = ("scan", "points", "left out", "noise", "rms", "largest", "parts", "er
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Numbers of points of the clouds, and resolutions of the surfaces."""
 
-    points: int = parameter(6000, "points of the part")
-    scanned: int = parameter(2000, "points of the wheel in each scan")
-    noise: float = parameter(0.3, "standard deviation of the noise, in spacings of the points")
-    sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the spheroid")
-    cells: tuple[int, ...] = parameter((4, 8, 16), "cells across the tube of a torus")
-    frame: float = parameter(0.09, "edge of the cells for Boolean operations, as a length")
-    isolines: int = parameter(40, "difference of height between isolines, in metres")
-    window: int = parameter(100, "nodes along each side of the terrain in the figure")
-    seed: int = parameter(4, "seed of the points")
-
-    def __post_init__(self) -> None:
-        require_at_least(
-            self,
-            points=300,
-            scanned=300,
-            noise=0.0,
-            sizes=20,
-            cells=2,
-            frame=0.01,
-            isolines=1,
-            window=8,
-            seed=0,
-        )
+    points: int = parameter(6000, "points of the part", least=300)
+    scanned: int = parameter(2000, "points of the wheel in each scan", least=300)
+    noise: float = parameter(
+        0.3, "standard deviation of the noise, in spacings of the points", least=0.0
+    )
+    sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the spheroid", least=20)
+    cells: tuple[int, ...] = parameter((4, 8, 16), "cells across the tube of a torus", least=2)
+    frame: float = parameter(
+        0.09, "edge of the cells for Boolean operations, as a length", least=0.01
+    )
+    isolines: int = parameter(40, "difference of height between isolines, in metres", least=1)
+    window: int = parameter(100, "nodes along each side of the terrain in the figure", least=8)
+    seed: int = parameter(4, "seed of the points", least=0)
 
 
 QUICK = Params(points=300, scanned=300, sizes=(40, 80), cells=(3, 6), frame=0.4, window=16)

@@ -28,7 +28,7 @@ from fieldrecon.reconstruction import Field
 from fieldrecon.solids.ray_tracing import View, ray_traced
 from fieldrecon.surfaces.variational_implicits import ShapeTransformation, variational_implicit
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Map, Result, ResultTable, parameter, require_at_least
+from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
 
 AXES = np.array([1.5, 1.0, 0.7])
 """Semi-axes of the ellipsoid."""
@@ -39,32 +39,22 @@ VIEWER = (0.5, -0.8, 0.75)
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The sizes of the clouds, the offset, and the figures."""
 
-    sizes: tuple[int, ...] = parameter((50, 100, 200, 400), "points on the ellipsoid")
-    offsets: tuple[float, ...] = parameter((0.1, 0.01), "distances of the points inside, in radii")
-    queries: int = parameter(800, "points on the ellipsoid at which the error is measured")
-    points: int = parameter(48, "points on each shape in the plane")
-    ring_points: int = parameter(160, "points on each solid")
-    distance: float = parameter(1.5, "difference of the two times, as a length")
-    frames: int = parameter(5, "times in the figure")
-    side: int = parameter(161, "nodes along each side of the plane")
-    pixels: int = parameter(120, "along each side of a body's picture")
-
-    def __post_init__(self) -> None:
-        require_at_least(
-            self,
-            sizes=20,
-            offsets=1e-6,
-            queries=10,
-            points=12,
-            ring_points=40,
-            distance=0.01,
-            frames=2,
-            side=21,
-            pixels=4,
-        )
+    sizes: tuple[int, ...] = parameter((50, 100, 200, 400), "points on the ellipsoid", least=20)
+    offsets: tuple[float, ...] = parameter(
+        (0.1, 0.01), "distances of the points inside, in radii", least=1e-6
+    )
+    queries: int = parameter(
+        800, "points on the ellipsoid at which the error is measured", least=10
+    )
+    points: int = parameter(48, "points on each shape in the plane", least=12)
+    ring_points: int = parameter(160, "points on each solid", least=40)
+    distance: float = parameter(1.5, "difference of the two times, as a length", least=0.01)
+    frames: int = parameter(5, "times in the figure", least=2)
+    side: int = parameter(161, "nodes along each side of the plane", least=21)
+    pixels: int = parameter(120, "along each side of a body's picture", least=4)
 
 
 QUICK = Params(sizes=(30, 60), queries=100, points=20, ring_points=50, frames=3, side=31, pixels=8)

@@ -31,34 +31,26 @@ from fieldrecon.triangles.repair import MeshRepair, repair_mesh
 from fieldreport.experiments.triangles.damaged_meshes import damaged
 from fieldreport.experiments.triangles.planted_errors import TOWARD, Planted, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import Surface, bumpy, cube
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 LINE = np.array([[12.0, 12.0], [24.0, 24.0]])
 """Two points on the diagonal; near (½, ½), rounding affects the computed side."""
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The refinement of the meshes, the number of errors, and the resolution of the sign map."""
 
-    level: int = parameter(2, "subdivisions of an icosahedron, for the single errors")
-    body: int = parameter(4, "subdivisions for the mesh that is repaired")
-    damage: int = parameter(8, "errors of each kind in the mesh that is repaired")
-    side: int = parameter(200, "points along each side of the map of signs, 2⁻⁵³ apart")
+    level: int = parameter(2, "subdivisions of an icosahedron, for the single errors", least=1)
+    body: int = parameter(4, "subdivisions for the mesh that is repaired", least=2)
+    damage: int = parameter(8, "errors of each kind in the mesh that is repaired", least=1)
+    side: int = parameter(200, "points along each side of the map of signs, 2⁻⁵³ apart", least=4)
     levels: tuple[int, ...] = parameter(
-        (2, 3, 4, 5, 6), "subdivisions of the meshes that are searched for self-intersections"
+        (2, 3, 4, 5, 6),
+        "subdivisions of the meshes that are searched for self-intersections",
+        least=1,
     )
-    seed: int = parameter(6, "seed of the damage")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, level=1, body=2, damage=1, side=4, levels=1, seed=0)
+    seed: int = parameter(6, "seed of the damage", least=0)
 
 
 QUICK = Params(level=1, body=2, damage=1, side=16, levels=(1, 2))

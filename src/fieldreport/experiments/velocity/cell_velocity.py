@@ -38,11 +38,11 @@ from fieldreport.experiments.velocity.triangle_velocity import (
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 Velocity = Callable[[np.ndarray], np.ndarray]
@@ -66,26 +66,28 @@ EXACT = 1e-12
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Meshes, a triangle, and the perturbation of the normal velocities."""
 
-    sides: tuple[int, ...] = parameter((8, 16, 32, 64), "steps along a side of the unit square")
-    sides_3d: tuple[int, ...] = parameter((4, 6, 9, 13), "steps along a side of the unit cube")
-    shown_side: int = parameter(4, "steps along a side of the mesh in the figure")
-    jitter: float = parameter(0.6, "range of the random displacement of a vertex, in steps")
+    sides: tuple[int, ...] = parameter(
+        (8, 16, 32, 64), "steps along a side of the unit square", least=2
+    )
+    sides_3d: tuple[int, ...] = parameter(
+        (4, 6, 9, 13), "steps along a side of the unit cube", least=2
+    )
+    shown_side: int = parameter(4, "steps along a side of the mesh in the figure", least=2)
+    jitter: float = parameter(
+        0.6, "range of the random displacement of a vertex, in steps", least=0
+    )
     triangle: tuple[float, ...] = parameter(
         (0.0, 0.0, 4.0, 0.0, 1.0, 2.6), "coordinates of the corners of the triangle in the figure"
     )
-    strains: int = parameter(24, "axes of the strains of that triangle")
-    draws: int = parameter(100, "number of draws of the noise")
-    disturbance: float = parameter(0.1, "standard deviation of the noise; a rotation has rate 1")
-    seed: int = parameter(0, "seed of meshes and noise")
-
-    def __post_init__(self) -> None:
-        require_at_least(
-            self, sides=2, sides_3d=2, shown_side=2, jitter=0, strains=3, draws=1, seed=0
-        )
-        require_at_least(self, disturbance=1e-9)
+    strains: int = parameter(24, "axes of the strains of that triangle", least=3)
+    draws: int = parameter(100, "number of draws of the noise", least=1)
+    disturbance: float = parameter(
+        0.1, "standard deviation of the noise; a rotation has rate 1", least=1e-9
+    )
+    seed: int = parameter(0, "seed of meshes and noise", least=0)
 
 
 QUICK = Params(sides=(4, 8), sides_3d=(3, 5), shown_side=3, strains=3)

@@ -41,11 +41,11 @@ from fieldreport.experiments.velocity.streamlines import exact_streamline, trace
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 MEASURES = (
@@ -61,28 +61,33 @@ LEFT = 3.3
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Meshes in units of the radius, and streamlines."""
 
-    around: tuple[int, ...] = parameter((24, 48, 96, 192), "vertices on the cylinder, by mesh")
-    outer: float = parameter(8.0, "radius of the mesh of the plane, in radii of the cylinder")
-    relaxations: int = parameter(30, "relaxation steps that push the vertices of the mesh apart")
-    steps_3d: tuple[float, ...] = parameter(
-        (0.5, 0.35, 0.25, 0.18), "distance of neighbours on the ball, by mesh, in radii"
+    around: tuple[int, ...] = parameter(
+        (24, 48, 96, 192), "vertices on the cylinder, by mesh", least=12
     )
-    outer_3d: float = parameter(4.0, "radius of the mesh in space, in radii of the ball")
-    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps on the surface")
-    shown: int = parameter(48, "vertices on the cylinder, for the mesh in the figure")
+    outer: float = parameter(
+        8.0, "radius of the mesh of the plane, in radii of the cylinder", least=2
+    )
+    relaxations: int = parameter(
+        30, "relaxation steps that push the vertices of the mesh apart", least=0
+    )
+    steps_3d: tuple[float, ...] = parameter(
+        (0.5, 0.35, 0.25, 0.18), "distance of neighbours on the ball, by mesh, in radii", least=0.05
+    )
+    outer_3d: float = parameter(4.0, "radius of the mesh in space, in radii of the ball", least=1.5)
+    epsilon: float = parameter(
+        0.5, "ε of the weight 1/(r² + ε²), in steps on the surface", least=1e-3
+    )
+    shown: int = parameter(48, "vertices on the cylinder, for the mesh in the figure", least=12)
     heights: tuple[float, ...] = parameter(
         (0.03, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0),
         "distances of the streamlines from the axis, far away, in radii",
+        least=1e-3,
     )
-    arc: float = parameter(0.02, "step along a streamline, in radii")
-    seed: int = parameter(0, "seed of the meshes")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, around=12, outer=2, relaxations=0, steps_3d=0.05, outer_3d=1.5)
-        require_at_least(self, shown=12, epsilon=1e-3, heights=1e-3, arc=1e-4, seed=0)
+    arc: float = parameter(0.02, "step along a streamline, in radii", least=1e-4)
+    seed: int = parameter(0, "seed of the meshes", least=0)
 
 
 QUICK = Params(

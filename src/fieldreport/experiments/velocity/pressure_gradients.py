@@ -36,11 +36,11 @@ from fieldreport.experiments.velocity.reference_gradients import gradients_by_ot
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 METHODS = ("LS", "MLS", "RBF")
@@ -50,23 +50,27 @@ STEP = 1e-5  # of central differences, in steps of the mesh
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Meshes, and the weight of moving least squares."""
 
-    sides: tuple[int, ...] = parameter((8, 16, 32, 64), "steps along a side of the unit square")
-    sides_3d: tuple[int, ...] = parameter((4, 6, 9, 13), "steps along a side of the unit cube")
-    jitter: float = parameter(0.6, "range of the random displacement of a vertex, in steps")
-    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps")
-    smallest: float = parameter(0.03, "smallest ε of the sweep, in steps")
-    largest: float = parameter(10.0, "largest ε of the sweep, in steps")
-    values: int = parameter(16, "values of ε in the sweep, in geometric progression")
-    sweep_side: int = parameter(32, "steps along a side of the unit square in the sweep")
-    compared: int = parameter(40, "vertices at which methods are compared with NumPy and SciPy")
-    seed: int = parameter(0, "seed of the meshes")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, sides=4, sides_3d=2, jitter=0, epsilon=1e-3, smallest=1e-3, values=2)
-        require_at_least(self, largest=self.smallest, sweep_side=4, compared=1, seed=0)
+    sides: tuple[int, ...] = parameter(
+        (8, 16, 32, 64), "steps along a side of the unit square", least=4
+    )
+    sides_3d: tuple[int, ...] = parameter(
+        (4, 6, 9, 13), "steps along a side of the unit cube", least=2
+    )
+    jitter: float = parameter(
+        0.6, "range of the random displacement of a vertex, in steps", least=0
+    )
+    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps", least=1e-3)
+    smallest: float = parameter(0.03, "smallest ε of the sweep, in steps", least=1e-3)
+    largest: float = parameter(10.0, "largest ε of the sweep, in steps", least=lambda p: p.smallest)
+    values: int = parameter(16, "values of ε in the sweep, in geometric progression", least=2)
+    sweep_side: int = parameter(32, "steps along a side of the unit square in the sweep", least=4)
+    compared: int = parameter(
+        40, "vertices at which methods are compared with NumPy and SciPy", least=1
+    )
+    seed: int = parameter(0, "seed of the meshes", least=0)
 
 
 QUICK = Params(sides=(6, 12), sides_3d=(3, 5), values=3, sweep_side=8, compared=5)

@@ -29,14 +29,7 @@ from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line, s
 from fieldrecon.polynomials import monomials
 from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
 from fieldreport.experiments.velocity.rank_deficient_normals import Configuration, configurations
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Result,
-    ResultTable,
-    parameter,
-    require_at_least,
-)
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
 STEP = 1e-6
@@ -49,23 +42,21 @@ NEARLY_CONSTANT = np.array([1.0, 0.5, 0.03, 0.02, -0.01, 0.04])
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """Numbers of samples, and the approach to the rank-deficient configurations."""
 
-    samples: int = parameter(12, "samples (p, n) in the plane; twice as many in space")
-    smallest: float = parameter(1e-6, "smallest t, the angle in radians by which normals rotate")
-    largest: float = parameter(1.0, "largest t")
-    steps: int = parameter(13, "values of t, in geometric progression")
-    sets: int = parameter(
-        400, "random sets of points of a small grid, for the largest possible rank"
+    samples: int = parameter(12, "samples (p, n) in the plane; twice as many in space", least=7)
+    smallest: float = parameter(
+        1e-6, "smallest t, the angle in radians by which normals rotate", least=1e-9
     )
-    stars: int = parameter(100, "stars of tetrahedra drawn for each number of vertices")
-    vertices: tuple[int, ...] = parameter((5, 6, 7, 8, 10, 14), "vertices of those stars")
-    seed: int = parameter(3, "seed of points, normals and stars")
-
-    def __post_init__(self) -> None:
-        require_at_least(self, samples=7, smallest=1e-9, largest=self.smallest, steps=3, sets=1)
-        require_at_least(self, stars=1, vertices=5, seed=0)
+    largest: float = parameter(1.0, "largest t", least=lambda p: p.smallest)
+    steps: int = parameter(13, "values of t, in geometric progression", least=3)
+    sets: int = parameter(
+        400, "random sets of points of a small grid, for the largest possible rank", least=1
+    )
+    stars: int = parameter(100, "stars of tetrahedra drawn for each number of vertices", least=1)
+    vertices: tuple[int, ...] = parameter((5, 6, 7, 8, 10, 14), "vertices of those stars", least=5)
+    seed: int = parameter(3, "seed of points, normals and stars", least=0)
 
 
 QUICK = Params(steps=7, sets=40, stars=5, vertices=(5, 6, 7))

@@ -57,40 +57,43 @@ from fieldreport.experiments.velocity.vertex_counts import (
 from fieldreport.framework.experiment import (
     Cell,
     Map,
+    Parameters,
     Result,
     ResultTable,
     order_of_magnitude,
     parameter,
-    require_at_least,
 )
 
 FLOWS = {2: taylor_green, 3: abc_flow}
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     """The meshes, and the weight of moving least squares."""
 
-    inside: int = parameter(110, "random vertices inside the square of a mesh")
-    side: int = parameter(8, "edges along each side of the square")
+    inside: int = parameter(110, "random vertices inside the square of a mesh", least=10)
+    side: int = parameter(8, "edges along each side of the square", least=2)
     meshes: int = parameter(
-        20, "random meshes whose vertices are counted; the first is in the figure"
+        20, "random meshes whose vertices are counted; the first is in the figure", least=1
     )
-    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in lengths of an edge")
+    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in lengths of an edge", least=0)
     jitter: float = parameter(
-        0.6, "fraction of its cell in which a point of a jittered mesh is drawn"
+        0.6, "fraction of its cell in which a point of a jittered mesh is drawn", least=0
     )
     sides_2d: tuple[int, ...] = parameter(
-        (8, 16, 32, 64, 128), "edges along a square, Taylor-Green"
+        (8, 16, 32, 64, 128), "edges along a square, Taylor-Green", least=3
     )
-    sides_3d: tuple[int, ...] = parameter((4, 8, 12, 16), "edges along a cube")
-    weights_side: int = parameter(32, "edges along the square on which weights are compared")
-    ratios: tuple[float, ...] = parameter((2.0, 1.0, 0.5, 0.25, 0.1), "values of ε/h compared")
-    seed: int = parameter(5, "seed of the meshes")
+    sides_3d: tuple[int, ...] = parameter((4, 8, 12, 16), "edges along a cube", least=3)
+    weights_side: int = parameter(
+        32, "edges along the square on which weights are compared", least=3
+    )
+    ratios: tuple[float, ...] = parameter(
+        (2.0, 1.0, 0.5, 0.25, 0.1), "values of ε/h compared", least=1e-3
+    )
+    seed: int = parameter(5, "seed of the meshes", least=0)
 
     def __post_init__(self) -> None:
-        require_at_least(self, inside=10, side=2, meshes=1, epsilon=0, jitter=0, seed=0)
-        require_at_least(self, sides_2d=3, sides_3d=3, weights_side=3, ratios=1e-3)
+        super().__post_init__()
         if min(len(self.sides_2d), len(self.sides_3d)) < 2:
             raise ValueError("parameters sides_2d and sides_3d must hold two or more, for an order")
 
