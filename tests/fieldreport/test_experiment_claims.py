@@ -157,22 +157,6 @@ def test_smoother_kernels_pay_in_condition(kernels):
     assert conditions == sorted(conditions)
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: power_sampling.Params(powers=(1,)), "powers must hold 2 or more"),
-        (lambda: epsilon_sweep.Params(noises=(0.1,)), "noises must begin with 0 and hold shown"),
-        (lambda: epsilon_sweep.Params(steps=2), "parameter steps must be 3 or more; got 2"),
-        (lambda: weight_shapes.Params(side=2), "parameter side must be 3 or more; got 2"),
-        (lambda: kernel_comparison.Params(sizes=(50, 20)), "sizes must be two or more, increasing"),
-    ],
-)
-def test_parameters_that_make_no_sense_are_refused(make, words):
-    """With the name of the parameter and what is wanted."""
-    with pytest.raises(ValueError, match=words):
-        make()
-
-
 def test_normal_equations_that_rounding_makes_singular(monkeypatch):
     """Whether they are singular far away depends on rounding; either way there is a result."""
 

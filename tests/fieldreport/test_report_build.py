@@ -357,7 +357,8 @@ def test_interruption_ends_quietly(report, monkeypatch, capfd):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ("[fake_c]\n", "no experiment 'fake_c'; there are fake_a, fake_b"),
+        ("[fake_c]\n", r"no experiment 'fake_c'; did you mean fake_[ab]\?"),
+        ("[bumps]\n", "no experiment 'bumps'; there are fake_a, fake_b"),
         ("[fake_a]\npoint = 3\n", r"\[fake_a\]: there is no parameter 'point'"),
         ("[fake_a]\npoints = 0.5\n", r"\[fake_a\]: parameter points must be a whole number"),
         ("[fake_a\n", "experiments.toml"),

@@ -22,14 +22,14 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldreport.framework.experiment import Result, ResultTable, parameter
+from fieldreport.framework.experiment import Parameters, Result, ResultTable, parameter
 from fieldrecon.plotting.style import figure, line
 
 SCALE = 1.0
 
 
 @dataclass(frozen=True)
-class Params:
+class Params(Parameters):
     points: int = parameter(1000, "number of points")
     epsilon: float = parameter(0.0012, "a small length")
     powers: tuple[int, ...] = parameter((1, 2, 3), "powers")

@@ -12,7 +12,6 @@ from typing import Any
 from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
 from fieldrecon._core.digests import json_digest
 from fieldrecon.cli.progress import Bar
-from fieldreport import experiments
 from fieldreport.build import up_to_date
 from fieldreport.build.code_dependencies import code_digests, statement_cache
 from fieldreport.build.errors import BuildError
@@ -21,6 +20,7 @@ from fieldreport.build.manifest import manifest, versions
 from fieldreport.build.rerun import ExperimentJob, compute, jobs_of
 from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.build.typesetting import Document, unquoted_facts
+from fieldreport.framework.names import no_such
 from fieldreport.framework.result_files import read_result
 
 
@@ -117,10 +117,10 @@ def _settings(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def _chosen(jobs: list[ExperimentJob], only: list[str]) -> list[ExperimentJob]:
-    unknown = set(only) - {job.name for job in jobs}
-    if unknown:
-        known = ", ".join(experiments.names())
-        raise BuildError(f"no experiment {', '.join(sorted(unknown))}; there are {known}")
+    known = [job.name for job in jobs]
+    for name in only:
+        if name not in known:
+            raise BuildError(no_such("experiment", name, known))
     return [job for job in jobs if not only or job.name in only]
 
 

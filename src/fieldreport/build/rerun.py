@@ -24,7 +24,8 @@ from fieldreport.build.errors import BuildError
 from fieldreport.build.pinned_kernels import pins
 from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.build.workers import workers
-from fieldreport.framework.experiment import Experiment, Result
+from fieldreport.framework.experiment import Experiment, ExperimentError, Result
+from fieldreport.framework.names import no_such
 from fieldreport.framework.parameters import replace_parameters
 from fieldreport.framework.result_files import read_result, write_result
 
@@ -82,11 +83,11 @@ def jobs_of(settings: Mapping[str, Mapping[str, Any]], folder: Path) -> list[Exp
     BuildError
         If the settings name an experiment or a parameter that does not exist.
     """
-    unknown = [name for name in settings if name not in experiments.names()]
-    if unknown:
-        known = ", ".join(experiments.names())
-        raise BuildError(f"experiments.toml: no experiment {unknown[0]!r}; there are {known}")
-    order = [*settings, *(name for name in experiments.names() if name not in settings)]
+    known = experiments.names()
+    for name in settings:
+        if name not in known:
+            raise BuildError(f"experiments.toml: {no_such('experiment', name, known)}")
+    order = [*settings, *(name for name in known if name not in settings)]
     return [_job(name, settings.get(name, {}), folder) for name in order]
 
 
@@ -189,6 +190,8 @@ def _outcome(future: Future, what: str) -> Any:
         raise BuildError(f"{what}: the worker died (out of memory?)") from error
     except (BuildError, OSError):
         raise
+    except ExperimentError as error:
+        raise BuildError(str(error)) from error
     except Exception as error:
         trace = "".join(traceback.format_exception(error))
         raise BuildError(f"{what} failed\n{trace}") from error

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -76,8 +77,7 @@ def _run(options: argparse.Namespace) -> None:
     from fieldreport.framework.parameters import replace_parameters
 
     experiment = get(options.name)
-    settings = dict(map(_setting, options.set)) | ({"seed": options.seed} if options.seed else {})
-    params = replace_parameters(experiment.defaults, settings)
+    params = replace_parameters(experiment.defaults, _settings(options.set, options.seed))
     with _pool_map(options.jobs) as pool_map, progress(pool_map, experiment.name) as each:
         result = experiment.run(params, each)
     folder = options.out / experiment.name
@@ -86,6 +86,16 @@ def _run(options: argparse.Namespace) -> None:
         print_table(table.columns, table.rows, title=f"{experiment.name}: {name}")
     print_table(("fact", ""), tuple(result.facts.items()))
     print_files(written)
+
+
+def _settings(texts: Sequence[str], seed: str | None) -> dict[str, str]:
+    """Return the values by parameter; refuse to set a parameter twice."""
+    given = [*map(_setting, texts), *([] if seed is None else [("seed", seed)])]
+    for key, count in Counter(key for key, _ in given).items():
+        if count > 1:
+            values = " and ".join(repr(value) for k, value in given if k == key)
+            raise ValueError(f"parameter {key} must be set once; got {values}")
+    return dict(given)
 
 
 def _setting(text: str) -> tuple[str, str]:

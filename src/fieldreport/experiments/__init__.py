@@ -11,6 +11,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fieldreport.framework.names import no_such
+
 if TYPE_CHECKING:
     from fieldreport.framework.experiment import Experiment
 
@@ -43,7 +45,7 @@ def module_of(name: str) -> str:
     """
     path = _modules().get(name)
     if path is None or _source(path) is None:
-        raise ValueError(f"there is no experiment {name!r}; there are {', '.join(names())}")
+        raise ValueError(f"there is {no_such('experiment', name, names())}")
     return f"{__name__}.{path.parent.name}.{name}"
 
 

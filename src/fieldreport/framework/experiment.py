@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType, ModuleType
@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fieldrecon._core.blas_threads import one_blas_thread
+from fieldreport.framework.domains import Domain
 
 Cell: TypeAlias = int | float | str
 Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
@@ -22,35 +23,68 @@ FACT_DIGITS = 6
 """Significant digits of a fact, unless the ``DIGITS`` of its experiment state another number."""
 
 
-def parameter(
-    default: Any, meaning: str, least: float | Callable[[Any], float] | None = None
-) -> Any:
-    """Declare a field of ``Params``: its default, its meaning with its unit, its smallest value.
-
-    Parameters
-    ----------
-    default : int, float, bool, str or tuple
-        The value of the report.
-    meaning : str
-        What the parameter is, with its unit.
-    least : float or callable, optional
-        The smallest value that makes sense, also for each entry of a tuple; a function of the
-        parameters where it depends on another one.
+def parameter(default: Any, meaning: str, **domain: Any) -> Any:
+    """Declare a field of ``Params``: its default, its meaning with its unit, and its ``Domain``.
 
     Examples
     --------
     >>> @dataclass(frozen=True)
     ... class Params(Parameters):
-    ...     points: int = parameter(100, "number of sample points", least=2)
+    ...     points: int = parameter(100, "number of sample points", least=3)
     >>> Params().points
     100
+    >>> Params(points=2)
+    Traceback (most recent call last):
+    ...
+    ValueError: parameter points must be 3 or more; got 2
     """
-    return field(default=default, metadata={"meaning": meaning, "least": least})
+    return field(default=default, metadata={"meaning": meaning, "domain": Domain(**domain)})
 
 
 def input_file(default: str, meaning: str) -> Any:
     """Declare a field that names a file of the checkout; the content of the file is a parameter."""
     return field(default=default, metadata={"meaning": meaning, "file": True})
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The parameters of an experiment, each in its domain.
+
+    A relation between parameters is checked by a ``__post_init__`` that calls this one first.
+    """
+
+    def __post_init__(self) -> None:
+        for f in fields(self):
+            stored = f.metadata.get("domain", Domain()).checked(f.name, getattr(self, f.name))
+            object.__setattr__(self, f.name, stored)
+
+
+def require(condition: bool, name: str, wanted: str, got: Any) -> None:
+    """Refuse parameters that contradict each other.
+
+    Raises
+    ------
+    ValueError
+        In the wording of ``Domain``, if the condition does not hold.
+
+    Examples
+    --------
+    >>> require(False, "largest", "10 times smallest or more", 0.1)
+    Traceback (most recent call last):
+    ...
+    ValueError: parameter largest must be 10 times smallest or more; got 0.1
+    """
+    if not condition:
+        shown = f"{got:g}" if isinstance(got, float) else got
+        raise ValueError(f"parameter {name} must be {wanted}; got {shown}")
+
+
+class ExperimentError(ValueError):
+    """A run with parameters for which the experiment cannot give a result."""
+
+
+USER_ERRORS = (ValueError, ArithmeticError, MemoryError)
+"""What other parameters may cause; a LinAlgError is a ValueError."""
 
 
 def in_checkout(name: str) -> Path:
@@ -60,28 +94,6 @@ def in_checkout(name: str) -> Path:
     """
     root = Path(__file__).parents[3]
     return (root if (root / "pyproject.toml").is_file() else Path()) / name
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """The parameters of an experiment, each at or above the smallest value that it declares.
-
-    Raises
-    ------
-    ValueError
-        Naming the parameter, its value and the smallest value.
-    """
-
-    def __post_init__(self) -> None:
-        for f in fields(self):
-            if (least := f.metadata.get("least")) is not None:
-                self._require_at_least(f.name, least(self) if callable(least) else least)
-
-    def _require_at_least(self, name: str, bound: float) -> None:
-        value = getattr(self, name)
-        for x in value if isinstance(value, tuple) else (value,):
-            if x < bound:
-                raise ValueError(f"parameter {name} must be {bound:g} or more; got {x:g}")
 
 
 def order_of_magnitude(x: float) -> float:
@@ -223,6 +235,10 @@ class Result:
     __hash__ = None  # type: ignore[assignment]
 
 
+def _shown(x: Any) -> str:
+    return ",".join(map(str, x)) if isinstance(x, tuple) else str(x)
+
+
 def _same_array(a: np.ndarray, b: np.ndarray) -> bool:
     return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
 
@@ -312,9 +328,26 @@ class Experiment:
             The defaults if not given.
         each : callable
             An order-preserving map, which calls the independent parts of the run.
+
+        Raises
+        ------
+        ExperimentError
+            If the run fails with parameters that differ from the defaults, which it names.
         """
         params = self.defaults if params is None else params
-        with one_blas_thread():
-            found = self.module.run(params, each)
+        try:
+            with one_blas_thread():
+                found = self.module.run(params, each)
+        except USER_ERRORS as error:
+            if params == self.defaults:
+                raise  # an error of the program, whose origin is wanted
+            raise ExperimentError(self._refusal(params, error)) from error
         facts = {name: round_to_digits(x, self.digits(name)) for name, x in found.facts.items()}
         return replace(found, facts=facts)
+
+    def _refusal(self, params: Any, error: Exception) -> str:
+        """Return a sentence with the experiment, the changed parameters, and the error."""
+        usual, given = asdict(self.defaults), asdict(params)
+        changed = [f"{name} = {_shown(x)}" for name, x in given.items() if x != usual[name]]
+        reason = str(error) or type(error).__name__
+        return f"experiment {self.name} fails with {', '.join(changed)}: {reason}"

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
+from fieldreport.framework.names import no_such
+
 _WORDS = {
     bool: "true or false",
     int: "a whole number",
@@ -30,7 +32,7 @@ def replace_parameters(params: Any, settings: Mapping[str, Any]) -> Any:
     Raises
     ------
     ValueError
-        If a field does not exist, or a value has another type.
+        If a field does not exist, or a value has another type or lies outside its domain.
 
     Examples
     --------
@@ -46,7 +48,7 @@ def replace_parameters(params: Any, settings: Mapping[str, Any]) -> Any:
     known = [f.name for f in fields(params)]
     for name in settings:
         if name not in known:
-            raise ValueError(f"there is no parameter {name!r}; there are {', '.join(known)}")
+            raise ValueError(f"there is {no_such('parameter', name, known)}")
     return replace(params, **{name: _of(name, types[name], x) for name, x in settings.items()})
 
 

@@ -1,6 +1,5 @@
 """The spiral in the hexagon: reproduction by Voronoi coordinates, and errors of quotients."""
 
-from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -140,11 +139,3 @@ def test_a_weight_without_the_volume_is_refuted(name):
     w = quotients(star, s) / star.mesh.cell_measures[star.cells]
     w /= w.sum(axis=1, keepdims=True)
     assert abs(w @ star.corners - s).max() > 1e-3
-
-
-def test_parameters_that_make_no_sense_are_refused():
-    """With the name of the parameter and what is wanted."""
-    with pytest.raises(ValueError, match="center must be two coordinates"):
-        replace(hexagon_spiral.QUICK, center=(1.0,))
-    with pytest.raises(ValueError, match="steps must be 7 or more; got 6"):
-        replace(hexagon_spiral.QUICK, steps=6)

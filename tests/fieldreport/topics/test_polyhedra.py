@@ -154,17 +154,3 @@ def test_another_curve_is_seen_to_differ(monkeypatch):
 
     monkeypatch.setattr(formulas, "crossings", moved)
     assert Outside.of(OUTSIDE[5], 8, 20).difference > 1e-6
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"corners": 3}, "parameter corners must be 4 or more; got 3"),
-        ({"smallest_shift": 0.1}, "parameter largest_shift must be 0.2 or more; got 0.1"),
-        ({"nearest": 0.0}, "parameter nearest must be 1e-300 or more; got 0"),
-    ],
-)
-def test_parameters_that_make_no_sense_are_refused(changes, words):
-    """With the name of the parameter and what is wanted."""
-    with pytest.raises(ValueError, match=words):
-        polyhedra.Params(**changes)

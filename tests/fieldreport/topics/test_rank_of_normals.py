@@ -1,6 +1,5 @@
 """Rank deficiency of B': tangent fields, collinear points, stars of few vertices."""
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -161,16 +160,3 @@ def test_ranks_are_affine_invariants():
         before, after = (one_ring(mesh, np.zeros(len(mesh.faces))) for mesh in (star, moved))
         assert before.rank[0] == after.rank[0]
         assert before.determined[0] == after.determined[0]
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"samples": 6}, "parameter samples must be 7 or more; got 6"),
-        ({"vertices": (4,)}, "parameter vertices must be 5 or more; got 4"),
-    ],
-)
-def test_parameters_that_make_no_sense_are_refused(change, words):
-    """With the name of the parameter and what is wanted."""
-    with pytest.raises(ValueError, match=words):
-        replace(module.QUICK, **change)

@@ -230,16 +230,3 @@ def test_a_full_ring_has_no_conic_and_no_error():
     mesh = random_square(60, 5, 3)
     i = int(np.diff(mesh.vertex_cell_incidence.indptr).argmax())
     assert not error_by_conics(mesh, i, np.ones(2), np.eye(2)).any()
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"side": 1}, "parameter side must be 2 or more; got 1"),
-        ({"sides_2d": (8,)}, "sides_2d and sides_3d must hold two or more"),
-    ],
-)
-def test_parameters_that_make_no_sense_are_refused(change, words):
-    """With the name of the parameter and what is wanted."""
-    with pytest.raises(ValueError, match=words):
-        replace(module.QUICK, **change)

@@ -1,6 +1,5 @@
 """Terrain: known surfaces are reproduced; landforms beyond the last isolines are found."""
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -280,22 +279,6 @@ def test_the_land_in_the_picture_is_the_land(quick):
         quick.arrays["x"][column]
     )
     assert south + (row + 0.5) * (north - south) / rows == pytest.approx(quick.arrays["y"][row])
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"shown_degree": 3}, "parameter shown_degree must be one of degrees; got 3"),
-        ({"window": (0.0, 0.0)}, "parameter window must hold 3 lengths"),
-        ({"spacings": (20,)}, "and spacings 2 or more"),
-        ({"spacing": 0}, "parameter spacing must be 1 or more; got 0"),
-        ({"bound": 0.5}, "parameter bound must be 1 or more; got 0.5"),
-    ],
-)
-def test_senseless_parameters_are_refused(change, words):
-    """The message names the parameter and what was wanted."""
-    with pytest.raises(ValueError, match=words):
-        replace(Params(), **change)
 
 
 def test_a_window_off_the_map_is_refused():

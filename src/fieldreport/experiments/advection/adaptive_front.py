@@ -26,7 +26,15 @@ from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldreport.experiments.advection.advection import DISC, RADIUS, deforming, method_on
 from fieldreport.experiments.methods.convergence import rms
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Parameters,
+    Result,
+    ResultTable,
+    parameter,
+    require,
+)
 
 FRAMES = 4
 NOISE = 1e-6  # of the coarsening threshold: smaller residuals are rounding errors
@@ -37,17 +45,27 @@ class Params(Parameters):
     """The front, the flow, and the rules for inserting and removing sites."""
 
     sites: int = parameter(800, "initial sites, before adaptation", least=50)
-    fixed: tuple[int, ...] = parameter((1000, 2000, 4000, 8000), "numbers of fixed sites", least=50)
+    fixed: tuple[int, ...] = parameter(
+        (1000, 2000, 4000, 8000), "numbers of fixed sites", least=50, order="increasing"
+    )
     steps: int = parameter(30, "time steps, until the flow has returned", least=6)
-    period: float = parameter(1.5, "period of the flow")
-    steepness: float = parameter(40.0, "slope of the front")
-    refine: float = parameter(0.01, "residual above which sites are inserted")
-    coarsen: float = parameter(0.001, "residual below which sites are removed")
-    spacing: float = parameter(0.008, "smallest distance of new sites")
-    widest: float = parameter(0.05, "distance to the nearest site beyond which sites are kept")
-    rounds: int = parameter(4, "adaptations to the initial field", least=0)
-    shift: float = parameter(1e-4, "side of the squares in which sites are shifted randomly")
-    seed: int = parameter(0, "seed of the shifts")
+    period: float = parameter(1.5, "period of the flow", above=0, most=100)
+    steepness: float = parameter(40.0, "slope of the front", above=0, most=1e6)
+    refine: float = parameter(0.01, "residual above which sites are inserted", above=0, most=1)
+    coarsen: float = parameter(0.001, "residual below which sites are removed", least=0, most=1)
+    spacing: float = parameter(0.008, "smallest distance of new sites", least=0.001, most=1)
+    widest: float = parameter(
+        0.05, "distance to the nearest site beyond which sites are kept", above=0, most=2
+    )
+    rounds: int = parameter(4, "adaptations to the initial field", least=0, most=100)
+    shift: float = parameter(
+        1e-4, "side of the squares in which sites are shifted randomly", least=0, most=0.01
+    )
+    seed: int = parameter(0, "seed of the shifts", least=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(self.coarsen < self.refine, "coarsen", "less than refine", self.coarsen)
 
 
 QUICK = Params(sites=200, fixed=(200, 400), steps=6, spacing=0.03, rounds=1)

@@ -46,12 +46,20 @@ class Params(Parameters):
     steps: int = parameter(40, "time steps of one revolution", least=2)
     deformed_sites: int = parameter(3000, "sites in the flow that reverses", least=100)
     deformed_steps: int = parameter(30, "time steps, until the flow has returned", least=2)
-    period: float = parameter(1.5, "period of the flow")
+    period: float = parameter(1.5, "period of the flow", above=0, most=100)
     counts: tuple[int, ...] = parameter(
-        (500, 1000, 2000, 4000), "numbers of sites, for the order in h", least=100
+        (500, 1000, 2000, 4000),
+        "numbers of sites, for the order in h",
+        least=100,
+        fewest=2,
+        order="increasing",
     )
     divisions: tuple[int, ...] = parameter(
-        (16, 32, 64, 128), "time steps of a revolution, for the order in dt", least=2
+        (16, 32, 64, 128),
+        "time steps of a revolution, for the order in dt",
+        least=2,
+        fewest=2,
+        order="increasing",
     )
     powers: int = parameter(700, "sites of the matrix whose powers are computed", least=50)
     grid: int = parameter(120, "points along a side of the pictures", least=5)

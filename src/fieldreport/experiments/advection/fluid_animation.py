@@ -47,6 +47,7 @@ from fieldreport.framework.experiment import (
     ResultTable,
     order_of_magnitude,
     parameter,
+    require,
 )
 
 INK = np.array([0.5, 0.72])
@@ -60,12 +61,18 @@ EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 class Params(Parameters):
     """Meshes and steps."""
 
-    spacing: float = parameter(0.06, "edge length of the mesh away from the ink", least=0.005)
+    spacing: float = parameter(
+        0.06, "edge length of the mesh away from the ink", least=0.005, most=0.5
+    )
     finest: float = parameter(
-        0.025, "edge length of the mesh at the boundary of the ink", least=0.002
+        0.025, "edge length of the mesh at the boundary of the ink", least=0.002, most=0.5
     )
     steps: int = parameter(10, "time steps, of two meshes each", least=FRAMES - 1)
-    time: float = parameter(2.0, "final time; the centre rotates once in time 2")
+    time: float = parameter(2.0, "final time; the centre rotates once in time 2", above=0, most=100)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(self.finest <= self.spacing, "finest", "spacing or less", self.finest)
 
 
 QUICK = Params(spacing=0.2, finest=0.15, steps=5, time=0.5)

@@ -48,17 +48,15 @@ class Params(Parameters):
     """Sites and steps."""
 
     levels: int = parameter(
-        3, "number of the four published meshes to use, coarsest first", least=2
+        3,
+        "number of the four published meshes to use, coarsest first",
+        least=2,
+        most=len(PUBLISHED["CIP"][0]),
     )
     steps: int = parameter(20, "time steps of the revolution", least=2)
     lattice: int = parameter(
         1200, "points along a side of the square in which areas are measured", least=10
     )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.levels > len(PUBLISHED["CIP"][0]):
-            raise ValueError(f"parameter levels must be 4 or less; got {self.levels}")
 
 
 QUICK = Params(levels=2, steps=4, lattice=200)

@@ -53,22 +53,26 @@ FORMS = ("quotient", "quotient, one height", "product")
 class Params(Parameters):
     """The spiral, the stars, and the distances from an edge of a cell."""
 
-    steps: int = parameter(50, "points N of the spiral", least=7)
-    turn: float = parameter(20.0, "angle by which a hexagon is rotated, in degrees")
-    center: tuple[float, ...] = parameter((-1.5, 0.5), "centre of the translated hexagon")
+    steps: int = parameter(
+        50,
+        "points N of the spiral",
+        least=7,
+        because="the first of fewer can lie on an edge of the cell",
+    )
+    turn: float = parameter(
+        20.0, "angle by which a hexagon is rotated, in degrees", least=-360, most=360
+    )
+    center: tuple[float, ...] = parameter(
+        (-1.5, 0.5), "centre of the translated hexagon", least=-1e6, most=1e6, entries=2
+    )
     scattered: int = parameter(
         60, "random points, in the unit square and in the unit cube", least=40
     )
     nearest: int = parameter(
-        16, "smallest distance from an edge, as a negative power of ten", least=2
+        16, "smallest distance from an edge, as a negative power of ten", least=2, most=16
     )
     places: int = parameter(200, "points along the edge at each distance", least=2)
     seed: int = parameter(0, "seed of the random points", least=0)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if len(self.center) != 2:
-            raise ValueError(f"parameter center must be two coordinates; got {self.center}")
 
 
 QUICK = Params(steps=12, nearest=6, places=9)

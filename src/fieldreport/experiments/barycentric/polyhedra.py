@@ -50,6 +50,7 @@ from fieldreport.framework.experiment import (
     ResultTable,
     order_of_magnitude,
     parameter,
+    require,
 )
 
 __all__ = [
@@ -82,15 +83,15 @@ class Params(Parameters):
     queries: int = parameter(100, "random query points in each polytope", least=1)
     splits: int = parameter(6, "random splittings, in which faces are shifted apart", least=1)
     largest_shift: float = parameter(
-        0.1, "largest distance δ by which a face is shifted", least=lambda p: 2 * p.smallest_shift
+        0.1, "largest distance δ by which a face is shifted", above=0, most=0.1
     )
-    smallest_shift: float = parameter(1e-10, "smallest δ", least=1e-11)
+    smallest_shift: float = parameter(1e-10, "smallest δ", least=1e-11, most=0.01)
     shifts: int = parameter(10, "values of δ, in geometric progression", least=2)
     turns: int = parameter(
         25, "random rotations of the hexagon for queries near its edges", least=1
     )
     nearest: float = parameter(
-        1e-18, "smallest distance from an edge or corner; the size is 1", least=1e-300
+        1e-18, "smallest distance from an edge or corner; the size is 1", least=1e-300, most=0.01
     )
     distances: int = parameter(
         37, "distances from an edge or corner, in geometric progression", least=2
@@ -98,6 +99,15 @@ class Params(Parameters):
     poles: int = parameter(200, "directions in which poles are searched outside", least=1)
     rings: int = parameter(14, "refinement of the meshes in the figures", least=2)
     seed: int = parameter(4, "seed of polygons, query points, shifts and rotations", least=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(
+            self.largest_shift >= 2 * self.smallest_shift,
+            "largest_shift",
+            f"{2 * self.smallest_shift:g} or more",
+            self.largest_shift,
+        )
 
 
 QUICK = Params(queries=4, splits=2, shifts=4, turns=2, distances=6, poles=12, rings=3)

@@ -43,15 +43,17 @@ ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 class Params(Parameters):
     """The wing of half span 1, its meshes, and the load."""
 
-    chord: float = parameter(0.3, "chord of the wing, as a fraction of the half span", least=0.01)
+    chord: float = parameter(
+        0.3, "chord of the wing, as a fraction of the half span", least=0.01, most=10
+    )
     stations: tuple[int, ...] = parameter(
-        (4, 8, 16, 32), "stations of the structure along the span", least=3
+        (4, 8, 16, 32), "stations of the structure along the span", least=3, order="increasing"
     )
     shown: int = parameter(8, "stations in the table", least=3)
     pictured: int = parameter(40, "stations in the figure of the load distribution", least=3)
     across: int = parameter(20, "points of the skin along the chord, on each side", least=4)
     along: int = parameter(60, "points of the skin along the span", least=4)
-    drag: float = parameter(0.05, "drag as a fraction of the lift, everywhere", least=0)
+    drag: float = parameter(0.05, "drag as a fraction of the lift, everywhere", least=0, most=10)
 
 
 QUICK = Params(stations=(4, 8), pictured=16, across=8, along=16)

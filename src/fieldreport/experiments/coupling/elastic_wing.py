@@ -43,34 +43,55 @@ ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 class Params(Parameters):
     """The flight, the wing, and the meshes."""
 
-    mach: float = parameter(0.8, "Mach number")
-    angle: float = parameter(-0.087, "angle of attack, degrees")
-    height: float = parameter(10498.0, "height of the flight, m")
-    half_span: float = parameter(29.0, "half span, m", least=1)
-    root_chord: float = parameter(10.5, "chord at the root, m", least=0.1)
-    taper: float = parameter(0.25, "chord at the tip, as a fraction of the root chord")
-    sweep: float = parameter(30.0, "sweep of the quarter chords, degrees")
-    thickness: float = parameter(0.12, "thickness of the profile, as a fraction of the chord")
-    camber: float = parameter(0.02, "height of the mean line, as a fraction of the chord")
-    incidence: tuple[float, ...] = parameter((4.5, 0.0), "incidence at root and tip, degrees")
-    skin: tuple[float, ...] = parameter((0.009, 0.003), "thickness of the skins at root and tip, m")
-    plate: tuple[float, ...] = parameter(
-        (0.03, 0.97), "edges of the plate, as fractions of the chord"
+    mach: float = parameter(0.8, "Mach number", above=0, below=1)
+    angle: float = parameter(-0.087, "angle of attack, degrees", least=-30, most=30)
+    height: float = parameter(10498.0, "height of the flight, m", least=0, most=TOP)
+    half_span: float = parameter(29.0, "half span, m", least=1, most=1000)
+    root_chord: float = parameter(10.5, "chord at the root, m", least=0.1, most=100)
+    taper: float = parameter(
+        0.25, "chord at the tip, as a fraction of the root chord", least=0.01, most=2
     )
-    young: float = parameter(70e9, "Young's modulus, Pa")
-    poisson: float = parameter(0.33, "Poisson's ratio")
+    sweep: float = parameter(30.0, "sweep of the quarter chords, degrees", least=-60, most=60)
+    thickness: float = parameter(
+        0.12, "thickness of the profile, as a fraction of the chord", least=0.01, most=0.5
+    )
+    camber: float = parameter(
+        0.02, "height of the mean line, as a fraction of the chord", least=-0.2, most=0.2
+    )
+    incidence: tuple[float, ...] = parameter(
+        (4.5, 0.0), "incidence at root and tip, degrees", least=-30, most=30, entries=2
+    )
+    skin: tuple[float, ...] = parameter(
+        (0.009, 0.003), "thickness of the skins at root and tip, m", least=1e-4, most=1, entries=2
+    )
+    plate: tuple[float, ...] = parameter(
+        (0.03, 0.97),
+        "edges of the plate, as fractions of the chord",
+        least=0,
+        most=1,
+        entries=2,
+        order="increasing",
+    )
+    young: float = parameter(70e9, "Young's modulus, Pa", least=1e6, most=1e13)
+    poisson: float = parameter(0.33, "Poisson's ratio", least=0, below=0.5)
     pieces: tuple[int, ...] = parameter(
-        (30, 120), "cells of the plate along chord and span", least=2
+        (30, 120), "cells of the plate along chord and span", least=2, entries=2
     )
     panels: tuple[int, ...] = parameter(
-        (12, 32), "panels of the lattice along chord and span", least=2
+        (12, 32), "panels of the lattice along chord and span", least=2, entries=2
     )
-    section: float = parameter(0.77, "section shown, as a fraction of the half span")
-    sweeps: tuple[float, ...] = parameter((30.0, 0.0, -20.0), "sweeps compared, degrees")
+    section: float = parameter(
+        0.77, "section shown, as a fraction of the half span", least=0, below=1
+    )
+    sweeps: tuple[float, ...] = parameter(
+        (30.0, 0.0, -20.0), "sweeps compared, degrees", least=-60, most=60, order="decreasing"
+    )
     pressures: tuple[float, ...] = parameter(
         (0.5, 1.0, 1.5, 2.0, 2.5),
         "dynamic pressures compared, as fractions of that of the flight",
         least=0.01,
+        most=100,
+        order="increasing",
     )
 
     def plan(self, sweep: float) -> Plan:

@@ -49,7 +49,15 @@ from fieldreport.experiments.datasets.terrain_methods import (
     solved,
 )
 from fieldreport.experiments.datasets.terrain_weights import facts_of_weights
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Parameters,
+    Result,
+    ResultTable,
+    parameter,
+    require,
+)
 
 PUBLISHED_SUMMIT = 1077
 """Height of Cross Mountain in metres, from the gazetteer of the U.S. Geological Survey."""
@@ -66,32 +74,37 @@ SCIPY_QUERIES = 2000
 class Params(Parameters):
     """The isolines, the methods, and the window in which the isolines' spacing is varied."""
 
-    spacing: int = parameter(100, "difference of height between isolines, m", least=1)
+    spacing: int = parameter(100, "difference of height between isolines, m", least=1, most=1000)
     apart: float = parameter(
-        300.0, "smallest distance of points on isolines of one height, m", least=1
+        300.0, "smallest distance of points on isolines of one height, m", least=1, most=1e5
     )
     every: int = parameter(1, "stride of rows and columns of the elevation model", least=1)
     degrees: tuple[int, ...] = parameter(
-        (1, 2, 4, 8, 12, 16, 20), "degrees of least squares", least=0
+        (1, 2, 4, 8, 12, 16, 20), "degrees of least squares", least=0, most=40, order="increasing"
     )
-    shown_degree: int = parameter(12, "degree of least squares in maps, profiles and the window")
+    shown_degree: int = parameter(
+        12, "degree of least squares in maps, profiles and the window", least=0
+    )
     per_coefficient: int = parameter(4, "points per coefficient in a neighbourhood of MLS", least=2)
-    bound: float = parameter(3.0, "largest sum of |weights| that the guarded MLS accepts", least=1)
+    bound: float = parameter(
+        3.0, "largest sum of |weights| that the guarded MLS accepts", least=1, most=1e6
+    )
     window: tuple[float, ...] = parameter(
-        (8000.0, 4000.0, 10000.0), "west, south edge, side, m", least=0
+        (8000.0, 4000.0, 10000.0), "west, south edge, side, m", least=0, most=1e5, entries=3
     )
     spacings: tuple[int, ...] = parameter(
-        (10, 20, 40, 80, 160), "spacings tried in the window, m", least=1
+        (10, 20, 40, 80, 160),
+        "spacings tried in the window, m",
+        least=1,
+        fewest=2,
+        order="increasing",
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.shown_degree not in self.degrees:
-            raise ValueError(
-                f"parameter shown_degree must be one of degrees; got {self.shown_degree}"
-            )
-        if len(self.window) != 3 or len(set(self.spacings)) < 2:
-            raise ValueError("parameter window must hold 3 lengths, and spacings 2 or more")
+        require(
+            self.shown_degree in self.degrees, "shown_degree", "one of degrees", self.shown_degree
+        )
 
     @property
     def shown(self) -> tuple[str, ...]:

@@ -55,12 +55,12 @@ class Params(Parameters):
     """The points and the lengths of the kernels."""
 
     points: int = parameter(24, "random points in the square [0, 3]²", least=13)
-    scale: float = parameter(0.6, "scale of the kernels with a scale", least=1e-3)
-    radius: float = parameter(1.5, "radius of Wendland's function", least=1e-3)
+    scale: float = parameter(0.6, "scale of the kernels with a scale", least=1e-3, most=1e3)
+    radius: float = parameter(1.5, "radius of Wendland's function", least=1e-3, most=1e3)
     lattice: int = parameter(
         9, "points along the side of the lattice on which (1 - r)₊ fails", least=2
     )
-    step: float = parameter(0.7, "step of that lattice, in radii", least=0.1)
+    step: float = parameter(0.7, "step of that lattice, in radii", least=0.1, most=10)
     seed: int = parameter(0, "seed of the points", least=0)
 
 

@@ -55,20 +55,24 @@ class Params(Parameters):
     """The numbers of points, and the lengths of the kernels."""
 
     sizes: tuple[int, ...] = parameter(
-        (50, 100, 200, 400, 800), "numbers of points, increasing", least=4
+        (50, 100, 200, 400, 800),
+        "numbers of points, increasing",
+        least=4,
+        fewest=2,
+        order="increasing",
     )
     scale: float = parameter(
-        0.2, "scale of Gaussian, multiquadric and Matérn; the square has side 1", least=1e-3
+        0.2,
+        "scale of Gaussian, multiquadric and Matérn; the square has side 1",
+        least=1e-3,
+        most=1e3,
     )
-    radius: float = parameter(1.0, "radius of Wendland's function", least=1e-3)
+    radius: float = parameter(1.0, "radius of Wendland's function", least=1e-3, most=1e3)
     side: int = parameter(40, "evaluation points along a side of the square", least=2)
     few: int = parameter(100, "points of the part on augmentation", least=4)
-    farthest: float = parameter(1e3, "largest distance from the centre of the square", least=10)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if sorted(set(self.sizes)) != list(self.sizes) or len(self.sizes) < 2:
-            raise ValueError(f"parameter sizes must be two or more, increasing; got {self.sizes}")
+    farthest: float = parameter(
+        1e3, "largest distance from the centre of the square", least=10, most=1e9
+    )
 
     @property
     def kernels(self) -> dict[str, Radial]:

@@ -43,10 +43,12 @@ class Params(Parameters):
     """The paths of the points."""
 
     rise: float = parameter(
-        0.6, "height of the ellipse on which two points change places", least=0.05
+        0.6, "height of the ellipse on which two points change places", least=0.05, most=1
     )
-    scale: float = parameter(1.0, "scale of the Gaussian that moves with the points", least=0.05)
-    frames: int = parameter(5, "frames of the strip, the singular one among them", least=3)
+    scale: float = parameter(
+        1.0, "scale of the Gaussian that moves with the points", least=0.05, most=10
+    )
+    frames: int = parameter(5, "frames of the strip, the singular one among them", least=3, most=12)
 
 
 QUICK = Params(rise=0.4, frames=3)

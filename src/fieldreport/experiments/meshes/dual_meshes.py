@@ -56,15 +56,12 @@ class Params(Parameters):
     side: int = parameter(5, "steps of the grid along the unit square", least=3)
     side_3d: int = parameter(6, "steps of the grid along the unit cube", least=3)
     jitter: float = parameter(
-        0.6, "range of the random displacement of a vertex, in steps", least=0
+        0.6, "range of the random displacement of a vertex, in steps", least=0, below=1
     )
-    stretch: float = parameter(2.0, "factor by which the first coordinate is stretched", least=1)
+    stretch: float = parameter(
+        2.0, "factor by which the first coordinate is stretched", least=1, most=100
+    )
     seed: int = parameter(1, "seed of the displacements", least=0)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.jitter >= 1:
-            raise ValueError(f"parameter jitter must be below 1; got {self.jitter:g}")
 
 
 QUICK = Params(side=4, side_3d=3)

@@ -19,9 +19,37 @@ def middle(vectors: np.ndarray) -> float:
 def order(sizes: ArrayLike, errors: ArrayLike) -> float:
     """Return the order p of errors that decrease like hᵖ: the slope of log error against log h.
 
+    Parameters
+    ----------
+    sizes, errors : array_like
+        Positive, in any order; two different sizes or more.
+
+    Raises
+    ------
+    ValueError
+        If fewer than two sizes differ, or a size or an error is not positive and finite.
+
     Examples
     --------
     >>> order([0.1, 0.05, 0.025], [0.04, 0.01, 0.0025])
     2.0
+    >>> order([0.1], [0.04])
+    Traceback (most recent call last):
+    ...
+    ValueError: an order of convergence needs two different sizes or more; got 0.1
     """
+    sizes, errors = np.asarray(sizes, dtype=float), np.asarray(errors, dtype=float)
+    for name, values in (("sizes", sizes), ("errors", errors)):
+        if not (np.isfinite(values) & (values > 0)).all():
+            raise ValueError(
+                f"an order of convergence needs positive {name}; got {_listed(values)}"
+            )
+    if len(np.unique(sizes)) < 2:
+        raise ValueError(
+            f"an order of convergence needs two different sizes or more; got {_listed(sizes)}"
+        )
     return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0].round(12))
+
+
+def _listed(values: np.ndarray) -> str:
+    return ", ".join(f"{x:g}" for x in values)

@@ -26,7 +26,15 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Parameters,
+    Result,
+    ResultTable,
+    parameter,
+    require,
+)
 
 MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")
 CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "leave_one_out"}
@@ -36,7 +44,7 @@ CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "le
 class Params(Parameters):
     """The field, its samples and their noise, and the range of ε."""
 
-    power: int = parameter(3, "power n of the field (x₁ + x₂)ⁿ", least=2)
+    power: int = parameter(3, "power n of the field (x₁ + x₂)ⁿ", least=2, most=20)
     points: int = parameter(100, "random points in the unit square", least=8)
     queries: int = parameter(100, "random points where the error is measured", least=1)
     draws: int = parameter(20, "number of draws of points, evaluation points and noise", least=1)
@@ -44,17 +52,26 @@ class Params(Parameters):
         (0.0, 0.05, 0.2, 0.5, 1.0),
         "standard deviations of the noise, from 0; the field has the maximum 2ⁿ",
         least=0,
+        most=1e6,
+        fewest=2,
+        order="increasing",
     )
-    shown_noise: float = parameter(0.5, "noise shown in the figure beside the exact data")
-    smallest: float = parameter(1e-4, "smallest ε; the square has side 1", least=1e-6)
-    largest: float = parameter(1e2, "largest ε", least=lambda p: 10 * p.smallest)
+    shown_noise: float = parameter(0.5, "noise shown in the figure beside the exact data", above=0)
+    smallest: float = parameter(1e-4, "smallest ε; the square has side 1", least=1e-6, most=1)
+    largest: float = parameter(1e2, "largest ε", most=1e6)
     steps: int = parameter(25, "values of ε, in geometric progression", least=3)
     seed: int = parameter(0, "seed of the draws", least=0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.noises[0] != 0 or self.shown_noise not in self.noises[1:]:
-            raise ValueError("parameter noises must begin with 0 and hold shown_noise after it")
+        require(self.noises[0] == 0, "noises", "a list with 0", self.noises)
+        require(self.shown_noise in self.noises, "shown_noise", "one of noises", self.shown_noise)
+        require(
+            self.largest >= 10 * self.smallest,
+            "largest",
+            f"{10 * self.smallest:g} or more",
+            self.largest,
+        )
 
     @property
     def epsilons(self) -> np.ndarray:

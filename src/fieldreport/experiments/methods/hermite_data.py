@@ -50,10 +50,16 @@ class Params(Parameters):
 
     points: int = parameter(24, "points on the closed curve", least=8)
     lobes: int = parameter(3, "lobes of the curve r = 1 + wave cos(lobes t)", least=2)
-    wave: float = parameter(0.3, "depth of the lobes, in radii", least=0.0)
-    offset: float = parameter(0.1, "distance of the points beside the curve, in radii", least=1e-6)
+    wave: float = parameter(0.3, "depth of the lobes, in radii", least=0, below=1)
+    offset: float = parameter(
+        0.1, "distance of the points beside the curve, in radii", least=1e-6, most=1
+    )
     sizes: tuple[int, ...] = parameter(
-        (8, 12, 16, 24, 32), "points along an edge of the square", least=4
+        (8, 12, 16, 24, 32),
+        "points along an edge of the square",
+        least=4,
+        fewest=2,
+        order="increasing",
     )
     queries: int = parameter(500, "points at which the error in the square is measured", least=10)
 

@@ -38,6 +38,7 @@ from fieldreport.framework.experiment import (
     ResultTable,
     order_of_magnitude,
     parameter,
+    require,
 )
 
 CERTAIN, ROUNDING = 1e-9, 1e-15
@@ -47,22 +48,23 @@ CERTAIN, ROUNDING = 1e-9, 1e-15
 class Params(Parameters):
     """Numbers of variables, sites and queries."""
 
-    variables: tuple[int, ...] = parameter((3, 5, 10, 20, 50, 100), "numbers of variables", least=2)
+    variables: tuple[int, ...] = parameter(
+        (3, 5, 10, 20, 50, 100), "numbers of variables", least=2, order="increasing"
+    )
     sites: int = parameter(1000, "sites, at random in the unit cube", least=20)
     more: tuple[int, ...] = parameter(
-        (500, 1000, 2000, 4000), "numbers of sites compared", least=20
+        (500, 1000, 2000, 4000), "numbers of sites compared", least=20, fewest=2, order="increasing"
     )
-    at: int = parameter(10, "number of variables for which numbers of sites are compared")
+    at: int = parameter(10, "number of variables for which numbers of sites are compared", least=2)
     queries: int = parameter(150, "random points where errors are measured", least=1)
     large: int = parameter(
         20000, "points for the mean and the deviation of the functions", least=100
     )
-    seed: int = parameter(1, "seed of sites, queries and functions")
+    seed: int = parameter(1, "seed of sites, queries and functions", least=0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.at not in self.variables:
-            raise ValueError(f"parameter at must be one of variables; got {self.at}")
+        require(self.at in self.variables, "at", "one of variables", self.at)
 
 
 QUICK = Params(variables=(3, 10, 20, 100), sites=150, more=(60, 120), queries=10, large=200)

@@ -53,14 +53,18 @@ ROUNDING = np.finfo(float).eps
 class Params(Parameters):
     """The function and its sites."""
 
-    sites: int = parameter(11, "scattered sites on [0, 1]", least=4)
-    frequency: float = parameter(9.0, "k of the function sin(k x)")
+    sites: int = parameter(11, "scattered sites on [0, 1]", least=4, most=100)
+    frequency: float = parameter(9.0, "k of the function sin(k x)", above=0, most=1000)
     sizes: tuple[int, ...] = parameter(
         (17, 33, 65, 129, 257, 513),
         "numbers of equidistant sites of the convergence study",
         least=9,
+        fewest=2,
+        order="increasing",
     )
-    reach: float = parameter(0.3, "length beyond the outer sites that the figure shows")
+    reach: float = parameter(
+        0.3, "length beyond the outer sites that the figure shows", least=0, most=10
+    )
     seed: int = parameter(4, "seed of the sites", least=0)
 
 

@@ -48,6 +48,8 @@ class Params(Parameters):
         (0, 1, 2, 3, 4, 5, 6, 7, 8),
         "decimal logarithms of the offset of the square of side 1",
         least=0,
+        most=15,
+        order="increasing",
     )
     seed: int = parameter(0, "seed of the random points", least=0)
 

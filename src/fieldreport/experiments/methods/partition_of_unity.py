@@ -36,6 +36,7 @@ from fieldreport.framework.experiment import (
     ResultTable,
     order_of_magnitude,
     parameter,
+    require,
 )
 
 DATA = ("smooth", "front", "noisy", "terrain")
@@ -50,19 +51,18 @@ class Params(Parameters):
     )
     queries: int = parameter(6000, "number of points where errors are measured", least=1)
     sizes: tuple[int, ...] = parameter(
-        (16, 24, 40, 64), "numbers of sites in a patch, increasing", least=16
+        (16, 24, 40, 64), "numbers of sites in a patch, increasing", least=16, order="increasing"
     )
-    told: int = parameter(40, "the patch size for which facts are reported")
+    told: int = parameter(40, "the patch size for which facts are reported", least=16)
     radius: float = parameter(
-        0.1, "radius of Wendland's function; the square has side 1", least=1e-3
+        0.1, "radius of Wendland's function; the square has side 1", least=1e-3, most=1e3
     )
-    steepness: float = parameter(40.0, "1 / width of the steep front")
-    seed: int = parameter(1, "seed of sites, queries and noise")
+    steepness: float = parameter(40.0, "1 / width of the steep front", above=0, most=1e6)
+    seed: int = parameter(1, "seed of sites, queries and noise", least=0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.told not in self.sizes:
-            raise ValueError(f"parameter told must be one of sizes; got {self.told}")
+        require(self.told in self.sizes, "told", "one of sizes", self.told)
 
     @property
     def choices(self) -> dict[str, tuple[str, Radial, int]]:

@@ -29,11 +29,13 @@ class Params(Parameters):
     """The measurements, and the defaults of the library."""
 
     results: str = input_file("benchmarks/results/patch_sizes.json", "file that make bench wrote")
-    kernel: str = parameter("r³", "default kernel")
+    kernel: str = parameter(
+        "r³", "default kernel", choices=("r² log r", "r³", "r⁴ log r", "r⁵", "r⁷", "Wendland C⁴")
+    )
     degree: int = parameter(3, "default degree of polynomials", least=-1)
     patch: int = parameter(40, "default number of sites in a patch", least=1)
 
-    most: float = parameter(1.15, "target for the exponent of growth, at most")
+    most: float = parameter(1.15, "target for the exponent of growth, at most", above=0, most=10)
 
 
 QUICK = Params(patch=24)

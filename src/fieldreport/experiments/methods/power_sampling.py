@@ -30,6 +30,7 @@ from fieldreport.framework.experiment import (
     ResultTable,
     order_of_magnitude,
     parameter,
+    require,
 )
 
 METHODS = ("LS", "MLS")
@@ -42,19 +43,25 @@ EXACT = 1e-12
 class Params(Parameters):
     """The fields, the samples, and the weight."""
 
-    powers: tuple[int, ...] = parameter((1, 2, 3, 4, 5, 6, 7, 8), "powers n of the field", least=1)
+    powers: tuple[int, ...] = parameter(
+        (1, 2, 3, 4, 5, 6, 7, 8), "powers n of the field", least=1, most=100, order="increasing"
+    )
     points: int = parameter(100, "random points at which the field is sampled", least=4)
     queries: int = parameter(10, "random points at which it is reconstructed", least=1)
     draws: int = parameter(1000, "number of draws", least=1)
     epsilon: float = parameter(
-        0.01, "ε of the weight 1/(r² + ε²); the square has side 1", least=1e-6
+        0.01, "ε of the weight 1/(r² + ε²); the square has side 1", least=1e-6, most=1e6
     )
     seed: int = parameter(0, "seed of the draws", least=0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if max(self.powers) < 2:
-            raise ValueError("parameter powers must hold 2 or more: both methods reproduce n = 1")
+        require(
+            self.powers[-1] > 1,
+            "powers",
+            "a list with 2 or more: both methods reproduce n = 1",
+            self.powers,
+        )
 
 
 QUICK = Params(powers=(1, 2, 3), draws=20)

@@ -28,7 +28,15 @@ from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.maps import SHADE, hillshade
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Parameters,
+    Result,
+    ResultTable,
+    parameter,
+    require,
+)
 
 DEGREES = {0: "constant", 1: "linear"}
 
@@ -39,18 +47,24 @@ class Params(Parameters):
 
     sites: int = parameter(9, "points on the interval [0, 1]", least=4)
     side: int = parameter(16, "cells along a side of the square, with a point in each", least=3)
-    jitter: float = parameter(0.6, "fraction of its cell in which a point is drawn", least=0)
+    jitter: float = parameter(
+        0.6, "fraction of its cell in which a point is drawn", least=0, most=1
+    )
     shown: tuple[float, ...] = parameter(
-        (0.1, 0.5, 2.0), "values of ε/h that are drawn", least=1e-3
+        (0.1, 0.5, 2.0), "values of ε/h that are drawn", least=1e-3, most=1e3, order="increasing"
     )
     smallest: float = parameter(
-        0.01, "smallest ε/h of the sweep; h is the side of a cell", least=1e-3
+        0.01, "smallest ε/h of the sweep; h is the side of a cell", least=1e-3, most=1
     )
-    largest: float = parameter(10.0, "largest ε/h of the sweep", least=lambda p: p.smallest)
+    largest: float = parameter(10.0, "largest ε/h of the sweep", least=1, most=1e3)
     steps: int = parameter(19, "values of ε/h in the sweep, in geometric progression", least=3)
     curve_points: int = parameter(401, "points on a curve in the figure", least=2)
     relief_side: int = parameter(110, "points along a side of a relief", least=2)
     seed: int = parameter(1, "seed of the jitter", least=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(self.largest > self.smallest, "largest", "more than smallest", self.largest)
 
 
 QUICK = Params(steps=5, relief_side=12, curve_points=21, side=6)

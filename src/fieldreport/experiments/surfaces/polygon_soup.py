@@ -56,23 +56,34 @@ TITLES = ("ε = 0", "ε = {:g}", "ε = {:g}, around")
 class Params(Parameters):
     """The perturbation of the polygons, the smoothing, and the figures."""
 
-    loose: float = parameter(0.06, "displacement of the ends of segments, as a length", least=0.0)
-    smoothing: float = parameter(0.25, "epsilon in the plane, as a length", least=1e-6)
-    torn: float = parameter(0.04, "shift of the triangles, in radii of the ring", least=0.0)
-    lost: float = parameter(0.06, "fraction of the triangles that is missing", least=0.0)
+    loose: float = parameter(
+        0.06, "displacement of the ends of segments, as a length", least=0, most=1
+    )
+    smoothing: float = parameter(0.25, "epsilon in the plane, as a length", least=1e-6, most=10)
+    torn: float = parameter(0.04, "shift of the triangles, in radii of the ring", least=0, most=1)
+    lost: float = parameter(0.06, "fraction of the triangles that is missing", least=0, below=1)
     smoothing_in_space: float = parameter(
-        0.12, "epsilon in space, in radii of the ring", least=1e-6
+        0.12, "epsilon in space, in radii of the ring", least=1e-6, most=10
     )
     around: int = parameter(22, "quadrilaterals around the ring; half as many across", least=6)
     epsilons: tuple[float, ...] = parameter(
-        (0.1, 0.05, 0.025, 0.0125), "epsilon on the cube, in edge lengths", least=1e-6
+        (0.1, 0.05, 0.025, 0.0125),
+        "epsilon on the cube, in edge lengths",
+        least=1e-6,
+        most=10,
+        fewest=2,
+        order="decreasing",
     )
     heights: tuple[float, ...] = parameter(
         (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
         "heights of points above a triangle, in edge lengths",
         least=1e-9,
+        most=1e3,
+        order="increasing",
     )
-    rules: tuple[int, ...] = parameter((4, 8, 16), "points along each side of a triangle", least=1)
+    rules: tuple[int, ...] = parameter(
+        (4, 8, 16), "points along each side of a triangle", least=1, order="increasing"
+    )
     side: int = parameter(121, "nodes along each side of the plane", least=11)
     pixels: int = parameter(170, "along each side of a picture", least=4)
     seed: int = parameter(3, "seed of the random numbers", least=0)

@@ -59,14 +59,20 @@ class Params(Parameters):
     points: int = parameter(6000, "points of the part", least=300)
     scanned: int = parameter(2000, "points of the wheel in each scan", least=300)
     noise: float = parameter(
-        0.3, "standard deviation of the noise, in spacings of the points", least=0.0
+        0.3, "standard deviation of the noise, in spacings of the points", least=0, most=10
     )
-    sizes: tuple[int, ...] = parameter((75, 150, 300, 600), "points of the spheroid", least=20)
-    cells: tuple[int, ...] = parameter((4, 8, 16), "cells across the tube of a torus", least=2)
+    sizes: tuple[int, ...] = parameter(
+        (75, 150, 300, 600), "points of the spheroid", least=20, fewest=2, order="increasing"
+    )
+    cells: tuple[int, ...] = parameter(
+        (4, 8, 16), "cells across the tube of a torus", least=2, fewest=2, order="increasing"
+    )
     frame: float = parameter(
-        0.09, "edge of the cells for Boolean operations, as a length", least=0.01
+        0.09, "edge of the cells for Boolean operations, as a length", least=0.01, most=1
     )
-    isolines: int = parameter(40, "difference of height between isolines, in metres", least=1)
+    isolines: int = parameter(
+        40, "difference of height between isolines, in metres", least=1, most=1000
+    )
     window: int = parameter(100, "nodes along each side of the terrain in the figure", least=8)
     seed: int = parameter(4, "seed of the points", least=0)
 

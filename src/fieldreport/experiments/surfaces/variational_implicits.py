@@ -42,17 +42,26 @@ VIEWER = (0.5, -0.8, 0.75)
 class Params(Parameters):
     """The sizes of the clouds, the offset, and the figures."""
 
-    sizes: tuple[int, ...] = parameter((50, 100, 200, 400), "points on the ellipsoid", least=20)
+    sizes: tuple[int, ...] = parameter(
+        (50, 100, 200, 400), "points on the ellipsoid", least=20, fewest=2, order="increasing"
+    )
     offsets: tuple[float, ...] = parameter(
-        (0.1, 0.01), "distances of the points inside, in radii", least=1e-6
+        (0.1, 0.01),
+        "distances of the points inside, in radii",
+        least=1e-6,
+        most=1,
+        fewest=2,
+        order="decreasing",
     )
     queries: int = parameter(
         800, "points on the ellipsoid at which the error is measured", least=10
     )
     points: int = parameter(48, "points on each shape in the plane", least=12)
     ring_points: int = parameter(160, "points on each solid", least=40)
-    distance: float = parameter(1.5, "difference of the two times, as a length", least=0.01)
-    frames: int = parameter(5, "times in the figure", least=2)
+    distance: float = parameter(
+        1.5, "difference of the two times, as a length", least=0.01, most=100
+    )
+    frames: int = parameter(5, "times in the figure", least=2, most=12)
     side: int = parameter(161, "nodes along each side of the plane", least=21)
     pixels: int = parameter(120, "along each side of a body's picture", least=4)
 

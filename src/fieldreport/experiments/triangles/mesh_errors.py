@@ -49,6 +49,8 @@ class Params(Parameters):
         (2, 3, 4, 5, 6),
         "subdivisions of the meshes that are searched for self-intersections",
         least=1,
+        fewest=2,
+        order="increasing",
     )
     seed: int = parameter(6, "seed of the damage", least=0)
 

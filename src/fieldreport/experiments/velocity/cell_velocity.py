@@ -70,22 +70,30 @@ class Params(Parameters):
     """Meshes, a triangle, and the perturbation of the normal velocities."""
 
     sides: tuple[int, ...] = parameter(
-        (8, 16, 32, 64), "steps along a side of the unit square", least=2
+        (8, 16, 32, 64),
+        "steps along a side of the unit square",
+        least=2,
+        fewest=2,
+        order="increasing",
     )
     sides_3d: tuple[int, ...] = parameter(
-        (4, 6, 9, 13), "steps along a side of the unit cube", least=2
+        (4, 6, 9, 13), "steps along a side of the unit cube", least=2, fewest=2, order="increasing"
     )
     shown_side: int = parameter(4, "steps along a side of the mesh in the figure", least=2)
     jitter: float = parameter(
-        0.6, "range of the random displacement of a vertex, in steps", least=0
+        0.6, "range of the random displacement of a vertex, in steps", least=0, below=1
     )
     triangle: tuple[float, ...] = parameter(
-        (0.0, 0.0, 4.0, 0.0, 1.0, 2.6), "coordinates of the corners of the triangle in the figure"
+        (0.0, 0.0, 4.0, 0.0, 1.0, 2.6),
+        "coordinates of the corners of the triangle in the figure",
+        least=-1e6,
+        most=1e6,
+        entries=6,
     )
     strains: int = parameter(24, "axes of the strains of that triangle", least=3)
     draws: int = parameter(100, "number of draws of the noise", least=1)
     disturbance: float = parameter(
-        0.1, "standard deviation of the noise; a rotation has rate 1", least=1e-9
+        0.1, "standard deviation of the noise; a rotation has rate 1", least=1e-9, most=1e9
     )
     seed: int = parameter(0, "seed of meshes and noise", least=0)
 

@@ -65,28 +65,41 @@ class Params(Parameters):
     """Meshes in units of the radius, and streamlines."""
 
     around: tuple[int, ...] = parameter(
-        (24, 48, 96, 192), "vertices on the cylinder, by mesh", least=12
+        (24, 48, 96, 192),
+        "vertices on the cylinder, by mesh",
+        least=12,
+        fewest=2,
+        order="increasing",
     )
     outer: float = parameter(
-        8.0, "radius of the mesh of the plane, in radii of the cylinder", least=2
+        8.0, "radius of the mesh of the plane, in radii of the cylinder", least=2, most=100
     )
     relaxations: int = parameter(
         30, "relaxation steps that push the vertices of the mesh apart", least=0
     )
     steps_3d: tuple[float, ...] = parameter(
-        (0.5, 0.35, 0.25, 0.18), "distance of neighbours on the ball, by mesh, in radii", least=0.05
+        (0.5, 0.35, 0.25, 0.18),
+        "distance of neighbours on the ball, by mesh, in radii",
+        least=0.05,
+        most=1,
+        fewest=2,
+        order="decreasing",
     )
-    outer_3d: float = parameter(4.0, "radius of the mesh in space, in radii of the ball", least=1.5)
+    outer_3d: float = parameter(
+        4.0, "radius of the mesh in space, in radii of the ball", least=1.5, most=20
+    )
     epsilon: float = parameter(
-        0.5, "ε of the weight 1/(r² + ε²), in steps on the surface", least=1e-3
+        0.5, "ε of the weight 1/(r² + ε²), in steps on the surface", least=1e-3, most=1e3
     )
     shown: int = parameter(48, "vertices on the cylinder, for the mesh in the figure", least=12)
     heights: tuple[float, ...] = parameter(
         (0.03, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0),
         "distances of the streamlines from the axis, far away, in radii",
         least=1e-3,
+        most=2,
+        order="increasing",
     )
-    arc: float = parameter(0.02, "step along a streamline, in radii", least=1e-4)
+    arc: float = parameter(0.02, "step along a streamline, in radii", least=1e-4, most=1)
     seed: int = parameter(0, "seed of the meshes", least=0)
 
 

@@ -41,6 +41,7 @@ from fieldreport.framework.experiment import (
     ResultTable,
     order_of_magnitude,
     parameter,
+    require,
 )
 
 METHODS = ("LS", "MLS", "RBF")
@@ -54,23 +55,31 @@ class Params(Parameters):
     """Meshes, and the weight of moving least squares."""
 
     sides: tuple[int, ...] = parameter(
-        (8, 16, 32, 64), "steps along a side of the unit square", least=4
+        (8, 16, 32, 64),
+        "steps along a side of the unit square",
+        least=4,
+        fewest=2,
+        order="increasing",
     )
     sides_3d: tuple[int, ...] = parameter(
-        (4, 6, 9, 13), "steps along a side of the unit cube", least=2
+        (4, 6, 9, 13), "steps along a side of the unit cube", least=2, fewest=2, order="increasing"
     )
     jitter: float = parameter(
-        0.6, "range of the random displacement of a vertex, in steps", least=0
+        0.6, "range of the random displacement of a vertex, in steps", least=0, below=1
     )
-    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps", least=1e-3)
-    smallest: float = parameter(0.03, "smallest ε of the sweep, in steps", least=1e-3)
-    largest: float = parameter(10.0, "largest ε of the sweep, in steps", least=lambda p: p.smallest)
+    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in steps", least=1e-3, most=1e3)
+    smallest: float = parameter(0.03, "smallest ε of the sweep, in steps", least=1e-3, most=1e3)
+    largest: float = parameter(10.0, "largest ε of the sweep, in steps", most=1e6)
     values: int = parameter(16, "values of ε in the sweep, in geometric progression", least=2)
     sweep_side: int = parameter(32, "steps along a side of the unit square in the sweep", least=4)
     compared: int = parameter(
         40, "vertices at which methods are compared with NumPy and SciPy", least=1
     )
     seed: int = parameter(0, "seed of the meshes", least=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(self.largest > self.smallest, "largest", "more than smallest", self.largest)
 
 
 QUICK = Params(sides=(6, 12), sides_3d=(3, 5), values=3, sweep_side=8, compared=5)

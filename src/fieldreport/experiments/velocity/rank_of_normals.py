@@ -29,7 +29,15 @@ from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line, s
 from fieldrecon.polynomials import monomials
 from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
 from fieldreport.experiments.velocity.rank_deficient_normals import Configuration, configurations
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Parameters,
+    Result,
+    ResultTable,
+    parameter,
+    require,
+)
 
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
 STEP = 1e-6
@@ -47,16 +55,22 @@ class Params(Parameters):
 
     samples: int = parameter(12, "samples (p, n) in the plane; twice as many in space", least=7)
     smallest: float = parameter(
-        1e-6, "smallest t, the angle in radians by which normals rotate", least=1e-9
+        1e-6, "smallest t, the angle in radians by which normals rotate", least=1e-9, most=0.01
     )
-    largest: float = parameter(1.0, "largest t", least=lambda p: p.smallest)
+    largest: float = parameter(1.0, "largest t", most=1)
     steps: int = parameter(13, "values of t, in geometric progression", least=3)
     sets: int = parameter(
         400, "random sets of points of a small grid, for the largest possible rank", least=1
     )
     stars: int = parameter(100, "stars of tetrahedra drawn for each number of vertices", least=1)
-    vertices: tuple[int, ...] = parameter((5, 6, 7, 8, 10, 14), "vertices of those stars", least=5)
+    vertices: tuple[int, ...] = parameter(
+        (5, 6, 7, 8, 10, 14), "vertices of those stars", least=5, order="increasing"
+    )
     seed: int = parameter(3, "seed of points, normals and stars", least=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(self.largest > self.smallest, "largest", "more than smallest", self.largest)
 
 
 QUICK = Params(steps=7, sets=40, stars=5, vertices=(5, 6, 7))

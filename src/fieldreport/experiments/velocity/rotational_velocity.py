@@ -76,26 +76,33 @@ class Params(Parameters):
     meshes: int = parameter(
         20, "random meshes whose vertices are counted; the first is in the figure", least=1
     )
-    epsilon: float = parameter(0.5, "ε of the weight 1/(r² + ε²), in lengths of an edge", least=0)
+    epsilon: float = parameter(
+        0.5, "ε of the weight 1/(r² + ε²), in lengths of an edge", least=1e-3, most=1e3
+    )
     jitter: float = parameter(
-        0.6, "fraction of its cell in which a point of a jittered mesh is drawn", least=0
+        0.6, "fraction of its cell in which a point of a jittered mesh is drawn", least=0, below=1
     )
     sides_2d: tuple[int, ...] = parameter(
-        (8, 16, 32, 64, 128), "edges along a square, Taylor-Green", least=3
+        (8, 16, 32, 64, 128),
+        "edges along a square, Taylor-Green",
+        least=3,
+        fewest=2,
+        order="increasing",
     )
-    sides_3d: tuple[int, ...] = parameter((4, 8, 12, 16), "edges along a cube", least=3)
+    sides_3d: tuple[int, ...] = parameter(
+        (4, 8, 12, 16), "edges along a cube", least=3, fewest=2, order="increasing"
+    )
     weights_side: int = parameter(
         32, "edges along the square on which weights are compared", least=3
     )
     ratios: tuple[float, ...] = parameter(
-        (2.0, 1.0, 0.5, 0.25, 0.1), "values of ε/h compared", least=1e-3
+        (2.0, 1.0, 0.5, 0.25, 0.1),
+        "values of ε/h compared",
+        least=1e-3,
+        most=1e3,
+        order="decreasing",
     )
     seed: int = parameter(5, "seed of the meshes", least=0)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if min(len(self.sides_2d), len(self.sides_3d)) < 2:
-            raise ValueError("parameters sides_2d and sides_3d must hold two or more, for an order")
 
 
 QUICK = Params(
