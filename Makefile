@@ -9,7 +9,7 @@ python := $(VENV)/bin/python
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help test test-slow test-all lint format architecture report check-reproducible bench notebooks check-graders \
-  publish bundle grade lab lock clean distclean FORCE
+  publish bundle grade lab check-tests lock clean distclean FORCE
 
 # The packages are those of the lock files, whatever else this shell can import.
 unexport PYTHONHOME PYTHONPATH
@@ -95,6 +95,16 @@ $(peers)/ready-bench: requirements-bench.lock requirements.lock pyproject.toml
 	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(peers)" -r $<
 	@touch $@
 
+# The tool that makes mutants has an environment of its own, too.
+mutation := $(VENV)-mutation
+
+check-tests: $(mutation)/ready-mutation ## test the tests with 200 mutants of the library, in an hour; SEED=1, COUNT=200
+	@$(mutation)/bin/python tools/mutation.py $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT))
+
+$(mutation)/ready-mutation: requirements-mutation.lock requirements.lock pyproject.toml
+	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(mutation)" -r $<
+	@touch $@
+
 
 # Course
 
@@ -126,6 +136,7 @@ lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=-
 	@$(compile) requirements-setup.lock --group setup
 	@$(compile) requirements.lock pyproject.toml src/pyproject.toml --extra all --group test --group lint --no-emit-package fieldrecon
 	@$(compile) requirements-lab.lock pyproject.toml --group lab --constraints requirements.lock
+	@$(compile) requirements-mutation.lock pyproject.toml --group mutation --constraints requirements.lock
 	@$(compile) requirements-bench.lock pyproject.toml --group bench --constraints requirements.lock
 	@$(compile) benchmarks/graders/nbgrader.lock benchmarks/graders/nbgrader.in
 	@$(compile) benchmarks/graders/otter.lock benchmarks/graders/otter.in

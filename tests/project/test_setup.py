@@ -374,6 +374,7 @@ def test_the_lock_files_hold_what_pyproject_asks_for():
         ],
         "requirements-lab.lock": ["lab"],
         "requirements-bench.lock": ["bench"],
+        "requirements-mutation.lock": ["mutation"],
     }
     extras.pop("all")  # names the others
     extras.pop("setup")  # in a file of its own
