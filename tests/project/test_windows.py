@@ -49,7 +49,7 @@ QUICK = [
     *(f"tests/fieldcheck/test_{name}.py" for name in ("fieldcheck", "drag")),
     *(f"tests/fieldrecon/methods/test_{name}.py" for name in ("least_squares", "globe")),
     *(f"tests/fieldrecon/io/test_{name}.py" for name in ("targets", "saved_fields")),
-    "tests/fieldrecon/cli/test_cli.py::test_points_in_space",
+    "tests/fieldrecon/cli/test_cli.py::test_targets_in_space_may_be_a_grid_points_or_a_mesh",
     "tests/fieldrecon/cli/test_audit_command.py::test_a_boundary_may_be_allowed",
 ]
 NEEDS_AN_ALARM = "tests/fieldcheck/test_fieldcheck.py::test_slow_and_endless_answers"

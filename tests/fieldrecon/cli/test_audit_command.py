@@ -1,4 +1,4 @@
-"""The command that audits a mesh in a file: status, table, JSON, picture, repair."""
+"""The command `fieldrecon audit`: exit status, table, JSON, picture and repair."""
 
 import json
 
@@ -20,38 +20,41 @@ PLANTED = planted_errors(1)
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """Work in a folder of its own, with small pictures."""
+    """Change to an empty folder and draw small pictures."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(audit_picture, "_PIXELS", 150)
     return tmp_path
 
 
 def test_a_clean_mesh_has_status_0(folder, capsys):
-    """It is said in words; the files are named, and the JSON says the same."""
+    """The command reports no errors and lists its files.
+
+    The JSON equals the audit of the library.
+    """
     write_triangles("ball.stl", *sphere(1))
     assert main(["audit", "ball.stl"]) == 0
     shown = capsys.readouterr().out
     assert "80 triangles in 1 part," in shown
     assert "Nothing is wrong" in shown
     assert shown.splitlines()[-3:] == ["audit/audit.json", "audit/audit.png", "audit/audit.svg"]
-    told = json.loads((folder / "audit" / "audit.json").read_text())
-    assert told == audit_mesh(*read_triangles("ball.stl")).as_dict()
+    written = json.loads((folder / "audit" / "audit.json").read_text())
+    assert written == audit_mesh(*read_triangles("ball.stl")).as_dict()
 
 
 @pytest.mark.parametrize("error", ["duplicate vertex", "bow-tie", "one side", "overlap"])
 def test_an_error_has_status_1_and_is_named(folder, capsys, error):
-    """The table names the kind of each error, what it concerns, and where it is."""
+    """The table and the JSON name each kind of error that was planted in the mesh."""
     write_triangles("mesh.ply", *PLANTED[error].surface)
     assert main(["audit", "mesh.ply", "--out", "found"]) == 1
     shown = " ".join(capsys.readouterr().out.replace("│", " ").split())
     for kind in PLANTED[error].found:
         assert kind.replace("_", " ").split()[0] in shown
-    told = json.loads((folder / "found" / "audit.json").read_text())
-    assert {*told["indices"]} == {*PLANTED[error].found}
+    written = json.loads((folder / "found" / "audit.json").read_text())
+    assert {*written["indices"]} == {*PLANTED[error].found}
 
 
-def test_a_repair_is_written_told_and_judged(folder, capsys):
-    """The status is that of the mesh that was written."""
+def test_a_repair_is_written_and_audited_again(folder, capsys):
+    """The exit status is that of the repaired mesh, not of the mesh that was read."""
     write_triangles("bad.stl", *damaged(2, 1, seed=0))
     assert main(["audit", "bad.stl", "--repair", "good.obj"]) == 0
     assert "Repaired: " in capsys.readouterr().out
@@ -62,7 +65,7 @@ def test_a_repair_is_written_told_and_judged(folder, capsys):
 
 @pytest.mark.slow
 def test_a_boundary_may_be_allowed(folder, capsys):
-    """A ring is no error with --open, a one-sided band is."""
+    """With --open a band with a boundary is accepted, and a one-sided band is still an error."""
     for half_turns, status in ((0, 0), (1, 1)):
         write_triangles(folder / "band.off", *band(12, half_turns=half_turns))
         assert main(["audit", "band.off"]) == 1
@@ -70,19 +73,19 @@ def test_a_boundary_may_be_allowed(folder, capsys):
     assert "boundary loops" in capsys.readouterr().out
 
 
-def test_json_alone_can_be_read_by_another_program(folder, capsys):
-    """Nothing else is printed."""
+def test_json_is_the_only_output(folder, capsys):
+    """With --json standard output is one JSON document, with or without a repair."""
     write_triangles(folder / "hole.ply", *PLANTED["hole"].surface)
     assert main(["audit", "hole.ply", "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["counts"]["boundary"]["boundary_loops"] == 1
     assert main(["audit", "hole.ply", "--json", "--repair", "closed.ply"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["done"] == {"filled_holes": 1, "filling_triangles": 1}
-    assert told["left"]["clean"]
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["done"] == {"filled_holes": 1, "filling_triangles": 1}
+    assert printed["left"]["clean"]
 
 
-def test_the_tolerance_is_heeded(folder, capsys):
-    """A seam that is open by a millionth is a seam for a larger tolerance only."""
+def test_tolerance_decides_which_vertices_coincide(folder, capsys):
+    """A seam open by 1e-6 is reported for a tolerance of 1e-5 and not for a tolerance of zero."""
     points, triangles = PLANTED["duplicate vertex"].surface
     points = points + np.where(np.arange(len(points)) == len(points) - 1, 1e-6, 0)[:, None]
     write_triangles(folder / "seam.ply", points, triangles)
@@ -101,16 +104,16 @@ def test_the_tolerance_is_heeded(folder, capsys):
         (["cube.ply", "--repair", "cube.xyz"], "must end with .stl, .ply, .obj or .off"),
     ],
 )
-def test_trouble_has_status_2_and_one_line(folder, capsys, arguments, words):
-    """What the user can put right is told in a sentence."""
+def test_wrong_input_has_status_2(folder, capsys, arguments, words):
+    """The message on standard error says what is wrong with the file or the option."""
     (folder / "text.stl").write_text("not a mesh")
     write_triangles("cube.ply", *cube(1))
     assert main(["audit", *arguments]) == 2
     assert words in capsys.readouterr().err
 
 
-def test_the_help_tells_the_status(capsys):
-    """And names the formats."""
+def test_help_explains_the_exit_status(capsys):
+    """The help text explains the exit status and lists the file formats."""
     with pytest.raises(SystemExit):
         main(["audit", "--help"])
     shown = " ".join(capsys.readouterr().out.split())
@@ -123,7 +126,10 @@ def test_the_help_tells_the_status(capsys):
 
 @pytest.mark.slow
 def test_errors_are_marked_in_the_picture(folder):
-    """The picture of an error has pixels of its colour, that of the clean mesh has none."""
+    """The picture of a damaged mesh has pixels in the colour of the error.
+
+    A clean mesh has none.
+    """
 
     def pixels(surface, concern):
         write_triangles(folder / "mesh.ply", *surface)
@@ -138,8 +144,8 @@ def test_errors_are_marked_in_the_picture(folder):
         assert pixels(sphere(1), concern) == 0
 
 
-def test_what_is_in_front_hides_what_is_behind():
-    """Each pixel shows the nearest of the triangles that cover it: of two squares the upper."""
+def test_the_nearest_triangle_is_visible():
+    """Each pixel shows the nearest triangle that covers it, here of the top face of a cube."""
     points, triangles = cube(1)
     picture = MeshPicture(points, triangles, np.array([0.01, 0.02, 1.0]), 60)
     seen = np.unique(picture.front[picture.front >= 0], return_counts=True)
@@ -150,16 +156,16 @@ def test_what_is_in_front_hides_what_is_behind():
     assert not {*below.tolist()} & {*shown}
 
 
-def test_a_picture_covers_what_it_shows():
-    """The pixels of a sphere are those of a disc of its radius."""
+def test_the_picture_of_a_sphere_is_a_disc():
+    """The covered area is π r², the area of the disc with the radius of the sphere."""
     points, triangles = sphere(4)
     picture = MeshPicture(points, triangles, TOWARD, 400)
     radius = (400 - 8) / 2
     assert (picture.front >= 0).sum() == pytest.approx(np.pi * radius**2, rel=5e-3)
 
 
-def test_marks_are_where_the_errors_are():
-    """Triangles, edges or vertices for each kind that was found."""
+def test_every_kind_of_error_has_marks():
+    """The picture marks triangles, edges or vertices for each kind of error in the audit."""
     for error in PLANTED.values():
         found = marks(audit_mesh(*error.surface), error.surface[1])
         assert {*found} == {*error.found}

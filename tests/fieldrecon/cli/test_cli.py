@@ -1,4 +1,4 @@
-"""The command line: what it prints, what it writes, and how it says what is wrong."""
+"""The command line: its output, the files that it writes, and its error messages."""
 
 import csv
 import json
@@ -40,8 +40,8 @@ def read_csv(path):
         return list(csv.DictReader(file))
 
 
-def test_the_program_runs():
-    """As a program it tells its version and leaves with status 0."""
+def test_version_is_printed():
+    """`python -m fieldrecon.cli.main --version` prints the version and exits with status 0."""
     done = subprocess.run(
         [sys.executable, "-m", "fieldrecon.cli.main", "--version"],
         capture_output=True,
@@ -51,8 +51,8 @@ def test_the_program_runs():
     assert done.stdout == f"fieldrecon {version('fieldrecon')}\n"
 
 
-def test_a_program_that_fails_shows_no_traceback():
-    """A user's mistake is told in one line on standard error, with status 2."""
+def test_a_user_error_prints_one_line_without_traceback():
+    """A missing file gives one line on standard error and exit status 2."""
     done = subprocess.run(
         [sys.executable, "-m", "fieldrecon.cli.main", "reconstruct", "nowhere.csv"],
         capture_output=True,
@@ -65,8 +65,8 @@ def test_a_program_that_fails_shows_no_traceback():
 
 
 @pytest.mark.slow
-def test_a_reader_that_has_seen_enough_is_no_error():
-    """When the pipe is closed early, as by head, nothing is told and the status is 0."""
+def test_a_closed_pipe_is_not_an_error():
+    """If the reader closes the pipe early, as `head` does, the command exits silently with 0."""
     reads, writes = os.pipe()
     os.close(reads)
     done = subprocess.run(
@@ -81,7 +81,7 @@ def test_a_reader_that_has_seen_enough_is_no_error():
 
 
 def test_list_names_every_experiment(capsys):
-    """Each with its title."""
+    """`experiments list` prints every name with its title."""
     assert main(["experiments", "list"]) == 0
     shown = capsys.readouterr().out
     assert all(name in shown for name in experiments.names())
@@ -89,16 +89,19 @@ def test_list_names_every_experiment(capsys):
 
 
 @pytest.mark.parametrize("name", experiments.names())
-def test_show_tells_every_parameter(capsys, name):
-    """Name, default and meaning, and the figures."""
+def test_show_prints_every_parameter(capsys, name):
+    """`experiments show` prints every parameter and the figures of the experiment."""
     assert main(["experiments", "show", name]) == 0
     shown = capsys.readouterr().out
     assert all(parameter in shown for parameter in experiments.get(name).meanings)
     assert f"Figures: {name}" in shown
 
 
-def test_run_writes_what_it_lists(capsys, tmp_path):
-    """The files it prints are all that it wrote, and hold the parameters that were set."""
+def test_run_lists_the_files_that_it_writes(capsys, tmp_path):
+    """`experiments run` prints the path of every file it wrote.
+
+    The file params.json has the given values.
+    """
     assert main(["experiments", "run", "power_sampling", *SMALL, "--out", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
     folder = tmp_path / "power_sampling"
@@ -113,8 +116,8 @@ def test_run_writes_what_it_lists(capsys, tmp_path):
 
 
 @pytest.mark.slow
-def test_seed_and_processes(tmp_path):
-    """A seed changes the result; the number of processes does not."""
+def test_facts_depend_on_the_seed_and_not_on_the_number_of_processes(tmp_path):
+    """Equal seeds give equal bytes, also with --jobs 2; another seed gives other facts."""
     runs = {"a": [], "b": ["--jobs", "2"], "c": ["--seed", "5"], "d": ["--set", "seed=5"]}
     for out, more in runs.items():
         arguments = [*SMALL, *more, "--out", str(tmp_path / out)]
@@ -130,7 +133,7 @@ def reconstruct(survey, out, *options):
 
 
 def test_reconstruct_writes_a_grid(capsys, tmp_path, survey):
-    """Grid as table and arrays, the errors of all methods, pictures, a page; all say the same."""
+    """The CSV table, the arrays, the table of methods and the printed summary agree."""
     out = tmp_path / "out"
     assert reconstruct(survey, out, "--grid", "13x11") == 0
     shown = " ".join(capsys.readouterr().out.split())
@@ -156,21 +159,21 @@ def test_reconstruct_writes_a_grid(capsys, tmp_path, survey):
     assert {str(path) for path in out.iterdir()} <= set(shown.split())
 
 
-def test_reconstruct_is_near_the_truth(tmp_path, survey):
-    """Inside the hull the grid is as near to the function as the error promises."""
+def test_the_grid_is_within_its_error_estimate(tmp_path, survey):
+    """At over 90 % of the nodes inside the hull the true error is below the estimated error."""
     assert reconstruct(survey, tmp_path / "grid.npz", "--grid", "30x30") == 0
     with np.load(tmp_path / "grid.npz") as stored:
         x, y, values, error, flags = (
             stored[k] for k in ("x", "y", "values", "error", "extrapolated")
         )
     truth = 50 * franke(np.stack(np.meshgrid(x, y), axis=-1) / 1000)
-    missed = abs(values - truth)[flags == 0]
-    assert np.mean(missed <= error[flags == 0]) > 0.9
+    true_error = abs(values - truth)[flags == 0]
+    assert np.mean(true_error <= error[flags == 0]) > 0.9
     assert np.median(error[flags == 0]) < 0.3 * np.std(truth)
 
 
-def test_reconstruct_obeys(capsys, tmp_path, survey):
-    """Columns and method are those asked for."""
+def test_columns_and_method_can_be_chosen(capsys, tmp_path, survey):
+    """--x, --y, --value and --method override the columns and the method found automatically."""
     options = ["--x", "northing", "--y", "easting", "--value", "depth [m]", "--method", "ls2"]
     assert reconstruct(survey, tmp_path / "out", *options, "--grid", "5x4") == 0
     assert "Evaluated: ls2, least squares, degree 2." in capsys.readouterr().out
@@ -178,7 +181,7 @@ def test_reconstruct_obeys(capsys, tmp_path, survey):
 
 
 class Page(HTMLParser):
-    """The texts of a page, and whatever it would fetch."""
+    """Parser of an HTML page: its text, its embedded images and every address it refers to."""
 
     def __init__(self, text):
         super().__init__()
@@ -201,8 +204,8 @@ class Page(HTMLParser):
         self.texts.append(data)
 
 
-def test_the_page_is_whole_in_itself(tmp_path, survey):
-    """Picture, error, methods, parameters and warnings, and nothing fetched; names are escaped."""
+def test_the_page_is_self_contained(tmp_path, survey):
+    """The page embeds its pictures, refers to no other file, and escapes names from the table."""
     table = survey.read_text().replace("depth [m]", "<script>&")
     survey.write_text(table + "1,2,?\n")
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11", "--method", "pu") == 0
@@ -224,11 +227,11 @@ def test_the_page_is_whole_in_itself(tmp_path, survey):
         "patches of r⁵, blended",
     ):
         assert wanted in words, wanted
-    assert MODELS["tps"].meaning not in words  # nobody asked how the others do
+    assert MODELS["tps"].meaning not in words  # one method was requested, so no comparison
 
 
-def test_the_page_tells_how_each_method_did(tmp_path, survey):
-    """Where none is asked for."""
+def test_the_page_compares_all_methods(tmp_path, survey):
+    """Without --method the page lists every method with its meaning or with "not tried"."""
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11") == 0
     words = " ".join(Page((tmp_path / "a.html").read_text()).texts)
     for name, candidate in MODELS.items():
@@ -238,16 +241,16 @@ def test_the_page_tells_how_each_method_did(tmp_path, survey):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["csv", "npz", "vtk", "nc"])
-def test_the_suffix_names_the_format(tmp_path, survey, suffix):
-    """One file, and the page beside it."""
+def test_the_suffix_selects_the_format(tmp_path, survey, suffix):
+    """--out with a suffix writes one file in this format and the HTML page beside it."""
     options = ["--grid", "5x4", "--method", "ls1"]
     assert reconstruct(survey, tmp_path / "to" / f"a.{suffix}", *options) == 0
     assert {path.name for path in (tmp_path / "to").iterdir()} == {f"a.{suffix}", "a.html"}
 
 
 @pytest.mark.slow
-def test_a_folder_holds_the_formats_that_are_asked_for(tmp_path, survey):
-    """And no other."""
+def test_format_selects_the_files_in_a_folder(tmp_path, survey):
+    """--format vtk,nc writes the grid in these two formats and in no other."""
     options = ["--grid", "5x4", "--method", "ls1", "--format", "vtk, NC"]
     assert reconstruct(survey, tmp_path / "to", *options) == 0
     assert {"grid.vtk", "grid.nc"} == {
@@ -255,8 +258,11 @@ def test_a_folder_holds_the_formats_that_are_asked_for(tmp_path, survey):
     }
 
 
-def test_at_the_points_of_a_table_and_of_a_mesh(tmp_path, survey):
-    """The samples themselves come back where the method interpolates, the mesh with its cells."""
+def test_targets_may_be_a_table_or_a_mesh(tmp_path, survey):
+    """At the sample points an interpolating method reproduces the values.
+
+    A mesh keeps its cells.
+    """
     out = tmp_path / "a.csv"
     assert reconstruct(survey, out, "--method", "tps", "--at", str(survey)) == 0
     wanted, rows = read_csv(survey), read_csv(out)
@@ -273,8 +279,8 @@ def test_at_the_points_of_a_table_and_of_a_mesh(tmp_path, survey):
 
 
 @pytest.mark.slow
-def test_points_in_space(tmp_path):
-    """On a grid of three sides, at points and on a mesh; with pictures of each."""
+def test_targets_in_space_may_be_a_grid_points_or_a_mesh(tmp_path):
+    """For samples in space the targets are a grid with three sides, a table or a mesh."""
     points = uniform(150, 3, seed=0)
     values = points @ [1.0, 2.0, 3.0] + points[:, 0] ** 2
     np.savez(tmp_path / "s.npz", points=points, values=values)
@@ -296,8 +302,8 @@ def test_points_in_space(tmp_path):
 
 
 @pytest.mark.slow
-def test_across_the_date_line(tmp_path, capsys):
-    """Degrees on the globe: a grid across the line, as near to the truth as anywhere."""
+def test_a_grid_may_cross_the_date_line(tmp_path, capsys):
+    """With --lonlat the error across the 180° meridian is below 1e-2, as everywhere else."""
     u = uniform(400, 2, seed=0)
     lon, lat = 170 + 20 * u[:, 0], -10 + 20 * u[:, 1]
     field = np.sin(np.radians(6 * lon)) + np.radians(lat)
@@ -323,7 +329,7 @@ SAVED += [(True, method) for method in ("ls1", "mls1", "tps", "smooth", "pu")]
 @pytest.mark.slow
 @pytest.mark.parametrize(("globe", "method"), SAVED)
 def test_a_saved_field_gives_the_same_values(tmp_path, survey, method, globe):
-    """Value and error, bit for bit, from the file alone, under the same names."""
+    """A field read with --load gives the same table, byte for byte, as the run that saved it."""
     survey.write_text(survey.read_text().replace("easting", "lon").replace("northing", "lat"))
     if globe:
         header, *rows = survey.read_text().splitlines()
@@ -340,8 +346,8 @@ def test_a_saved_field_gives_the_same_values(tmp_path, survey, method, globe):
     assert isinstance(load(saved).method, OnGlobe) == globe
 
 
-def test_a_terminal_sees_how_long_it_will_take(tmp_path, survey):
-    """Stages, the time left and the memory, on standard error, which a file does not see."""
+def test_progress_is_printed_on_a_terminal(tmp_path, survey):
+    """Stages, remaining time and memory are printed to standard error, not to standard output."""
     shown, terminal = pty.openpty()
     every_call = (
         "import sys; from fieldrecon.cli.main import main; from fieldrecon.cli import progress; "
@@ -349,22 +355,22 @@ def test_a_terminal_sees_how_long_it_will_take(tmp_path, survey):
     )
     command = [sys.executable, "-c", every_call, "reconstruct", str(survey)]
     where = ["--grid", "150x150", "--method", "tps", "--out", str(tmp_path / "a.npz")]
-    told = b""
+    printed = b""
     with subprocess.Popen([*command, *where], stdout=subprocess.PIPE, stderr=terminal) as run:
         os.close(terminal)
-        with suppress(OSError):  # which ends it on Linux
+        with suppress(OSError):  # on Linux, reading a closed terminal raises OSError
             while more := os.read(shown, 2**16):
-                told += more
+                printed += more
         output = run.stdout.read().decode()
     os.close(shown)
     assert run.returncode == 0
     for wanted in ("reading", "choosing a method", "evaluating", "left, ", "GB"):
-        assert wanted in told.decode()
+        assert wanted in printed.decode()
     assert "evaluating" not in output
 
 
-def test_what_is_wrong_with_the_samples_is_told(tmp_path, capsys, survey):
-    """Bad rows with their lines, points repeated; strictly, the first one stops it."""
+def test_bad_rows_and_repeated_points_are_reported(tmp_path, capsys, survey):
+    """Skipped rows are listed with their line numbers; with --strict the first one is an error."""
     row = survey.read_text().splitlines()[1]
     easting, northing, _ = row.split(",")
     survey.write_text(survey.read_text() + f"{easting},{northing},0\n1,two,3\n")
@@ -378,8 +384,8 @@ def test_what_is_wrong_with_the_samples_is_told(tmp_path, capsys, survey):
     assert not (tmp_path / "b.csv").exists()
 
 
-def test_samples_on_a_line_are_told_and_nothing_is_lost(tmp_path, capsys):
-    """What stood there stays."""
+def test_collinear_samples_are_refused_and_the_output_file_is_kept(tmp_path, capsys):
+    """The existing output file is not overwritten."""
     table, out = tmp_path / "a.csv", tmp_path / "b.csv"
     table.write_text("x,y,z\n" + "".join(f"{k},{2 * k},{k}\n" for k in range(20)))
     out.write_text("kept")
@@ -388,8 +394,11 @@ def test_samples_on_a_line_are_told_and_nothing_is_lost(tmp_path, capsys):
     assert out.read_text() == "kept"
 
 
-def test_an_error_that_cannot_be_had_is_told(tmp_path, capsys):
-    """Three samples carry a plane, which none of them can be left out of."""
+def test_an_unavailable_error_estimate_is_reported(tmp_path, capsys):
+    """Three samples determine a plane.
+
+    Without any of them there is no plane, so the error is nan.
+    """
     plane = LeastSquares([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).field([1.0, 2.0, 3.0])
     save(tmp_path / "f.npz", plane)
     out = ["--out", str(tmp_path / "a.csv"), "--grid", "3x3"]
@@ -401,8 +410,11 @@ def test_an_error_that_cannot_be_had_is_told(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
-    """Tens of thousands of rows, thousands of nodes: the same command."""
+def test_many_samples_are_cross_validated_in_blocks(tmp_path, capsys):
+    """For 20 000 samples the cross-validation holds out 6000.
+
+    The errors are below their estimates.
+    """
     points = uniform(20_000, 2, seed=0)
     np.savez(tmp_path / "s.npz", points=points, values=franke(points))
     assert reconstruct(tmp_path / "s.npz", tmp_path / "a.npz", "--grid", "60x50") == 0
@@ -411,9 +423,9 @@ def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
     assert "Evaluated: pu," in shown
     with np.load(tmp_path / "a.npz") as stored:
         nodes = np.stack(np.meshgrid(stored["x"], stored["y"]), axis=-1)
-        missed = abs(stored["values"] - franke(nodes))[stored["extrapolated"] == 0]
-        assert missed.max() < 1e-3
-        assert np.mean(missed <= stored["error"][stored["extrapolated"] == 0]) > 0.95
+        true_error = abs(stored["values"] - franke(nodes))[stored["extrapolated"] == 0]
+        assert true_error.max() < 1e-3
+        assert np.mean(true_error <= stored["error"][stored["extrapolated"] == 0]) > 0.95
 
 
 @pytest.mark.parametrize(
@@ -453,13 +465,13 @@ def test_many_samples_are_judged_in_blocks(tmp_path, capsys):
         (["reconstruct", "SURVEY", "--lonlat"], "are not degrees of longitude and latitude"),
     ],
 )
-def test_mistakes_are_told_in_a_sentence(capsys, survey, arguments, words):
-    """On standard error, with status 2 and without a traceback."""
+def test_user_errors_are_one_line_with_status_2(capsys, survey, arguments, words):
+    """The message is one line on standard error, without a traceback."""
     assert main([a.replace("SURVEY", str(survey)) for a in arguments]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("fieldrecon: ")
-    assert words in told
-    assert told.count("\n") == 1
+    message = capsys.readouterr().err
+    assert message.startswith("fieldrecon: ")
+    assert words in message
+    assert message.count("\n") == 1
 
 
 @pytest.mark.parametrize(
@@ -471,15 +483,15 @@ def test_mistakes_are_told_in_a_sentence(capsys, survey, arguments, words):
         (["experiments"], "the following arguments are required: COMMAND"),
     ],
 )
-def test_a_wrong_command_is_told_with_its_usage(capsys, arguments, words):
-    """As argparse does it, with status 2."""
+def test_usage_errors_are_reported_by_argparse(capsys, arguments, words):
+    """The parser exits with status 2 and prints the usage."""
     with pytest.raises(SystemExit, match="2"):
         main(arguments)
     assert words in capsys.readouterr().err
 
 
-def test_an_interrupt_is_no_failure_of_the_program(capsys, monkeypatch):
-    """Ctrl-C ends with the customary status 130."""
+def test_an_interrupt_has_status_130(capsys, monkeypatch):
+    """Ctrl-C prints one line and exits with the customary status 130."""
 
     def interrupted():
         raise KeyboardInterrupt
@@ -489,14 +501,14 @@ def test_an_interrupt_is_no_failure_of_the_program(capsys, monkeypatch):
     assert capsys.readouterr().err == "fieldrecon: interrupted\n"
 
 
-def test_a_developer_can_see_where(survey):
-    """With --traceback the exception comes through."""
+def test_traceback_option_raises_the_exception(survey):
+    """With --traceback the exception is not caught."""
     with pytest.raises(ValueError, match="no method 'kriging'"):
         main(["--traceback", "reconstruct", str(survey), "--method", "kriging"])
 
 
-def test_report_is_wired(capsys):
-    """The report's own options are known to the command line."""
+def test_report_command_has_its_options(capsys):
+    """`fieldrecon report --help` lists the options of the report."""
     with pytest.raises(SystemExit, match="0"):
         main(["report", "--help"])
     assert "--check-reproducible" in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""What the command line prints: tables that fit, and a line that leaves nothing behind."""
+"""What the command line prints: tables and paragraphs that fit the terminal, and progress bars."""
 
 import io
 import sys
@@ -13,21 +13,21 @@ ROWS = [("short", WORDS), ("x", 0.123456789), ("list", (1, 2))]
 
 
 class Terminal(io.StringIO):
-    """A terminal that is remembered."""
+    """A stream that claims to be a terminal and keeps what is written to it."""
 
     def isatty(self) -> bool:
         return True
 
 
 def terminal(monkeypatch, name: str, width: int = 80) -> Terminal:
-    """Put a terminal of this width in the place of standard output or error."""
+    """Replace standard output or error by a terminal with this number of columns."""
     monkeypatch.setenv("COLUMNS", str(width))
     monkeypatch.setattr(sys, name, shown := Terminal())
     return shown
 
 
 def on_screen(text: str) -> list[str]:
-    """The lines that a terminal shows: what follows a carriage return overwrites."""
+    """The lines that a terminal shows: text after a carriage return overwrites the line."""
     shown = []
     for line in text.split("\n"):
         seen = ""
@@ -38,8 +38,8 @@ def on_screen(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("width", [30, 60])
-def test_a_table_fits_the_terminal_and_loses_nothing(monkeypatch, width):
-    """No line is longer; the words of a cell stand below each other, in their order."""
+def test_a_table_is_wrapped_to_the_terminal(monkeypatch, width):
+    """No line is longer than the terminal, and the words of a wrapped cell keep their order."""
     shown = terminal(monkeypatch, "stdout", width)
     print_table(("name", "meaning"), ROWS, title="A title")
     lines = shown.getvalue().splitlines()
@@ -52,16 +52,16 @@ def test_a_table_fits_the_terminal_and_loses_nothing(monkeypatch, width):
 
 
 @pytest.mark.parametrize("width", [30, 60])
-def test_a_paragraph_fits_the_terminal(monkeypatch, width):
-    """And loses no word."""
+def test_a_paragraph_is_wrapped_to_the_terminal(monkeypatch, width):
+    """No line is longer than the terminal, and no word is lost."""
     shown = terminal(monkeypatch, "stdout", width)
     say(WORDS)
     assert max(map(len, shown.getvalue().splitlines())) <= width
     assert shown.getvalue().split() == WORDS.split()
 
 
-def test_a_file_has_each_row_in_a_line(capsys, monkeypatch):
-    """Nothing is broken where there is no terminal."""
+def test_output_to_a_file_is_not_wrapped(capsys, monkeypatch):
+    """In a file each row of a table and each paragraph is one line."""
     monkeypatch.setenv("COLUMNS", "30")
     print_table(("name", "meaning"), ROWS)
     say(WORDS)
@@ -70,8 +70,8 @@ def test_a_file_has_each_row_in_a_line(capsys, monkeypatch):
     assert shown[-1] == WORDS
 
 
-def test_the_status_line_leaves_nothing_behind(monkeypatch):
-    """On a terminal the lines that are to stay do, and the others are gone at the end."""
+def test_the_status_line_is_erased_at_the_end(monkeypatch):
+    """Lines printed with `say` remain on the terminal; the labels of stages are erased."""
     shown = terminal(monkeypatch, "stderr")
     with StatusLine() as line:
         Stage(line, "a long label of a stage")
@@ -81,8 +81,8 @@ def test_the_status_line_leaves_nothing_behind(monkeypatch):
     assert on_screen(shown.getvalue()) == ["kept", ""]
 
 
-def test_a_build_is_counted(monkeypatch):
-    """How many are done, of how many that are known."""
+def test_the_bar_shows_the_number_of_finished_tasks(monkeypatch):
+    """The bar shows the percentage and "1 of 4"; messages of finished tasks remain above it."""
     shown = terminal(monkeypatch, "stderr")
     with Bar() as bar:
         bar.add(3)
@@ -94,8 +94,8 @@ def test_a_build_is_counted(monkeypatch):
     assert on_screen(shown.getvalue()) == ["drew it", ""]
 
 
-def test_a_file_gets_the_lines_that_stay(capsys):
-    """And none of those that are rewritten."""
+def test_output_to_a_file_has_no_bar(capsys):
+    """A file receives the messages of finished tasks and no progress bar."""
     with Bar() as bar:
         bar.add(1)
         bar.done("drew it")

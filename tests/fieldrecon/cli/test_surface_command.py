@@ -1,4 +1,4 @@
-"""The command that makes a mesh of a scan: end to end on small clouds, and what it says."""
+"""The command `fieldrecon surface`: from a small point cloud or polygon soup to a mesh."""
 
 import numpy as np
 import pytest
@@ -14,14 +14,14 @@ from fieldreport.experiments.triangles.triangle_shapes import sphere
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """Work in a folder of its own, with small pictures."""
+    """Change to an empty folder and draw small pictures."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(surface_picture, "_PIXELS", 24)
     return tmp_path
 
 
-def test_a_ball_comes_back_closed_with_a_picture_and_a_page(folder, capsys):
-    """At 1e7 from the origin; the mesh has the known volume, and its page the distances."""
+def test_a_ball_is_reconstructed_as_a_closed_mesh(folder, capsys):
+    """The cloud lies at 1e7 from the origin; all vertices are within 0.02 of the unit sphere."""
     np.savetxt("ball.xyz", 1e7 + sample_surface(Ball(1.0), 400, seed=1)[0], fmt="%.9f")
     assert main(["surface", "ball.xyz", "--out", "ball.ply"]) == 0
     shown = capsys.readouterr().out
@@ -37,8 +37,8 @@ def test_a_ball_comes_back_closed_with_a_picture_and_a_page(folder, capsys):
 
 
 @pytest.mark.usefixtures("folder")
-def test_what_is_odd_is_said(capsys):
-    """Two bodies, copies, an outlier and a row that is none."""
+def test_peculiarities_of_the_cloud_are_reported(capsys):
+    """The summary names two parts, repeated points, an outlier and a skipped row."""
     one, other = (sample_surface(Ball(1.0, [x, 0, 0]), 300, seed=1)[0] for x in (0, 3))
     cloud = np.concatenate([one, other, one[:3], [[1.5, 9, 0]], [[np.nan, 0, 0]]])
     np.savetxt("two.csv", cloud, delimiter=",", header="x,y,z", comments="")
@@ -52,8 +52,8 @@ def test_what_is_odd_is_said(capsys):
     assert len(read_triangles("two.obj")[1]) > 500
 
 
-def test_a_hole_is_told_and_may_stay_open(folder, capsys):
-    """Closed by default, and said to be invented; with --open the mesh has a rim, which is fine."""
+def test_a_hole_is_closed_or_left_open(folder, capsys):
+    """A hole is closed by default, with a warning; with --open the mesh keeps its boundary."""
     points, normals = sample_surface(Torus(1.0, 0.5), 600, seed=1)
     seen = points[:, 0] < 0.9
     header = "x,y,z,nx,ny,nz"
@@ -70,8 +70,8 @@ def test_a_hole_is_told_and_may_stay_open(folder, capsys):
 
 
 @pytest.mark.usefixtures("folder")
-def test_loose_triangles_become_a_closed_mesh(capsys):
-    """Torn apart, they are enclosed; the audit of the file finds holes, that of the mesh none."""
+def test_a_polygon_soup_becomes_a_closed_mesh(capsys):
+    """The audit finds holes in the separated triangles and none in the resulting mesh."""
     points, triangles = sphere(1)
     rng = np.random.default_rng(5)
     corners = points[triangles] + rng.uniform(-0.02, 0.02, (len(triangles), 1, 3))
@@ -98,8 +98,8 @@ def test_loose_triangles_become_a_closed_mesh(capsys):
         (["cloud.ply", "--out", "cloud.ply"], "would be overwritten"),
     ],
 )
-def test_what_cannot_be_is_said_with_status_2(folder, capsys, options, words):
-    """In a sentence on standard error; nothing is written."""
+def test_wrong_input_has_status_2(folder, capsys, options, words):
+    """The message on standard error says what is wrong, and no page is written."""
     flat = np.random.default_rng(0).random((200, 3)) * [1, 1, 0]
     np.savetxt("flat.xyz", flat)
     np.savetxt("few.xyz", flat[:3])
@@ -109,8 +109,8 @@ def test_what_cannot_be_is_said_with_status_2(folder, capsys, options, words):
     assert not [*folder.glob("*.html")]
 
 
-def test_distances_to_triangles_are_least_over_all_of_them():
-    """Against each triangle by a dense set of its points, near and inside a ball."""
+def test_distances_to_triangles_equal_the_minimum_over_dense_samples():
+    """The distance is at most, and within 0.02 of, the minimum over 150 points of each triangle."""
     points, triangles = sphere(2)
     x = 1.1 * np.random.default_rng(3).normal(size=(12, 3))
     shares = np.random.default_rng(4).dirichlet([0.7] * 3, 150)

@@ -1,4 +1,4 @@
-"""BLAS on one thread while the library computes, and afterwards as many as before."""
+"""BLAS uses one thread while the library computes; afterwards the old number is restored."""
 
 import multiprocessing
 import pkgutil
@@ -25,7 +25,7 @@ def threads() -> set[int]:
 
 @pytest.fixture(autouse=True)
 def many_threads():
-    """As on a machine with more cores than one, and no variable that says otherwise."""
+    """Give BLAS several threads before each test, and check that it has them again afterwards."""
     with threadpool_limits(MANY):
         assert threads() == {MANY}
         yield
@@ -33,7 +33,7 @@ def many_threads():
 
 
 class Evaluation:
-    """An evaluation in a thread of its own, which goes on when it is told to."""
+    """An evaluation in its own thread that waits inside the work function until `finish`."""
 
     def __init__(self, pool: ThreadPoolExecutor, rows: int) -> None:
         self.inside, self.go_on = threading.Event(), threading.Event()
@@ -52,8 +52,8 @@ class Evaluation:
 
 @pytest.mark.parametrize("rows", [2, 4], ids=["two chunks", "one chunk"])
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)], ids=["first leaves first", "last first"])
-def test_evaluations_that_overlap(order, rows):
-    """One thread for each until it ends, whichever does first; then as many as before."""
+def test_overlapping_evaluations_keep_blas_on_one_thread(order, rows):
+    """BLAS has one thread until the last evaluation ends, whichever ends first."""
     with ThreadPoolExecutor(2) as pool:
         both = [Evaluation(pool, rows) for _ in range(2)]
         for i in order:
@@ -62,8 +62,8 @@ def test_evaluations_that_overlap(order, rows):
         assert threads() == {MANY}
 
 
-def test_an_evaluation_within_another():
-    """The inner one does not give the threads back before the outer one ends."""
+def test_a_nested_evaluation_does_not_restore_the_threads():
+    """BLAS has one thread until the outer evaluation ends."""
     seen = []
 
     def outer(x):
@@ -77,8 +77,8 @@ def test_an_evaluation_within_another():
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
-def test_an_evaluation_that_fails(error):
-    """An error and an interrupt leave the threads as they were."""
+def test_an_exception_restores_the_threads(error):
+    """The number of threads is restored after an error and after an interrupt."""
 
     def work(_):
         assert threads() == {1}
@@ -89,8 +89,8 @@ def test_an_evaluation_that_fails(error):
     assert threads() == {MANY}
 
 
-def test_an_evaluation_that_is_abandoned():
-    """Between two chunks the caller has all threads, and after the last that was asked for."""
+def test_threads_are_restored_between_chunks():
+    """The caller has all threads between two chunks, and also after it abandons the iterator."""
     seen = []
     parts = chunked(lambda x: seen.append(threads()) or x, X, 1, Inline())
     next(parts)
@@ -100,32 +100,32 @@ def test_an_evaluation_that_is_abandoned():
     assert threads() == {MANY}
 
 
-def seen_there(_):
+def threads_in_worker(_):
     return threads()
 
 
-def begin_with_many():
+def start_with_many_threads():
     threadpool_limits(MANY)
 
 
-def test_an_evaluation_in_another_process():
-    """BLAS has one thread there."""
+def test_worker_processes_use_one_blas_thread():
+    """In a process pool BLAS has one thread during the work and the old number afterwards."""
     spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(1, mp_context=spawn, initializer=begin_with_many) as pool:
+    with ProcessPoolExecutor(1, mp_context=spawn, initializer=start_with_many_threads) as pool:
         assert pool.submit(threads).result() == {MANY}
-        assert [seen for _, seen in chunked(seen_there, X, 2, pool)] == [{1}, {1}]
+        assert [seen for _, seen in chunked(threads_in_worker, X, 2, pool)] == [{1}, {1}]
         assert pool.submit(threads).result() == {MANY}
 
 
 def orders(holders):
-    """Every order in which so many can enter and leave."""
+    """Every order in which the holders can enter and leave."""
     every = set(permutations(sorted([*range(holders)] * 2)))
     return [tuple((i, i in order[:k]) for k, i in enumerate(order)) for order in sorted(every)]
 
 
 @pytest.mark.parametrize("order", orders(3), ids=lambda o: "".join(str(i) for i, _ in o))
-def test_every_order_of_entering_and_leaving(order):
-    """One thread while somebody is inside, and the number before when nobody is."""
+def test_one_thread_while_any_holder_is_inside(order):
+    """BLAS has one thread while a holder is inside, and the original number when none is."""
     number = [MANY]
     owner = Owner([(lambda: number[0], lambda n: number.__setitem__(0, n))])
     inside = set()
@@ -135,8 +135,8 @@ def test_every_order_of_entering_and_leaving(order):
         assert number == [1 if inside else MANY]
 
 
-def test_an_interrupt_while_entering():
-    """What has set one thread, and gets no further, gives the threads back."""
+def test_an_interrupt_during_enter_can_be_undone():
+    """An interrupt after the number was set to one still lets `leave` restore it."""
     number = [MANY]
 
     def set_number(n):
@@ -151,8 +151,8 @@ def test_an_interrupt_while_entering():
     assert number == [MANY]
 
 
-def test_many_operations_are_shared_among_threads():
-    """Few are not: the threads would wait for each other."""
+def test_only_large_computations_use_several_threads():
+    """Up to FEW operations use one thread, because synchronization costs more than it gains."""
     with blas_threads_for(FEW):
         assert threads() == {1}
     with blas_threads_for(1.01 * FEW):
@@ -188,8 +188,8 @@ GRID = np.dstack(np.meshgrid(np.linspace(0, 9, 4), np.linspace(0, 3, 3), indexin
         f"{WING}.vortex_lattice.lu_factor": lambda: VortexLattice(GRID),
     }.items(),
 )
-def test_a_small_factorization(monkeypatch, within, call):
-    """It runs on one thread, wherever it is called from."""
+def test_small_factorizations_run_on_one_thread(monkeypatch, within, call):
+    """Every factorization in the library, at every place that calls it, sees one BLAS thread."""
     seen = []
     within = within if within.startswith(WING) else f"fieldrecon.{within}"
     module, _, name = within.rpartition(".")

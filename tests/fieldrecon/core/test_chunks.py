@@ -1,4 +1,4 @@
-"""Chunks: in order, bounded, on any executor, stopped by the first error, the same everywhere."""
+"""Chunked evaluation: order, bounded memory, executors, errors and interrupts."""
 
 import multiprocessing
 import os
@@ -31,27 +31,27 @@ def double(x: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("rows", [1, 3, 10, 11])
 def test_chunks_cover_the_rows_in_order(rows):
-    """Each row once; the slices follow each other."""
+    """The slices are consecutive and cover each row once."""
     parts = list(chunked(double, X, rows))
     assert [s.start for s, _ in parts] == list(range(0, 10, rows))
     np.testing.assert_array_equal(np.concatenate([r for _, r in parts]), 2 * X)
 
 
-def test_no_rows_are_no_chunks():
-    """And nothing is called."""
+def test_zero_rows_give_zero_chunks():
+    """The work function is not called."""
     assert list(chunked(double, X[:0], 3)) == []
 
 
-def test_the_size_of_a_chunk_follows_its_bytes():
-    """CHUNK_BYTES in all, at least one row, whatever the number of cores."""
+def test_rows_per_chunk_follow_from_the_bytes_per_row():
+    """A chunk has CHUNK_BYTES in total and at least one row, whatever the number of cores."""
     assert rows_of(1024) == _chunks.CHUNK_BYTES // 1024
     assert rows_of(1e30) == 1
     assert rows_of(0) == _chunks.CHUNK_BYTES
 
 
 @pytest.mark.parametrize("cores", [1, 2, 64])
-def test_the_number_of_cores_does_not_matter(cores, monkeypatch):
-    """The chunks are the same on any machine."""
+def test_chunks_do_not_depend_on_the_number_of_cores(cores, monkeypatch):
+    """Therefore results are the same on every machine."""
     sizes = []
 
     def note(x):
@@ -64,15 +64,15 @@ def test_the_number_of_cores_does_not_matter(cores, monkeypatch):
     assert sorted(sizes) == [1, 3, 3, 3]
 
 
-def test_progress_is_told_after_each_chunk():
-    """With the rows done and all of them."""
+def test_progress_is_reported_after_each_chunk():
+    """`progress` receives the number of finished rows and the number of all rows."""
     calls = []
     list(chunked(double, X, 4, progress=lambda *call: calls.append(call)))
     assert calls == [(4, 10), (8, 10), (10, 10)]
 
 
 class Counting(ThreadPoolExecutor):
-    """Counts what waits or runs."""
+    """An executor that counts the tasks that are waiting or running."""
 
     def __init__(self):
         super().__init__(1)
@@ -84,8 +84,8 @@ class Counting(ThreadPoolExecutor):
         return super().submit(fn, *args, **kwargs)
 
 
-def test_few_chunks_are_ahead():
-    """So that memory is bounded, however fast the executor and slow the reader."""
+def test_the_number_of_pending_chunks_is_bounded():
+    """Memory stays bounded, even if the executor is fast and the consumer slow."""
     with Counting() as executor:
         for _ in chunked(double, np.zeros((1000, 2)), 1, executor):
             executor.open -= 1
@@ -93,14 +93,14 @@ def test_few_chunks_are_ahead():
 
 
 def test_a_given_executor_stays_open():
-    """It belongs to the caller."""
+    """The executor belongs to the caller, so `chunked` must not shut it down."""
     with ThreadPoolExecutor(1) as executor:
         list(chunked(double, X, 3, executor))
         assert executor.submit(double, 1).result() == 2
 
 
 class Busy(Executor):
-    """One worker that has only come to the first chunk; it does the rest when it is shut down."""
+    """An executor that runs the first task at once and all later ones only at its shutdown."""
 
     def __init__(self) -> None:
         self.submitted = 0
@@ -129,14 +129,14 @@ class Busy(Executor):
 
 @pytest.fixture(params=["default", "given"])
 def busy(request, monkeypatch):
-    """A busy worker, made by `chunked` or by its caller, and the executor to call it with."""
+    """A busy worker, created by `chunked` or given by its caller, and the `executor` argument."""
     with Busy() as worker:
         monkeypatch.setattr(_chunks, "_threads", lambda _chunks: worker)
         yield worker, worker if request.param == "given" else None
 
 
-def test_an_error_in_a_chunk_comes_out_and_stops_the_others(busy):
-    """Chunks that have not begun never begin."""
+def test_an_error_in_a_chunk_is_raised_and_cancels_the_others(busy):
+    """Chunks that have not started never start."""
     worker, executor = busy
     begun = []
 
@@ -151,8 +151,8 @@ def test_an_error_in_a_chunk_comes_out_and_stops_the_others(busy):
     assert worker.submitted > 1
 
 
-def test_an_interrupt_stops_the_others(busy):
-    """Ctrl-C in the progress of the first chunk."""
+def test_an_interrupt_cancels_the_other_chunks(busy):
+    """Ctrl-C during `progress` of the first chunk cancels all chunks that have not started."""
     worker, executor = busy
     begun = []
 
@@ -170,8 +170,8 @@ def test_an_interrupt_stops_the_others(busy):
     assert worker.submitted > 1
 
 
-class Told:
-    """Work that knows how often it was packed to be sent."""
+class Pickled:
+    """Work that counts how often it is pickled."""
 
     packed = 0
 
@@ -179,30 +179,32 @@ class Told:
         return 2 * x
 
     def __getstate__(self) -> dict:
-        Told.packed += 1
+        Pickled.packed += 1
         return {}
 
 
-def test_processes_are_told_the_work_once(tmp_path, monkeypatch):
-    """Not with every chunk: it may hold millions of sites. And nothing stays behind."""
+def test_the_work_is_pickled_once(tmp_path, monkeypatch):
+    """The work may hold millions of sites, so it is sent once, not with every chunk.
+
+    Its file is removed afterwards.
+    """
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as processes:
-        parts = [part for _, part in chunked(Told(), X, 1, processes)]
+        parts = [part for _, part in chunked(Pickled(), X, 1, processes)]
     np.testing.assert_array_equal(np.concatenate(parts), 2 * X)
-    assert Told.packed == 1
+    assert Pickled.packed == 1
     assert not list(tmp_path.iterdir())
 
 
-def test_one_chunk_needs_no_thread():
-    """It runs where it is called."""
+def test_a_single_chunk_runs_in_the_calling_thread():
     where = []
     list(chunked(lambda x: where.append(threading.current_thread()) or x, X, 100))
     assert where == [threading.current_thread()]
 
 
 def test_blas_has_one_thread_while_chunks_run():
-    """Threads share the cores among the chunks; afterwards all is as before."""
+    """The chunks share the cores; afterwards BLAS has as many threads as before."""
     np.ones((2, 2)) @ np.ones((2, 2))
 
     def threads() -> list[int]:
@@ -226,7 +228,7 @@ def test_blas_has_one_thread_while_chunks_run():
     ids=["LS", "MLS", "RBF", "PU"],
 )
 def test_memory_stays_bounded(make):
-    """1.5 times inputs, outputs and one chunk for each thread, for any number of queries."""
+    """The peak is below 1.5 times input, output and one chunk, for any number of queries."""
     p = np.random.default_rng(1).random((600, 2))
     s = make(p).field(np.cos(p @ [3.0, 2.0]))
     x = np.random.default_rng(2).random((40_000, 2))

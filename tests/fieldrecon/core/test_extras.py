@@ -1,4 +1,4 @@
-"""Packages that only some commands need: what does without them, and what installs them."""
+"""Optional packages: what works without them, and which extra installs them."""
 
 import json
 import re
@@ -27,14 +27,14 @@ CORNERS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
 def names_of(requirements: list[str]) -> set[str]:
-    """Names of packages, all in one spelling."""
+    """Names of the required packages, normalized."""
     return {
         re.match(r"[\w.-]+", need).group().lower().replace("_", "-") for need in requirements
     } - {"fieldrecon", "fieldrecon-course"}
 
 
 def imported() -> set[str]:
-    """First names of all modules that the code imports, by statements or by `optional`."""
+    """Top-level names of all modules that the code imports, by a statement or by `optional`."""
     name = r"(\w+)[.\w]*"
     statement = rf"^ *(?:import {name}(?: as \w+)?$|from {name} import )|\boptional\(f?\"{name}"
     sources = (path.read_text() for path in (ROOT / "src").rglob("*.py"))
@@ -46,7 +46,7 @@ OPTIONAL = sorted(imported() - names_of(PROJECT["dependencies"]))
 
 
 def without(modules: list[str], *arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command line where these modules are not installed."""
+    """Run the command line in an interpreter in which these modules cannot be imported."""
     code = (
         f"import sys; sys.modules.update(dict.fromkeys({modules!r})); "
         "from fieldrecon.cli.main import main; sys.exit(main(sys.argv[1:]))"
@@ -55,33 +55,35 @@ def without(modules: list[str], *arguments: str, cwd: Path) -> subprocess.Comple
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
 
 
-# --- which extra has what -------------------------------------------------------------------------
+# --- the extra of each package --------------------------------------------------------------------
 
 
 def test_optional_packages_are_found():
-    """The list that the other tests go through is not empty, nor without either kind of import."""
+    """The list OPTIONAL contains packages of both kinds of import, so the other tests are not
+    empty.
+    """
     assert {"matplotlib", "meshio", "pyarrow", "skimage", "nbformat"} <= set(OPTIONAL)
 
 
 @pytest.mark.parametrize("module", OPTIONAL)
-def test_each_package_comes_with_the_extra_that_is_named(module):
-    """Of those for users; and the package that is named is the one that the extra requires."""
+def test_the_named_extra_requires_the_package(module):
+    """The message names an extra for users, and this extra requires the package in the message."""
     sentence = _extras.remedy(f"{module}.part")
     package, extra = re.match(r"(\S+) is not .* the extra '(\w+)': pip install ", sentence).groups()
     assert extra in OF_USERS
     assert package.lower().replace("_", "-") in names_of(EXTRAS[extra])
 
 
-def test_several_packages_take_one_line():
-    """Each extra once, in the order of the packages."""
+def test_several_missing_packages_give_one_command():
+    """Each extra is named once, in the order of the packages."""
     sentence = _extras.remedy("skimage", "meshio", "skimage.measure")
     assert sentence.startswith("scikit-image and meshio are not installed; they come with the ")
     assert re.search(r"extras 'surface' and 'mesh': pip install .*\[surface,mesh\]'$", sentence)
     assert _extras.remedy("unheard_of.part") == "unheard_of is not installed"
 
 
-def test_all_is_all_that_users_need():
-    """The extras `all` contain the others for users, and none for developers."""
+def test_the_extra_all_contains_every_extra_for_users():
+    """The extras `all` contain every extra for users and none for developers."""
     named = [
         re.fullmatch(rf"{project['name']}\[(.*)\]", *project["optional-dependencies"]["all"])[1]
         for project in (PROJECT, COURSE)
@@ -89,15 +91,15 @@ def test_all_is_all_that_users_need():
     assert set(",".join(named).split(",")) == set(OF_USERS)
 
 
-def test_ranges_for_users_and_pins_in_the_lock():
-    """Metadata that pinned a version would refuse every environment that has another."""
+def test_metadata_have_ranges_and_the_lock_file_has_pins():
+    """Pinned versions in the metadata would conflict with most environments."""
     assert not [need for needs in EXTRAS.values() for need in needs if "==" in need]
     lock = (ROOT / "requirements.lock").read_text()
     for name in names_of([need for extra in OF_USERS for need in EXTRAS[extra]]):
         assert re.search(rf"^{name}==\S+ ", lock, flags=re.M), name
 
 
-# --- the line that installs it --------------------------------------------------------------------
+# --- the install command --------------------------------------------------------------------------
 
 FOLDER, WHEEL = "file:///a%20b/fieldrecon", "file:///w/fieldrecon-0.2.0-py3-none-any.whl"
 
@@ -126,8 +128,11 @@ FOLDER, WHEEL = "file:///a%20b/fieldrecon", "file:///w/fieldrecon-0.2.0-py3-none
     ],
     ids=["index", "folder", "editable", "wheel", "address", "repository"],
 )
-def test_the_line_installs_from_where_fieldrecon_came(monkeypatch, record, line):
-    """From an index only if fieldrecon came from one: another may have a stranger's package."""
+def test_the_install_command_names_the_source_of_fieldrecon(monkeypatch, record, line):
+    """The command uses the package index only if fieldrecon was installed from there.
+
+    Another index may hold a package of the same name by somebody else.
+    """
 
     files = {"RECORD": "", "direct_url.json": record and json.dumps(record)}
     monkeypatch.setattr(_extras, "distributions", lambda **_: [Recorded({}), Recorded(files)])
@@ -135,7 +140,7 @@ def test_the_line_installs_from_where_fieldrecon_came(monkeypatch, record, line)
 
 
 class Recorded:
-    """A distribution, with the files that an installer leaves, or none, as beside the source."""
+    """A distribution with the given metadata files; a source tree has none of them."""
 
     name = "fieldrecon"
     requires = ("numpy>=2.1", 'meshio>=5.3.5; extra == "mesh"')
@@ -144,8 +149,8 @@ class Recorded:
         self.read_text = files.get
 
 
-def test_in_the_checkout_the_line_is_short(monkeypatch, tmp_path):
-    """A dot there, the path elsewhere."""
+def test_the_install_command_for_a_checkout_is_its_path(monkeypatch, tmp_path):
+    """In the root of the checkout the path is a dot."""
     monkeypatch.chdir(ROOT)
     assert _extras.remedy("meshio").endswith(" '.[mesh]'")
     monkeypatch.chdir(tmp_path)
@@ -165,8 +170,8 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_a_field_without_any_extra(folder):
-    """The values, the page and one sentence for what is not drawn."""
+def test_reconstruct_works_without_extras(folder):
+    """Values and page are written; one sentence says that no picture was drawn."""
     options = ["--method", "tps", "--grid", "4x3", "--out", "field.csv"]
     done = without(OPTIONAL, "reconstruct", "points.csv", *options, cwd=folder)
     assert done.returncode == 0, done.stderr
@@ -175,8 +180,11 @@ def test_a_field_without_any_extra(folder):
     assert re.fullmatch(r"fieldrecon: no picture was drawn: .* 'pictures': pip.*\n", done.stderr)
 
 
-def test_an_audit_without_any_extra(folder):
-    """The findings, the repaired mesh and the same sentence; JSON stays alone."""
+def test_audit_works_without_extras(folder):
+    """Findings and the repaired mesh are written.
+
+    The sentence about the missing picture does not disturb the JSON.
+    """
     options = ["--largest-hole", "1", "--repair", "closed.stl", "--json"]
     done = without(OPTIONAL, "audit", "open.stl", *options, cwd=folder)
     assert done.returncode == 0, done.stderr
@@ -195,8 +203,8 @@ def test_an_audit_without_any_extra(folder):
     ],
     ids=lambda x: x if isinstance(x, str) else x[0],
 )
-def test_a_command_names_its_extra(folder, arguments, extra):
-    """In a sentence, with status 2."""
+def test_a_command_names_the_extra_that_it_needs(folder, arguments, extra):
+    """The command exits with status 2 and one sentence."""
     always = names_of(COURSE["dependencies"])
     done = without([m for m in OPTIONAL if m not in always], *arguments, cwd=folder)
     assert done.returncode == 2
@@ -204,8 +212,8 @@ def test_a_command_names_its_extra(folder, arguments, extra):
     assert "Traceback" not in done.stderr
 
 
-def test_a_surface_says_what_it_takes_before_it_reads(capsys, monkeypatch):
-    """All of it at once; nothing is read, so nothing can be lost."""
+def test_surface_checks_its_packages_before_it_reads(capsys, monkeypatch):
+    """All missing packages are named at once, before any computation could be lost."""
     monkeypatch.setitem(sys.modules, "skimage", None)
     assert main(["surface", "none.xyz", "--out", "mesh.stl"]) == 2
     assert "scikit-image is not installed" in capsys.readouterr().err
@@ -214,8 +222,8 @@ def test_a_surface_says_what_it_takes_before_it_reads(capsys, monkeypatch):
     assert "extras 'surface' and 'mesh'" in capsys.readouterr().err
 
 
-def test_a_repair_says_what_it_takes_before_it_reads(capsys, monkeypatch):
-    """A format that takes meshio, and one that nobody knows."""
+def test_repair_checks_its_packages_before_it_reads(capsys, monkeypatch):
+    """Both a format that needs meshio and an unknown format are refused."""
     monkeypatch.setitem(sys.modules, "meshio", None)
     assert main(["audit", "none.stl", "--repair", "mesh.ply"]) == 2
     assert "meshio is not installed; it comes with the extra 'mesh'" in capsys.readouterr().err
@@ -226,14 +234,14 @@ def test_a_repair_says_what_it_takes_before_it_reads(capsys, monkeypatch):
 # --- measurements ---------------------------------------------------------------------------------
 
 
-def test_measurements_are_found_in_a_checkout_or_said_to_be_missing(tmp_path, monkeypatch, capsys):
-    """Where the code lies in no checkout, the folder that one is in may be one."""
+def test_measurements_are_read_from_the_checkout(tmp_path, monkeypatch, capsys):
+    """They are found if the working directory lies in a checkout; elsewhere an error says so."""
     monkeypatch.setattr(experiment, "__file__", str(tmp_path / "a" / "b" / "c" / "d.py"))
     monkeypatch.chdir(ROOT)
     assert main(["experiments", "run", "million", "--out", str(tmp_path)]) == 0
     monkeypatch.chdir(tmp_path)
     capsys.readouterr()
     assert main(["experiments", "run", "million"]) == 2
-    told = capsys.readouterr().err
-    assert "benchmarks/results/million.json are missing: they are part of a checkout" in told
-    assert "--set results=FILE" in told
+    message = capsys.readouterr().err
+    assert "benchmarks/results/million.json are missing: they are part of a checkout" in message
+    assert "--set results=FILE" in message

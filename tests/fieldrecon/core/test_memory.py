@@ -1,4 +1,4 @@
-"""The memory that a process may use: that of the machine, or of its container if that is less."""
+"""The memory limit of a process: that of the machine or of its container, whichever is smaller."""
 
 import pytest
 
@@ -49,18 +49,18 @@ def machine(tmp_path, monkeypatch):
         "version 1, another group's",
     ],
 )
-def test_the_limit_is_the_least_of_machine_and_containers(machine, own, limits, least):
-    """Control groups of either version, their parents included."""
+def test_the_limit_is_the_minimum_over_machine_and_containers(machine, own, limits, least):
+    """Control groups of version 1 and 2 are read, including their parents."""
     machine(own, limits)
     assert memory_limit() == least * GIBIBYTE
 
 
-def test_a_machine_without_control_groups_has_its_own_memory(machine):
-    """As macOS."""
+def test_without_control_groups_the_limit_is_the_memory_of_the_machine(machine):
+    """This is the case on macOS."""
     machine(None, {})
     assert memory_limit() == 16 * GIBIBYTE
 
 
-def test_this_machine_has_a_plausible_memory():
-    """More than a quarter of a gibibyte, less than an exbibyte."""
+def test_the_limit_of_this_machine_is_plausible():
+    """The limit lies between a quarter of a gibibyte and an exbibyte."""
     assert 2**28 < memory_limit() < 2**60

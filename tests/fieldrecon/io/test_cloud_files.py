@@ -1,4 +1,4 @@
-"""Clouds in files: every kind of PLY, OBJ, STL and tables read back; errors in words."""
+"""Point clouds in files: PLY, OBJ, STL, VTK and tables are read; errors name the file."""
 
 import struct
 
@@ -15,7 +15,7 @@ ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 
 
 def ply(kind, *, faces=None, strip=None, normals=None, points=POINTS, rows=None):
-    """Bytes of a PLY file written word by word, apart from the reader."""
+    """Bytes of a PLY file, written independently of the reader."""
     names = "xyz" if normals is None else ("x", "y", "z", "nx", "ny", "nz")
     table = points if normals is None else np.hstack([points, normals])
     head = f"ply\nformat {kind} 1.0\ncomment a test\nelement vertex {rows or len(table)}\n"
@@ -44,8 +44,8 @@ def ply(kind, *, faces=None, strip=None, normals=None, points=POINTS, rows=None)
 
 @pytest.mark.parametrize("kind", ["ascii", *ORDERS])
 @pytest.mark.parametrize("mixed", [False, True])
-def test_ply_of_every_kind_reads_back(tmp_path, kind, mixed):
-    """Points, normals, flags, and faces of three or of several lengths."""
+def test_ply_is_read_in_ascii_and_both_byte_orders(tmp_path, kind, mixed):
+    """Points, normals and flags are reproduced; faces may have three or more corners."""
     path = tmp_path / "cloud.ply"
     faces = [list(t) for t in TRIANGLES] + ([[0, 1, 2, 3], [4, 5, 6, 7, 8]] if mixed else [])
     path.write_bytes(ply(kind, faces=faces, normals=2 * POINTS))
@@ -60,15 +60,18 @@ def test_ply_of_every_kind_reads_back(tmp_path, kind, mixed):
 
 
 @pytest.mark.parametrize("kind", ["ascii", *ORDERS])
-def test_strips_become_triangles_that_turn_one_way(tmp_path, kind):
-    """Every second triangle of a strip is turned; -1 begins a new strip, and repeats add none."""
+def test_triangle_strips_are_consistently_oriented(tmp_path, kind):
+    """Every second triangle of a strip is reversed.
+
+    The index -1 begins a new strip, and repeated indices add no triangle.
+    """
     path = tmp_path / "strips.ply"
     path.write_bytes(ply(kind, strip=[0, 1, 2, 3, 4, -1, 5, 6, 7, 7, 8, -1, 9, 10]))
     assert read_ply(path).fan_triangles().tolist() == [[0, 1, 2], [2, 1, 3], [2, 3, 4], [5, 6, 7]]
 
 
-def test_normals_come_from_triangles_where_the_file_has_no_others(tmp_path):
-    """Outward, as the triangles turn, from OBJ and from STL, whose corners become one point."""
+def test_normals_are_taken_from_triangles_if_the_file_has_none(tmp_path):
+    """Normals of OBJ and STL files point outward by the orientation; corners of STL are merged."""
     fr.io.write_triangles(tmp_path / "ball.stl", POINTS, TRIANGLES)
     lines = [f"v {x} {y} {z}" for x, y, z in POINTS]
     lines += [f"f {a + 1}/1 {b + 1}//2 {c - len(POINTS)}" for a, b, c in TRIANGLES]
@@ -82,8 +85,8 @@ def test_normals_come_from_triangles_where_the_file_has_no_others(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".xyz", ".csv", ".npz"])
-def test_tables_are_clouds(tmp_path, suffix):
-    """With normals or without; numbers without names are normals if they are about one long."""
+def test_tables_are_read_as_clouds(tmp_path, suffix):
+    """Columns 4 to 6 without names are normals if their length is about one."""
     path = tmp_path / f"cloud{suffix}"
     both = np.hstack([POINTS + 5, POINTS])
     if suffix == ".npz":
@@ -99,8 +102,8 @@ def test_tables_are_clouds(tmp_path, suffix):
         assert read_cloud(path).normals is None
 
 
-def test_points_that_are_none_are_left_out_and_told(tmp_path):
-    """In binary with their triangles, in text by the line."""
+def test_non_finite_points_are_skipped_and_reported(tmp_path):
+    """In a binary file their triangles are removed too; in a text the line is reported."""
     bad = POINTS.copy()
     bad[3, 1] = np.nan
     path = tmp_path / "cloud.ply"
@@ -113,8 +116,8 @@ def test_points_that_are_none_are_left_out_and_told(tmp_path):
     assert "line 4: y must be a finite number" in read_cloud(tmp_path / "cloud.xyz").warnings[0]
 
 
-def test_points_of_a_vtk_file_come_through_meshio(tmp_path):
-    """Whatever cells there are."""
+def test_points_of_a_vtk_file_are_read(tmp_path):
+    """meshio reads them, whatever the cells are."""
     import meshio
 
     mesh = meshio.Mesh(POINTS, [("vertex", np.arange(len(POINTS))[:, None])])
@@ -145,15 +148,14 @@ def test_points_of_a_vtk_file_come_through_meshio(tmp_path):
         ("a.stl", b"", "not an STL file"),
     ],
 )
-def test_errors_are_in_words(tmp_path, name, content, words):
-    """With the path, what is wrong, and where."""
+def test_bad_clouds_are_refused(tmp_path, name, content, words):
+    """The message has the name of the file, what is wrong, and where."""
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(ValueError, match=words) as told:
+    with pytest.raises(ValueError, match=words) as caught:
         read_cloud(tmp_path / name)
-    assert name in str(told.value)
+    assert name in str(caught.value)
 
 
-def test_a_missing_file_is_missing(tmp_path):
-    """The system's own words are good."""
+def test_a_missing_file_raises_file_not_found_error(tmp_path):
     with pytest.raises(FileNotFoundError):
         read_cloud(tmp_path / "none.ply")

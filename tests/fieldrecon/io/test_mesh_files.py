@@ -1,4 +1,4 @@
-"""Meshes survive the way to a file and back, and what is no mesh is told with its path."""
+"""Mesh files: a mesh is reproduced by every format, and bad files are refused by name."""
 
 import sys
 
@@ -23,38 +23,38 @@ def corner_sets(mesh: SimplexMesh) -> set:
 
 
 @pytest.mark.parametrize("suffix", [*WITH_DATA, ".ply", ".obj", ".off"])
-def test_a_mesh_of_the_plane_comes_back(suffix, tmp_path):
-    """The same points and cells, to the last bit, in the same order."""
+def test_a_plane_mesh_is_reproduced(suffix, tmp_path):
+    """Points and cells are equal to the last bit, in the same order."""
     mesh = mesh_in(2)
     write_mesh(tmp_path / f"mesh{suffix}", mesh)
-    back = read_mesh(tmp_path / f"mesh{suffix}")
-    assert np.array_equal(back.points, mesh.points)
-    assert np.array_equal(back.cells, mesh.cells)
+    read = read_mesh(tmp_path / f"mesh{suffix}")
+    assert np.array_equal(read.points, mesh.points)
+    assert np.array_equal(read.cells, mesh.cells)
 
 
-def test_stl_brings_back_the_triangles(tmp_path):
-    """Each with its corners, to the last bit; the points are in another order."""
+def test_stl_reproduces_the_triangles(tmp_path):
+    """Each triangle has its corners to the last bit; only the order of the points differs."""
     mesh = mesh_in(2)
     write_mesh(tmp_path / "mesh.stl", mesh)
-    back = read_mesh(tmp_path / "mesh.stl")
-    assert back.points.shape == mesh.points.shape
-    assert corner_sets(back) == corner_sets(mesh)
+    read = read_mesh(tmp_path / "mesh.stl")
+    assert read.points.shape == mesh.points.shape
+    assert corner_sets(read) == corner_sets(mesh)
 
 
 @pytest.mark.parametrize("suffix", WITH_DATA)
-def test_tetrahedra_come_back(suffix, tmp_path):
-    """The same points and cells, to the last bit, in the same order."""
+def test_tetrahedra_are_reproduced(suffix, tmp_path):
+    """Points and cells are equal to the last bit, in the same order."""
     mesh = mesh_in(3)
     write_mesh(str(tmp_path / f"mesh{suffix}"), mesh)
-    back = read_mesh(str(tmp_path / f"mesh{suffix}"))
-    assert np.array_equal(back.points, mesh.points)
-    assert np.array_equal(back.cells, mesh.cells)
+    read = read_mesh(str(tmp_path / f"mesh{suffix}"))
+    assert np.array_equal(read.points, mesh.points)
+    assert np.array_equal(read.cells, mesh.cells)
 
 
 @pytest.mark.parametrize("d", [2, 3])
 @pytest.mark.parametrize("suffix", WITH_DATA)
-def test_data_come_back(suffix, d, tmp_path):
-    """Scalars and vectors, at points and in cells; plane vectors with a third component of zero."""
+def test_point_and_cell_data_are_reproduced(suffix, d, tmp_path):
+    """Data are scalars or vectors; plane vectors get a third component of zero."""
     mesh = mesh_in(d)
     points = {"pressure": mesh.points[:, 0], "velocity": mesh.points}
     cells = {"size": mesh.cell_measures, "centre": mesh.cell_centers}
@@ -65,8 +65,11 @@ def test_data_come_back(suffix, d, tmp_path):
             assert np.array_equal(read[name].reshape(len(values), -1)[:, :d].squeeze(), values)
 
 
-def test_the_boundary_that_gmsh_marks_is_passed_over(tmp_path):
-    """Tetrahedra count, in however many blocks, with their data; their sides do not."""
+def test_lower_dimensional_cells_are_ignored(tmp_path):
+    """Gmsh also writes marked boundary triangles, lines and points.
+
+    Only tetrahedra and their data are read.
+    """
     blocks = [
         ("vertex", [[0]]),
         ("tetra", [[0, 1, 2, 3]]),
@@ -82,16 +85,16 @@ def test_the_boundary_that_gmsh_marks_is_passed_over(tmp_path):
     assert data["region"].tolist() == [8, 4]
 
 
-def test_a_plane_at_any_height_is_a_mesh_of_the_plane(tmp_path):
-    """All third coordinates are the same; they are left out."""
+def test_a_constant_third_coordinate_is_dropped(tmp_path):
+    """Triangles in a plane z = const are a mesh in two variables."""
     (tmp_path / "mesh.obj").write_text("v 0 0 7\nv 1 0 7\nv 0 1 7\nf 1 3 2\n")
     mesh = read_mesh(tmp_path / "mesh.obj")
     assert mesh.points.tolist() == [[0, 0], [1, 0], [0, 1]]
 
 
 @pytest.mark.parametrize("suffix", [*SURFACES, *WITH_DATA])
-def test_a_surface_is_read_as_one(suffix, tmp_path):
-    """Its points and triangles; as a mesh it is refused."""
+def test_a_surface_is_read_by_read_surface_only(suffix, tmp_path):
+    """`read_mesh` refuses a surface in space."""
     triangles = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3]], dtype=np.int32)
     path = tmp_path / f"surface{suffix}"
     content = meshio.Mesh(CORNERS[:4], [("triangle", triangles)])
@@ -111,8 +114,8 @@ def test_a_surface_is_read_as_one(suffix, tmp_path):
         ("line", [0, 1], "line cells"),
     ],
 )
-def test_other_cells_are_refused(kind, cell, found, tmp_path):
-    """By their name, alone and, but for lines, beside triangles."""
+def test_unsupported_cells_are_refused(kind, cell, found, tmp_path):
+    """The message names the type of cell, also if the file has triangles beside it."""
     path = tmp_path / "mesh.vtk"
     words = f"mesh.vtk holds {found}; triangles or tetrahedra were expected"
     others = [] if kind == "line" else [("triangle", [[0, 1, 2]])]
@@ -122,8 +125,8 @@ def test_other_cells_are_refused(kind, cell, found, tmp_path):
             read_mesh(path)
 
 
-def test_tetrahedra_are_no_surface(tmp_path):
-    """What was found is told."""
+def test_tetrahedra_are_not_a_surface(tmp_path):
+    """The message names the cells that were found."""
     write_mesh(tmp_path / "mesh.vtk", mesh_in(3))
     with pytest.raises(ValueError, match="holds tetrahedra; triangles"):
         read_surface(tmp_path / "mesh.vtk")
@@ -135,8 +138,8 @@ def test_tetrahedra_are_no_surface(tmp_path):
     [b"", b"hello\n", b"ply\nformat ascii 1.0\nelement vertex 3\n", bytes(range(256)) * 3],
     ids=["empty", "text", "cut header", "bytes"],
 )
-def test_what_is_no_mesh_is_told_with_its_path(suffix, content, tmp_path):
-    """In one sentence, whatever the reader of the format makes of it."""
+def test_files_that_are_not_meshes_are_refused(suffix, content, tmp_path):
+    """The message has the path and one sentence, whatever the reader of the format raises."""
     path = tmp_path / f"no{suffix}"
     path.write_bytes(content)
     for read in (read_mesh, read_surface):
@@ -147,8 +150,8 @@ def test_what_is_no_mesh_is_told_with_its_path(suffix, content, tmp_path):
             read(path)
 
 
-def test_triangle_strips_are_triangles(tmp_path):
-    """Some scanners write them."""
+def test_triangle_strips_are_read_as_triangles(tmp_path):
+    """Some scanners write triangle strips."""
     header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
     header += "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
     path = tmp_path / "scan.ply"
@@ -157,8 +160,8 @@ def test_triangle_strips_are_triangles(tmp_path):
     assert (points.shape, triangles.tolist()) == ((4, 3), [[0, 1, 2], [2, 1, 3]])
 
 
-def test_data_of_a_ply_file(tmp_path):
-    """Properties of vertices and of faces, the faces in one block or in several."""
+def test_ply_files_have_vertex_and_face_data(tmp_path):
+    """Faces may stand in one block or in several."""
     header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
     header += "property float z\nproperty float heat\nelement face 2\n"
     header += "property list uchar int vertex_indices\nproperty list uchar float texture\n"
@@ -185,22 +188,22 @@ def test_data_of_a_ply_file(tmp_path):
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "holds points only; triangles or"),
     ],
 )
-def test_a_bad_mesh_is_told_with_its_path(text, words, tmp_path):
-    """What is wrong with it, as for one from arrays."""
+def test_invalid_meshes_are_refused(text, words, tmp_path):
+    """The message has the path and the sentence that the same mesh gets as arrays."""
     (tmp_path / "bad.obj").write_text(text)
     with pytest.raises(ValueError, match=f"bad.obj {words}"):
         read_mesh(tmp_path / "bad.obj")
 
 
-def test_a_surface_indexes_its_points(tmp_path):
-    """Nothing else is asked of it."""
+def test_a_triangle_with_a_missing_vertex_is_refused(tmp_path):
+    """This is the only requirement on the triangles of a surface."""
     (tmp_path / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
     with pytest.raises(ValueError, match=r"bad.obj holds a triangle of points that it does not"):
         read_surface(tmp_path / "bad.obj")
 
 
-def test_formats_and_their_limits_are_told(tmp_path):
-    """Before anything is written."""
+def test_limits_of_the_formats_are_checked_before_writing(tmp_path):
+    """No file is created if the format cannot hold the mesh or the data."""
     plane, space = mesh_in(2), mesh_in(3)
     for suffix in SURFACES:
         path = tmp_path / f"mesh{suffix}"
@@ -220,14 +223,12 @@ def test_formats_and_their_limits_are_told(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [*SURFACES, *WITH_DATA])
-def test_a_file_that_is_not_there_is_told(suffix, tmp_path):
-    """As Python tells it."""
+def test_a_missing_file_raises_file_not_found_error(suffix, tmp_path):
     with pytest.raises(FileNotFoundError, match=f"none{suffix}"):
         read_mesh(tmp_path / f"none{suffix}")
 
 
-def test_without_meshio_the_remedy_is_told(tmp_path, monkeypatch):
-    """The line to type."""
+def test_without_meshio_the_install_command_is_shown(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "meshio.vtk", None)
     with pytest.raises(ImportError, match=r"meshio is not .* the extra 'mesh': pip install "):
         read_mesh(tmp_path / "mesh.vtk")

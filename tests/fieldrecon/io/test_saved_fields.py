@@ -1,4 +1,4 @@
-"""A field that was saved comes back the same, and a file that is none is told in words."""
+"""Saved fields: a field is reproduced by its file, and other files are refused."""
 
 import io
 import json
@@ -38,8 +38,8 @@ METHODS = [
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
-def test_a_field_comes_back_bit_for_bit(tmp_path, method):
-    """Values and gradients, for one value a site, and its names."""
+def test_a_saved_field_is_reproduced_bit_for_bit(tmp_path, method):
+    """Values, gradients and column names of a loaded field equal those of the saved one."""
     field = method.field(VALUES)
     fr.save(tmp_path / "field.npz", field, names=("x", "höhe"))
     again, names = load_with_names(tmp_path / "field.npz")
@@ -49,8 +49,8 @@ def test_a_field_comes_back_bit_for_bit(tmp_path, method):
     assert np.array_equal(again.gradient(QUERIES), field.gradient(QUERIES))
 
 
-def test_fields_of_any_shape_and_type_come_back(tmp_path):
-    """Complex numbers, vectors and matrices at the sites."""
+def test_data_of_any_shape_and_type_are_reproduced(tmp_path):
+    """The data at a site may be complex numbers, vectors or matrices."""
     rng = np.random.default_rng(0)
     for shape, unit in (((), 1j), ((2,), 1.0), ((2, 3), 1j)):
         values = rng.standard_normal((120, *shape)) * (1 + unit)
@@ -61,8 +61,8 @@ def test_fields_of_any_shape_and_type_come_back(tmp_path):
         assert np.array_equal(again.values, values)
 
 
-def test_patches_that_lost_a_degree_are_asked_for_it_again(tmp_path):
-    """On a line less is left of the degree than was asked for, and that is what is kept."""
+def test_the_requested_degree_of_patches_is_saved(tmp_path):
+    """On a line the patches reduce their polynomial degree; the file keeps the requested degree."""
     line = np.linspace(0, 1, 200)[:, None] * [1.0, 2.0]
     field = fr.PartitionOfUnityRBF(line).field(np.sin(line[:, 0]))
     fr.save(tmp_path / "field.npz", field)
@@ -71,8 +71,8 @@ def test_patches_that_lost_a_degree_are_asked_for_it_again(tmp_path):
     assert np.array_equal(again(QUERIES), field(QUERIES))
 
 
-def test_the_data_of_a_field_are_its_own():
-    """They do not change when the caller's array does, and cannot be changed through the field."""
+def test_a_field_copies_its_data():
+    """The data do not change with the caller's array and are read-only."""
     values = VALUES.copy()
     field = METHODS[0].field(values)
     values[:] = 0
@@ -81,8 +81,8 @@ def test_the_data_of_a_field_are_its_own():
         field.values[0] = 1
 
 
-def test_a_method_of_one_s_own_is_refused(tmp_path):
-    """What cannot be made again is not written, and nothing is left of the file."""
+def test_a_field_of_an_unknown_method_cannot_be_saved(tmp_path):
+    """A subclass cannot be reconstructed from the file, so `save` raises and leaves no file."""
 
     class Mine(fr.LeastSquares):
         pass
@@ -93,7 +93,7 @@ def test_a_method_of_one_s_own_is_refused(tmp_path):
 
 
 def written(folder, change=None, **arrays):
-    """A file of a field whose header or arrays were changed."""
+    """Write a field with a changed header or changed arrays, and return the path."""
     fr.save(folder / "good.npz", fr.RBF(POINTS, fr.gaussian(0.05)).field(VALUES))
     with np.load(folder / "good.npz") as stored:
         content = dict(stored)
@@ -123,11 +123,11 @@ def written(folder, change=None, **arrays):
         (lambda h: h["method"]["kernel"].update(scale="1"), "scale must be a positive number"),
     ],
 )
-def test_a_header_that_promises_something_else_is_told(tmp_path, change, words):
-    """With the path of the file; no name in it is ever looked up among Python's."""
-    with pytest.raises(ValueError, match=words) as told:
+def test_a_wrong_header_is_refused(tmp_path, change, words):
+    """The message names the file. Names in the header are looked up among the library's only."""
+    with pytest.raises(ValueError, match=words) as caught:
         fr.load(written(tmp_path, change))
-    assert "changed.npz" in str(told.value)
+    assert "changed.npz" in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -142,14 +142,14 @@ def test_a_header_that_promises_something_else_is_told(tmp_path, change, words):
         ({"values": np.array([{}], dtype=object)}, "is not a file of a field.*allow_pickle"),
     ],
 )
-def test_arrays_that_do_not_fit_are_told(tmp_path, arrays, words):
-    """A pickle within the archive is not opened."""
+def test_inconsistent_arrays_are_refused(tmp_path, arrays, words):
+    """A pickle in the archive is not opened."""
     with pytest.raises(ValueError, match=words):
         fr.load(written(tmp_path, **arrays))
 
 
-def test_files_of_other_kinds_are_told(tmp_path):
-    """A text, a pickle, an archive cut short, and an archive of other arrays."""
+def test_other_files_are_refused(tmp_path):
+    """Such files are a text, a pickle, a truncated archive and an archive of other arrays."""
     whole = written(tmp_path).read_bytes()
     other = io.BytesIO()
     np.savez(other, x=POINTS)

@@ -1,4 +1,4 @@
-"""What is written as a table is read as it was, and is no formula to a spreadsheet."""
+"""Tables in CSV: cells are reproduced, bad tables are refused, and no cell is a formula."""
 
 import csv
 import io
@@ -35,15 +35,15 @@ BAD = {
 
 
 @pytest.mark.parametrize(("content", "sentence"), BAD.values(), ids=BAD)
-def test_what_is_no_table_is_told(tmp_path, content, sentence):
-    """By the name of the file, and what to do about it."""
+def test_bad_tables_are_refused(tmp_path, content, sentence):
+    """The message names the file and says how to correct it."""
     with pytest.raises(ValueError, match=sentence):
         read_table(table(tmp_path, content), dict, ("student", "points"), ("comment",))
 
 
 @given(content=st.binary(max_size=300))
-def test_no_bytes_raise_anything_else(tmp_path_factory, content):
-    """A file is a table, or a sentence says why not."""
+def test_arbitrary_bytes_give_a_table_or_a_value_error(tmp_path_factory, content):
+    """The message of the ValueError begins with the name of the file."""
     file = tmp_path_factory.mktemp("t") / "table.csv"
     file.write_bytes(b"student,points\n" + content)
     try:
@@ -58,8 +58,8 @@ cells = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=
 
 
 @given(rows=st.lists(st.tuples(cells, cells), max_size=5))
-def test_cells_come_back(tmp_path_factory, rows):
-    """But for the space round them, and for lines that say nothing."""
+def test_cells_are_reproduced(tmp_path_factory, rows):
+    """Only surrounding space and rows of empty cells are lost."""
     file = tmp_path_factory.mktemp("t") / "table.csv"
     file.write_text(to_csv(("student", "comment"), rows), encoding="utf-8", newline="")
     columns = ("student", "comment")
@@ -74,40 +74,40 @@ def _ends(text):
 
 @given(st.text(max_size=20))
 def test_no_cell_is_a_formula(text):
-    """Nor a comment that the reading would leave out."""
+    """No cell begins with a character that starts a formula or a comment."""
     (row,) = csv.reader(io.StringIO(to_csv((text, "x"), []), newline=""))
     assert row[0][:1] not in [*"=+-@\t\r\n＝＋－＠#"]
 
 
 @pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "＝1", "#x", "'=1"])
 def test_formulas_are_quoted(text):
-    """A quotation mark in front makes them text, and one more where there is one."""
+    """A quotation mark in front turns a formula into text, also where the text begins with one."""
     assert FORMULA.match(text)
     assert to_csv(("x",), [(text,)]).splitlines()[1].strip('"').startswith("'")
 
 
 def test_numbers_are_written_as_numbers():
-    """They are no text, so a negative one is no formula."""
+    """Numbers are not text, so a negative number needs no quotation mark."""
     assert to_csv(("a", "b", "c"), [(-1.5, 2 / 3, None)]) == "a,b,c\n-1.5,0.67,\n"
 
 
-def test_two_lines_may_not_say_the_same(tmp_path):
-    """Where a table asks for that, whatever the case of letters."""
+def test_repeated_entries_in_a_unique_column_are_refused(tmp_path):
+    """The comparison ignores the case of letters."""
     file = table(tmp_path, "student,points\nada,1\nAda,2\nbob,1\n")
     with pytest.raises(ValueError, match=r"table\.csv:3: Ada is already in line 2"):
         read_table(file, dict, ("student", "points"), unique=("student",))
     assert len(read_table(file, dict, ("student", "points"))) == 3
 
 
-def test_a_line_is_counted_where_it_ends(tmp_path):
-    """Also where a cell goes over several lines."""
+def test_line_numbers_count_line_breaks_within_cells(tmp_path):
+    """The reported line is the last line of the row."""
     file = table(tmp_path, 'student,points\n"a\nb",1\n"c\nd",\n')
     with pytest.raises(ValueError, match=r"table\.csv:5: column points is empty"):
         read_table(file, dict, ("student", "points"))
 
 
 @pytest.mark.parametrize(("cell", "value"), [("2", 2.0), ("1.5", 1.5), ("0,25", 0.25)])
-def test_points_are_understood(cell, value):
+def test_numbers_with_point_or_comma_are_read(cell, value):
     assert points(cell) == value
 
 
@@ -123,6 +123,6 @@ def test_points_are_understood(cell, value):
         (notebook, ""),
     ],
 )
-def test_what_is_no_number_is_refused(read, cell):
+def test_non_numeric_cells_are_refused(read, cell):
     with pytest.raises(ValueError, match=f"not '{cell}'"):
         read(cell)

@@ -1,4 +1,4 @@
-"""Targets of all kinds, and the files that bear their values: what was written is what is read."""
+"""Target points and the files of their values: what is written can be read back."""
 
 import csv
 
@@ -24,7 +24,7 @@ NAMES = ("east [m]", "north", "up", "a b/c")
 
 
 def result_at(targets, lonlat=False):
-    """A result whose numbers differ at each place."""
+    """Values, errors and flags that differ from point to point."""
     points = targets.points
     m, d = points.shape
     values = points @ np.array([1.0, np.pi, np.e])[:d] + 1 / 3
@@ -56,8 +56,8 @@ each_kind = pytest.mark.parametrize("targets", TARGETS.values(), ids=TARGETS)
 
 
 @each_kind
-def test_csv_comes_back(tmp_path, targets):
-    """Every digit, under the names of the samples."""
+def test_csv_files_keep_every_digit(tmp_path, targets):
+    """The columns have the names of the samples."""
     result = result_at(targets)
     FORMATS["csv"](tmp_path / "a.csv", result)
     with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as file:
@@ -70,8 +70,8 @@ def test_csv_comes_back(tmp_path, targets):
 
 
 @each_kind
-def test_npz_comes_back(tmp_path, targets):
-    """Axes and shaped arrays of a grid, otherwise points and, of a mesh, its cells."""
+def test_npz_files_keep_axes_points_and_cells(tmp_path, targets):
+    """A grid has axes and shaped arrays; other targets have points, and a mesh also its cells."""
     result = result_at(targets)
     FORMATS["npz"](tmp_path / "a.npz", result)
     with np.load(tmp_path / "a.npz", allow_pickle=False) as stored:
@@ -92,8 +92,8 @@ def test_npz_comes_back(tmp_path, targets):
 
 
 @each_kind
-def test_vtk_comes_back(tmp_path, targets):
-    """Read by another program, with its cells, and every digit."""
+def test_vtk_files_keep_points_data_and_cells(tmp_path, targets):
+    """meshio reads the same points, values and cells, to the last bit."""
     result = result_at(targets)
     FORMATS["vtk"](tmp_path / "a.vtk", result)
     mesh = meshio.read(tmp_path / "a.vtk")
@@ -108,8 +108,8 @@ def test_vtk_comes_back(tmp_path, targets):
 
 
 @each_kind
-def test_netcdf_comes_back(tmp_path, targets):
-    """Variables over axes or over points, with the meaning of the flags."""
+def test_netcdf_files_keep_variables_and_dimensions(tmp_path, targets):
+    """Variables have the dimensions of the grid or of the points; flags state their meanings."""
     result = result_at(targets)
     FORMATS["nc"](tmp_path / "a.nc", result)
     with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
@@ -126,8 +126,8 @@ def test_netcdf_comes_back(tmp_path, targets):
         assert value.dimensions == wanted
 
 
-def test_degrees_have_their_units(tmp_path):
-    """In the words of the climate and forecast conventions."""
+def test_longitude_and_latitude_have_cf_units(tmp_path):
+    """The units are those of the climate and forecast (CF) conventions."""
     FORMATS["nc"](tmp_path / "a.nc", result_at(TARGETS["grid"], lonlat=True))
     with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
         assert file.variables["east_m"].units == b"degrees_east"
@@ -135,8 +135,8 @@ def test_degrees_have_their_units(tmp_path):
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-def test_names_that_clash_are_told_apart(tmp_path, kind):
-    """A value called error, coordinates that differ in a blank only, names of other letters."""
+def test_clashing_names_are_made_unique(tmp_path, kind):
+    """A value may be called "error"; coordinates may have names that are not ASCII."""
     result = result_at(TARGETS["points"])
     odd = TargetValues(
         ("ä", "ö", "error"), result.targets, result.values, result.error, result.extrapolated
@@ -146,8 +146,8 @@ def test_names_that_clash_are_told_apart(tmp_path, kind):
     assert (tmp_path / "a").stat().st_size > 100
 
 
-def test_formats_are_named_by_their_suffix():
-    """With or without the dot, in any case; others are told."""
+def test_formats_are_recognized_by_their_suffix():
+    """The dot and the case do not matter; unknown formats are refused."""
     assert as_formats([".CSV", " nc"]) == ["csv", "nc"]
     with pytest.raises(ValueError, match="no format 'tif'; there are csv, npz, vtk, nc"):
         as_formats(["tif"])
@@ -156,8 +156,8 @@ def test_formats_are_named_by_their_suffix():
 # --- targets -------------------------------------------------------------------------------------
 
 
-def test_nodes_run_along_x_first():
-    """As the rows of an image."""
+def test_x_varies_fastest_in_grid_nodes():
+    """Nodes have the order of the pixels in an image, row by row."""
     nodes = grid_nodes((np.array([0.0, 1.0]), np.array([5.0, 6.0, 7.0])))
     assert nodes.tolist() == [[0, 5], [1, 5], [0, 6], [1, 6], [0, 7], [1, 7]]
 
@@ -168,7 +168,7 @@ def test_nodes_run_along_x_first():
     seed=st.integers(0, 100),
 )
 def test_a_grid_of_longitudes_spans_the_data_only(middle, width, seed):
-    """Wherever the data lie: the grid is as wide as they are, and holds each of them."""
+    """The grid is as wide as the data and contains each of them, also across the date line."""
     turned = middle + width * np.append(fr.datasets.uniform(200, 1, seed)[:, 0], [0, 1])
     longitudes = (turned + 180) % 360 - 180
     points = np.column_stack([longitudes, np.zeros(202)])
@@ -181,8 +181,8 @@ def test_a_grid_of_longitudes_spans_the_data_only(middle, width, seed):
     assert -180 <= x[0] < 180
 
 
-def test_grids_that_cannot_be_are_told():
-    """Of another dimension, or larger than any memory."""
+def test_impossible_grids_are_refused():
+    """A grid must have as many sides as there are variables, and must fit into memory."""
     points = np.array([[0.0, 0.0], [1.0, 1.0]])
     with pytest.raises(ValueError, match="a grid in 2 variables has 2 sides; got --grid 2x2x2"):
         grid_over(points, (2, 2, 2))
@@ -190,8 +190,8 @@ def test_grids_that_cannot_be_are_told():
         grid_over(points, (100_000, 100_000))
 
 
-def test_points_of_a_table_have_the_samples_columns(tmp_path):
-    """By name, in any order; bad rows are left out and told."""
+def test_target_tables_need_the_columns_of_the_samples(tmp_path):
+    """Columns are found by name, in any order; bad rows are skipped and reported."""
     path = tmp_path / "at.csv"
     path.write_text("id,y,x\n1,2,3\n2,?,4\n3,95,6\n")
     targets = targets_of_table(path, ("x", "y"))
@@ -205,8 +205,8 @@ def test_points_of_a_table_have_the_samples_columns(tmp_path):
         targets_of_table(path, ("x", "y", "z"))
 
 
-def test_vertices_of_meshes(tmp_path):
-    """Triangles in the plane, tetrahedra in space, and surfaces in space."""
+def test_targets_may_be_the_vertices_of_a_mesh(tmp_path):
+    """The mesh may consist of triangles in the plane, tetrahedra, or triangles in space."""
     for mesh in (MESH, SOLID):
         fr.io.write_mesh(tmp_path / "a.vtk", mesh)
         d = mesh.points.shape[1]

@@ -1,4 +1,4 @@
-"""Triangles come out of files as they stand there, and what is no file of triangles is refused."""
+"""Files of triangles: STL in ASCII and binary, PLY, OBJ and OFF, and files that are refused."""
 
 import numpy as np
 import pytest
@@ -32,8 +32,8 @@ def written(folder, content, name="mesh.stl"):
     return path
 
 
-def test_an_ascii_file_is_read_as_it_stands(tmp_path):
-    """Three points for each triangle, equal ones too, in the order of the file."""
+def test_ascii_stl_is_read_without_merging_vertices(tmp_path):
+    """Each triangle has its own three points, in the order of the file."""
     points, triangles = read_triangles(written(tmp_path, ASCII))
     assert points.dtype == np.float64
     assert points.tolist() == [
@@ -47,32 +47,31 @@ def test_an_ascii_file_is_read_as_it_stands(tmp_path):
     assert triangles.tolist() == [[0, 1, 2], [3, 4, 5]]
 
 
-def test_several_solids_and_other_line_ends_are_one_mesh(tmp_path):
-    """Two solids in a file, with the line ends of Windows."""
+def test_several_solids_with_windows_line_ends_are_one_mesh(tmp_path):
     points, triangles = read_triangles(written(tmp_path, (ASCII + ASCII).replace("\n", "\r\n")))
     assert (len(points), len(triangles)) == (12, 4)
 
 
-def test_long_files_are_read_in_pieces(tmp_path, monkeypatch):
-    """The pieces end with lines, wherever the blocks do."""
+def test_ascii_stl_is_read_in_blocks(tmp_path, monkeypatch):
+    """The result does not depend on where the blocks end."""
     whole = read_triangles(written(tmp_path, ASCII * 5))[0]
     monkeypatch.setattr("fieldrecon.io.stl._BLOCK_BYTES", 37)
     np.testing.assert_array_equal(read_triangles(tmp_path / "mesh.stl")[0], whole)
 
 
 @pytest.mark.parametrize("header", [b"", b"solid, but not in letters"])
-def test_a_binary_file_is_known_by_its_length(header, tmp_path):
-    """Its numbers keep their single precision; a header that begins with solid deceives nobody."""
+def test_binary_stl_is_recognized_by_its_length(header, tmp_path):
+    """Points keep single precision. A header that begins with "solid" does not make it ASCII."""
     points, triangles = sphere(1)
     write_triangles(tmp_path / "ball.stl", points, triangles)
     content = (tmp_path / "ball.stl").read_bytes()
-    back, soup = read_triangles(written(tmp_path, header.ljust(80) + content[80:]))
-    assert back.dtype == np.float32
-    np.testing.assert_array_equal(back[soup], points[triangles].astype(np.float32))
+    read, soup = read_triangles(written(tmp_path, header.ljust(80) + content[80:]))
+    assert read.dtype == np.float32
+    np.testing.assert_array_equal(read[soup], points[triangles].astype(np.float32))
 
 
-def test_normals_in_the_file_are_those_of_the_triangles(tmp_path):
-    """Unit normals by the right hand; zero where there is no area."""
+def test_stl_normals_are_unit_normals_of_the_triangles(tmp_path):
+    """Normals follow the right-hand rule; a triangle without area has the normal zero."""
     points, triangles = cube(1)
     write_triangles(tmp_path / "cube.stl", points, np.concatenate([triangles, [[0, 0, 1]]]))
     content = np.frombuffer((tmp_path / "cube.stl").read_bytes()[84:], dtype=np.uint8)
@@ -84,18 +83,18 @@ def test_normals_in_the_file_are_those_of_the_triangles(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off"])
-def test_other_files_keep_their_vertices(suffix, tmp_path):
-    """The same points and triangles, to the last bit, those that nothing uses too."""
+def test_ply_obj_and_off_reproduce_vertices_and_triangles(suffix, tmp_path):
+    """Repeated and unreferenced vertices are kept, to the last bit."""
     points, triangles = sphere(1)
     points = np.concatenate([points, points[:2], [[9, 9, 9]]])
     write_triangles(tmp_path / f"mesh{suffix}", points, triangles)
-    back = read_triangles(tmp_path / f"mesh{suffix}")
-    np.testing.assert_array_equal(back[0], points)
-    np.testing.assert_array_equal(back[1], triangles)
+    read = read_triangles(tmp_path / f"mesh{suffix}")
+    np.testing.assert_array_equal(read[0], points)
+    np.testing.assert_array_equal(read[1], triangles)
 
 
-def test_a_soup_is_no_mesh_with_open_edges(tmp_path):
-    """The error that a library would hide is told apart from errors of the surface."""
+def test_a_polygon_soup_is_reported_as_such(tmp_path):
+    """Unmerged vertices of an STL file are reported as a soup and not as open edges."""
     write_triangles(tmp_path / "cube.stl", *cube(1))
     audit = audit_mesh(*read_triangles(tmp_path / "cube.stl"))
     assert (audit.vertices, audit.triangles, audit.soup, audit.clean) == (36, 12, True, True)
@@ -114,14 +113,14 @@ def test_a_soup_is_no_mesh_with_open_edges(tmp_path):
         (ASCII.replace("1.5e0", "1e999"), "holds coordinates that are not finite"),
     ],
 )
-def test_what_is_no_file_of_triangles_is_refused(content, words, tmp_path):
-    """In words, with the path."""
+def test_bad_stl_files_are_refused(content, words, tmp_path):
+    """The message has the path and says what is wrong."""
     with pytest.raises(ValueError, match=rf"mesh.stl .*{words}"):
         read_triangles(written(tmp_path, content))
 
 
-def test_an_unknown_format_is_not_written(tmp_path):
-    """The suffixes that are known are told."""
+def test_unknown_formats_are_refused(tmp_path):
+    """The message lists the known suffixes."""
     with pytest.raises(ValueError, match=r"must end with \.stl, \.ply, \.obj or \.off"):
         write_triangles(tmp_path / "mesh.dxf", *cube(1))
     with pytest.raises(FileNotFoundError):
