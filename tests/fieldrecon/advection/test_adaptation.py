@@ -1,4 +1,4 @@
-"""Sites that follow what they carry: where they come and go, and what that gains."""
+"""Adaptive sites: where points are added and removed, and how much the error decreases."""
 
 import numpy as np
 import pytest
@@ -19,8 +19,8 @@ def pairs(x: np.ndarray) -> set[tuple[float, ...]]:
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_points_come_where_the_indicator_is_large_and_keep_their_distance(d):
-    """Each is the midpoint between such a point and a neighbour."""
+def test_points_are_added_where_the_indicator_is_large(d):
+    """A new point is the midpoint of such a point and a neighbour, and respects `spacing`."""
     x = halton(300, d)
     eta = np.where(x[:, 0] > 0.7, 1.0, 0.3)
     spacing = 0.01 if d > 1 else 1e-4
@@ -34,40 +34,40 @@ def test_points_come_where_the_indicator_is_large_and_keep_their_distance(d):
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_points_go_where_the_indicator_is_small_but_not_side_by_side(d):
-    """And the convex hull stays as it is."""
+def test_points_are_removed_where_the_indicator_is_small(d):
+    """A point and its nearest neighbour are not both removed; the convex hull does not change."""
     x = halton(300, d)
     eta = np.where(x[:, 0] > 0.5, 0.0, 0.3)
     found = adapted_points(x, eta, **RULES)
     assert pairs(found) < pairs(x)
-    gone = np.array([tuple(p) not in pairs(found) for p in x.tolist()])
-    assert (x[gone, 0] > 0.5).all()
+    removed = np.array([tuple(p) not in pairs(found) for p in x.tolist()])
+    assert (x[removed, 0] > 0.5).all()
     first = cKDTree(x).query(x, 2)[1][:, 1]
-    assert not (gone & gone[first]).any()
+    assert not (removed & removed[first]).any()
     if d > 1:
         assert ConvexHull(found).volume == pytest.approx(ConvexHull(x).volume, rel=1e-12)
     else:
         assert np.ptp(found) == np.ptp(x)
 
 
-def test_points_far_from_others_do_not_go():
-    """However smooth it is there."""
+def test_isolated_points_are_not_removed():
+    """Points with a nearest neighbour farther than `widest` stay, even if the indicator is zero."""
     x = halton(300, 2)
     found = adapted_points(x, np.zeros(300), **RULES, widest=0.03)
     nearest = cKDTree(x).query(x, 2)[0][:, 1]
-    gone = np.array([tuple(p) not in pairs(found) for p in x.tolist()])
-    assert 0 < gone.sum() < 100
-    assert nearest[gone].max() <= 0.03
-    assert (nearest[~gone] < 0.03).any()
+    removed = np.array([tuple(p) not in pairs(found) for p in x.tolist()])
+    assert 0 < removed.sum() < 100
+    assert nearest[removed].max() <= 0.03
+    assert (nearest[~removed] < 0.03).any()
 
 
-def test_sites_that_follow_a_front_carry_it_better():
-    """Than as many that stay: a steep ring, in a turning flow about another centre."""
+def test_adaptive_sites_reduce_the_error_of_a_front():
+    """A steep ring is rotated with adaptive sites and with as many fixed sites."""
 
     def front(x: np.ndarray) -> np.ndarray:
         return np.tanh(30 * (np.linalg.norm(x - [0.5, 0.65], axis=-1) - 0.15))
 
-    def turning(x: np.ndarray, _: float) -> np.ndarray:
+    def rotation(x: np.ndarray, _: float) -> np.ndarray:
         return (x - 0.5)[:, ::-1] * [-1, 1]
 
     def method(x):
@@ -78,14 +78,14 @@ def test_sites_that_follow_a_front_carry_it_better():
         rules = {"refine": 0.02, "coarsen": 0.004, "spacing": 0.012}
         return method(adapted_points(state.method.points, eta, **rules))
 
-    def carried(x, sites):
+    def advected(x, sites):
         *_, state = semi_lagrangian(
-            method(x), front(x), turning, np.linspace(0, 1, 11), sites=sites
+            method(x), front(x), rotation, np.linspace(0, 1, 11), sites=sites
         )
         return state
 
-    adapted = carried(halton(800, 2), following)
-    fixed = carried(halton(len(adapted.values), 2), None)
+    adapted = advected(halton(800, 2), following)
+    fixed = advected(halton(len(adapted.values), 2), None)
     c, s = np.cos(1.0), np.sin(1.0)
     q = 0.2 + 0.6 * halton(3000, 2, seed=3)
     exact = front(0.5 + (q - 0.5) @ np.array([[c, -s], [s, c]]))
@@ -105,8 +105,8 @@ def test_sites_that_follow_a_front_carry_it_better():
         ({"indicator": np.ones(3)}, "indicator must have one entry for each point"),
     ],
 )
-def test_what_makes_no_sense_is_refused(changes, words):
-    """In words that name it."""
+def test_invalid_arguments_are_refused(changes, words):
+    """The message names the argument."""
     given = {"indicator": np.ones(9), **RULES, **changes}
     with pytest.raises(ValueError, match=words):
         adapted_points(halton(9, 2), given.pop("indicator"), **given)

@@ -1,4 +1,4 @@
-"""Semi-Lagrangian advection: orders, what is exact, what stays bounded, and what can be kept."""
+"""Semi-Lagrangian advection: orders, exactness, inflow, stability, bounds and mass."""
 
 from unittest import mock
 
@@ -25,14 +25,14 @@ ORDERS = {"euler": 1, "midpoint": 2, "heun": 2, "rk4": 4}
 
 
 def disc(n: int) -> np.ndarray:
-    """About n sites in the unit disc, some of them on its rim."""
+    """About n sites in the unit disc, some of them on the circle."""
     x = 2 * halton(int(1.27 * n), 2) - 1
     angles = 2 * np.pi * np.arange(int(3 * np.sqrt(n))) / int(3 * np.sqrt(n))
-    rim = np.column_stack([np.cos(angles), np.sin(angles)])
-    return np.vstack([x[np.linalg.norm(x, axis=1) < 1 - 0.5 / np.sqrt(n)], rim])
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.vstack([x[np.linalg.norm(x, axis=1) < 1 - 0.5 / np.sqrt(n)], circle])
 
 
-def turning(y: np.ndarray, _: float) -> np.ndarray:
+def rotation(y: np.ndarray, _: float) -> np.ndarray:
     return y[:, ::-1] * [-1, 1]
 
 
@@ -40,8 +40,8 @@ def hill(x: np.ndarray) -> np.ndarray:
     return np.exp(-8 * ((x[:, 0] - 0.4) ** 2 + x[:, 1] ** 2))
 
 
-def turned(x: np.ndarray, angle: float) -> np.ndarray:
-    """Where x was before it turned by the angle."""
+def rotated_back(x: np.ndarray, angle: float) -> np.ndarray:
+    """The position of x before a rotation by the angle."""
     c, s = np.cos(angle), np.sin(angle)
     return x @ np.array([[c, -s], [s, c]])
 
@@ -59,17 +59,17 @@ def slope(h: np.ndarray, errors: np.ndarray) -> float:
 
 
 def unsteady(y: np.ndarray, t: float) -> np.ndarray:
-    """y_1' = y_1 cos t, y_2' = y_1 y_2 cos t: not linear, and a wrong time spoils it."""
+    """y_1' = y_1 cos t, y_2' = y_1 y_2 cos t: nonlinear and dependent on time."""
     return np.column_stack([y[:, 0] * np.cos(t), y[:, 1] * y[:, 0] * np.cos(t)])
 
 
 def unsteady_start(y: np.ndarray, t: float) -> np.ndarray:
-    """Where y at time t was at time zero: y_1 e^{-sin t}, and y_2 e^{y_1(0) - y_1(t)}."""
+    """The position of y at time zero: y_1 e^{-sin t}, and y_2 e^{y_1(0) - y_1(t)}."""
     first = y[:, 0] * np.exp(-np.sin(t))
     return np.column_stack([first, y[:, 1] * np.exp(first - y[:, 0])])
 
 
-def order_of_tracing(scheme: str) -> float:
+def measured_order(scheme: str) -> float:
     x, end = halton(20, 2), 1.3
     steps, errors = np.array([8, 16, 32, 64]), []
     for k in steps:
@@ -82,8 +82,8 @@ def order_of_tracing(scheme: str) -> float:
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_schemes_have_their_orders(scheme):
-    """Against the closed form of a flow that depends on time and is not linear."""
-    assert abs(order_of_tracing(scheme) - ORDERS[scheme]) < 0.15
+    """The reference is the closed form of a nonlinear flow that depends on time."""
+    assert abs(measured_order(scheme) - ORDERS[scheme]) < 0.15
 
 
 @pytest.mark.parametrize(
@@ -95,56 +95,53 @@ def test_schemes_have_their_orders(scheme):
         ("rk4", (((1 / 2,), (0, 1 / 2), (0, 0, 1)), (1 / 4, 1 / 4, 1 / 4, 1 / 4))),
     ],
 )
-def test_a_wrong_scheme_is_seen(scheme, wrong, monkeypatch):
-    """The order tells."""
+def test_a_wrong_runge_kutta_tableau_loses_an_order(scheme, wrong, monkeypatch):
     monkeypatch.setitem(SCHEMES, scheme, wrong)
-    assert order_of_tracing(scheme) < ORDERS[scheme] - 0.5
+    assert measured_order(scheme) < ORDERS[scheme] - 0.5
 
 
-def test_a_wrong_time_is_seen():
-    """All stages at the time of arrival: first order only."""
-
-    def stuck(x, velocity, t, dt, scheme):
+def test_evaluating_all_stages_at_the_arrival_time_is_of_first_order():
+    def at_arrival_time(x, velocity, t, dt, scheme):
         return departure_points(x, lambda y, _: velocity(y, t), t, dt, scheme)
 
     x, end, errors = halton(20, 2), 1.3, []
     for k in (16, 64):
         y, dt = x, end / k
         for j in range(k):
-            y = stuck(y, unsteady, end - j * dt, dt, "rk4")
+            y = at_arrival_time(y, unsteady, end - j * dt, dt, "rk4")
         errors.append(np.abs(y - unsteady_start(x, end)).max())
     assert errors[0] < 6 * errors[1]
 
 
-def test_samples_of_a_velocity_do_as_the_velocity_does():
-    """Where the method reproduces it; and snapshots are linear in time between."""
+def test_sampled_velocities_give_the_departure_points_of_the_velocity():
+    """The method reproduces the velocity; snapshots are interpolated linearly in time."""
     x, sites = halton(30, 2), halton(40, 2, seed=3)
     method = RBF(sites, thin_plate_spline())
-    samples = method.field(turning(sites, 0))
-    right = departure_points(x, turning, 0.7, 0.7)
-    assert_close(departure_points(x, samples, 0.7, 0.7), right, 1e-10)
-    wind = Snapshots([0.0, 1.0, 3.0], [method.field(k * turning(sites, 0)) for k in (0, 1, 3)])
-    exact = departure_points(x, lambda y, t: t * turning(y, t), 2.5, 0.8)
+    samples = method.field(rotation(sites, 0))
+    expected = departure_points(x, rotation, 0.7, 0.7)
+    assert_close(departure_points(x, samples, 0.7, 0.7), expected, 1e-10)
+    wind = Snapshots([0.0, 1.0, 3.0], [method.field(k * rotation(sites, 0)) for k in (0, 1, 3)])
+    exact = departure_points(x, lambda y, t: t * rotation(y, t), 2.5, 0.8)
     assert_close(departure_points(x, wind, 2.5, 0.8), exact, 1e-9)
 
 
 def test_snapshots_are_of_second_order_in_time():
-    """In the time between them."""
+    """Linear interpolation between snapshots has an error of O(Δt²)."""
     x, sites = halton(10, 2), halton(12, 2, seed=3)
     method, errors = LeastSquares(sites), []
     for k in (4, 8, 16):
         times = np.linspace(0, 2, k + 1)
-        wind = Snapshots(times, [method.field(np.cos(3 * t) * turning(sites, t)) for t in times])
-        errors.append(np.abs(wind(x, 1.1) - np.cos(3.3) * turning(x, 0)).max())
+        wind = Snapshots(times, [method.field(np.cos(3 * t) * rotation(sites, t)) for t in times])
+        errors.append(np.abs(wind(x, 1.1) - np.cos(3.3) * rotation(x, 0)).max())
     assert slope(1 / np.array([4, 8, 16]), np.array(errors)) > 1.5
 
 
-# --- what is exact --------------------------------------------------------------------------------
+# --- exact solutions ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_affine_fields_in_linear_flows_are_carried_exactly(scheme):
-    """After n steps, c + g · Mⁿ x with M = sum over k up to the order of (-dt J)^k / k!."""
+def test_affine_fields_in_linear_flows_are_exact_up_to_the_scheme(scheme):
+    """After n steps the field is c + g · Mⁿ x with M = Σ (-dt J)^k / k! for k up to the order."""
     x, dt = disc(60), 0.1
     jacobian = np.array([[0.3, -1.1], [0.9, -0.2]])
     state = last(
@@ -165,17 +162,17 @@ def test_affine_fields_in_linear_flows_are_carried_exactly(scheme):
 
 
 def test_sites_that_move_with_the_flow_keep_their_values():
-    """Then feet are the sites of the step before, and an interpolant has nothing to add."""
+    """The departure points are then the old sites, where an interpolant reproduces the data."""
     angles = np.linspace(0, 1.0, 6)
     x = disc(80)
     method = RBF(x, polyharmonic(3))
     state = last(
         method,
         hill(x),
-        turning,
+        rotation,
         angles,
         sites=lambda state, t: RBF(
-            departure_points(state.method.points, turning, state.time, state.time - t),
+            departure_points(state.method.points, rotation, state.time, state.time - t),
             polyharmonic(3),
         ),
     )
@@ -184,26 +181,25 @@ def test_sites_that_move_with_the_flow_keep_their_values():
 
 
 def test_sites_may_change_from_step_to_step():
-    """Other sites, and another number of them, each time."""
+    """Each step has other sites and another number of them."""
 
     def sites(_, t):
         return RBF(disc(500 + round(100 * t)), polyharmonic(3))
 
-    state = last(sites(None, 0), hill(disc(500)), turning, np.linspace(0, 1, 5), sites=sites)
+    state = last(sites(None, 0), hill(disc(500)), rotation, np.linspace(0, 1, 5), sites=sites)
     x = state.method.points
     assert len(x) != len(disc(500))
-    assert np.abs(state.values - hill(turned(x, 1.0))).max() < 0.03
+    assert np.abs(state.values - hill(rotated_back(x, 1.0))).max() < 0.03
 
 
-def test_vectors_are_carried_component_by_component():
-    """And arrays, and complex numbers."""
+def test_vectors_matrices_and_complex_numbers_are_advected_by_components():
     x = disc(100)
     f = np.stack([hill(x), np.cos(x[:, 0]), x[:, 1], hill(-x)], axis=1).reshape(-1, 2, 2)
     method, times = RBF(x, polyharmonic(3)), np.linspace(0, 1, 4)
-    together = last(method, f, turning, times).values
+    together = last(method, f, rotation, times).values
     for i, j in np.ndindex(2, 2):
-        assert_close(together[:, i, j], last(method, f[:, i, j], turning, times).values, 1e-10)
-    c = last(method, f[:, 0, 0] + 1j * f[:, 0, 1], turning, times).values
+        assert_close(together[:, i, j], last(method, f[:, i, j], rotation, times).values, 1e-10)
+    c = last(method, f[:, 0, 0] + 1j * f[:, 0, 1], rotation, times).values
     assert_close(c, together[:, 0, 0] + 1j * together[:, 0, 1], 1e-10)
 
 
@@ -211,35 +207,35 @@ def test_vectors_are_carried_component_by_component():
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_the_error_falls_with_the_step_as_the_scheme_says(scheme):
-    """Smooth data that the sites resolve; a turn by one radian."""
+def test_the_error_has_the_order_of_the_scheme_in_the_step(scheme):
+    """Smooth data, which the sites resolve, are rotated by one radian."""
     x = disc(900)
     method = RBF(x, polyharmonic(7))
     u = np.cos(x @ [1.0, 2.0])
     steps = np.array([1, 2, 4]) if scheme == "rk4" else np.array([4, 8, 16])
     errors = []
     for k in steps:
-        final = last(method, u, turning, np.linspace(0, 1, k + 1), scheme=scheme)
+        final = last(method, u, rotation, np.linspace(0, 1, k + 1), scheme=scheme)
         inner = np.linalg.norm(x, axis=1) < 0.5
-        exact = np.cos(turned(x, 1.0) @ [1.0, 2.0])
+        exact = np.cos(rotated_back(x, 1.0) @ [1.0, 2.0])
         errors.append(np.abs(final.values - exact)[inner].max())
     assert abs(slope(1 / steps, np.array(errors)) - ORDERS[scheme]) < 0.3
 
 
-def test_the_error_falls_with_the_spacing():
-    """For exact feet, with cubes and linear polynomials by nearly the fourth power."""
+def test_the_error_has_more_than_third_order_in_the_spacing():
+    """With r³, linear polynomials and accurate departure points the order is nearly four."""
     counts, errors = np.array([300, 700, 1600]), []
     for n in counts:
         x = disc(n)
         final = last(
-            RBF(x, polyharmonic(3)), hill(x), turning, np.linspace(0, 1, 9), steady=True
+            RBF(x, polyharmonic(3)), hill(x), rotation, np.linspace(0, 1, 9), steady=True
         ).values
-        errors.append(np.sqrt(np.mean((final - hill(turned(x, 1.0))) ** 2)))
+        errors.append(np.sqrt(np.mean((final - hill(rotated_back(x, 1.0))) ** 2)))
     assert slope(counts**-0.5, np.array(errors)) > 3
 
 
 def test_steady_velocities_are_traced_once():
-    """With the same result; and again when the step changes."""
+    """The departure points are computed once per step size, and the result is the same."""
     x = disc(100)
     method = PartitionOfUnityRBF(x)
     times = [0, 0.1, 0.2, 0.3, 0.5, 0.7]
@@ -247,22 +243,22 @@ def test_steady_velocities_are_traced_once():
 
     def counted(y, t):
         calls.append(t)
-        return turning(y, t)
+        return rotation(y, t)
 
     once = last(method, hill(x), counted, times, steady=True).values
     assert len(calls) == 8
-    assert_close(once, last(method, hill(x), turning, times).values, 1e-10)
+    assert_close(once, last(method, hill(x), rotation, times).values, 1e-10)
     with mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 1000):
         rbf = RBF(x, polyharmonic(3))
-        formless = last(rbf, hill(x), turning, times, steady=True).values
-    assert_close(formless, last(rbf, hill(x), turning, times, steady=True).values, 1e-10)
+        formless = last(rbf, hill(x), rotation, times, steady=True).values
+    assert_close(formless, last(rbf, hill(x), rotation, times, steady=True).values, 1e-10)
 
 
 # --- inflow ---------------------------------------------------------------------------------------
 
 
-def test_what_flows_in_is_what_was_at_the_boundary_then():
-    """u = sin(x - t) on [0, 1] with inflow at 0, against exact values; and without it, not."""
+def test_inflow_takes_the_boundary_value_at_the_time_of_entry():
+    """The exact solution is sin(5(x - t)) on [0, 1]; without inflow the error exceeds 0.1."""
     x = np.linspace(0, 1, 41)[:, None]
     method = RBF(x, polyharmonic(5))
     flow = Inflow(lambda y: y[:, 0], lambda y, t: np.sin(5 * (y[:, 0] - t)))
@@ -274,22 +270,22 @@ def test_what_flows_in_is_what_was_at_the_boundary_then():
     assert np.abs(last(method, u, one, times, steady=True).values - exact).max() > 0.1
 
 
-def test_characteristics_come_in_where_they_cross():
-    """In a turning flow that enters a half plane: the circle's crossing, to fourth order."""
+def test_entry_points_and_times_are_of_fourth_order():
+    """Circular paths enter a half plane at a known point and time."""
     errors, steps = [], np.array([0.8, 0.4, 0.2])
     for dt in steps:
         x = np.array([[0.5 * np.sin(0.6 * dt), -0.5 * np.cos(0.6 * dt)]])
-        feet = departure_points(x, turning, 3.0, dt)
+        feet = departure_points(x, rotation, 3.0, dt)
         flow = Inflow(lambda y: y[:, 0], lambda *_: np.zeros(1))
-        found = characteristics.entries(x, feet, turning, 3.0, dt, flow)
+        found = characteristics.entries(x, feet, rotation, 3.0, dt, flow)
         assert found.which.tolist() == [0]
         assert abs(found.points[0, 0]) < 1e-12
         errors.append(max(abs(found.points[0, 1] + 0.5), abs(found.delays[0] - 0.6 * dt)))
     assert slope(steps, np.array(errors)) > 3.7
 
 
-def test_vectors_flow_in_too():
-    """And a wrong shape is refused in words."""
+def test_inflow_of_vectors():
+    """Inflow values of another shape are refused."""
     x = np.linspace(0, 1, 11)[:, None]
     f = np.column_stack([x, 1 - x])
     one = lambda y, _: np.ones_like(y)  # noqa: E731
@@ -300,11 +296,11 @@ def test_vectors_flow_in_too():
         last(LeastSquares(x), f, one, [0, 0.15], inflow=Inflow(flow.domain, lambda y, _: y))
 
 
-# --- the values as the velocity -------------------------------------------------------------------
+# --- Burgers' equation: the values are the velocity -----------------------------------------------
 
 
-def test_burgers_is_of_second_order():
-    """u = x / (1 + t), which every step represents exactly: the error is that of time."""
+def test_burgers_equation_is_of_second_order_in_time():
+    """Every step reproduces u = x / (1 + t), so the error is that of the time stepping."""
     x = np.linspace(-1, 1, 11)[:, None]
     steps = np.array([8, 16, 32])
     errors = [
@@ -314,8 +310,8 @@ def test_burgers_is_of_second_order():
     assert abs(slope(1 / steps, np.array(errors)) - 2) < 0.2
 
 
-def test_burgers_steepens_as_the_implicit_solution_does():
-    """u = f(x - u t), before its characteristics cross."""
+def test_burgers_equation_agrees_with_the_implicit_solution():
+    """u = f(x - u t), before characteristics intersect."""
     x = np.linspace(-2, 2, 161)[:, None]
     f = lambda y: np.exp(-4 * y**2)  # noqa: E731
     found = last(RBF(x, polyharmonic(5)), f(x), None, np.linspace(0, 0.4, 41)).values[:, 0]
@@ -324,20 +320,20 @@ def test_burgers_steepens_as_the_implicit_solution_does():
     assert np.abs(f(x[:, 0]) - exact).max() > 0.3
 
 
-# --- boundedness ----------------------------------------------------------------------------------
+# --- stability ------------------------------------------------------------------------------------
 
 
-def test_powers_stay_bounded_in_a_disc():
-    """H of a turn by a tenth: all eigenvalues in the unit disc but for rounding, powers bounded."""
+def test_powers_of_the_weight_matrix_are_bounded_for_a_rotation():
+    """The spectral radius of H is at most 1 + 1e-6 for a rotation by 0.1 radians of a disc."""
     x = disc(300)
-    h = RBF(x, thin_plate_spline()).weights(departure_points(x, turning, 0.1, 0.1))
+    h = RBF(x, thin_plate_spline()).weights(departure_points(x, rotation, 0.1, 0.1))
     assert np.abs(np.linalg.eigvals(h)).max() < 1 + 1e-6
     norms = [np.linalg.norm(np.linalg.matrix_power(h, k), 2) for k in (1, 10, 100, 1000)]
     assert max(norms) < 3
 
 
-def test_powers_grow_where_the_field_is_continued_beyond_the_sites():
-    """A uniform wind into the disc, without inflow: linear continuation is repeated for ever."""
+def test_powers_of_the_weight_matrix_grow_with_extrapolation():
+    """A uniform velocity into the disc without inflow extrapolates linearly in each step."""
     x = disc(300)
     wind = lambda y, _: np.tile([1.0, 0.0], (len(y), 1))  # noqa: E731
     h = RBF(x, thin_plate_spline()).weights(departure_points(x, wind, 0.2, 0.2))
@@ -348,28 +344,28 @@ def test_means_stay_between_the_data_for_ever():
     """Weights that are positive and sum to one: the powers of H have the norm one."""
     x = disc(200)
     method = MovingLeastSquares(x, gaussian(0.15), 0)
-    h = np.asarray(method.weights(departure_points(x, turning, 0.1, 0.1)))
+    h = np.asarray(method.weights(departure_points(x, rotation, 0.1, 0.1)))
     assert np.abs(np.linalg.matrix_power(h, 500)).sum(axis=1).max() < 1 + 1e-9
 
 
-# --- what is kept ---------------------------------------------------------------------------------
+# --- bounds and mass ------------------------------------------------------------------------------
 
 
 def slotted(x: np.ndarray) -> np.ndarray:
-    """One in a disc with a slot, zero outside."""
+    """Indicator function of a disc with a slot."""
     y = x - [0.0, 0.4]
     inside = (np.linalg.norm(y, axis=1) < 0.35) & ~((np.abs(y[:, 0]) < 0.08) & (y[:, 1] < 0.1))
     return inside.astype(float)
 
 
-def test_bounds_and_mass_are_kept_when_asked_for():
-    """And neither when not: a discontinuity overshoots, and the sum drifts."""
+def test_bounds_and_mass_are_preserved_on_request():
+    """Without the options a discontinuous field overshoots, and the total mass changes."""
     x = disc(500)
     masses = 0.5 + np.random.default_rng(0).random(len(x))
     method, times, u = RBF(x, polyharmonic(3)), np.linspace(0, 2, 21), slotted(x)
     wanted = masses @ u
     free, bounded, mass, both = (
-        last(method, u, turning, times, steady=True, **options).values
+        last(method, u, rotation, times, steady=True, **options).values
         for options in (
             {},
             {"bounded": True},
@@ -388,20 +384,20 @@ def test_bounds_and_mass_are_kept_when_asked_for():
         assert abs(masses @ kept - wanted) < 1e-12 * wanted
 
 
-def test_bounds_cost_accuracy_where_the_field_is_smooth():
-    """At a smooth hill's top the bounds cut: the price."""
+def test_bounds_reduce_the_accuracy_of_smooth_fields():
+    """The limiter cuts off the maximum of a smooth hill; the error grows more than threefold."""
     x = disc(500)
     method, times = RBF(x, polyharmonic(3)), np.linspace(0, 1, 11)
-    exact = hill(turned(x, 1.0))
+    exact = hill(rotated_back(x, 1.0))
     free, bounded = (
-        np.abs(last(method, hill(x), turning, times, steady=True, bounded=b).values - exact).max()
+        np.abs(last(method, hill(x), rotation, times, steady=True, bounded=b).values - exact).max()
         for b in (False, True)
     )
     assert bounded > 3 * free
 
 
-def test_the_change_is_the_smallest_that_keeps():
-    """Compared with a general optimizer."""
+def test_the_projection_to_bounds_and_mass_is_orthogonal():
+    """The result is the closest admissible vector in the norm of the masses, as SLSQP confirms."""
     rng = np.random.default_rng(2)
     u, m = rng.normal(size=12), 0.2 + rng.random(12)
     low = u - rng.random(12) + 0.3
@@ -410,7 +406,7 @@ def test_the_change_is_the_smallest_that_keeps():
     found = project_to_bounds_and_mass(
         u[:, None], low[:, None], high[:, None], m, np.array([total])
     )[:, 0]
-    other = minimize(
+    reference = minimize(
         lambda v: m @ (v - u) ** 2,
         (low + high) / 2,
         jac=lambda v: 2 * m * (v - u),
@@ -419,14 +415,17 @@ def test_the_change_is_the_smallest_that_keeps():
         method="SLSQP",
         options={"ftol": 1e-14, "maxiter": 500},
     ).x
-    assert_close(found, other, 1e-5)
+    assert_close(found, reference, 1e-5)
     assert_close(m @ found, total, 1e-13)
-    assert m @ (found - u) ** 2 <= m @ (other - u) ** 2 + 1e-9
+    assert m @ (found - u) ** 2 <= m @ (reference - u) ** 2 + 1e-9
 
 
 @pytest.mark.parametrize("end", ["low", "high"])
-def test_bounds_may_leave_no_choice(end):
-    """A total at their very end, and one beyond, which is refused."""
+def test_the_extreme_masses_determine_the_values(end):
+    """At the largest or smallest possible total the values are the bounds.
+
+    A total beyond is refused.
+    """
     u = np.array([[0.3], [0.9], [0.1]])
     low, high, m = u - 0.1, u + 0.2, np.array([1.0, 2.0, 3.0])
     edge = {"low": low, "high": high}[end]
@@ -439,7 +438,7 @@ def test_bounds_may_leave_no_choice(end):
         project_to_bounds_and_mass(u, low, high, m, beyond)
 
 
-# --- what is refused ------------------------------------------------------------------------------
+# --- refusals -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -462,18 +461,18 @@ def test_bounds_may_leave_no_choice(end):
         ),
     ],
 )
-def test_what_makes_no_sense_is_refused(options, words):
-    """In words that name it."""
+def test_invalid_arguments_are_refused(options, words):
+    """The message names the argument."""
     x = disc(60)
-    given = {"values": hill(x), "velocity": turning, "times": [0.0, 0.1], **options}
+    given = {"values": hill(x), "velocity": rotation, "times": [0.0, 0.1], **options}
     with pytest.raises(ValueError, match=words):
         last(
             LeastSquares(x), given.pop("values"), given.pop("velocity"), given.pop("times"), **given
         )
 
 
-def test_snapshots_are_checked():
-    """Their times, and the times they are asked for."""
+def test_invalid_snapshot_times_are_refused():
+    """Times must increase, and a query time must lie between the first and the last."""
     field = LeastSquares(disc(60)).field(disc(60))
     with pytest.raises(ValueError, match="times must increase, one for each of at least two"):
         Snapshots([1.0, 0.0], [field, field])

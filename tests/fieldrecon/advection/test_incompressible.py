@@ -1,4 +1,4 @@
-"""Normal velocities that are carried to another mesh, and made to balance."""
+"""Normal velocities advected to another mesh and projected to zero divergence."""
 
 import numpy as np
 import pytest
@@ -23,16 +23,16 @@ def scattered(d: int = 2) -> SimplexMesh:
     return SimplexMesh.delaunay(halton(60, d))
 
 
-def of_stream(mesh: SimplexMesh, psi: np.ndarray) -> np.ndarray:
-    """Normal velocities whose flow through a face is the difference of ψ at its ends."""
+def normal_velocities_of_stream_function(mesh: SimplexMesh, psi: np.ndarray) -> np.ndarray:
+    """Normal velocities whose flux through an edge is the difference of ψ at its ends."""
     start, end = mesh.faces.T
     along = mesh.points[end] - mesh.points[start]
     side = np.sign((along[:, ::-1] * [1, -1] * mesh.face_normals).sum(axis=1))
     return side * (psi[end] - psi[start]) / mesh.face_measures
 
 
-def some_flow(mesh: SimplexMesh) -> np.ndarray:
-    """Anything inside, and nothing through the walls."""
+def random_flow(mesh: SimplexMesh) -> np.ndarray:
+    """Random normal velocities in the interior and zero on the boundary."""
     v = np.random.default_rng(0).normal(size=len(mesh.faces))
     return np.where(mesh.face_cells[:, 1] < 0, 0.0, v)
 
@@ -41,8 +41,8 @@ def some_flow(mesh: SimplexMesh) -> np.ndarray:
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_energy_is_that_of_the_field(d):
-    """Of u = a + b x, which the fields of Raviart and Thomas represent, by its integral."""
+def test_energy_equals_the_integral_of_the_field(d):
+    """Raviart-Thomas fields reproduce u = a + b x, whose energy has a closed form."""
     mesh, a, b = scattered(d), np.arange(1.0, d + 1), 0.7
     v = normal_velocities(mesh, a + b * mesh.points)
     corners = mesh.points[mesh.cells]
@@ -54,53 +54,54 @@ def test_energy_is_that_of_the_field(d):
     assert_close(at_centers, a + b * mesh.cell_centers, 1e-9)
 
 
-def test_energy_is_positive():
-    """Of any normal velocities but none, and symmetric."""
+def test_the_energy_matrix_is_symmetric_positive_definite():
     m = flow_energy(scattered()).toarray()
     assert_close(m, m.T, 1e-12)
     assert np.linalg.eigvalsh(m)[0] > 0
 
 
-# --- the nearest flow that balances ---------------------------------------------------------------
+# --- the projection to zero divergence ------------------------------------------------------------
 
 
-def it_balances(project) -> None:
-    """In each cell; and what goes through the boundary is kept."""
+def the_projection_has_zero_divergence(project) -> None:
+    """The divergence of each cell must vanish, and boundary velocities must not change."""
     for d in (2, 3):
         mesh = scattered(d)
-        rim = mesh.face_cells[:, 1] < 0
+        boundary = mesh.face_cells[:, 1] < 0
         steady = normal_velocities(mesh, np.tile(np.arange(1.0, d + 1), (len(mesh.points), 1)))
-        w = project(mesh, steady + some_flow(mesh))
-        assert_close(w[rim], steady[rim], 0.0)
+        w = project(mesh, steady + random_flow(mesh))
+        assert_close(w[boundary], steady[boundary], 0.0)
         assert_close(divergence(mesh, w) * mesh.cell_measures, np.zeros(len(mesh.cells)), 1e-10)
 
 
-def it_is_the_nearest(project) -> None:
-    """The change is across, in energy, to all flows that balance: those of stream functions."""
+def the_projection_is_orthogonal(project) -> None:
+    """The change must be orthogonal, in the energy, to the flows of all stream functions."""
     mesh = scattered()
-    v = some_flow(mesh)
+    v = random_flow(mesh)
     change = flow_energy(mesh) @ (project(mesh, v) - v)
     inner = np.flatnonzero(~mesh.boundary_vertices)
     for i in inner:
-        z = of_stream(mesh, (np.arange(len(mesh.points)) == i).astype(float))
+        z = normal_velocities_of_stream_function(
+            mesh, (np.arange(len(mesh.points)) == i).astype(float)
+        )
         assert_close(z @ change, 0.0, 1e-10)
 
 
-LAWS = [it_balances, it_is_the_nearest]
+LAWS = [the_projection_has_zero_divergence, the_projection_is_orthogonal]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.__name__)
-def test_laws_of_balance(law):
-    """Both, which say what is left to choose."""
+def test_the_projection_obeys_the_laws(law):
+    """Together the two laws determine the projection."""
     law(divergence_free)
 
 
-def left_as_it_is(mesh, v):  # noqa: ARG001
+def identity(mesh, v):  # noqa: ARG001
     return v
 
 
-def nearest_in_numbers(mesh, v):
-    """The nearest in the plain sum of squares, whatever the sizes of faces and cells."""
+def projection_without_energy_matrix(mesh, v):
+    """The projection in the Euclidean norm, without the sizes of faces and cells."""
     n = len(mesh.faces)
     inside = mesh.face_cells[:, 1] >= 0
     d = np.zeros((len(mesh.cells), n))
@@ -112,8 +113,8 @@ def nearest_in_numbers(mesh, v):
     return w
 
 
-def walls_let_through(mesh, v):
-    """Balances, by opening the walls."""
+def projection_with_open_walls(mesh, v):
+    """Zero divergence obtained by changing boundary velocities."""
     d = np.zeros((len(mesh.cells), len(mesh.faces)))
     np.put_along_axis(
         d, mesh.cell_faces, mesh.cell_face_signs * mesh.face_measures[mesh.cell_faces], 1
@@ -124,40 +125,40 @@ def walls_let_through(mesh, v):
 @pytest.mark.parametrize(
     ("law", "mutant"),
     [
-        (it_balances, left_as_it_is),
-        (it_balances, walls_let_through),
-        (it_is_the_nearest, nearest_in_numbers),
+        (the_projection_has_zero_divergence, identity),
+        (the_projection_has_zero_divergence, projection_with_open_walls),
+        (the_projection_is_orthogonal, projection_without_energy_matrix),
     ],
 )
-def test_each_law_can_fail(law, mutant):
-    """On what misses it."""
+def test_each_law_rejects_a_mutant(law, mutant):
     with pytest.raises(AssertionError):
         law(mutant)
 
 
-def test_it_is_the_flow_of_a_stream_function():
-    """In the plane: that ψ, zero on the wall, whose flow is nearest; a system of its own."""
+def test_the_projection_is_the_closest_flow_of_a_stream_function():
+    """In the plane ψ, zero on the boundary, solves a linear system of its own."""
     mesh = scattered()
-    v = some_flow(mesh)
+    v = random_flow(mesh)
     inner = np.flatnonzero(~mesh.boundary_vertices)
-    basis = np.column_stack([of_stream(mesh, row) for row in np.eye(len(mesh.points))[inner]])
+    basis = np.column_stack(
+        [normal_velocities_of_stream_function(mesh, row) for row in np.eye(len(mesh.points))[inner]]
+    )
     m = flow_energy(mesh)
     psi = np.linalg.solve(basis.T @ (m @ basis), basis.T @ (m @ v))
     assert_close(divergence_free(mesh, v), basis @ psi, 1e-9)
 
 
-def test_a_flow_that_balances_stays_and_no_energy_is_added():
-    """Twice is once."""
+def test_the_projection_is_idempotent_and_reduces_the_energy():
     mesh = scattered()
-    v = some_flow(mesh)
+    v = random_flow(mesh)
     once, m = divergence_free(mesh, v), flow_energy(mesh)
     assert_close(divergence_free(mesh, once), once, 1e-10)
     assert once @ (m @ once) < v @ (m @ v)
     assert np.abs(once - v).max() > VISIBLE
 
 
-def test_each_part_of_a_mesh_balances_alone():
-    """Two triangles far apart have no face inside, and what flows in must flow out of each."""
+def test_each_connected_component_must_balance():
+    """In every component the flux into the mesh must equal the flux out of it."""
     mesh = SimplexMesh([[0, 0], [1, 0], [0, 1], [5, 0], [6, 0], [5, 1]], [[0, 1, 2], [3, 4, 5]])
     v = normal_velocities(mesh, np.ones((6, 2)))
     assert_close(divergence_free(mesh, v), v, 0.0)
@@ -167,11 +168,14 @@ def test_each_part_of_a_mesh_balances_alone():
         divergence_free(mesh, np.ones((6, 2)))
 
 
-# --- carried --------------------------------------------------------------------------------------
+# --- advection ------------------------------------------------------------------------------------
 
 
-def test_what_is_carried_is_that_of_the_feet():
-    """In a turning flow, whose feet are known: its own velocities, and others."""
+def test_normal_velocities_are_taken_at_the_departure_points():
+    """The departure points of a rotation are known.
+
+    Velocities of the flow and of another field are advected.
+    """
     x, mesh = halton(30, 2), scattered()
     middle = np.array([0.4, 0.6])
     flow = LeastSquares(x).field((x - middle)[:, ::-1] * [-1, 1])
@@ -189,7 +193,10 @@ def test_what_is_carried_is_that_of_the_feet():
 
 
 def test_the_vortex_is_a_steady_flow_of_an_ideal_fluid():
-    """u · ∇u is a gradient, that of -p, p = (cos 2πx + cos 2πy) / 4; nothing crosses the walls."""
+    """u · ∇u is the gradient of -p with p = (cos 2πx + cos 2πy) / 4.
+
+    The normal velocity on the walls is zero.
+    """
     x, h = 0.05 + 0.9 * halton(50, 2), 1e-4
     slopes = np.stack(
         [
@@ -198,14 +205,14 @@ def test_the_vortex_is_a_steady_flow_of_an_ideal_fluid():
         ],
         axis=-1,
     )
-    carried = np.einsum("nij,nj->ni", slopes, fluid_animation.vortex(x))
-    assert_close(carried, np.pi / 2 * np.sin(2 * np.pi * x), 1e-6)
+    convection = np.einsum("nij,nj->ni", slopes, fluid_animation.vortex(x))
+    assert_close(convection, np.pi / 2 * np.sin(2 * np.pi * x), 1e-6)
     side = np.column_stack([np.ones(5), np.linspace(0, 1, 5)])
     assert_close(fluid_animation.vortex(side)[:, 0], np.zeros(5), 1e-12)
 
 
-def test_the_first_frame_balances_and_has_the_energy_of_the_vortex():
-    """A quarter, to the error of its mesh; and its fluxes are those of the vortex."""
+def test_the_first_frame_has_zero_divergence_and_the_energy_of_the_vortex():
+    """The energy is within 1 % of 1/4, and the normal velocities are those of the vortex."""
     frame = fluid_animation.first(fluid_animation.Params(spacing=0.08, finest=0.05))
     assert np.abs(divergence(frame.mesh, frame.v)).max() < 1e-11
     assert abs(frame.energy / fluid_animation.ENERGY - 1) < 0.01
@@ -213,8 +220,8 @@ def test_the_first_frame_balances_and_has_the_energy_of_the_vortex():
     assert np.abs(frame.v - at).max() < 0.02
 
 
-def test_the_rim_keeps_its_area():
-    """Traced through a flow without divergence."""
+def test_the_exact_outline_preserves_its_area():
+    """The outline is advected by a flow of zero divergence."""
     for time in (0.0, 1.0, 2.0):
         x, y = fluid_animation.exact_rim(time, 2000).T
         area = (x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2
@@ -222,7 +229,7 @@ def test_the_rim_keeps_its_area():
 
 
 def test_meshes_of_frames_fill_the_box_and_differ():
-    """With edges about as long as asked for."""
+    """The edges have about the requested length."""
     one, two = (box_mesh(lambda x: np.full(len(x), 0.1), seed) for seed in (1, 2))
     for mesh in (one, two):
         assert_close(mesh.cell_measures.sum(), 1.0, 1e-12)
@@ -230,8 +237,8 @@ def test_meshes_of_frames_fill_the_box_and_differ():
     assert len(one.points) != len(two.points) or np.abs(one.points - two.points).max() > VISIBLE
 
 
-def test_reflection_keeps_energy_and_pressure_keeps_the_flow():
-    """Small as these meshes are."""
+def test_reflection_and_pressure_reduce_the_errors():
+    """Reflection loses less energy than plain projection. Without pressure the error is largest."""
     result = experiments.get("fluid_animation").run(fluid_animation.QUICK)
     facts = result.facts
     assert facts["plain_energy"] < facts["reflected_energy"] < 1

@@ -1,4 +1,4 @@
-"""Barycentric coordinates against rational numbers, closed forms, and the slides' own formula."""
+"""Barycentric coordinates: rational arithmetic, closed forms, and the formula of the slides."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -23,13 +23,13 @@ EXACT = 1e-13
 
 
 def inside(corners, m=50, seed=0):
-    """Random points (m, d) of the polytope, some near its faces."""
+    """Random points (m, d) of the polytope, some close to its faces."""
     share = np.random.default_rng(seed).dirichlet(np.full(len(corners), 0.4), m)
     return share @ corners
 
 
 def faces_at(corners, i):
-    """Outward unit normals of the faces at corner i and the corners on each: from Qhull alone."""
+    """Outward unit normals of the faces at corner i, from Qhull only."""
     hull = ConvexHull(corners)
     planes = np.unique(hull.equations.round(12), axis=0)
     on = np.abs(corners @ planes[:, :-1].T + planes[:, -1]) < 1e-9
@@ -37,7 +37,7 @@ def faces_at(corners, i):
 
 
 def slides_weights(corners, x, volume=lambda n: abs(np.linalg.det(n))):
-    """The slides' quotient vol(N_i) / prod n^T (p_i - x), the first d faces at each corner."""
+    """The slides' quotient vol(N_i) / prod n^T (p_i - x) of the first d faces at each corner."""
     d = corners.shape[1]
     w = np.empty(len(corners))
     for i, p in enumerate(corners):
@@ -46,11 +46,11 @@ def slides_weights(corners, x, volume=lambda n: abs(np.linalg.det(n))):
     return w / w.sum()
 
 
-# --- rational numbers ---------------------------------------------------------------------------
+# --- rational arithmetic ------------------------------------------------------------------------
 
 
 def rational_weights(corners, x):
-    """Exact weights of a polygon whose corners come anticlockwise, in product form."""
+    """Exact weights, in product form, of a polygon with anticlockwise corners."""
     p = [[Fraction(float(c)) for c in row] for row in corners]
     x = [Fraction(float(c)) for c in x]
     n = len(p)
@@ -74,15 +74,15 @@ def rational_weights(corners, x):
 
 
 POLYGONS = {"hexagon": HEXAGON, "regular": regular(6), "17-gon": regular(17)}
-# what follows must hold beside an edge too, from both sides
+# offsets from an edge or a corner, to both sides
 BESIDE = (0.0, 1e-300, 1e-20, 1e-16, -1e-16, 1e-12, 1e-8, -1e-8)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("corners", POLYGONS.values(), ids=POLYGONS)
 @pytest.mark.parametrize("offset", BESIDE)
-def test_weights_beside_an_edge_are_those_of_rational_numbers(corners, offset):
-    """At any distance from it, where two of the slides' quotients become infinite."""
+def test_weights_near_an_edge_equal_rational_arithmetic(corners, offset):
+    """This holds at any distance from the edge, where quotients of the slides become infinite."""
     coordinates = BarycentricCoordinates(corners)
     for a in range(len(corners)):
         p, q = corners[a], corners[(a + 1) % len(corners)]
@@ -92,8 +92,8 @@ def test_weights_beside_an_edge_are_those_of_rational_numbers(corners, offset):
 
 
 @pytest.mark.parametrize("offset", BESIDE)
-def test_weights_beside_a_corner_are_those_of_rational_numbers(offset):
-    """From any direction."""
+def test_weights_near_a_corner_equal_rational_arithmetic(offset):
+    """This holds in every direction from the corner."""
     coordinates = BarycentricCoordinates(HEXAGON)
     for p in HEXAGON:
         for direction in regular(7):
@@ -101,8 +101,8 @@ def test_weights_beside_a_corner_are_those_of_rational_numbers(offset):
             assert abs(coordinates.weights(x) - rational_weights(HEXAGON, x)).max() < 1e-14
 
 
-def test_the_quotient_of_the_slides_is_wrong_on_an_edge_and_says_nothing():
-    """Its two heights below the edge are rounded differently, and their ratio is arbitrary."""
+def test_the_quotient_of_the_slides_is_silently_wrong_on_an_edge():
+    """The two heights in the denominators are rounding errors, so their ratio is arbitrary."""
     angle = np.deg2rad(7.2)
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     corners = regular(6) @ turn / np.sqrt(3)
@@ -122,8 +122,8 @@ def test_the_quotient_of_the_slides_is_wrong_on_an_edge_and_says_nothing():
 
 
 @pytest.mark.parametrize("corners", [[[0, 0], [2, 1], [1, 3]], TETRAHEDRON], ids=["2-D", "3-D"])
-def test_in_a_simplex_they_are_affine(corners):
-    """The one solution of sum w = 1, sum w p = x, inside and outside."""
+def test_coordinates_of_a_simplex_are_affine(corners):
+    """They are the only solution of Σ w = 1 and Σ w p = x, inside and outside."""
     corners = np.array(corners, dtype=float)
     x = 5 * np.random.default_rng(1).normal(size=(20, corners.shape[1]))
     system = np.vstack([corners.T, np.ones(len(corners))])
@@ -132,8 +132,11 @@ def test_in_a_simplex_they_are_affine(corners):
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_in_a_cube_they_are_products_of_linear_functions(d):
-    """Bilinear and trilinear interpolation, everywhere in space: the sum is a constant."""
+def test_coordinates_of_a_cube_are_multilinear(d):
+    """This is bilinear and trilinear interpolation.
+
+    It holds in all of space, because the denominator is constant.
+    """
     corners = CUBE[: 2**d, -d:]
     x = 3 * np.random.default_rng(2).normal(size=(20, d))
     exact = np.where(corners == 1, x[:, None], 1 - x[:, None]).prod(axis=2)
@@ -142,19 +145,25 @@ def test_in_a_cube_they_are_products_of_linear_functions(d):
 
 
 @pytest.mark.parametrize("n", [4, 5, 6, 12])
-def test_in_a_regular_polygon_they_have_its_symmetry(n):
-    """1/n in the middle; and a turn by one corner moves each weight by one."""
+def test_coordinates_of_a_regular_polygon_are_symmetric(n):
+    """The weights of the centre are 1/n.
+
+    A rotation by one corner permutes the weights cyclically.
+    """
     corners = regular(n)
     coordinates = BarycentricCoordinates(corners)
     assert abs(coordinates.weights([0.0, 0.0]) - 1 / n).max() < EXACT
     x = inside(corners)
     c, s = corners[1]
-    turned = coordinates.weights(x @ np.array([[c, s], [-s, c]]))
-    assert abs(turned - np.roll(coordinates.weights(x), 1, axis=1)).max() < EXACT
+    rotated = coordinates.weights(x @ np.array([[c, s], [-s, c]]))
+    assert abs(rotated - np.roll(coordinates.weights(x), 1, axis=1)).max() < EXACT
 
 
-def test_in_an_octahedron_either_diagonal_of_the_polar_cube_s_squares_will_do():
-    """Volumes of the cones over the polar dual's facets, in rational numbers."""
+def test_coordinates_of_an_octahedron_do_not_depend_on_the_triangulation_of_its_dual():
+    """The weights are volumes of cones over the facets of the polar dual, in rational arithmetic.
+
+    Each facet is a square, and both diagonals give the same volume.
+    """
     x = [Fraction(1, 8), Fraction(-1, 4), Fraction(3, 16)]
     signs = [(a, b, c) for a in (1, -1) for b in (1, -1) for c in (1, -1)]
     h = {s: 1 - sum(u * v for u, v in zip(s, x, strict=True)) for s in signs}
@@ -176,7 +185,7 @@ def test_in_an_octahedron_either_diagonal_of_the_polar_cube_s_squares_will_do():
         for k in range(3):
             square = [s for s in signs if s[k] == sign]
             other = [j for j in range(3) if j != k]
-            square.sort(key=lambda s, o=other: (s[o[0]], s[o[0]] * s[o[1]]))  # once round
+            square.sort(key=lambda s, o=other: (s[o[0]], s[o[0]] * s[o[1]]))  # in cyclic order
             a, b, c, e = square
             assert term(a, b, c) + term(a, c, e) == term(b, c, e) + term(b, e, a)
             w.append(term(a, b, c) + term(a, c, e))
@@ -189,8 +198,8 @@ def test_in_an_octahedron_either_diagonal_of_the_polar_cube_s_squares_will_do():
 
 
 @pytest.mark.parametrize("corners", POLYHEDRA.values(), ids=POLYHEDRA)
-def test_positions_come_back_from_positive_weights(corners):
-    """Linear precision in every polyhedron, simple or not."""
+def test_coordinates_are_positive_with_linear_precision(corners):
+    """This holds in every polyhedron, also if more than three faces meet at a corner."""
     x = inside(corners)
     w = BarycentricCoordinates(corners).weights(x)
     assert (w >= 0).all()
@@ -199,16 +208,16 @@ def test_positions_come_back_from_positive_weights(corners):
 
 
 @pytest.mark.parametrize("corners", [*POLYHEDRA.values(), HEXAGON, regular(40)])
-def test_at_corners_all_other_weights_are_exactly_zero(corners):
-    """Also where more than three faces meet, and where nothing is a binary fraction."""
+def test_weights_at_corners_are_exactly_zero_or_one(corners):
+    """More than three faces may meet, and coordinates need not be binary fractions."""
     q = ortho_group.rvs(corners.shape[1], random_state=3)
     for p in (corners, corners @ q + 0.1, 1e-150 * corners):
         assert (BarycentricCoordinates(p).weights(p) == np.eye(len(p))).all()
 
 
 @pytest.mark.parametrize("corners", POLYHEDRA.values(), ids=POLYHEDRA)
-def test_on_a_face_only_its_corners_have_weights(corners):
-    """And on an edge its two ends share by distance."""
+def test_weights_on_a_face_vanish_except_at_its_corners(corners):
+    """On an edge the weights are linear."""
     coordinates = BarycentricCoordinates(corners)
     for face in Polytope.of(corners).faces:
         x = inside(corners[face], 5)
@@ -221,8 +230,8 @@ def test_on_a_face_only_its_corners_have_weights(corners):
 
 
 @pytest.mark.parametrize("distance", [1e-2, 1e-8, 1e-15, 1e-100])
-def test_beside_a_corner_of_many_faces_linear_fields_still_come_back(distance):
-    """Values and gradients, although all products vanish there."""
+def test_linear_fields_are_reproduced_near_a_corner_of_many_faces(distance):
+    """Values and gradients are accurate, although all products vanish at the corner."""
     for corners, i in ((PYRAMID, 4), (OCTAHEDRON - OCTAHEDRON[0], 0)):
         corners = corners - corners[i]
         x = distance * (inside(corners, 20, seed=4) - corners[i])
@@ -230,14 +239,14 @@ def test_beside_a_corner_of_many_faces_linear_fields_still_come_back(distance):
         assert abs(coordinates.weights(x) @ corners - x).max() < EXACT * distance
         gradient = coordinates.field(corners @ [1.0, 2.0, 3.0]).gradient(x)
         assert abs(gradient - [1, 2, 3]).max() < 1e-12
-        # of degree one along rays out of the corner, so its gradient is constant there
+        # the field is linear along rays from the corner, so its gradient is constant on them
         s = coordinates.field(np.cos(np.arange(len(corners))))
         if distance < 1e-7:
             assert abs(s.gradient(x) - s.gradient(x / 2)).max() < 10 * distance + 1e-12
 
 
 def split(corners, i, delta):
-    """The polyhedron with its corner i cut off at depth `delta`, and which corners come from i."""
+    """The polyhedron with corner i cut off at depth `delta`, and the index of its first new corner."""
     others = np.delete(corners, i, axis=0)
     normals = faces_at(corners, i)
     axis = normals.sum(axis=0) / np.linalg.norm(normals.sum(axis=0))
@@ -253,7 +262,10 @@ def split(corners, i, delta):
 
 @pytest.mark.parametrize(("corners", "i"), [(PYRAMID, 4), (OCTAHEDRON, 2)])
 def test_the_polar_dual_is_the_limit_of_split_corners(corners, i):
-    """The slides' perturbation: a corner of four faces as four of three, to order one."""
+    """The slides perturb a corner of four faces to four corners of three faces.
+
+    The difference is of order one in the perturbation.
+    """
     x = 0.6 * inside(corners, 10, seed=5) + 0.4 * corners.mean(axis=0)
     exact = BarycentricCoordinates(corners).weights(x)
     deltas, errors = [1e-2, 1e-4, 1e-6], []
@@ -267,8 +279,8 @@ def test_the_polar_dual_is_the_limit_of_split_corners(corners, i):
     assert ratio.max() / ratio.min() < 1.1
 
 
-def test_three_faces_do_not_make_a_corner_of_four():
-    """The slides' definition, read with any three of the faces, loses linear fields."""
+def test_three_of_four_faces_at_a_corner_lose_linear_precision():
+    """The definition on the slides, read with any three of the faces, loses linear fields."""
     for corners in (PYRAMID, OCTAHEDRON):
         x = inside(corners, 1, seed=6)[0]
         assert abs(slides_weights(corners, x) @ corners - x).max() > 0.01
@@ -277,8 +289,8 @@ def test_three_faces_do_not_make_a_corner_of_four():
         assert abs(slides_weights(corners, x) @ corners - x).max() < 1e-12
 
 
-def test_the_volume_is_that_of_the_normals_without_its_sign():
-    """The determinant changes sign with the order of two faces, which the slides leave open."""
+def test_the_volume_of_the_normals_is_an_absolute_value():
+    """The sign of the determinant depends on the order of the faces, which the slides leave open."""
     corners = regular(5)
     x = np.array([0.1, 0.2])
 
@@ -289,11 +301,11 @@ def test_the_volume_is_that_of_the_normals_without_its_sign():
     assert abs(slides_weights(corners, x, signed) @ corners - x).max() > 0.05
 
 
-# --- mistakes that the laws see -----------------------------------------------------------------
+# --- mutants ------------------------------------------------------------------------------------
 
 
-class Spoiled(BarycentricCoordinates):
-    """With another set of terms."""
+class Mutant(BarycentricCoordinates):
+    """Barycentric coordinates with a changed product form."""
 
     def __init__(self, vertices):
         super().__init__(vertices)
@@ -301,18 +313,18 @@ class Spoiled(BarycentricCoordinates):
         self._form = self.spoil(ProductForm(self._form.normals, faces), faces)
 
 
-class FirstThreeFaces(Spoiled):
+class FirstThreeFaces(Mutant):
     def spoil(self, form, faces):
         return ProductForm(form.normals, [f[:3] for f in faces])
 
 
-class SignedVolumes(Spoiled):
+class SignedVolumes(Mutant):
     def spoil(self, form, faces):
         form.volume = np.linalg.det(form.normals[np.array(faces)])
         return form
 
 
-class UnitVolumes(Spoiled):
+class UnitVolumes(Mutant):
     def spoil(self, form, _):
         form.volume = np.ones_like(form.volume)
         return form
@@ -327,8 +339,7 @@ class UnitVolumes(Spoiled):
         (UnitVolumes, "quadrilateral"),
     ],
 )
-def test_the_law_of_reproduction_sees_wrong_volumes(mutant, name):
-    """Linear fields do not come back from any of these."""
+def test_wrong_volumes_violate_linear_reproduction(mutant, name):
     wrong = replace(case(f"coordinates of the {name}"), make=lambda p, _: mutant(p))
     with pytest.raises((AssertionError, np.linalg.LinAlgError)):
         laws.polynomials_of_its_degree_are_reproduced(wrong)
@@ -338,20 +349,20 @@ def test_the_law_of_reproduction_sees_wrong_volumes(mutant, name):
 
 
 @pytest.mark.parametrize("corners", [HEXAGON, PYRAMID, POLYHEDRA["dodecahedron"]])
-def test_any_affine_map_keeps_the_weights(corners):
-    """They belong to the affine shape: shears, offsets and units do not matter."""
+def test_weights_are_invariant_under_affine_maps(corners):
+    """Shears, offsets and units do not change the weights."""
     d = corners.shape[1]
     x = inside(corners)
     w = BarycentricCoordinates(corners).weights(x)
     rng = np.random.default_rng(7)
     for scale, offset in ((1.0, 0.0), (1e150, 0.0), (1e-150, 0.0), (1.0, 1e6)):
         a = scale * (np.eye(d) + 0.3 * rng.normal(size=(d, d)))
-        moved = BarycentricCoordinates(corners @ a + offset)
-        assert abs(moved.weights(x @ a + offset) - w).max() < 1e-12 + 1e-15 * offset
+        mapped = BarycentricCoordinates(corners @ a + offset)
+        assert abs(mapped.weights(x @ a + offset) - w).max() < 1e-12 + 1e-15 * offset
 
 
-def test_thin_polygons_keep_their_digits():
-    """A width of 1e-12 of the length is a shape like any other."""
+def test_weights_of_thin_polygons_are_accurate():
+    """The width of the polygon is 1e-12 of its length."""
     thin = HEXAGON * [1.0, 1e-12]
     x = inside(HEXAGON)
     w = BarycentricCoordinates(thin).weights(x * [1.0, 1e-12])
@@ -360,8 +371,8 @@ def test_thin_polygons_keep_their_digits():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [16, 17, 400, 3000])
-def test_products_of_many_heights_stay_in_range(n):
-    """Three thousand of them go from 1e-900 to one, and a corner has two."""
+def test_products_of_many_heights_do_not_underflow(n):
+    """A product of 3000 heights may be 1e-900; at a corner two of the heights are zero."""
     corners = regular(n)
     coordinates = BarycentricCoordinates(corners)
     x = np.vstack([[0, 0], 0.999 * corners[1:2], corners[:2], corners[:2].mean(axis=0)[None]])
@@ -374,8 +385,11 @@ def test_products_of_many_heights_stay_in_range(n):
 
 @settings(max_examples=60)
 @given(st.integers(0, 2**32), st.integers(4, 14), st.sampled_from([2, 3]))
-def test_random_polytopes(seed, n, d):
-    """Hulls of random points on spheres: partition of unity, positions, positivity, gradients."""
+def test_coordinates_of_random_polytopes_have_linear_precision(seed, n, d):
+    """Corners are random points on an ellipsoid.
+
+    The weights are nonnegative, and gradients of linear fields are exact.
+    """
     rng = np.random.default_rng(seed)
     corners = rng.normal(size=(n, d))
     corners /= np.linalg.norm(corners, axis=1)[:, None]
@@ -397,8 +411,8 @@ def test_random_polytopes(seed, n, d):
 
 @settings(max_examples=40)
 @given(st.integers(2, 40), st.integers(1, 4), st.integers(0, 2**32))
-def test_products_without_some_factors(n, omitted, seed):
-    """The tree gives what multiplying the others gives, zeros included."""
+def test_products_without_given_factors_equal_direct_multiplication(n, omitted, seed):
+    """Some of the factors are zero."""
     rng = np.random.default_rng(seed)
     sets = list(combinations(range(n), min(omitted, n - 1)))
     sets = np.array([sets[k] for k in rng.integers(len(sets), size=5)])
@@ -409,16 +423,19 @@ def test_products_without_some_factors(n, omitted, seed):
         assert row == pytest.approx(np.delete(h, without, axis=0).prod(axis=0), rel=1e-14)
 
 
-def test_the_edges_of_a_polygon_come_once_round_it():
-    """Whatever the order of the corners: each edge begins where the last ended, anticlockwise."""
+def test_the_edges_of_a_polygon_are_in_anticlockwise_order():
+    """The order of the given corners does not matter.
+
+    Each edge begins at the end of the previous one.
+    """
     rng = np.random.default_rng(8)
     for n in (3, 4, 5, 6, 17):
         corners = regular(n)[rng.permutation(n)] * [3.0, 1.0]
         polygon = Polytope.of(corners)
         begin, end = np.array(polygon.faces).T
         assert (begin == np.roll(end, 1)).all()
-        turn = np.linalg.det(np.stack([corners[begin], corners[end]], axis=1))
-        assert (turn > 0).all()
+        orientation = np.linalg.det(np.stack([corners[begin], corners[end]], axis=1))
+        assert (orientation > 0).all()
         assert (np.einsum("ad,ad->a", polygon.normals, corners[begin]) > 0).all()
 
 
@@ -441,8 +458,8 @@ def test_the_edges_of_a_polygon_come_once_round_it():
         ([1.0, 2.0], r"vertices must have the shape \(n, d\)"),
     ],
 )
-def test_what_is_no_convex_polytope_is_refused(vertices, words):
-    """By the vertex that is none of its corners, and where that lies."""
+def test_vertices_of_non_convex_polytopes_are_refused(vertices, words):
+    """The message names a vertex that is not a corner of the convex hull, and where it lies."""
     with pytest.raises(ValueError, match=words):
         BarycentricCoordinates(vertices)
 
@@ -461,13 +478,13 @@ def test_what_is_no_convex_polytope_is_refused(vertices, words):
     ],
 )
 def test_flat_polytopes_are_refused(vertices, words):
-    """Too few vertices, or all on a line or in a plane."""
+    """There are too few vertices, or all lie on a line or in a plane."""
     with pytest.raises(np.linalg.LinAlgError, match=words):
         BarycentricCoordinates(vertices)
 
 
-def test_a_midpoint_of_an_edge_is_refused_though_rounding_moves_it():
-    """Outwards or inwards, in any direction, near an end or not."""
+def test_a_point_on_an_edge_is_refused_despite_rounding():
+    """Rounding may move the point outwards or inwards."""
     for seed in range(20):
         q = ortho_group.rvs(3, random_state=seed)
         cube = CUBE @ q
@@ -481,27 +498,27 @@ def test_a_midpoint_of_an_edge_is_refused_though_rounding_moves_it():
             BarycentricCoordinates(np.vstack([square, p]))
 
 
-def test_outside_there_is_a_curve_without_values():
-    """Where the sum of the products vanishes: here the line 4x + 3y + 12 = 0, through two poles."""
+def test_weights_have_a_pole_outside_where_the_products_cancel():
+    """For this quadrilateral the sum of the products vanishes on the line 4x + 3y + 12 = 0."""
     coordinates = BarycentricCoordinates([[0, 0], [2, 0], [3, 2], [0, 1]])
     corners = coordinates.points
     for x in ([-3.0, 0.0], [0.0, -4.0], [-1.5, -2.0]):
-        for ask in (coordinates.weights, coordinates.field(np.ones(4)).gradient):
+        for evaluate in (coordinates.weights, coordinates.field(np.ones(4)).gradient):
             with pytest.raises(np.linalg.LinAlgError, match=r"no value at .*: the weights of the"):
-                ask(x)
+                evaluate(x)
         beyond = np.array(x) - [1.0, 1.0]
         assert abs(coordinates.weights(beyond) @ corners - beyond).max() < 1e-12
         assert coordinates.weights(beyond).min() < 0
 
 
-def test_so_far_away_that_nothing_is_left_is_refused():
-    """Rather than answered by rounding."""
+def test_queries_with_complete_cancellation_are_refused():
+    """At a distance of 1e30 only rounding errors would be left."""
     with pytest.raises(np.linalg.LinAlgError, match="the weights of the corners cancel"):
         BarycentricCoordinates(HEXAGON).weights([1e30, 0.0])
 
 
 def test_there_is_no_gradient_at_a_corner_of_more_than_three_faces():
-    """There is at the others."""
+    """At a corner of three faces the gradient exists."""
     s = BarycentricCoordinates(PYRAMID).field(np.arange(5.0))
     with pytest.raises(ValueError, match=r"no gradient at the corner \(0, 0, 2\), where more than"):
         s.gradient(PYRAMID)
@@ -509,8 +526,8 @@ def test_there_is_no_gradient_at_a_corner_of_more_than_three_faces():
     assert s(PYRAMID).tolist() == [0, 1, 2, 3, 4]
 
 
-def test_the_golden_ratio_makes_regular_faces():
-    """Qhull's triangles are one pentagon, whatever the rounding."""
+def test_triangles_of_qhull_are_merged_to_faces():
+    """A dodecahedron has twelve pentagons, whatever the rounding of its coordinates."""
     hull = Polytope.of(POLYHEDRA["dodecahedron"] * GOLDEN)
     assert [len(f) for f in hull.faces] == [5] * 12
     hull = Polytope.of(POLYHEDRA["rhombic dodecahedron"] @ ortho_group.rvs(3, random_state=1))

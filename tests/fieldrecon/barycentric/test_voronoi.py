@@ -1,4 +1,4 @@
-"""Voronoi cells against their corners' barycentric coordinates, and the slides' own formula."""
+"""Voronoi coordinates: barycentric coordinates of the circumcentres, and the slides' formula."""
 
 import math
 from functools import cache
@@ -29,12 +29,12 @@ def inside(corners, m, seed=0):
 
 
 def per_corner(h, cell):
-    """Weights of the mesh's cells summed to the corners of one Voronoi cell."""
+    """Weights of the mesh cells, summed for each corner of one Voronoi cell."""
     return np.stack([h[:, cells].sum(axis=1) for cells in cell.cells], axis=1)
 
 
 def slides_weights(mesh, i, x):
-    """The slides' D! V_a / prod (x_b - x_i)^T (p_a - x), one for each cell round vertex i."""
+    """The slides' D! V_a / prod (x_b - x_i)^T (p_a - x), one for each cell at vertex i."""
     w = []
     for a in mesh.vertex_cells(i):
         others = mesh.points[mesh.cells[a][mesh.cells[a] != i]]
@@ -44,12 +44,12 @@ def slides_weights(mesh, i, x):
     return np.array(w) / np.sum(w)
 
 
-# --- what they are ------------------------------------------------------------------------------
+# --- definition and formula ---------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_they_are_the_barycentric_coordinates_of_the_circumcentres(d):
-    """The simplification of the slides, whose circumcentres need not be known."""
+def test_voronoi_coordinates_are_barycentric_coordinates_of_the_circumcentres(d):
+    """The simplified formula of the slides does not use the circumcentres."""
     mesh = random_mesh(d)
     for i in inner(mesh)[:25]:
         cell = VoronoiCell(mesh, i)
@@ -64,8 +64,8 @@ def test_they_are_the_barycentric_coordinates_of_the_circumcentres(d):
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_they_are_the_slides_quotients_inside(d):
-    """D! V_a / prod (x_b - x_i)^T (p_a - x), away from the faces."""
+def test_voronoi_coordinates_equal_the_quotients_of_the_slides_inside(d):
+    """w_a = D! V_a / prod (x_b - x_i)^T (p_a - x), away from the faces."""
     mesh = random_mesh(d)
     for i in inner(mesh)[:25]:
         cell = VoronoiCell(mesh, i)
@@ -73,13 +73,13 @@ def test_they_are_the_slides_quotients_inside(d):
         assert abs(cell.weights(x)[0] - slides_weights(mesh, i, x)).max() < 1e-9
 
 
-def test_on_an_edge_of_the_cell_the_quotients_are_wrong_and_say_nothing():
-    """A hexagon turned by 7.2 degrees has the spiral's first point on the edge of its dual cell."""
+def test_the_quotients_of_the_slides_are_silently_wrong_on_an_edge():
+    """In a hexagon rotated by 7.2 degrees the spiral begins on an edge of the dual cell."""
     angle = np.deg2rad(7.2) + np.arange(6) * np.pi / 3
-    rim = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    mesh = SimplexMesh(np.vstack([[0, 0], rim]), [[0, 1 + k, 1 + (k + 1) % 6] for k in range(6)])
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    mesh = SimplexMesh(np.vstack([[0, 0], ring]), [[0, 1 + k, 1 + (k + 1) % 6] for k in range(6)])
     cell = VoronoiCell(mesh, 0)
-    x = 0.5 * rim
+    x = 0.5 * ring
     ends = np.sort(cell.weights(x), axis=1)
     assert abs(ends - [0, 0, 0, 0, 0.5, 0.5]).max() < 1e-14
     with np.errstate(all="ignore"):
@@ -89,10 +89,10 @@ def test_on_an_edge_of_the_cell_the_quotients_are_wrong_and_say_nothing():
     assert abs(naive[finite] - ends[finite]).max() > 0.05
 
 
-def test_the_spiral_in_the_hexagon():
-    """The slides' exercise: constants and linear fields to rounding at all points of the spiral.
+def test_the_spiral_in_the_hexagon_has_linear_precision():
+    """Exercise of the slides: constants and linear fields are reproduced at all points s_n.
 
-    Values of x + y at s_n, from s_n = (r/n)(cos, sin)(2 pi n / 50) and r = 1/2 alone.
+    s_n = (r/n)(cos, sin)(2 pi n / 50) with r = 1/2.
     """
     mesh = SimplexMesh(
         np.vstack([[0, 0], regular(6)]), [[0, 1 + k, 1 + (k + 1) % 6] for k in range(6)]
@@ -107,47 +107,50 @@ def test_the_spiral_in_the_hexagon():
     assert abs(cell.field(np.ones(6))(s) - 1).max() < 1e-15
     linear = cell.field(cell.points.sum(axis=1))(s)
     assert abs(linear - s.sum(axis=1)).max() < 1e-15
-    # nothing is extrapolated, and quadratic fields do not come back: |p|^2 is 1/3 at all corners
+    # no point is outside; quadratic fields are not reproduced: |p|^2 is 1/3 at all corners
     assert cell.weights(s).min() > 5e-4
     quadratic = cell.field((cell.points**2).sum(axis=1))(s)
     assert abs(quadratic - 1 / 3).max() < 1e-15
 
 
-def test_at_the_vertex_itself_all_weights_are_positive():
-    """V_a / prod l_b^2, even round vertices whose cells are not Delaunay."""
+def test_weights_at_the_vertex_are_positive():
+    """They are V_a / prod l_b^2 up to normalization, also if the cells are not Delaunay."""
     rng = np.random.default_rng(5)
     for _ in range(20):
         n = 6
         angle = 2 * np.pi * (np.arange(n) + 0.6 * rng.random(n)) / n
-        rim = (0.2 + rng.random(n))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        ring = (0.2 + rng.random(n))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
         mesh = SimplexMesh(
-            np.vstack([[0, 0], rim]), [[0, 1 + k, 1 + (k + 1) % n] for k in range(n)]
+            np.vstack([[0, 0], ring]), [[0, 1 + k, 1 + (k + 1) % n] for k in range(n)]
         )
         w = VoronoiCell(mesh, 0).weights([0.0, 0.0])[0]
-        squares = (rim**2).sum(axis=1)
+        squares = (ring**2).sum(axis=1)
         plain = mesh.cell_measures / (squares * np.roll(squares, -1))
         assert abs(w - plain / plain.sum()).max() < 1e-14
         assert w.min() > 0
 
 
 def test_a_star_that_is_not_delaunay_reproduces_linear_fields():
-    """Its dual polygon crosses itself; where the weights have values, positions come back."""
-    rim = np.array([[1, 0.1], [0.1, 0.3], [-1, 0.2], [-0.8, -0.5], [0.1, -0.25], [0.9, -0.6]])
-    mesh = SimplexMesh(np.vstack([[0, 0], rim]), [[0, 1 + k, 1 + (k + 1) % 6] for k in range(6)])
+    """The dual polygon intersects itself.
+
+    Linear fields are reproduced wherever the weights are defined.
+    """
+    ring = np.array([[1, 0.1], [0.1, 0.3], [-1, 0.2], [-0.8, -0.5], [0.1, -0.25], [0.9, -0.6]])
+    mesh = SimplexMesh(np.vstack([[0, 0], ring]), [[0, 1 + k, 1 + (k + 1) % 6] for k in range(6)])
     cell = VoronoiCell(mesh, 0)
-    lengths = (rim**2).sum(axis=1) / 2
-    low = (lengths - cell.points @ rim.T).min(axis=1)
+    lengths = (ring**2).sum(axis=1) / 2
+    low = (lengths - cell.points @ ring.T).min(axis=1)
     assert low.min() < -0.01  # some corner lies outside the Voronoi cell
     x = 0.1 * np.random.default_rng(8).normal(size=(20, 2))
     assert abs(cell.weights(x) @ cell.points - x).max() < 1e-10
 
 
-# --- cells whose corners coincide ---------------------------------------------------------------
+# --- coincident circumcentres -------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_on_a_lattice_they_are_products_of_linear_functions(d):
-    """Squares and cubes cut into simplices: circumcentres coincide, cells of one centre share."""
+def test_voronoi_coordinates_on_a_lattice_are_multilinear(d):
+    """Squares and cubes are cut into simplices; coincident circumcentres share a weight."""
     mesh = kuhn(3, d)
     i = int(np.flatnonzero((mesh.points == 1).all(axis=1))[0])
     cell = VoronoiCell(mesh, i)
@@ -163,8 +166,8 @@ def test_on_a_lattice_they_are_products_of_linear_functions(d):
     assert abs(together @ mesh.circumcenters - x).max() < 1e-14
 
 
-def test_a_lattice_turned_and_moved_is_the_same():
-    """Where circumcentres coincide to rounding only."""
+def test_weights_on_a_lattice_are_invariant_under_rigid_motions():
+    """In the moved lattice circumcentres coincide only up to rounding."""
     flat = kuhn(3, 3)
     q, _ = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))
     for offset in (0.0, 100.0):
@@ -177,7 +180,10 @@ def test_a_lattice_turned_and_moved_is_the_same():
 
 
 def test_the_cell_of_the_face_centred_lattice_has_corners_of_four_faces():
-    """The slides call Voronoi cells simple; the rhombic dodecahedron is one, and is not."""
+    """The slides call Voronoi cells simple.
+
+    The rhombic dodecahedron is a Voronoi cell and is not simple.
+    """
     for corners in (RHOMBIC_DODECAHEDRON, PYRAMID):
         cell = voronoi_cell(corners)
         assert abs(cell.points - corners).max() < 1e-13
@@ -190,12 +196,15 @@ def test_the_cell_of_the_face_centred_lattice_has_corners_of_four_faces():
     assert max(len(c) for c in cell.cells) == 2
 
 
-def test_points_on_a_circle_make_one_corner():
-    """Four triangles with one circumcentre: the corner keeps its two outer faces, and all cells."""
+def test_cocircular_points_give_one_corner():
+    """Four triangles have one circumcentre.
+
+    The merged corner keeps its two outer faces and all four cells.
+    """
     angle = np.deg2rad([-120, -60, 0, 60, 120])
     arc = np.stack([1 + np.cos(angle), np.sin(angle)], axis=1)
-    rim = np.vstack([arc, [[-1.0, 1.5], [-1.25, -1.5]]])
-    mesh = SimplexMesh(np.vstack([[0, 0], rim]), [[0, 1 + k, 1 + (k + 1) % 7] for k in range(7)])
+    ring = np.vstack([arc, [[-1.0, 1.5], [-1.25, -1.5]]])
+    mesh = SimplexMesh(np.vstack([[0, 0], ring]), [[0, 1 + k, 1 + (k + 1) % 7] for k in range(7)])
     cell = VoronoiCell(mesh, 0)
     assert [c.tolist() for c in cell.cells] == [[0, 1, 2, 3], [4], [5], [6]]
     assert abs(cell.points[0] - [1, 0]).max() < 1e-15
@@ -206,12 +215,12 @@ def test_points_on_a_circle_make_one_corner():
     assert abs(per_corner(together, cell) - full.weights(x)).max() < 1e-13
 
 
-# --- many at once -------------------------------------------------------------------------------
+# --- many cells at once -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_many_at_once_are_one_at_a_time(d):
-    """At the vertices, about them, at corners and outside."""
+def test_voronoi_weights_equal_those_of_single_cells(d):
+    """Queries are vertices, points near them, corners of cells and points outside."""
     mesh = random_mesh(d)
     vertices, queries, expected = [], [], []
     rng = np.random.default_rng(6)
@@ -232,8 +241,8 @@ def test_many_at_once_are_one_at_a_time(d):
     assert abs(h.toarray() - expected[order]).max() < 1e-9
 
 
-def test_one_vertex_serves_all_queries_and_leading_axes_are_flattened():
-    """As in the weights of a method."""
+def test_one_vertex_may_be_given_for_all_queries():
+    """Leading axes of the queries are flattened, as in the weights of a method."""
     mesh = random_mesh(2)
     i = int(inner(mesh)[0])
     x = mesh.points[i] + np.zeros((2, 3, 2))
@@ -245,8 +254,8 @@ def test_one_vertex_serves_all_queries_and_leading_axes_are_flattened():
 
 @settings(max_examples=25)
 @given(st.integers(0, 2**32), st.sampled_from([2, 3]), st.sampled_from([1e-120, 1.0, 1e120]))
-def test_random_meshes(seed, d, unit):
-    """Positions come back from positive weights inside the cells, in any unit."""
+def test_weights_on_random_meshes_are_positive_with_linear_precision(seed, d, unit):
+    """The queries are interior vertices, in three units of length."""
     rng = np.random.default_rng(seed)
     mesh = SimplexMesh.delaunay(rng.random((40, d)) * unit)
     vertices = inner(mesh)
@@ -259,8 +268,8 @@ def test_random_meshes(seed, d, unit):
 # --- refusals -----------------------------------------------------------------------------------
 
 
-def test_open_cells_and_what_is_no_vertex_are_refused():
-    """By number."""
+def test_open_cells_and_invalid_vertices_are_refused():
+    """The message has the index of the vertex."""
     mesh = SimplexMesh(
         np.vstack([star(HEXAGON).points, [[9.0, 9.0]]]), star(HEXAGON).cells
     )  # one point that no cell has
@@ -284,8 +293,11 @@ def test_open_cells_and_what_is_no_vertex_are_refused():
         voronoi_weights(mesh, 0, np.zeros((3, 3)))
 
 
-def test_boundary_fans_lose_linear_fields():
-    """Why open cells are refused: the formula gives weights of sum one, and positions do not."""
+def test_the_formula_at_boundary_vertices_loses_linear_precision():
+    """There the weights sum to 1 but do not reproduce positions.
+
+    Therefore open cells are refused.
+    """
     mesh = random_mesh(2)
     worst = 0.0
     for i in np.flatnonzero(mesh.boundary_vertices):
@@ -299,7 +311,7 @@ def test_boundary_fans_lose_linear_fields():
 
 
 def test_poles_outside_are_refused():
-    """As those of the coordinates they are."""
+    """The poles are those of the barycentric coordinates."""
     square = np.array([[0.0, 0], [2, 0], [3, 2], [0, 1]])
     with pytest.raises(
         np.linalg.LinAlgError, match=r"no value at \(-1.5, -2\): the weights of the"

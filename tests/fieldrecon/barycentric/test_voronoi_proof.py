@@ -1,7 +1,8 @@
-"""The weights of the Voronoi coordinates, proved with symbols instead of numbers.
+"""Symbolic proofs of the formula for the weights of Voronoi coordinates.
 
-x_i is the origin: all formulas are of differences. Lengths and volumes are positive, so formulas
-that hold for their squares hold; squares have no roots and no absolute values.
+The vertex x_i is the origin, because all formulas contain differences only. Lengths and volumes are
+positive, so an equation holds if it holds for the squares, and squares need neither roots nor
+absolute values.
 """
 
 import math
@@ -16,7 +17,7 @@ HALF = sp.Rational(1, 2)
 
 @cache
 def simplex(d):
-    """Edges x_b - x_i of a generic simplex, the rows; a generic query x; a generic point p."""
+    """Edges x_b - x_i of a generic simplex as rows, a generic query x, and a generic point p."""
     edges = sp.Matrix(d, d, lambda b, k: sp.Symbol(f"e{b}{k}", real=True))
     x, p = (sp.Matrix([sp.Symbol(f"{name}{k}", real=True) for k in range(d)]) for name in "xp")
     return edges, x, p
@@ -28,7 +29,7 @@ def squared_lengths(edges):
 
 @cache
 def squared_volume(d):
-    """Of the simplex, from the distances of its corners alone, by Cayley and Menger."""
+    """The squared volume of the simplex from its edge lengths: the Cayley-Menger determinant."""
     edges = simplex(d)[0]
     corners = sp.Matrix.vstack(sp.zeros(1, d), edges)
     n = d + 1
@@ -48,7 +49,7 @@ def volume_of_normals(edges):
 
 
 def circumcenter(edges):
-    """Where the bisectors of the edges at x_i meet, by Cramer's rule."""
+    """The intersection of the perpendicular bisectors of the edges at x_i, by Cramer's rule."""
     right = sp.Matrix([square / 2 for square in squared_lengths(edges)])
     return edges.adjugate() * right / edges.det(method="berkowitz")
 
@@ -57,7 +58,7 @@ def vanishes(expression):
     return sp.expand(sp.fraction(sp.together(expression))[0]) == 0
 
 
-# --- the claims, each as what must vanish -------------------------------------------------------
+# --- claims: expressions that must vanish -------------------------------------------------------
 
 
 def volume_claim(d, factor=None, power=1):
@@ -99,7 +100,7 @@ def circumcenter_claim(d):
 
 
 def precision_claim(d, shift=0):
-    """sum_a V_a prod_{b not in a} h_b (p_a - x) = 0 round a vertex with d + 1 neighbours."""
+    """sum_a V_a prod_{b not in a} h_b (p_a - x) = 0 for a vertex with d + 1 neighbours."""
     x = simplex(d)[1]
     spokes = sp.Matrix(d + 1, d, lambda b, k: sp.Symbol(f"e{b}{k}", real=True))
     total = sp.zeros(d, 1)
@@ -115,7 +116,7 @@ def precision_claim(d, shift=0):
     return sum(sp.Symbol(f"t{k}") * total[k] for k in range(d))
 
 
-# --- they hold, and their neighbours do not -----------------------------------------------------
+# --- proofs, and refutations of similar claims --------------------------------------------------
 
 
 CLAIMS = [volume_claim, weight_claim, circumcenter_claim, height_claim, precision_claim]
@@ -124,8 +125,8 @@ PROOFS = [(claim, d) for claim in CLAIMS for d in DIMENSIONS]
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("claim", "d"), PROOFS)
-def test_the_weights_are_proved(claim, d):
-    """For every simplex, every point inside or outside, and every orientation."""
+def test_the_claims_are_proved(claim, d):
+    """They hold for every simplex, every point inside or outside, and every orientation."""
     assert vanishes(claim(d))
 
 
@@ -141,6 +142,5 @@ def test_the_weights_are_proved(claim, d):
     ],
     ids=["without D!", "squares of lengths", "unit normals kept", "whole squares", "heights moved"],
 )
-def test_a_formula_a_little_different_is_refuted(mutant, d):
-    """What is proved is not true of everything."""
+def test_similar_formulas_are_refuted(mutant, d):
     assert not vanishes(mutant(d))

@@ -1,4 +1,4 @@
-"""Point sets fill the cube as promised; functions and their gradients are exact."""
+"""Synthetic data: point sets have their stated distributions; functions have exact gradients."""
 
 import math
 
@@ -20,7 +20,7 @@ from fieldrecon.datasets.synthetic import (
 )
 
 EXACT = 1e-12
-# Of the sixth-order difference quotient below, for functions with derivatives like Franke's.
+# Error of the sixth-order difference quotient below, for derivatives of the size of Franke's.
 DIFFERENCE = 1e-8
 
 POINT_SETS = {
@@ -32,7 +32,7 @@ POINT_SETS = {
 
 
 def difference_quotient(f, x, step=1e-3):
-    """Return the gradient by central differences of order six."""
+    """The gradient by central differences of order six."""
     columns = []
     for axis in np.eye(x.shape[-1]):
         by = {k: f(x + k * step * axis) - f(x - k * step * axis) for k in (1, 2, 3)}
@@ -41,7 +41,7 @@ def difference_quotient(f, x, step=1e-3):
 
 
 def radical_inverse(i, base):
-    """Mirror the digits of i at the point, one after the other."""
+    """The number whose digits after the point are those of i in reverse order."""
     mirrored, weight = 0.0, 1.0
     while i:
         i, digit = divmod(i, base)
@@ -52,7 +52,7 @@ def radical_inverse(i, base):
 
 @pytest.mark.parametrize("draw", POINT_SETS.values(), ids=POINT_SETS)
 def test_a_seed_determines_the_points(draw):
-    """The same seed gives the same points and another seed gives others, all in the cube."""
+    """Equal seeds give equal points and other seeds other points, all in the unit cube."""
     points = draw(5)
     assert np.array_equal(points, draw(5))
     assert not np.array_equal(points, draw(6))
@@ -61,36 +61,36 @@ def test_a_seed_determines_the_points(draw):
 
 
 @pytest.mark.parametrize("draw", POINT_SETS.values(), ids=POINT_SETS)
-def test_a_generator_may_stand_for_the_seed(draw):
-    """A generator made from a seed draws the same points, and then others."""
+def test_the_seed_may_be_a_generator(draw):
+    """A generator made from a seed first draws the same points, and then other points."""
     rng = np.random.default_rng(5)
     first = draw(rng)
     assert np.array_equal(first, draw(5))
     assert not np.array_equal(first, draw(rng))
 
 
-def test_halton_mirrors_digits():
-    """Coordinate k of point i is the radical inverse of i in the k-th prime, written out."""
+def test_halton_points_are_radical_inverses():
+    """Coordinate k of point i is the radical inverse of i in the k-th prime."""
     literal = [[radical_inverse(i, prime) for prime in (2, 3, 5)] for i in range(200)]
     np.testing.assert_allclose(halton(200, 3), literal, atol=EXACT)
 
 
-def test_halton_fills_better_than_chance():
-    """The centred discrepancy of a Halton sequence is a fraction of that of random points."""
+def test_halton_points_have_low_discrepancy():
+    """Their centred discrepancy is less than a fifth of that of random points."""
     assert qmc.discrepancy(halton(256, 2)) < 0.2 * qmc.discrepancy(uniform(256, 2, seed=0))
 
 
 @given(side=st.integers(1, 7), d=st.integers(1, 3), jitter=st.floats(0, 1), seed=st.integers(0, 99))
 def test_a_jittered_grid_has_one_point_in_each_cell(side, d, jitter, seed):
-    """Each cell holds one point, within the part of the cell that the jitter leaves to it."""
+    """The distance to the centre of the cell is at most half the jitter in each coordinate."""
     points = jittered_grid(side, d, jitter, seed) * side
     cells = np.floor(points)
     assert len(np.unique(cells, axis=0)) == side**d == len(points)
     assert np.all(np.abs(points - cells - 0.5) <= jitter / 2 + EXACT)
 
 
-def test_clusters_crowd():
-    """Points in clusters lie nearer to each other than points drawn uniformly."""
+def test_clustered_points_are_closer_than_uniform_points():
+    """The median distance to the nearest neighbour is less than 0.3 of that of uniform points."""
 
     def nearest(points):
         return np.median(cKDTree(points).query(points, k=2)[0][:, 1])
@@ -112,7 +112,7 @@ def test_clusters_crowd():
         (lambda: franke([1.0, 2.0, 3.0]), "x must have 2 coordinates per point"),
     ],
 )
-def test_a_wrong_request_is_told_in_words(call, words):
+def test_invalid_arguments_are_refused(call, words):
     """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call()
@@ -128,15 +128,15 @@ def test_gradients_are_exact(field):
     np.testing.assert_allclose(gradient, difference_quotient(field, x), atol=DIFFERENCE * scale)
 
 
-def test_the_ruler_for_gradients_sees_a_wrong_one():
-    """A gradient off by a millionth is told from the exact one."""
+def test_the_difference_quotient_detects_a_wrong_gradient():
+    """A relative error of 1e-6 in the gradient exceeds the tolerance of the test above tenfold."""
     x = uniform(40, 2, seed=1)
     wrong = franke.gradient(x) * (1 + 1e-6)
     assert np.abs(wrong - difference_quotient(franke, x)).max() > 10 * DIFFERENCE
 
 
 def test_fields_take_points_of_any_shape():
-    """Points (..., d) give values (...) and gradients (..., d), in any dimension for the power."""
+    """Points (..., d) give values (...) and gradients (..., d); powers of the sum take any d."""
     x = uniform(24, 2, seed=2).reshape(2, 3, 4, 2)
     assert franke(x).shape == (2, 3, 4)
     assert franke.gradient(x).shape == x.shape
@@ -144,15 +144,18 @@ def test_fields_take_points_of_any_shape():
     assert power_of_sum(2).gradient([0.5]).tolist() == [1.0]
 
 
-def test_the_power_of_the_sum_by_hand():
-    """(0.25 + 0.5)³ = 27/64, each derivative 3 · (3/4)² = 27/16; the power 0 is 1, and flat."""
+def test_the_power_of_the_sum_equals_the_computation_by_hand():
+    """(0.25 + 0.5)³ = 27/64, and each derivative is 3 · (3/4)² = 27/16.
+
+    The power 0 is 1 with derivative 0.
+    """
     assert power_of_sum(3)([0.25, 0.5]) == 27 / 64
     assert power_of_sum(3).gradient([0.25, 0.5]).tolist() == [27 / 16, 27 / 16]
     assert power_of_sum(0)([0.0, 0.0]) == 1
     assert power_of_sum(0).gradient([0.0, 0.0]).tolist() == [0, 0]
 
 
-def test_franke_at_the_origin_by_hand():
+def test_franke_at_the_origin_equals_the_computation_by_hand():
     """At the origin the four exponents are −2, −1/49 − 1/10, −58/4 and −65."""
     by_hand = (
         0.75 * math.exp(-2)
@@ -164,7 +167,7 @@ def test_franke_at_the_origin_by_hand():
 
 
 def test_franke_has_its_published_integral():
-    """The integral over the square is the one that the authors of Padua2DM publish.
+    """The integral over the unit square is published by the authors of Padua2DM.
 
     Caliari, De Marchi, Sommariva, Vianello, Padua2DM: fast interpolation and cubature at the Padua
     points in Matlab/Octave, Numerical Algorithms 56 (2011): 4.06969589491556e-01.
@@ -174,6 +177,5 @@ def test_franke_has_its_published_integral():
     assert weights @ franke(x) @ weights / 4 == pytest.approx(4.06969589491556e-01, abs=1e-14)
 
 
-def test_every_public_name_is_there():
-    """What the module promises it has."""
+def test_all_names_in_all_exist():
     assert all(hasattr(datasets, name) for name in datasets.__all__)

@@ -1,4 +1,4 @@
-"""The terrain lies where its mountains are, and isolines lie on their levels."""
+"""The elevation data: georeference, order of points and heights, and points on isolines."""
 
 import importlib.util
 
@@ -11,7 +11,7 @@ from fieldrecon.datasets import elevation as elevation
 from fieldrecon.datasets.elevation import Terrain, terrain
 
 EXACT = 1e-9
-# Of the file: west edge of the first column, north edge of the first row, size of a cell.
+# In the file: west edge of the first column, north edge of the first row, size of a cell.
 WEST, NORTH, DEGREES = -84.41375, 36.44625, 1 / 1200
 
 
@@ -21,17 +21,17 @@ def land():
 
 
 def roof(rows=5, columns=7, slope=3.0):
-    """Heights that rise with x alone, by whole metres."""
+    """Heights that depend on x only and rise by a whole number of metres per column."""
     x, y = 10.0 * np.arange(columns), 20.0 * np.arange(rows)
     return Terrain(x, y, np.broadcast_to(slope * np.arange(columns), (rows, columns)).copy())
 
 
 def test_the_highest_cell_is_the_summit_of_cross_mountain(land):
-    """Its cell is that of the published summit: 36.19833° N, 84.23056° W, 1077 m.
+    """The highest cell contains the published summit: 36.19833° N, 84.23056° W, 1077 m.
 
-    Coordinates and height of the summit as in the gazetteer of the U.S. Geological Survey. The
-    tolerance is one cell; read upside down, or from the latitude that the file calls ymin, the
-    map has its summit 9 km or more from there.
+    Coordinates and height of the summit are from the gazetteer of the U.S. Geological Survey. The
+    tolerance is one cell. If the rows were read in reverse order, or from the latitude that the
+    file calls ymin, the summit would be at least 9 km from there.
     """
     row, column = np.unravel_index(land.height.argmax(), land.height.shape)
     row_from_north = len(land.y) - 1 - row
@@ -42,7 +42,7 @@ def test_the_highest_cell_is_the_summit_of_cross_mountain(land):
 
 
 def test_y_points_north(land):
-    """The Tennessee valley, the low land of the map, fills the south-east and not the north."""
+    """The Tennessee valley, the lowest part of the map, lies in the south-east."""
     rows, columns = land.height.shape
     south_east = land.height[: rows // 4, 3 * columns // 4 :]
     north_east = land.height[3 * rows // 4 :, 3 * columns // 4 :]
@@ -51,15 +51,18 @@ def test_y_points_north(land):
 
 
 def test_a_cell_has_the_size_of_three_seconds_of_arc(land):
-    """A degree at 36.3° N is 89.8 km along the parallel and 111.0 km along the meridian."""
+    """At 36.3° N a degree is 89.8 km along the parallel and 111.0 km along the meridian."""
     assert np.ptp(np.diff(land.x)) < EXACT
     assert np.ptp(np.diff(land.y)) < EXACT
     assert land.x[1] * 1.2 == pytest.approx(89.8, abs=0.05)
     assert land.y[1] * 1.2 == pytest.approx(111.0, abs=0.05)
 
 
-def test_degrees_of_the_ellipsoid():
-    """At the equator a degree of longitude is π a/180; at the pole, of latitude π a²/(180 b)."""
+def test_the_length_of_a_degree_is_exact_at_equator_and_pole():
+    """A degree of longitude at the equator is π a/180.
+
+    A degree of latitude at the pole is π a²/(180 b).
+    """
     a, b = 6378137.0, 6356752.314245
     at_equator, at_pole = elevation._metres_per_degree(0.0), elevation._metres_per_degree(90.0)
     assert at_equator == pytest.approx((np.pi * a / 180, np.pi * b**2 / a / 180), abs=1e-6)
@@ -67,7 +70,7 @@ def test_degrees_of_the_ellipsoid():
 
 
 def test_points_and_heights_are_in_the_same_order(land):
-    """Row k of the points is where entry k of the heights was taken."""
+    """Row k of the points is the location of entry k of the heights."""
     columns = len(land.x)
     k = 17 * columns + 5
     assert land.points.shape == (344 * 403, 2)
@@ -77,7 +80,7 @@ def test_points_and_heights_are_in_the_same_order(land):
 
 @pytest.mark.parametrize(("spacing", "apart"), [(10, 0), (25, 150.0), (50, 0)])
 def test_isolines_lie_on_their_levels(land, spacing, apart):
-    """The heights interpolated bilinearly, and so linearly along edges, give the level back."""
+    """Bilinear interpolation, which is linear along the grid edges, reproduces the level."""
     points, levels = land.isolines(spacing, apart)
     height = RegularGridInterpolator((land.y, land.x), land.height)
     np.testing.assert_allclose(height(points[:, ::-1]), levels, atol=EXACT)
@@ -85,26 +88,29 @@ def test_isolines_lie_on_their_levels(land, spacing, apart):
     assert len(np.unique(points, axis=0)) == len(points)
 
 
-def test_isolines_of_a_roof_by_hand():
-    """Heights 0, 3, 6, … cross the levels 0.5, 2.5, … at x = 10/3 of the level, in every row."""
+def test_isolines_of_a_roof_equal_the_computation_by_hand():
+    """The heights 0, 3, 6, … cross the level h at x = 10 h/3 in every row."""
     points, levels = roof().isolines(2)
     np.testing.assert_allclose(points[:, 0], levels * 10 / 3)
     assert sorted(set(levels)) == [0.5, 2.5, 4.5, 6.5, 8.5, 10.5, 12.5, 14.5, 16.5]
     assert len(points) == 5 * 9
 
 
-def test_isolines_turn_with_the_land():
-    """The isolines of the land with x and y exchanged are the isolines with x and y exchanged."""
+def test_isolines_commute_with_exchanging_x_and_y():
+    """The isolines of the transposed terrain are the isolines with x and y exchanged."""
     land = terrain()
     part = Terrain(land.x[:60], land.y[:50], land.height[:50, :60])
-    turned = Terrain(part.y, part.x, part.height.T)
-    (a, _), (b, _) = part.isolines(20), turned.isolines(20)
+    transposed = Terrain(part.y, part.x, part.height.T)
+    (a, _), (b, _) = part.isolines(20), transposed.isolines(20)
     np.testing.assert_allclose(a[np.lexsort(a.T)], b[:, ::-1][np.lexsort(b[:, ::-1].T)], atol=EXACT)
 
 
 @pytest.mark.slow
-def test_thinned_isolines_keep_their_distance_and_lose_nothing_more(land):
-    """Points of one level are as far apart as asked; each point left out has one that is nearer."""
+def test_thinned_isolines_are_a_maximal_set_of_distant_points(land):
+    """Points on one level are more than `apart` metres from each other.
+
+    Each removed point is within this distance of a remaining one.
+    """
     all_points, all_levels = land.isolines(100)
     points, levels = land.isolines(100, apart=500.0)
     for level in np.unique(all_levels):
@@ -123,14 +129,14 @@ def test_thinned_isolines_keep_their_distance_and_lose_nothing_more(land):
         ((10, -1.0), "apart must be zero or a positive number of metres; got -1.0"),
     ],
 )
-def test_a_wrong_spacing_is_told_in_words(arguments, words):
+def test_invalid_spacings_are_refused(arguments, words):
     """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         roof().isolines(*arguments)
 
 
-def test_without_matplotlib_the_remedy_is_told(monkeypatch):
-    """The terrain is a file of matplotlib's; without it, the message says what to install."""
+def test_without_matplotlib_the_install_command_is_shown(monkeypatch):
+    """The elevation data are a file of matplotlib."""
     monkeypatch.setattr(elevation, "find_spec", lambda _: None)
     with pytest.raises(
         ModuleNotFoundError, match=r"is a file of matplotlib.* extra 'pictures': pip install "
@@ -138,8 +144,8 @@ def test_without_matplotlib_the_remedy_is_told(monkeypatch):
         terrain()
 
 
-def test_a_matplotlib_without_samples_is_told(monkeypatch, tmp_path):
-    """Where the file is missing, the message names the place that was looked at."""
+def test_a_matplotlib_without_sample_data_is_reported(monkeypatch, tmp_path):
+    """The message names the missing file."""
     spec = importlib.util.find_spec("json")
     spec.submodule_search_locations = [str(tmp_path)]
     monkeypatch.setattr(elevation, "find_spec", lambda _: spec)

@@ -1,4 +1,4 @@
-"""The theory of conditionally positive definite kernels: each condition, and what fails without.
+"""Theory of conditionally positive definite kernels: each condition, and failure without it.
 
 References: Wendland, Scattered Data Approximation (2005), chapters 8 and 9; Micchelli (1986).
 """
@@ -38,7 +38,7 @@ ORDERS: list[Radial] = [
 
 
 def system(kernel: Radial, x: np.ndarray, degree: int) -> np.ndarray:
-    """The bordered matrix, in the monomials of 2x - 1."""
+    """The saddle-point matrix of kernel and polynomials, in monomials."""
     p = all_monomials(x, degree) if degree >= 0 else np.zeros((len(x), 0))
     zero = np.zeros((p.shape[1], p.shape[1]))
     return np.block([[kernel(cdist(x, x)), p], [p.T, zero]])
@@ -55,24 +55,27 @@ def inertia(h: np.ndarray) -> tuple[int, int, int]:
 
 
 @pytest.mark.parametrize("kernel", ORDERS, ids=repr)
-def test_the_system_has_n_positive_and_q_negative_eigenvalues(kernel):
-    """With polynomials of its order, and of one degree more, on unisolvent sites."""
+def test_the_saddle_point_matrix_has_n_positive_and_q_negative_eigenvalues(kernel):
+    """The sites are unisolvent; the polynomials have degree m - 1 or m for a kernel of order m."""
     for degree in (kernel.order - 1, kernel.order):
         q = system(kernel, SITES, degree).shape[0] - len(SITES)
         assert inertia(system(kernel, SITES, degree)) == (len(SITES), q, 0)
 
 
 @pytest.mark.parametrize("kernel", [k for k in ORDERS if k.order > 1], ids=repr)
-def test_with_too_low_a_degree_it_has_another_inertia(kernel):
-    """Some λ that annihilates the polynomials of degree m - 2 gives a negative form."""
+def test_too_low_a_degree_changes_the_inertia(kernel):
+    """Some λ that annihilates the polynomials of degree m - 2 has a negative quadratic form."""
     degree = kernel.order - 2
     q = system(kernel, SITES, degree).shape[0] - len(SITES)
     assert inertia(system(kernel, 3 * SITES, degree)) != (len(SITES), q, 0)
 
 
 @pytest.mark.parametrize("kernel", [polyharmonic(1), multiquadric(0.3)], ids=repr)
-def test_order_one_needs_no_constant_to_be_regular(kernel):
-    """One negative eigenvalue: n - 1 are positive on Σλ = 0, and the trace is not (Micchelli)."""
+def test_kernel_matrices_of_order_one_are_regular_without_the_constant(kernel):
+    """The form is positive on Σλ = 0, which gives n - 1 positive eigenvalues.
+
+    The trace is not positive, so one eigenvalue is negative (Micchelli).
+    """
     assert inertia(kernel(cdist(SITES, SITES))) == (len(SITES) - 1, 1, 0)
 
 
@@ -87,10 +90,11 @@ NOT_UNISOLVENT = {
 
 @pytest.mark.parametrize("sites", NOT_UNISOLVENT.values(), ids=NOT_UNISOLVENT)
 def test_a_solution_exists_without_unisolvency(sites):
-    """For all data: λ = Z (ZᵀAZ)⁻¹ Zᵀ f, and f - Aλ is in the range of P. It is not the only one.
+    """The system is solvable for all data, but the polynomial part is not unique.
 
-    λ is; what may be added is a polynomial that vanishes at the sites, and the field changes there
-    where nobody looked. The library asks for unisolvency, in words.
+    A solution is λ = Z (ZᵀAZ)⁻¹ Zᵀ f, because f - Aλ is in the range of P. λ is unique. Any
+    polynomial that vanishes at the sites may be added, and it changes the field between the sites.
+    Therefore the library requires unisolvent sites.
     """
     h = system(thin_plate_spline(), sites, 1)
     n, d = sites.shape
@@ -109,8 +113,8 @@ def test_a_solution_exists_without_unisolvency(sites):
         RBF(sites, thin_plate_spline())
 
 
-def test_sites_that_coincide_ask_for_equal_data():
-    """Two equal rows: solvable if and only if the two data are equal."""
+def test_coincident_sites_are_solvable_for_equal_data_only():
+    """With two equal rows the system is solvable if and only if the two data are equal."""
     sites = np.vstack([SITES[:6], SITES[:1]])
     h = system(thin_plate_spline(), sites, 1)
     data = np.cos(5 * sites[:, 0])
@@ -138,7 +142,7 @@ AS_FUNCTIONS_OF_THE_SQUARE = {
 
 
 def completely_monotone(f: sympy.Expr, derivatives: int = 6) -> bool:
-    """(-1)^j f^(j) ≥ 0 at a spread of s, for the first derivatives."""
+    """Whether (-1)^j f^(j) ≥ 0 at a few values of s, for the first derivatives."""
     where = [0.001, 0.4, 2.5, 10000.0]
     for j in range(derivatives):
         slope = sympy.lambdify(s, (-1) ** j * sympy.diff(f, s, j))
@@ -148,11 +152,11 @@ def completely_monotone(f: sympy.Expr, derivatives: int = 6) -> bool:
 
 
 @pytest.mark.parametrize("kernel", AS_FUNCTIONS_OF_THE_SQUARE, ids=repr)
-def test_the_order_is_the_first_monotone_derivative(kernel):
-    """Φ = φ(|·|²) has order m if (-1)^m φ^(m) is completely monotone, and m is the least such.
+def test_the_order_is_that_of_the_first_completely_monotone_derivative(kernel):
+    """Φ = φ(|·|²) has order m if (-1)^m φ^(m) is completely monotone, and m is minimal.
 
-    Side conditions are of degree m - 1. With degree m, as one may read the definition, r³ would
-    have order one, and its first derivative is not completely monotone.
+    The side conditions have degree m - 1. If they had degree m, as the definition may be misread,
+    r³ would have order one; but its first derivative is not completely monotone.
     """
     phi = AS_FUNCTIONS_OF_THE_SQUARE[kernel]
     assert_close(kernel(np.sqrt(2.5)), float(phi.subs(s, 2.5)), 1e-12)
@@ -160,8 +164,11 @@ def test_the_order_is_the_first_monotone_derivative(kernel):
     assert order == kernel.order
 
 
-def test_the_criterion_gives_semidefiniteness_only():
-    """φ(s) = -s passes for m = 1 and is singular: Σλλφ = 2|Σλx|². A polynomial must be excluded."""
+def test_complete_monotonicity_gives_semidefiniteness_only():
+    """φ(s) = -s satisfies the criterion for m = 1, but Σ λ_i λ_j φ = 2|Σ λ_i x_i|² can vanish.
+
+    Micchelli's theorem must exclude polynomials.
+    """
     assert completely_monotone(-sympy.diff(-s, s))
     x = SITES[:6]
     z = null_space(np.ones((1, 6)))
@@ -195,11 +202,14 @@ def transform(phi: Radial, d: int, w: float) -> float:
         (wendland(3, 1), 88.4, 94.8),
     ],
 )
-def test_wendland_s_transform_changes_sign_one_dimension_on(phi, positive_below, negative_at):
-    """Bochner: definite where the transform is not negative, in `dimensions` and no more.
+def test_wendland_transforms_are_positive_up_to_the_stated_dimension(
+    phi, positive_below, negative_at
+):
+    """By Bochner's theorem the function is positive definite where its transform is not negative.
 
-    The first negative frequency in one dimension more is real but may be so high that random
-    sites do not meet it; hence a refusal by dimension and not by trial.
+    This holds in `dimensions` variables and fails in one more. There the first frequency with a
+    negative transform may be so high that random sites do not detect it. Therefore the library
+    refuses by the dimension and not by a numerical test.
     """
     own = phi.dimensions
     waves = np.linspace(0.1, positive_below, 60)
@@ -211,8 +221,8 @@ def test_wendland_s_transform_changes_sign_one_dimension_on(phi, positive_below,
 
 @pytest.mark.parametrize("d", [1, 2, 3, 4, 5])
 @pytest.mark.parametrize("k", range(4))
-def test_wendland_s_functions_refuse_more_dimensions(d, k):
-    """Accepted in theirs, refused in one more, by name and number."""
+def test_wendland_functions_refuse_higher_dimensions(d, k):
+    """Points in `dimensions` variables are accepted, and points in one more are refused."""
     phi = wendland(d, k, 0.5)
     for variables in (phi.dimensions, phi.dimensions + 1):
         sites = np.random.default_rng(1).random((12, variables))

@@ -1,4 +1,4 @@
-"""Radial functions: closed forms, slopes, orders that are the smallest, and their mutants."""
+"""Radial functions: closed forms, slopes, minimal orders, extreme lengths, and mutants."""
 
 import itertools
 from collections.abc import Callable
@@ -33,7 +33,7 @@ CONTINUOUS = {name: k for name, k in RADIAL.items() if name != "ε = 0"}
 
 
 def named(x: object) -> str:
-    """The name of a test's parameter."""
+    """The id of a parameter."""
     return getattr(x, "__name__", repr(x))
 
 
@@ -74,15 +74,15 @@ CLOSED_FORMS: list[tuple[Radial, Callable[[np.ndarray], np.ndarray]]] = [
 
 
 @pytest.mark.parametrize(("kernel", "closed_form"), CLOSED_FORMS, ids=named)
-def test_values_are_those_of_the_books(kernel, closed_form):
-    """The formula as published, sign and scale included."""
+def test_values_equal_the_published_formulas(kernel, closed_form):
+    """Sign and scale are those of the publications."""
     r = np.linspace(0.01, 3.0, 200)
     size = np.abs(closed_form(r)).max()
     assert_close(kernel(r) / size, closed_form(r) / size, EXACT)
 
 
 def wendland_by_integrals(d: int, k: int) -> Polynomial:
-    """φ_(d,k) on [0, 1]: (1 - r)^l under k integrals ∫_r^1 t φ(t) dt (Wendland 2005, def. 9.11)."""
+    """φ_(d,k) on [0, 1]: k integrals ∫_r^1 t φ(t) dt of (1 - r)^l (Wendland 2005, def. 9.11)."""
     phi = Polynomial([1, -1]) ** (d // 2 + k + 1)
     for _ in range(k):
         antiderivative = (Polynomial([0, 1]) * phi).integ()
@@ -91,8 +91,8 @@ def wendland_by_integrals(d: int, k: int) -> Polynomial:
 
 
 @pytest.mark.parametrize(("d", "k"), [*itertools.product((1, 2, 3, 4, 5, 7), range(4))])
-def test_wendland_is_what_its_definition_integrates_to(d, k):
-    """In every dimension, not only those of the table."""
+def test_wendland_functions_equal_their_definition_by_integrals(d, k):
+    """This covers dimensions beyond those of table 9.1."""
     r = np.linspace(0, 1, 50)
     assert_close(wendland(d, k, 1.0)(r), wendland_by_integrals(d, k)(r), 1e-11)
 
@@ -100,8 +100,8 @@ def test_wendland_is_what_its_definition_integrates_to(d, k):
 # --- laws of radial functions ---------------------------------------------------------------------
 
 
-def the_slope_is_the_derivative(kernel: Radial) -> None:
-    """φ'(r)/r, by central differences of order six."""
+def the_slope_times_r_is_the_derivative(kernel: Radial) -> None:
+    """slope(r) must be φ'(r)/r, compared with central differences of order six."""
     r = RADII[(RADII > 1e-3) & (np.abs(RADII - kernel.support) > 0.02)]
     h = 2e-4 * np.minimum(r, 1)
     by = {k: kernel(r + k * h) - kernel(r - k * h) for k in (1, 2, 3)}
@@ -110,16 +110,16 @@ def the_slope_is_the_derivative(kernel: Radial) -> None:
     assert_close(kernel.slope(r) * r / size, derivative / size, DIFFERENCE)
 
 
-def squares_agree(kernel: Radial) -> None:
-    """of_squared(r²) and slope_of_squared(r²) are the same functions; shapes stay."""
+def functions_of_the_square_agree_with_those_of_the_distance(kernel: Radial) -> None:
+    """of_squared(r²) and slope_of_squared(r²) must equal φ(r) and φ'(r)/r, and keep the shape."""
     for f, g in ((kernel, kernel.of_squared), (kernel.slope, kernel.slope_of_squared)):
         assert_close(f(RADII), g(RADII**2), 0.0)
         assert f(RADII.reshape(2, -1)).shape == (2, len(RADII) // 2)
         assert np.ndim(f(0.5)) == 0
 
 
-def it_vanishes_beyond_its_support(kernel: Radial) -> None:
-    """And only there."""
+def the_function_vanishes_exactly_beyond_its_support(kernel: Radial) -> None:
+    """Value and slope must be zero for r ≥ support, and the value positive for r < support."""
     outside = kernel.support <= RADII
     assert (kernel(RADII)[outside] == 0).all()
     assert (kernel.slope(RADII)[outside] == 0).all()
@@ -128,16 +128,19 @@ def it_vanishes_beyond_its_support(kernel: Radial) -> None:
         assert float(kernel(kernel.support)) == 0.0
 
 
-def it_has_a_gradient_at_the_origin_if_and_only_if_it_says_so(kernel: Radial) -> None:
-    """φ'(r) tends to zero with r, or it does not; at r = 0 the slope is a number."""
+def the_function_is_differentiable_at_the_origin_if_and_only_if_declared(kernel: Radial) -> None:
+    """`differentiable` must be true if and only if φ'(r) → 0 for r → 0.
+
+    The slope at 0 must be finite.
+    """
     r = np.array([1e-40])
     steep = abs(float((kernel.slope(r) * r)[0])) > 1e-3 * max(1.0, abs(float(kernel(1.0))))
     assert kernel.differentiable != steep
     assert np.isfinite(kernel.slope(0.0))
 
 
-def units_change_it_by_a_power(kernel: Radial) -> None:
-    """φ(r) = h^k φ_h(r/h) on λ that annihilate the polynomials, k the homogeneity."""
+def a_change_of_unit_multiplies_the_form_by_a_power(kernel: Radial) -> None:
+    """φ(r) = h^k φ_h(r/h) must hold on λ that annihilate the polynomials; k is `homogeneity`."""
     x = np.random.default_rng(1).random((12, 2))
     h = 2.0**-3
     z = null_space(x, kernel.order - 1)
@@ -152,8 +155,8 @@ def null_space(x: np.ndarray, degree: int) -> np.ndarray:
     return np.linalg.qr(b, mode="complete")[0][:, b.shape[1] :]
 
 
-def lowest(kernel: Radial, d: int, degree: int) -> float:
-    """Least eigenvalue of the quadratic form on the complement of the polynomials."""
+def lowest_eigenvalue(kernel: Radial, d: int, degree: int) -> float:
+    """Least eigenvalue of the quadratic form on the orthogonal complement of the polynomials."""
     worst = np.inf
     for seed in range(4):
         x = 3 * np.random.default_rng(seed).random((dimension(d, degree) + 11, d))
@@ -162,34 +165,33 @@ def lowest(kernel: Radial, d: int, degree: int) -> float:
     return worst
 
 
-def its_form_is_positive_with_its_order(kernel: Radial) -> None:
-    """λᵀ A λ > 0 for λ orthogonal to the polynomials of degree order - 1."""
+def the_form_is_positive_definite_with_the_order(kernel: Radial) -> None:
+    """λᵀ A λ > 0 must hold for λ orthogonal to the polynomials of degree order - 1."""
     for d in (1, 2, 3):
         if d <= kernel.dimensions:
-            assert lowest(kernel, d, kernel.order - 1) > -1e-11
+            assert lowest_eigenvalue(kernel, d, kernel.order - 1) > -1e-11
 
 
-def its_order_is_the_smallest(kernel: Radial) -> None:
-    """With one degree less, some λ makes the form negative."""
+def the_order_is_minimal(kernel: Radial) -> None:
+    """With one degree less, some λ must make the form negative."""
     if kernel.order > 0:
         for d in (1, 2, 3):
-            assert lowest(kernel, d, kernel.order - 2) < -1e-3
+            assert lowest_eigenvalue(kernel, d, kernel.order - 2) < -1e-3
 
 
 RADIAL_LAWS = [
-    the_slope_is_the_derivative,
-    squares_agree,
-    it_vanishes_beyond_its_support,
-    it_has_a_gradient_at_the_origin_if_and_only_if_it_says_so,
-    units_change_it_by_a_power,
-    its_form_is_positive_with_its_order,
-    its_order_is_the_smallest,
+    the_slope_times_r_is_the_derivative,
+    functions_of_the_square_agree_with_those_of_the_distance,
+    the_function_vanishes_exactly_beyond_its_support,
+    the_function_is_differentiable_at_the_origin_if_and_only_if_declared,
+    a_change_of_unit_multiplies_the_form_by_a_power,
+    the_form_is_positive_definite_with_the_order,
+    the_order_is_minimal,
 ]
 
 
 @pytest.mark.parametrize("name", CONTINUOUS)
 def test_every_radial_function_obeys_the_laws(name):
-    """They hold for the function as it declares itself."""
     assert_obeyed(RADIAL_LAWS, CONTINUOUS[name], name)
 
 
@@ -198,7 +200,7 @@ def test_every_radial_function_obeys_the_laws(name):
 
 @dataclass(frozen=True)
 class wrong_sign(polyharmonic):
-    """-r³: the sign of the power before."""
+    """-r³ instead of r³."""
 
     def of_squared(self, s):
         return -super().of_squared(s)
@@ -208,30 +210,30 @@ class wrong_sign(polyharmonic):
 
 
 @dataclass(frozen=True)
-class shy_order(multiquadric):
-    """Without the constant that it needs."""
+class order_too_low(multiquadric):
+    """A multiquadric without the constant polynomial that it needs."""
 
     order = 0
 
 
 @dataclass(frozen=True)
-class boastful_order(multiquadric):
-    """Asks for linear polynomials that it does not need."""
+class order_too_high(multiquadric):
+    """A multiquadric with linear polynomials that it does not need."""
 
     order = 2
 
 
 @dataclass(frozen=True)
 class derivative_for_slope(gaussian):
-    """φ'(r) where φ'(r)/r is wanted."""
+    """φ'(r) instead of φ'(r)/r."""
 
     def slope_of_squared(self, s):
         return super().slope_of_squared(s) * np.sqrt(s)
 
 
 @dataclass(frozen=True)
-class slope_of_distance(gaussian):
-    """Takes the square for the distance."""
+class slope_of_fourth_power(gaussian):
+    """A Gaussian whose slope squares r²."""
 
     def slope_of_squared(self, s):
         return super().slope_of_squared(s**2)
@@ -241,8 +243,8 @@ class slope_of_distance(gaussian):
 
 
 @dataclass(frozen=True)
-class endless(wendland):
-    """Without the cut at the radius: an even power comes back up."""
+class unbounded_support(wendland):
+    """A Wendland function that does not vanish beyond the radius."""
 
     def of_squared(self, s):
         return (1 - np.sqrt(s)) ** 4 * (4 * np.sqrt(s) + 1)
@@ -250,50 +252,50 @@ class endless(wendland):
 
 @dataclass(frozen=True)
 class smooth_cone(polyharmonic):
-    """Claims a gradient at the tip of -r."""
+    """-r with the wrong claim that it has a gradient at the origin."""
 
     differentiable = True
 
 
 @dataclass(frozen=True)
 class unit_forgotten(gaussian):
-    """Does not scale its length."""
+    """A Gaussian that does not scale its length."""
 
     def in_units(self, h):  # noqa: ARG002
         return self
 
 
 RADIAL_MUTANTS = {
-    the_slope_is_the_derivative: derivative_for_slope(0.5),
-    squares_agree: slope_of_distance(0.5),
-    it_vanishes_beyond_its_support: endless(3, 1, 1.0),
-    it_has_a_gradient_at_the_origin_if_and_only_if_it_says_so: smooth_cone(1),
-    units_change_it_by_a_power: unit_forgotten(0.5),
-    its_form_is_positive_with_its_order: wrong_sign(3),
-    its_order_is_the_smallest: boastful_order(0.5),
+    the_slope_times_r_is_the_derivative: derivative_for_slope(0.5),
+    functions_of_the_square_agree_with_those_of_the_distance: slope_of_fourth_power(0.5),
+    the_function_vanishes_exactly_beyond_its_support: unbounded_support(3, 1, 1.0),
+    the_function_is_differentiable_at_the_origin_if_and_only_if_declared: smooth_cone(1),
+    a_change_of_unit_multiplies_the_form_by_a_power: unit_forgotten(0.5),
+    the_form_is_positive_definite_with_the_order: wrong_sign(3),
+    the_order_is_minimal: order_too_high(0.5),
 }
 
 
 @pytest.mark.parametrize(("law", "mutant"), [*RADIAL_MUTANTS.items()], ids=named)
 def test_the_law_catches_the_mutant(law, mutant):
-    """A wrong radial function breaks the law that is about its mistake."""
+    """A wrong radial function violates the law that it was written for."""
     with pytest.raises(AssertionError):
         law(mutant)
 
 
-def test_every_law_has_been_seen_to_fail():
-    """And the declaration of too low an order is caught as well."""
+def test_every_law_has_a_mutant():
+    """A declared order that is too low is detected as well."""
     assert list(RADIAL_MUTANTS) == RADIAL_LAWS
     with pytest.raises(AssertionError):
-        its_form_is_positive_with_its_order(shy_order(0.5))
+        the_form_is_positive_definite_with_the_order(order_too_low(0.5))
 
 
-# --- at the ends of the range ---------------------------------------------------------------------
+# --- extreme distances and lengths ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kernel", [*CONTINUOUS.values()], ids=[*CONTINUOUS])
-def test_values_are_numbers_from_the_smallest_distance_on(kernel):
-    """Also at r = 1e-300, where the square vanishes, and at zero it is the limit."""
+def test_values_are_finite_and_continuous_for_tiny_distances(kernel):
+    """At r = 1e-300, where r² underflows, and at zero the value is the limit."""
     r = np.array([0.0, 1e-300, 1e-200, 1e-100, 1e-20])
     assert np.isfinite(kernel(r)).all()
     assert np.isfinite(kernel.slope(r)).all()
@@ -313,7 +315,7 @@ def test_values_are_numbers_from_the_smallest_distance_on(kernel):
 )
 @pytest.mark.parametrize("scale", [1e-140, 1e140])
 def test_lengths_may_be_of_any_size(make, scale):
-    """φ depends on r/scale alone, but for the dimension of 1/(r² + ε²)."""
+    """φ depends on r/scale only, up to a power of the scale for 1/(r² + ε²)."""
     r = np.array([0.0, 0.3, 0.9])
     power = scale ** make(1.0).homogeneity
     assert_close(make(scale)(r * scale) / power, make(1.0)(r), 1e-12)
@@ -321,15 +323,15 @@ def test_lengths_may_be_of_any_size(make, scale):
 
 @pytest.mark.parametrize("scale", [1e-300, 1e-200, 1e200, 1e300])
 @pytest.mark.parametrize("make", [gaussian, multiquadric, inverse_multiquadric, inverse_square])
-def test_no_length_stops_the_program(make, scale):
-    """Squares that leave the range of numbers give limits, not Python's own overflow."""
+def test_extreme_lengths_give_limits(make, scale):
+    """Where squares overflow or underflow, values are limits. No OverflowError is raised."""
     with np.errstate(all="ignore"):
         assert not np.isnan(make(scale)(np.array([0.5, 1.0]))).any()
         make(scale).slope(np.array([0.5, 1.0]))
 
 
-def test_far_away_compact_functions_vanish():
-    """Where r² exceeds all numbers, too."""
+def test_compact_functions_vanish_at_huge_distances():
+    """Value and slope are zero, also where r² overflows."""
     with np.errstate(over="ignore"):
         assert float(wendland(3, 2, 1.0)(1e200)) == 0.0
         assert float(wendland(3, 2, 1.0).slope(1e200)) == 0.0
@@ -352,51 +354,49 @@ NO_LENGTH = [0, -1, np.nan, np.inf, "0.1", None, True, 1j, np.array([0.1]), 10**
         (lambda b: wendland(3, 1, b), "radius"),
     ],
 )
-def test_what_is_no_length_is_refused(make, name, bad):
-    """By the name of the parameter, with what came."""
+def test_invalid_lengths_are_refused(make, name, bad):
+    """The message names the parameter and what came."""
     with pytest.raises(ValueError, match=f"{name} must be a positive number; got "):
         make(bad)
 
 
 @pytest.mark.parametrize("bad", NO_LENGTH[1:], ids=lambda b: repr(b)[:12])
-def test_epsilon_may_be_zero_but_not_less(bad):
-    """ε = 0 has its meaning, interpolation."""
+def test_epsilon_may_be_zero_but_not_negative(bad):
+    """ε = 0 makes moving least squares interpolate."""
     assert inverse_square(0).epsilon == 0.0
     with pytest.raises(ValueError, match="epsilon must be zero or a positive number; got "):
         inverse_square(bad)
 
 
 @pytest.mark.parametrize("bad", [0, -1, 1.5, True, "3", None])
-def test_powers_are_whole_and_positive(bad):
-    """r^k for k = 1, 2, ..."""
+def test_powers_must_be_positive_integers(bad):
     with pytest.raises(ValueError, match=r"k must be an integer, 1 or more; got "):
         polyharmonic(bad)
 
 
 @pytest.mark.parametrize("bad", [0, -1, 1.5, True, "3", None])
-def test_wendland_s_dimension_is_whole_and_positive(bad):
-    """R^d for d = 1, 2, ..."""
+def test_wendland_dimensions_must_be_positive_integers(bad):
     with pytest.raises(ValueError, match=r"d must be an integer, 1 or more; got "):
         wendland(bad, 1)
 
 
 @pytest.mark.parametrize("bad", [4, -1, 1.0, True, "1", None])
-def test_wendland_s_smoothness_is_one_of_four(bad):
-    """C^0, C^2, C^4 or C^6."""
+def test_wendland_smoothness_must_be_0_to_3(bad):
+    """The functions are C^0, C^2, C^4 or C^6."""
     with pytest.raises(ValueError, match="k must be 0, 1, 2 or 3; got "):
         wendland(3, bad)
 
 
-def test_numpy_numbers_are_numbers():
-    """float32 lengths become doubles, so that their squares keep their digits."""
+def test_numpy_scalars_are_accepted():
+    """Lengths in float32 become doubles, so that their squares have all digits."""
     assert type(gaussian(np.float32(0.1)).scale) is float
     assert type(inverse_square(np.int64(2)).epsilon) is float
     assert replace(wendland(np.int64(3), np.int64(1)), radius=2).radius == 2.0
     assert polyharmonic(np.int64(3)).order == 2
 
 
-def test_too_smooth_a_matern_is_refused():
-    """Beyond ν = 40 the Bessel functions leave the range of numbers near the origin."""
+def test_matern_with_too_large_nu_is_refused():
+    """For ν > 40 the Bessel functions overflow near the origin."""
     assert np.isfinite(matern(40, 1.0)(np.logspace(-12, 3, 100))).all()
     assert_close(matern(40, 1.0)(np.array([1e-9, 1e-8, 1e-7, 1e-6])), np.ones(4), 1e-13)
     with pytest.raises(ValueError, match=r"nu must be at most 40; got 41.*gaussian"):

@@ -1,4 +1,4 @@
-"""Means of blocks: affine fields pass, noise does not, and no sample counts twice."""
+"""Block means: affine fields are reproduced, noise is averaged, and every sample counts once."""
 
 import numpy as np
 import pytest
@@ -19,30 +19,33 @@ def affine(points):
 
 
 def affine_error(means, points):
-    """How far the means of an affine field are from the field at the mean points."""
-    places, values = means(points, affine(points), 60)
-    return np.abs(values - affine(places)).max()
+    """Largest error of the block means of an affine field at the mean points."""
+    centers, values = means(points, affine(points), 60)
+    return np.abs(values - affine(centers)).max()
 
 
 @pytest.mark.parametrize("name", CLOUDS)
-def test_affine_fields_pass(name):
-    """A mean of an affine field is the field at the mean point."""
+def test_block_means_reproduce_affine_fields(name):
+    """The mean of an affine field over a block is its value at the mean point of the block."""
     assert affine_error(block_means, CLOUDS[name]) < 1e-13
 
 
-def test_places_that_are_no_means_would_be_seen():
-    """With the middles of boxes in place of the mean points, an affine field does not pass."""
+def test_rounded_mean_points_do_not_reproduce_affine_fields():
+    """A mutant that rounds the mean points has an error above 1e-3, so the test above can fail."""
 
     def mutant(points, values, count):
-        places, means = block_means(points, values, count)
-        return places.round(1), means
+        centers, means = block_means(points, values, count)
+        return centers.round(1), means
 
     assert affine_error(mutant, CLOUDS["even"]) > 1e-3
 
 
 @pytest.mark.parametrize("count", [1, 7, 60, 999, 1000])
-def test_every_sample_counts_once(count):
-    """Of unit vectors as values, the means have the reciprocals of the blocks' sizes, once each."""
+def test_every_sample_belongs_to_exactly_one_block(count):
+    """For unit vectors as values, each row of means sums to one.
+
+    The sizes of the blocks differ by at most one.
+    """
     points = CLOUDS["even"]
     _, means = block_means(points, np.eye(1000), count)
     assert ((means > 0).sum(axis=0) == 1).all()
@@ -52,8 +55,8 @@ def test_every_sample_counts_once(count):
     assert count <= len(means) <= max(1.2 * count + 1, count)
 
 
-def test_noise_shrinks_by_the_root_of_the_block():
-    """Means of 25 errors of size one have a fifth of it."""
+def test_block_means_reduce_noise_by_the_square_root_of_the_block_size():
+    """The mean of 25 independent errors has a fifth of their standard deviation."""
     points = uniform(20_000, 2, seed=4)
     noise = np.random.default_rng(5).standard_normal(len(points))
     _, means = block_means(points, noise, 800)
@@ -61,17 +64,16 @@ def test_noise_shrinks_by_the_root_of_the_block():
     assert means.std() * np.sqrt(size) == pytest.approx(1.0, abs=0.1)
 
 
-def test_as_many_blocks_as_samples_change_nothing():
-    """Each sample is a block of its own, in another order."""
+def test_one_sample_per_block_reproduces_the_samples():
+    """Points and values are those of the samples, in another order."""
     points = CLOUDS["clusters"]
-    places, means = block_means(points, affine(points), len(points))
+    centers, means = block_means(points, affine(points), len(points))
     np.testing.assert_array_equal(np.sort(means), np.sort(affine(points)))
-    np.testing.assert_array_equal(np.unique(places, axis=0), np.unique(points, axis=0))
+    np.testing.assert_array_equal(np.unique(centers, axis=0), np.unique(points, axis=0))
 
 
 @pytest.mark.parametrize("count", [0, -1, 2.5, True])
-def test_a_count_that_is_none_is_refused(count):
-    """The number of blocks is a positive integer."""
+def test_a_count_that_is_not_a_positive_integer_is_refused(count):
     with pytest.raises(ValueError, match=r"count must be a positive integer; got"):
         block_means(CLOUDS["even"], np.zeros(1000), count)
 

@@ -1,4 +1,4 @@
-"""A cluster of processes gives the bits of one machine, though a worker is killed at work."""
+"""Evaluation on a Dask cluster: the same bits as on one machine, also if a worker is killed."""
 
 import os
 import signal
@@ -17,13 +17,13 @@ from fieldrecon.pipelines.cluster import Cluster, evaluated
 from laws import assert_close
 
 X, Q = halton(3000, 2), halton(4000, 2, seed=1)
-# what the servers have to say of a killed worker
+# the Dask servers log warnings about a killed worker
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
 @contextmanager
 def cluster(folder, **workers):
-    """A client of so many workers on this machine."""
+    """A client of a local cluster with these workers."""
     quiet = {"dashboard_address": None, "silence_logs": "CRITICAL"}
     with (
         LocalCluster(threads_per_worker=1, local_directory=folder, **quiet, **workers) as cluster,
@@ -33,7 +33,7 @@ def cluster(folder, **workers):
 
 
 class Recorded:
-    """Work that writes down who began it, and lets the first to come die."""
+    """Work that logs the process identifier of each call and kills the first process."""
 
     def __init__(self, work, log: Path) -> None:
         self.work, self.log = work, log
@@ -49,7 +49,7 @@ class Recorded:
 
 
 class Recording(Cluster):
-    """A cluster whose work is recorded."""
+    """A cluster that records its work."""
 
     log: Path
 
@@ -58,12 +58,12 @@ class Recording(Cluster):
 
 
 @pytest.mark.slow
-def test_the_fit_and_the_field_survive_the_death_of_a_worker(tmp_path, monkeypatch):
-    """Killed when it had begun, as its log says; others go on, and the bits are the same."""
+def test_fit_and_evaluation_survive_a_killed_worker(tmp_path, monkeypatch):
+    """A worker is killed after it has begun a chunk; other workers repeat it with the same bits."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)
     m = PartitionOfUnityRBF(X)
     here = m.field(franke(X))
-    with cluster(tmp_path, n_workers=3, processes=True) as client:  # each has a nurse
+    with cluster(tmp_path, n_workers=3, processes=True) as client:  # under supervision
         executor = Recording(client)
         executor.log = tmp_path / "fit"
         there = m.field(franke(X), executor=executor)
@@ -80,8 +80,8 @@ def test_the_fit_and_the_field_survive_the_death_of_a_worker(tmp_path, monkeypat
     assert_close(there.gradient(Q), here.gradient(Q), 0.0)
 
 
-def test_a_cluster_gives_the_bits_of_this_machine(tmp_path, monkeypatch):
-    """Here of two threads; the work reaches them as it reaches processes."""
+def test_a_cluster_of_threads_gives_the_same_bits(tmp_path, monkeypatch):
+    """The work is sent to the two workers in the same way as to processes."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)
     m = PartitionOfUnityRBF(X)
     here = m.field(franke(X))
@@ -91,7 +91,7 @@ def test_a_cluster_gives_the_bits_of_this_machine(tmp_path, monkeypatch):
 
 
 def test_queries_may_be_a_dask_array():
-    """Nothing is computed before it is asked for; chunks of rows stay."""
+    """The evaluation is lazy, and the result has the row chunks of the queries."""
     m = PartitionOfUnityRBF(X)
     for data in (franke(X), np.stack([franke(X), X[:, 0]], axis=1)):
         s = m.field(data)
@@ -102,7 +102,6 @@ def test_queries_may_be_a_dask_array():
 
 
 def test_queries_of_another_shape_are_refused():
-    """In words."""
     s = PartitionOfUnityRBF(X).field(franke(X))
     with pytest.raises(ValueError, match=r"x must have the shape \(m, 2\); got \(4000, 3\)"):
         evaluated(s, dask.array.zeros((4000, 3)))

@@ -1,4 +1,4 @@
-"""The commands as functions: a request gives the same result as the command, and reports stages."""
+"""The commands as functions: a request gives the result of the command and reports its stages."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from fieldrecon.solids.shapes import Ball, sample_surface
 
 
 def named(seen):
-    """Return what opens stages and appends their names to a list."""
+    """A factory of stages that appends the name of each stage to the list."""
 
     def stages(name):
         seen.append(name)
@@ -33,14 +33,14 @@ def named(seen):
         ({"samples": "a", "method": "kriging"}, "there is no method 'kriging'; there are best, "),
     ],
 )
-def test_a_request_is_validated(arguments, words):
-    """Before any file is read."""
+def test_invalid_requests_are_refused(arguments, words):
+    """No file is read before the check."""
     with pytest.raises(ValueError, match=words):
         SurveyRequest(**arguments)
 
 
-def test_a_survey_at_the_points_of_a_table(tmp_path):
-    """The stages in their order, the chosen method and the values at the targets."""
+def test_a_survey_is_evaluated_at_the_points_of_a_table(tmp_path):
+    """The result has the stages in order, the chosen method and the values at the targets."""
     points = fr.datasets.uniform(60, 2, seed=0)
     table, seen = tmp_path / "plane.csv", []
     rows = np.column_stack([points, points @ [1.0, 2.0]])
@@ -53,8 +53,8 @@ def test_a_survey_at_the_points_of_a_table(tmp_path):
     assert "0 of 60 points lie outside the convex hull of the samples." in survey.warnings
 
 
-def test_a_scan_and_the_audit_of_its_mesh(tmp_path):
-    """A ball is closed; its mesh without a triangle is repaired."""
+def test_a_scan_becomes_a_closed_mesh_and_a_damaged_mesh_is_repaired(tmp_path):
+    """The mesh of a ball is closed; after removal of one triangle the audit repairs it."""
     cloud = tmp_path / "ball.xyz"
     np.savetxt(cloud, sample_surface(Ball(1.0), 300, seed=1)[0])
     scan = reconstruct_scan(ScanRequest(cloud))

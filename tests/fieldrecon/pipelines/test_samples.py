@@ -1,4 +1,4 @@
-"""Samples are read from the tables people have, and a bad row is told by its line."""
+"""Tables of samples: formats and headers in use are read, and bad rows are reported by line."""
 
 import csv
 import sys
@@ -17,7 +17,7 @@ from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 
 @pytest.fixture
 def table(tmp_path):
-    """Write a text to a file and return its path."""
+    """A function that writes a text to a file and returns its path."""
 
     def write(text, encoding="utf-8"):
         path = tmp_path / "points.csv"
@@ -44,7 +44,7 @@ def table(tmp_path):
     ],
 )
 def test_columns_are_found_by_usual_names(table, text):
-    """Whatever separates the cells, in any order, with units, comments or without a header."""
+    """Separators, order of columns, units, comments and a missing header do not matter."""
     samples = read_samples(table(text))
     assert samples.points.tolist() == [[0, 1], [3, 4]]
     assert samples.values.tolist() == [2, 5]
@@ -52,7 +52,7 @@ def test_columns_are_found_by_usual_names(table, text):
 
 
 def test_columns_are_chosen_by_name(table):
-    """Named columns win over usual ones."""
+    """Requested columns take precedence over the usual names."""
     path = table("x,y,z,a,b\n0,1,2,3,4\n5,6,7,8,9\n")
     samples = read_samples(path, x="a", value="b")
     assert samples.names == ("a", "y", "b")
@@ -60,8 +60,8 @@ def test_columns_are_chosen_by_name(table):
     assert samples.values.tolist() == [4, 9]
 
 
-def test_points_in_space_have_a_third_column(table):
-    """Which is named; a z that was not read is told."""
+def test_points_in_space_need_the_option_z(table):
+    """Without --z a column z that was not read is reported."""
     path = table("x,y,z,value\n0,1,2,3\n4,5,6,7\n")
     samples = read_samples(path, z="z")
     assert samples.names == ("x", "y", "z", "value")
@@ -71,8 +71,8 @@ def test_points_in_space_have_a_third_column(table):
     assert read_samples(table("x,y,z,i\n0,1,2,3\n"), z="z").values.tolist() == [3]
 
 
-def test_repeated_points_bear_the_mean(table):
-    """A point given several times stands once, where it first stood, with the mean value."""
+def test_repeated_points_are_merged_to_their_mean_value(table):
+    """The merged point stays at its first position in the order of rows."""
     samples = read_samples(table("x,y,z\n5,5,1\n0,0,2\n5,5,4\n0,1,3\n5,5,4\n-0,0,2\n"))
     assert samples.points.tolist() == [[5, 5], [0, 0], [0, 1]]
     assert samples.values.tolist() == [3, 2, 3]
@@ -81,13 +81,13 @@ def test_repeated_points_bear_the_mean(table):
         "3 rows repeat a point; its value is the mean of the values given there, which differ at 1 "
         "point, by up to 3."
     ]
-    same = read_samples(table("x,y,z\n5,5,0.1\n5,5,0.1\n5,5,0.1\n0,0,2\n"))
-    assert same.values.tolist() == [0.1, 2]
-    assert same.warnings[0].endswith("which are the same.")
+    equal = read_samples(table("x,y,z\n5,5,0.1\n5,5,0.1\n5,5,0.1\n0,0,2\n"))
+    assert equal.values.tolist() == [0.1, 2]
+    assert equal.warnings[0].endswith("which are the same.")
 
 
-def test_on_the_globe_one_place_has_many_longitudes(table):
-    """Whole turns, and any longitude at a pole, are the same point."""
+def test_equivalent_longitudes_are_the_same_point(table):
+    """Longitudes differ by multiples of 360°; at a pole every longitude is the same point."""
     rows = "lon,lat,t\n190,10,1\n-170,10,3\n370.1,0,5\n10.1,0,5\n17,90,2\n-60,90,4\n180,0,1\n"
     samples = read_samples(table(rows), lonlat=True)
     assert samples.points.tolist() == [[-170, 10], [10.1, 0], [0, 90], [-180, 0]]
@@ -106,8 +106,8 @@ def test_on_the_globe_one_place_has_many_longitudes(table):
         ("east,north,t", 80, ""),
     ],
 )
-def test_degrees_taken_for_lengths_are_told(table, header, size, words):
-    """By the names of the columns, or by the range of the numbers."""
+def test_coordinates_that_look_like_degrees_are_reported(table, header, size, words):
+    """Degrees are recognized by the names of the columns or by the range of the numbers."""
     warnings = read_samples(table(f"{header}\n0,0,1\n{size},{size},2\n0,{size},2\n")).warnings
     assert words in " ".join(warnings)
     assert bool(warnings) == bool(words)
@@ -129,8 +129,8 @@ def test_degrees_taken_for_lengths_are_told(table, header, size, words):
         ("   ,  ,", "x must be a finite number; got ''"),
     ],
 )
-def test_a_bad_row_is_left_out_and_told(table, row, reason):
-    """With its line; the others stay. If strict, it stops."""
+def test_bad_rows_are_skipped_and_reported_by_line(table, row, reason):
+    """With strict=True, or if every row is bad, the first bad row raises an error."""
     path = table(f"# a\nx,y,z\n0,0,1\n\n{row}\n2,2,3\n")
     samples = read_samples(path)
     assert samples.points.tolist() == [[0, 0], [2, 2]]
@@ -143,8 +143,8 @@ def test_a_bad_row_is_left_out_and_told(table, row, reason):
         read_samples(table(f"x,y,z\n{row}\n"))
 
 
-def test_a_separator_in_quotes_separates_nothing(table):
-    """A row may have as many commas as the header, and one cell less."""
+def test_a_quoted_separator_does_not_split_a_cell(table):
+    """Such a row may have as many commas as the header but one cell less."""
     samples = read_samples(table('note,more,x,y,value\n"a,b",1,2,3\nc,d,4,5,6\n'))
     assert samples.points.tolist() == [[4, 5]]
     assert [(bad.line, bad.reason) for bad in samples.bad] == [
@@ -152,8 +152,8 @@ def test_a_separator_in_quotes_separates_nothing(table):
     ]
 
 
-def test_a_latitude_beyond_the_pole_is_a_bad_row(table):
-    """Only where degrees are meant."""
+def test_latitudes_beyond_the_poles_are_bad_rows(table):
+    """This holds only with lonlat=True."""
     path = table("lon,lat,t\n0,0,1\n10,95,1\n")
     assert read_samples(path).bad == ()
     assert read_samples(path, lonlat=True).bad == ((3, "lat must lie within ±90; got 95"),)
@@ -165,7 +165,7 @@ def test_a_latitude_beyond_the_pole_is_a_bad_row(table):
 
 
 def test_many_bad_rows_are_counted(table):
-    """The first are shown, all are kept."""
+    """The warning shows the first five; `bad` contains all of them."""
     samples = read_samples(table("x,y,z\n0,0,1\n" + "a,b,c\n" * 9))
     assert [bad.line for bad in samples.bad] == [*range(3, 12)]
     assert "9 rows skipped" in samples.warnings[0]
@@ -188,28 +188,27 @@ def test_many_bad_rows_are_counted(table):
         ("LASF\0\0\1\2", {}, r"is not a text: it holds bytes of zero"),
     ],
 )
-def test_a_bad_table_is_told_in_words(table, text, columns, words):
-    """With the columns that there are."""
+def test_bad_tables_are_refused(table, text, columns, words):
+    """The message lists the columns of the table."""
     with pytest.raises(ValueError, match=words):
         read_samples(table(text), **columns)
 
 
-def test_a_table_in_another_encoding_is_told(table):
-    """A file that is not UTF-8 is named as such."""
+def test_tables_in_another_encoding_are_refused(table):
     with pytest.raises(ValueError, match="is not a text in UTF-8"):
         read_samples(table("x,y,Höhe\n0,0,1\n", encoding="latin-1"))
 
 
-def test_numbers_keep_their_digits(table):
-    """Seventeen digits and large offsets are read as they are written."""
+def test_numbers_are_read_to_the_last_digit(table):
+    """Numbers have up to 17 significant digits or a large offset."""
     samples = read_samples(table("x,y,z\n4500000.1,1e-300,0.1234567890123456\n"))
     assert samples.points.tolist() == [[4500000.1, 1e-300]]
     assert samples.values == np.array([0.1234567890123456])
 
 
 @given(data=st.data(), block=st.integers(1, 200))
-def test_blocks_make_no_difference(tmp_path_factory, data, block):
-    """Rows good and bad come back as written, wherever a block of the file ends."""
+def test_the_result_does_not_depend_on_the_block_size(tmp_path_factory, data, block):
+    """Good and bad rows are found wherever a block of the file ends."""
     cell = st.one_of(st.floats(allow_nan=False, allow_infinity=False).map(repr), st.just("?"))
     rows = data.draw(st.lists(st.tuples(cell, cell, cell), min_size=1, max_size=30))
     path = tmp_path_factory.mktemp("blocks") / "points.txt"
@@ -228,24 +227,24 @@ def test_blocks_make_no_difference(tmp_path_factory, data, block):
     assert samples.points.tolist() == [list(point) for point in once]
 
 
-def test_large_values_of_one_place_have_a_mean(table):
-    """Their sum is no number, but their mean is; what lies too far apart is told."""
+def test_the_mean_of_huge_values_does_not_overflow(table):
+    """The sum overflows but the mean does not; the spread of values far apart is infinite."""
     samples = read_samples(table("x,y,z\n0,0,1e308\n0,0,1.2e308\n0,0,1.4e308\n1,0,1\n0,1,2\n"))
     np.testing.assert_allclose(samples.values[0], 1.2e308)
     far = read_samples(table("x,y,z\n0,0,1.5e308\n0,0,-1.5e308\n1,0,1\n0,1,2\n"))
     assert (far.values[0], far.spread) == (0.0, np.inf)
 
 
-def test_progress_is_told_in_bytes(table, monkeypatch):
-    """From nothing to the size of the file."""
+def test_progress_is_reported_in_bytes(table, monkeypatch):
+    """Progress increases to the size of the file."""
     monkeypatch.setattr(_text_tables, "BLOCK_BYTES", 64)
     path = table("x,y,z\n" + "".join(f"{k},{k * k},1\n" for k in range(200)))
-    told = []
-    read_samples(path, progress=lambda *step: told.append(step))
-    done = [step[0] for step in told]
+    steps = []
+    read_samples(path, progress=lambda *step: steps.append(step))
+    done = [step[0] for step in steps]
     assert len(done) > 10
     assert done == sorted(done)
-    assert told[-1] == (path.stat().st_size, path.stat().st_size)
+    assert steps[-1] == (path.stat().st_size, path.stat().st_size)
 
 
 # --- arrays -------------------------------------------------------------------------------------
@@ -256,8 +255,8 @@ def write_npz(path, **arrays):
     return path
 
 
-def test_arrays_are_tables_too(tmp_path):
-    """Columns by name, or points and values."""
+def test_npz_archives_are_tables(tmp_path):
+    """The arrays are the columns by name, or `points` and `values`."""
     path = tmp_path / "a.npz"
     rows = [[0.0, 1.0], [3.0, 4.0]]
     for arrays in (
@@ -284,14 +283,14 @@ def test_arrays_are_tables_too(tmp_path):
         ({"x": np.empty(0), "y": np.empty(0), "value": np.empty(0)}, "has no rows"),
     ],
 )
-def test_arrays_that_are_no_table_are_told(tmp_path, arrays, words):
-    """In words, with the file; no pickle is opened."""
+def test_inconsistent_archives_are_refused(tmp_path, arrays, words):
+    """The message names the file; a pickle is not opened."""
     with pytest.raises(ValueError, match=words):
         read_samples(write_npz(tmp_path / "a.npz", **arrays))
 
 
-def test_a_broken_archive_is_told(tmp_path):
-    """A file that only bears the name of one."""
+def test_files_that_are_not_archives_are_refused(tmp_path):
+    """Only the suffix of these files is that of an archive."""
     for name in ("a.npz", "a.parquet"):
         (tmp_path / name).write_bytes(b"PK\3\4 but no more")
         with pytest.raises(ValueError, match="cannot be read as"):
@@ -301,8 +300,8 @@ def test_a_broken_archive_is_told(tmp_path):
 # --- Parquet ------------------------------------------------------------------------------------
 
 
-def test_parquet_tables(tmp_path):
-    """Numbers of any type; rows without one are bad, counted from one."""
+def test_parquet_files_are_tables(tmp_path):
+    """Columns may have any numeric type; a row with a missing number is bad, counted from one."""
     path = tmp_path / "a.parquet"
     columns = {
         "name": pa.array(["a", "b", "c"]),
@@ -311,18 +310,17 @@ def test_parquet_tables(tmp_path):
         "value": pa.array([2.0, 5.0, None]),
     }
     pyarrow.parquet.write_table(pa.table(columns), path)
-    told = []
-    samples = read_samples(path, progress=lambda *step: told.append(step))
+    steps = []
+    samples = read_samples(path, progress=lambda *step: steps.append(step))
     assert samples.points.tolist() == [[0, 1], [3, 4]]
     assert samples.values.tolist() == [2, 5]
     assert samples.bad == ((3, "value must be a finite number; got nan"),)
-    assert told[-1] == (3, 3)
+    assert steps[-1] == (3, 3)
     with pytest.raises(ValueError, match="must hold numbers in"):
         read_samples(path, value="name")
 
 
-def test_without_pyarrow_the_remedy_is_told(tmp_path, monkeypatch):
-    """What to install, not a traceback."""
+def test_without_pyarrow_the_install_command_is_shown(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     with pytest.raises(ImportError, match=r"pyarrow is not .* the extra 'parquet': pip install "):
         read_samples(tmp_path / "a.parquet")
@@ -341,22 +339,25 @@ def test_without_pyarrow_the_remedy_is_told(tmp_path, monkeypatch):
         ([[1, 2, 3], [1, 0, 0]], "all 50 points lie in one plane"),
     ],
 )
-def test_flat_samples_are_told(offset, directions, words):
-    """Beside the line or the plane any field would do; coordinates far out are rounded."""
+def test_collinear_and_coplanar_samples_are_refused(offset, directions, words):
+    """Values on a line or a plane do not determine the field beside it.
+
+    A large offset, which rounds the coordinates, makes no difference.
+    """
     points = uniform(50, len(directions), seed=0) @ np.array(directions, float) + offset
     samples = Samples(("x",) * (points.shape[1] + 1), points, points[:, 0])
     with pytest.raises(np.linalg.LinAlgError, match=words):
         refuse_flat(samples)
 
 
-def test_thin_samples_are_not_flat():
-    """A strip a thousand times longer than wide is a plane."""
+def test_a_narrow_strip_is_not_flat():
+    """A strip that is a thousand times longer than wide is accepted."""
     points = uniform(50, 2, seed=0) * [1e3, 1.0] + 1e5
     refuse_flat(Samples(("x", "y", "z"), points, points[:, 0]))
 
 
-def test_the_quick_route_and_the_slow_one_agree(table, monkeypatch):
-    """All lines at once give the numbers that Python reads one by one."""
+def test_the_fast_parser_equals_the_parser_by_rows(table, monkeypatch):
+    """Both give the numbers that Python's csv module and float() give."""
     numbers = np.random.default_rng(0).standard_normal((500, 3)) * 10.0 ** np.arange(-150, 151, 150)
     path = table("x,y,z\n" + "".join(",".join(map(repr, row)) + "\n" for row in numbers.tolist()))
     quick = read_samples(path)

@@ -1,4 +1,4 @@
-"""What is outside or in a gap is marked, in any unit: in the plane, in space, on the globe."""
+"""Extrapolation: queries outside the hull or in a gap, in the plane, in space, on the globe."""
 
 import numpy as np
 import pytest
@@ -17,16 +17,16 @@ from fieldrecon.selection.extrapolation import AMONG, GAP, OUTSIDE, extrapolated
     unit=st.sampled_from([1e-6, 1.0, 1e6]),
     offset=st.sampled_from([0.0, 1e3, -1e6]),
 )
-def test_outside_is_outside_of_all_simplices(d, seed, unit, offset):
-    """A query is outside the hull if no Delaunay simplex holds it, in any unit, at any place."""
+def test_outside_the_hull_means_outside_every_delaunay_simplex(d, seed, unit, offset):
+    """The statement holds for any unit of length and any origin."""
     points, queries = uniform(12, d, seed), uniform(200, d, seed + 1000) * 1.4 - 0.2
     outside = Delaunay(points).find_simplex(queries) < 0
     moved = (points + offset) * unit, (queries + offset) * unit
     assert np.array_equal(outside_hull(*moved), outside)
 
 
-def test_the_samples_themselves_are_not_extrapolated():
-    """Corners and edges of the hull count as inside."""
+def test_samples_are_not_extrapolated():
+    """Points on the corners and edges of the hull count as inside."""
     points = uniform(50, 2, seed=0) * [1e5, 1e-2] + [5e6, 3.0]
     middles = (points + np.roll(points, 1, axis=0)) / 2
     assert not outside_hull(points, points).any()
@@ -34,15 +34,15 @@ def test_the_samples_themselves_are_not_extrapolated():
     assert (extrapolated(points, points) == AMONG).all()
 
 
-def test_points_on_a_line_have_no_inside():
-    """Told in the words of geometry."""
+def test_a_hull_without_interior_is_refused():
+    """Points on a line have no hull with an interior."""
     with pytest.raises(np.linalg.LinAlgError, match="9 points have no hull with an inside"):
         outside_hull(np.outer(np.arange(9.0), [1, 2]), np.zeros((1, 2)))
 
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_a_hole_is_a_gap_and_nothing_else_is(d):
-    """In the middle of a hole all is a gap; in the cloud about it nothing."""
+    """Queries well inside a hole are in a gap; queries among the samples around it are not."""
     points = uniform(20_000, d, seed=0) - 0.5
     points = points[np.linalg.norm(points, axis=1) > 0.25]
     queries = uniform(20_000, d, seed=1) - 0.5
@@ -55,8 +55,8 @@ def test_a_hole_is_a_gap_and_nothing_else_is(d):
     assert np.mean(beyond == OUTSIDE) < 0.2
 
 
-def test_uneven_clouds_are_not_all_gaps():
-    """Where samples are sparse, gaps are wide: density that changes is not a gap."""
+def test_varying_density_is_not_a_gap():
+    """The size of a gap is relative to the local spacing of the samples."""
     points = clustered(5000, 2, 20, 0.15, seed=0)
     queries = points[:-1] / 2 + points[1:] / 2
     near = points + np.random.default_rng(0).standard_normal(points.shape) * 1e-3
@@ -65,8 +65,8 @@ def test_uneven_clouds_are_not_all_gaps():
 
 
 @pytest.mark.parametrize(("nearer", "meaning"), [(15, AMONG), (16, GAP)])
-def test_sixteen_samples_nearer_than_the_place_make_a_gap(nearer, meaning):
-    """A place one and a half from its nearest sample, and so many others one from that sample."""
+def test_a_gap_needs_sixteen_nearer_neighbours_of_the_nearest_sample(nearer, meaning):
+    """The query has distance 1.5 from its nearest sample, whose neighbours have distance 1."""
     angle = np.linspace(np.pi / 2, 3 * np.pi / 2, nearer)
     about = np.column_stack([np.cos(angle), np.sin(angle)])
     far = [[50.0, -50.0], [50.0, 50.0]]
@@ -74,16 +74,16 @@ def test_sixteen_samples_nearer_than_the_place_make_a_gap(nearer, meaning):
     assert extrapolated(points, np.array([[1.5, 0.0]])).tolist() == [meaning]
 
 
-def test_between_tracks_is_a_gap():
-    """Samples along lines far apart tell nothing of what is between them."""
+def test_the_space_between_tracks_is_a_gap():
+    """Dense samples along parallel lines do not determine the field between the lines."""
     y, x = np.mgrid[0:5, 0:1:0.001]
     points = np.column_stack([x.ravel(), y.ravel()])
     assert extrapolated(points, np.array([[0.5, 0.5], [0.5, 1.0]])).tolist() == [GAP, AMONG]
 
 
 @pytest.mark.parametrize("middle", [[0.0, 0.0], [180.0, 10.0], [-100.0, 89.0]])
-def test_on_the_globe_the_hull_is_of_great_circles(middle):
-    """About the date line and a pole as anywhere: a cap holds its inside and not its outside."""
+def test_the_hull_on_the_globe_is_bounded_by_great_circles(middle):
+    """A spherical cap around any point, also at the date line or near a pole, is its own hull."""
     rng = np.random.default_rng(0)
     pole = to_unit(middle)
     points = rng.standard_normal((4000, 3))
@@ -98,8 +98,8 @@ def test_on_the_globe_the_hull_is_of_great_circles(middle):
     assert (flags[angle > 0.7001] == OUTSIDE).all()
 
 
-def test_nothing_is_outside_of_the_whole_globe():
-    """Samples all round leave gaps at the most."""
+def test_nothing_is_outside_a_hull_of_the_whole_globe():
+    """Samples in all directions can leave gaps but no outside."""
     rng = np.random.default_rng(0)
     points = rng.standard_normal((3000, 3))
     points /= np.linalg.norm(points, axis=1)[:, None]
@@ -112,7 +112,7 @@ def test_nothing_is_outside_of_the_whole_globe():
 
 
 def test_few_points_have_no_gaps():
-    """A gap is relative to more samples than there are."""
+    """With three samples no sample has the sixteen neighbours that a gap needs."""
     points = np.array([[0.0, 0], [1, 0], [0, 1]])
     assert extrapolated(points, points[:1] + 0.2).tolist() == [AMONG]
     assert extrapolated(points, np.empty((0, 2))).tolist() == []

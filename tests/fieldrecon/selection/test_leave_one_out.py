@@ -1,4 +1,4 @@
-"""Leave one out: every residual by a refit, with its digits where the closed form loses them."""
+"""Leave-one-out residuals equal those of refits, also where the closed form loses digits."""
 
 import numpy as np
 import pytest
@@ -24,8 +24,11 @@ def without(i: int) -> np.ndarray:
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("epsilon", [0.0, 1e-8, 1e-4, 1e-3, 1e-2, 0.1, 1.0])
-def test_moving_residuals_have_their_digits(epsilon, degree):
-    """For tiny ε, too, where 1 - h_ii, and with it the closed form, has lost all of them."""
+def test_mls_residuals_are_accurate_for_small_epsilon(epsilon, degree):
+    """For tiny ε the closed form divides by 1 - h_ii, which has lost all its digits.
+
+    The reference is a refit in high precision.
+    """
     m = MovingLeastSquares(POINTS, inverse_square(epsilon), degree)
     residuals = leave_one_out(m, VALUES)
     weight = high_precision.inverse_square(epsilon)
@@ -37,8 +40,8 @@ def test_moving_residuals_have_their_digits(epsilon, degree):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("smoothing", [pytest.param(0.0, marks=pytest.mark.slow), 0.1])
-def test_kernel_residuals_have_their_digits(smoothing):
-    """Rippa's λ_i / (H⁻¹)_ii against a refit in five hundred digits, smoothing included."""
+def test_rbf_residuals_are_accurate(smoothing):
+    """Rippa's formula λ_i / (H⁻¹)_ii agrees with a refit in 500 digits."""
     residuals = leave_one_out(RBF(POINTS, thin_plate_spline(), smoothing=smoothing), VALUES)
     for i in (0, 5, 15):
         k = without(i)
@@ -50,24 +53,24 @@ def test_kernel_residuals_have_their_digits(smoothing):
 
 
 @pytest.mark.parametrize("far", [1e3, 1e5, 1e7])
-def test_a_far_point_is_left_out_by_a_refit(far):
-    """Its leverage is all but one, and its residual as exact as any other."""
+def test_the_residual_of_a_distant_point_is_accurate(far):
+    """The leverage of the point is almost one, so the closed form would lose its digits."""
     p, f = np.vstack([POINTS, [[far, far]]]), np.append(VALUES, 1.0)
     residuals = leave_one_out(LeastSquares(p), f)
     expected = 1.0 - float(LeastSquares(POINTS).field(VALUES)([far, far]))
     assert residuals[-1] == pytest.approx(expected, rel=1e-12)
 
 
-def test_two_close_sites_are_dispensable():
-    """Each is predicted by the other, whatever the size of the inverse's diagonal."""
+def test_residuals_of_two_close_sites_are_accurate():
+    """Each of the two is predicted by the other, although the diagonal of H⁻¹ is huge."""
     p = np.vstack([POINTS, POINTS[3] + 1e-7])
     plane = 1 + p @ [2.0, -3.0]
     for m in (RBF(p, thin_plate_spline()), RBF(p, polyharmonic(3))):
         assert_close(leave_one_out(m, plane)[[3, 16]], np.zeros(2), 1e-6)
 
 
-def test_residuals_keep_the_form_of_the_data():
-    """(n, *v), complex or real."""
+def test_residuals_have_the_shape_and_type_of_the_data():
+    """The shape is (n, *v); complex data have complex residuals."""
     f = np.stack([VALUES, 1j * VALUES], axis=1)[:, :, None]
     for m in (
         LeastSquares(POINTS),
@@ -81,8 +84,11 @@ def test_residuals_keep_the_form_of_the_data():
         assert_close(e[:, 1, 0], 1j * leave_one_out(m, VALUES), 1e-12)
 
 
-def test_it_prefers_what_predicts():
-    """The ε of least leave-one-out error is near that of least true error; that of ψ is not."""
+def test_leave_one_out_selects_a_good_epsilon():
+    """The ε with the least leave-one-out error has nearly the least true error.
+
+    The ε that minimizes ψ_MLS does not.
+    """
     p = np.random.default_rng(3).random((150, 2))
     x = np.random.default_rng(4).random((200, 2))
 
@@ -118,41 +124,40 @@ LONE = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.5, 1.0]])
     ],
 )
 def test_an_indispensable_point_is_named(method, i, place):
-    """Without it the others do not determine the polynomial."""
+    """Without this point the others do not determine the polynomial."""
     words = rf"without point {i}, \({place}\), the others do not determine the field: the"
     with refused(words, np.linalg.LinAlgError):
         leave_one_out(method, np.ones(len(method.points)))
 
 
 @pytest.mark.parametrize("weight", [inverse_square(0.1), inverse_square(0.0)])
-def test_an_indispensable_neighbour_is_named_by_the_query(weight):
-    """Moving least squares knows how many sites count there, and their rank."""
+def test_mls_names_the_query_without_enough_neighbours(weight):
+    """The message has the number of sites that count at the query, and the rank."""
     words = r"the 3 sites that count at the query \(0.5, 1\) do not determine .* rank 2 of 3"
     with refused(words, np.linalg.LinAlgError):
         leave_one_out(MovingLeastSquares(LONE, weight), np.ones(4))
 
 
-def test_one_kernel_alone_predicts_nothing():
-    """Without polynomials the field of no sites is zero: the residual is the datum."""
+def test_the_residual_of_a_single_gaussian_is_its_datum():
+    """Without polynomials the interpolant of zero sites is zero."""
     assert leave_one_out(RBF([[1.0]], gaussian(1.0)), [3.0]).tolist() == [3.0]
 
 
-def test_neighbours_leave_one_to_spare():
-    """k, the next one, and the one left out."""
+def test_leave_one_out_needs_two_more_points_than_neighbors():
+    """Besides k neighbours there must be the (k+1)-th site and the point left out."""
     m = MovingLeastSquares(POINTS, wendland(3, 1), neighbors=15)
     with refused("to leave one point out, neighbors=15 needs 17 points: .*; got 16"):
         leave_one_out(m, VALUES)
     assert leave_one_out(MovingLeastSquares(POINTS, wendland(3, 1), neighbors=14), VALUES).all()
 
 
-def test_the_data_must_fit_the_points():
-    """In the words of the field."""
+def test_data_of_another_length_are_refused():
     with refused(r"values must have one entry for each point, shape \(16, ...\); got \(3,\)"):
         leave_one_out(LeastSquares(POINTS), [1.0, 2.0, 3.0])
 
 
 class NearestSites(Reconstruction):
-    """The value of the nearest site: a method without a closed form of its own."""
+    """Nearest-neighbour interpolation: a method without a closed form for leave-one-out."""
 
     degree, interpolates = 0, True
 
@@ -167,8 +172,8 @@ class NearestSites(Reconstruction):
         return tuple(np.zeros((len(x), len(self.points))) for _ in x.T)
 
 
-def test_any_other_method_is_made_again_without_each_point():
-    """Once for each, as its progress shows."""
+def test_other_methods_are_refitted_without_each_point():
+    """`progress` reports one refit per point."""
     counts = []
     residuals = leave_one_out(
         NearestSites(POINTS), VALUES, progress=lambda *count: counts.append(count)
@@ -178,15 +183,14 @@ def test_any_other_method_is_made_again_without_each_point():
     assert counts == [(i + 1, 16) for i in range(16)]
 
 
-def test_a_method_that_forgets_its_arguments_says_which():
-    """It could not be made again on the other points."""
+def test_a_method_must_keep_its_arguments_as_attributes():
+    """Otherwise it cannot be constructed again from the other points."""
     method = NearestSites(POINTS)
     del method.power
     with refused("NearestSites keeps no attribute 'power'", TypeError):
         leave_one_out(method, VALUES)
 
 
-def test_what_is_no_method_is_refused():
-    """With what came instead."""
+def test_an_argument_that_is_not_a_reconstruction_is_refused():
     with refused("method must be a Reconstruction; got 3", TypeError):
         leave_one_out(3, VALUES)

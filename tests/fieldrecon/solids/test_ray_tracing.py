@@ -1,4 +1,4 @@
-"""Rays to implicit surfaces: where they meet balls, with each way to hurry, and the light."""
+"""Ray tracing of implicit surfaces: intersections, acceleration, lighting and views."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ BOX = [[-1.2] * 3, [1.2] * 3]
 
 
 def exact_ball(view):
-    """Distances at which the rays of a view meet the unit ball, inf where they do not."""
+    """Distances from the ray origins of a view to the unit ball, inf where there is none."""
     o = view.origins.reshape(-1, 3)
     ahead = -view.axes[:, 2]
     middle = -(o @ ahead)
@@ -21,8 +21,8 @@ def exact_ball(view):
 
 
 @pytest.mark.parametrize("toward", [(0.3, -1.0, 0.4), (0.0, -1.0, 0.0), (1.0, 1.0, 1.0)])
-def test_rays_meet_a_ball_where_algebra_says(toward):
-    """To rounding; and those that pass it by go on for ever."""
+def test_intersections_with_a_ball_equal_the_closed_form(toward):
+    """Distances agree to 1e-12; rays that miss the ball have the distance infinity."""
     view = fr.solids.View.of_box(BOX, toward, 24)
     found = fr.solids.ray_intersections(
         Ball(1.0), view.origins.reshape(-1, 3), -view.axes[:, 2], view.lengths.ravel(), 0.05
@@ -35,8 +35,8 @@ def test_rays_meet_a_ball_where_algebra_says(toward):
     np.testing.assert_allclose(found[both], expected[both], atol=1e-12)
 
 
-def test_rays_in_a_hurry_meet_the_same():
-    """Sphere tracing, and points near the surface, save values and change nothing."""
+def test_accelerated_rays_have_the_same_intersections():
+    """Sphere tracing and points near the surface save over 30 % of the evaluations."""
     torus, calls = Torus(0.8, 0.3), []
 
     def counted(x):
@@ -47,9 +47,9 @@ def test_rays_in_a_hurry_meet_the_same():
     near = sample_surface(torus, 3000, seed=1)[0]
     rays = view.origins.reshape(-1, 3), -view.axes[:, 2], view.lengths.ravel(), 0.06
     found, cost = [], []
-    for hurry in ({}, {"slope": 1.0}, {"near": near}):
+    for acceleration in ({}, {"slope": 1.0}, {"near": near}):
         calls.clear()
-        found.append(fr.solids.ray_intersections(counted, *rays, **hurry))
+        found.append(fr.solids.ray_intersections(counted, *rays, **acceleration))
         cost.append(sum(calls))
     for other in found[1:]:
         same = np.isinf(other) == np.isinf(found[0])
@@ -59,16 +59,19 @@ def test_rays_in_a_hurry_meet_the_same():
     assert max(cost[1:]) < 0.7 * cost[0]
 
 
-def test_a_surface_thinner_than_a_step_is_missed():
-    """The step is a promise: what is finer is not looked for."""
+def test_a_shell_thinner_than_the_step_is_missed():
+    """The step is the size of the smallest feature that is found."""
     shell = Ball(1.0) - Ball(0.999)
     ray = [[0.0, 0, 3]], [0, 0, -1.0], 6.0
     assert np.isinf(fr.solids.ray_intersections(shell, *ray, 0.3))
     assert np.isfinite(fr.solids.ray_intersections(shell, *ray, 0.0005))
 
 
-def test_the_picture_shows_the_ball_where_it_is_and_lit_from_the_lamp():
-    """A disc as large as the ball, brightest where its normal points between lamp and viewer."""
+def test_the_picture_of_a_ball_has_its_area_and_its_highlight():
+    """The ball is a disc of its radius.
+
+    It is brightest where the normal bisects the directions to lamp and viewer.
+    """
     view = fr.solids.View.of_box(BOX, (0, -1, 0), 60)
     image = fr.solids.ray_traced(Ball(1.0), view, 0.1, color=(1.0, 0.5, 0.5))
     assert image.shape == (60, 60, 4)
@@ -80,8 +83,8 @@ def test_the_picture_shows_the_ball_where_it_is_and_lit_from_the_lamp():
     assert image[30, 30, 0] > image[30, 30, 1]
 
 
-def test_light_is_that_of_phong():
-    """Facing the lamp it is full, away from it there is only what is everywhere."""
+def test_phong_lighting_has_full_and_ambient_light():
+    """A surface that faces the lamp has full light; one that faces away has ambient light only."""
     lamp = np.array([LIGHT]) / np.linalg.norm(LIGHT)
     white = np.ones(3)
     toward, away, none = phong(7 * lamp, white), phong(-lamp, white), phong(0 * lamp, white)
@@ -90,8 +93,8 @@ def test_light_is_that_of_phong():
     np.testing.assert_array_equal(away, none)
 
 
-def test_a_view_needs_an_up():
-    """To look along what points up leaves open what is up."""
+def test_a_view_along_the_up_direction_is_refused():
+    """If the view is parallel to `up`, the orientation of the picture is undetermined."""
     with pytest.raises(ValueError, match="parallel to the direction to the viewer"):
         fr.solids.View.of_box(BOX, (0, 0, 1))
     assert fr.solids.View.of_box(BOX, (0, 0, 1), up=(0, 1, 0)).axes[1, 1] == 1

@@ -1,4 +1,4 @@
-"""Bodies as fields: distances, set operations, blends, motions, and points on their surfaces."""
+"""Solids as fields: distances, set operations, blends, transformations and surface samples."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def queries(solid, n=4000, seed=1):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_the_field_of_a_shape_is_the_distance_to_its_surface(name):
-    """Against the nearest of many points of the surface, and of the size of the steps of them."""
+    """The reference is the nearest of 20 000 points on the surface."""
     solid = SHAPES[name]
     surface, _ = sample_surface(solid, 20000, seed=2)
     x = queries(solid, 300)
@@ -53,8 +53,8 @@ def test_the_field_of_a_shape_is_the_distance_to_its_surface(name):
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_the_gradient_is_the_derivative(name):
-    """Central differences, where the field is smooth; almost everywhere it is."""
+def test_gradients_equal_central_differences(name):
+    """The field is not smooth everywhere, so 98 % of the queries must agree."""
     solid = BODIES[name]
     x, h = queries(solid, 500), 1e-6
     differences = np.stack(
@@ -65,8 +65,8 @@ def test_the_gradient_is_the_derivative(name):
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_a_body_lies_in_its_box(name):
-    """No point outside the box is inside the body; and some inside are."""
+def test_a_solid_lies_in_its_box(name):
+    """No point outside the box is inside the solid, and some points of the box are."""
     solid = BODIES[name]
     x = queries(solid)
     out = ((x < solid.box[0]) | (x > solid.box[1])).any(axis=1)
@@ -74,8 +74,8 @@ def test_a_body_lies_in_its_box(name):
     assert (solid(x) > 0).any()
 
 
-def test_set_operations_are_those_of_sets():
-    """Of three bodies, at points: or, and, and not; and De Morgan's law."""
+def test_signs_of_set_operations_obey_set_algebra():
+    """Union, intersection, difference and one of De Morgan's laws are compared at random points."""
     a, b, c = SHAPES["ball"], SHAPES["box"], SHAPES["torus"]
     x = queries(a | b | c)
     inside = [s(x) > 0 for s in (a, b, c)]
@@ -85,8 +85,8 @@ def test_set_operations_are_those_of_sets():
     assert_close((a - (b | c))(x), ((a - b) & (a - c))(x), 0.0)
 
 
-def test_a_mutant_of_the_difference_is_another_set(monkeypatch):
-    """Without the minus sign it is the intersection, and the law of sets says so."""
+def test_a_difference_without_the_minus_sign_is_detected(monkeypatch):
+    """Without the minus sign the difference is the intersection."""
     extreme = solids._Extreme
     monkeypatch.setattr(
         solids, "_Extreme", lambda parts, _, box, choice: extreme(parts, np.ones(2), box, choice)
@@ -96,8 +96,8 @@ def test_a_mutant_of_the_difference_is_another_set(monkeypatch):
     assert ((difference(a, b)(x) > 0) != ((a(x) > 0) & ~(b(x) > 0))).any()
 
 
-def test_a_blend_is_the_union_away_from_the_seam_and_more_at_it():
-    """At most a quarter of the radius more, there where both are equal."""
+def test_a_blend_equals_the_union_away_from_the_intersection_curve():
+    """The blend exceeds the union by at most a quarter of the radius, where the fields are equal."""
     a, b, r = Ball(1.0), Ball(1.0, [1.5, 0, 0]), 0.8
     x = queries(a | b)
     more = blend(a, b, r)(x) - union(a, b)(x)
@@ -108,15 +108,15 @@ def test_a_blend_is_the_union_away_from_the_seam_and_more_at_it():
 
 
 def test_a_blend_has_a_continuous_gradient_where_a_union_has_none():
-    """Across the plane in which two balls meet the gradient of the union jumps."""
+    """The gradient of the union jumps in the plane in which two balls intersect."""
     a, b = Ball(1.0), Ball(1.0, [1.5, 0, 0])
     sides = np.array([[0.75 - 1e-9, 0.9, 0], [0.75 + 1e-9, 0.9, 0]])
     assert np.ptp(blend(a, b, 0.8).gradient(sides), axis=0).max() < 1e-7
     assert np.ptp(union(a, b).gradient(sides), axis=0).max() > 1
 
 
-def test_a_deformation_goes_from_one_body_to_the_other():
-    """Its ends are the bodies, and between balls about one centre it is the ball between."""
+def test_a_morph_interpolates_between_two_solids():
+    """t = 0 and t = 1 give the two solids; between concentric balls the result is a ball."""
     a, b = SHAPES["box"], SHAPES["torus"]
     x = queries(a | b)
     assert_close(morph(a, b, 0.0)(x), a(x), 0.0)
@@ -124,8 +124,8 @@ def test_a_deformation_goes_from_one_body_to_the_other():
     assert_close(morph(Ball(1.0), Ball(3.0), 0.25)(x), Ball(1.5)(x), 1e-12)
 
 
-def test_points_move_with_the_body():
-    """F'(s R x + t) = s F(x), and normals turn."""
+def test_transformed_fields_scale_and_their_normals_rotate():
+    """F'(s R x + t) = s F(x), and the normals are rotated by R."""
     solid, shift = SHAPES["torus"], np.array([1.0, 2.0, 3.0])
     x = queries(solid)
     there = 2.5 * x @ ROTATION.T + shift
@@ -134,8 +134,8 @@ def test_points_move_with_the_body():
     assert_close(other.normals(there), solid.normals(x) @ ROTATION.T, 1e-9)
 
 
-def test_samples_lie_on_the_surface_and_all_over_it():
-    """Of a box as many on each face as its area asks for, within four standard deviations."""
+def test_surface_samples_are_uniform():
+    """The number of points on each face of a box is within four standard deviations of its mean."""
     size = np.array([1.0, 2.0, 0.5])
     points, normals = sample_surface(Box(size), 6000, seed=4)
     assert np.abs(Box(size)(points)).max() < 1e-9
@@ -146,15 +146,15 @@ def test_samples_lie_on_the_surface_and_all_over_it():
 
 
 def test_noise_is_along_the_normal():
-    """Its standard deviation is what was asked for; sideways nothing moves."""
+    """Its standard deviation is the given one; tangential components are zero."""
     points, normals = sample_surface(Ball(1.0), 4000, seed=5)
     rough = roughened(points, normals, 0.05, seed=6)
     assert np.linalg.norm(rough, axis=1).std() == pytest.approx(0.05, rel=0.05)
     assert_close(np.cross(rough, points), np.zeros_like(points), 1e-12)
 
 
-def test_what_one_part_hides_of_another_lies_in_shadow():
-    """Of a ball behind a wall nothing is seen; of a ball without it, the near half."""
+def test_a_scan_omits_hidden_points():
+    """A scanner sees half of a ball, and nothing of it behind a wall."""
     ball, eye = Ball(0.5), [[5.0, 0.0, 0.0]]
     points, normals = sample_surface(ball, 800, seed=7)
     seen = scanned(ball, points, normals, eye)
@@ -180,7 +180,7 @@ def test_what_one_part_hides_of_another_lies_in_shadow():
         (lambda: sample_surface(Ball(1.0) & Ball(1.0, [9, 0, 0]), 5, 1), "no surface in its box"),
     ],
 )
-def test_what_is_no_body_is_refused(call, words):
-    """In words."""
+def test_invalid_solids_are_refused(call, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call()
