@@ -63,7 +63,7 @@ def linear_basis(points):
 
 
 def moving(points, values, x, epsilon, degree=1, power=2):
-    """f(x) of p. 8-10 in rational numbers; the slides' W squared is the power 2."""
+    """f(x) of p. 8-10 in rational numbers; power=2 is the slides' W squared."""
     r2 = [dot(minus(x, p), minus(x, p)) for p in points]
     w = [(1 / (s + F(epsilon) ** 2)) ** power for s in r2]
     b = linear_basis(points) if degree else [[1] for _ in points]
@@ -72,15 +72,18 @@ def moving(points, values, x, epsilon, degree=1, power=2):
 
 
 def test_only_radial_basis_functions_interpolate():
-    """p. 2-3, 8, 10: least squares and moving least squares approximate, the latter to O(ε⁴)."""
+    """p.
+
+    2-3, 8, 10: least squares and moving least squares approximate; for MLS the error is O(ε⁴).
+    """
     points, values = [[0], [1], [2], [4]], [0, 1, 0, 1]
     c = least_squares(linear_basis(points), values)
     assert all(dot([1, *p], c) != f for p, f in zip(points, values, strict=True))
-    missed = [moving(points, values, [1], epsilon) - 1 for epsilon in (F(1, 100), F(1, 1000))]
-    assert missed[0] / missed[1] == pytest.approx(10**4, rel=1e-3)
+    error = [moving(points, values, [1], epsilon) - 1 for epsilon in (F(1, 100), F(1, 1000))]
+    assert error[0] / error[1] == pytest.approx(10**4, rel=1e-3)
     method = MovingLeastSquares(points, inverse_square(0.01))
     assert not method.interpolates
-    assert float(method.field(values)([1.0])) - 1 == pytest.approx(float(missed[0]), rel=1e-6)
+    assert float(method.field(values)([1.0])) - 1 == pytest.approx(float(error[0]), rel=1e-6)
     assert float(LeastSquares(points).field(values)([1.0])) == pytest.approx(float(c[0] + c[1]))
     sites = datasets.halton(30, 2)
     data = np.cos(9 * sites[:, 0])
@@ -88,7 +91,7 @@ def test_only_radial_basis_functions_interpolate():
 
 
 def test_normal_equations_need_full_column_rank():
-    """p. 5: (BᵀB)⁻¹Bᵀ = B⁺ if B has full column rank; else B⁺ exists and BᵀB has no inverse."""
+    """p. 5: (BᵀB)⁻¹Bᵀ = B⁺ needs full column rank. Otherwise B⁺ exists but BᵀB has no inverse."""
     flat = linear_basis([[0, 0], [1, 1], [2, 2], [5, 5]])
     assert determinant(product(transposed(flat), flat)) == 0
     b = np.array(flat, dtype=float)
@@ -106,7 +109,7 @@ def test_normal_equations_need_full_column_rank():
 
 
 def test_a_deficient_pseudo_inverse_depends_on_the_origin():
-    """p. 5: where B lacks rank, B⁺ gives another field in other coordinates: no answer at all."""
+    """p. 5: if B is rank-deficient, the field by B⁺ depends on the origin of the coordinates."""
 
     def beside_the_line(shift):
         points = np.array([[0.0, 0], [1, 1], [2, 2]]) + shift
@@ -117,8 +120,12 @@ def test_a_deficient_pseudo_inverse_depends_on_the_origin():
     assert abs(here - there) > 0.1
 
 
-def test_half_the_squared_norm_of_the_error_is_least():
-    """p. 6-7: ψ = ½‖ε‖², a number; the square of the vector ε is none, nor is that of its sum."""
+def test_the_minimized_function_is_half_the_squared_norm():
+    """p.
+
+    6-7: ψ = ½‖ε‖² is a number. The square of the vector ε is not, and the square of the sum of its
+    components has another gradient.
+    """
     rng = np.random.default_rng(1)
     b = np.column_stack([np.ones(6), rng.random((6, 2))])
     v, c, step = rng.random(6), rng.random(3), 1e-6
@@ -136,7 +143,7 @@ def test_half_the_squared_norm_of_the_error_is_least():
 
 
 def test_the_weights_enter_squared():
-    """p. 10: with H = BᵀW²B a sample counts by r⁻⁴; the BᵀWB of most of the literature is r⁻²."""
+    """p. 10: H = BᵀW²B weights a sample by r⁻⁴. Most of the literature uses BᵀWB, that is r⁻²."""
     points, values, x = [[0], [1], [3], [4]], [0, 2, 1, 5], [F(3, 2)]
     slides, usual = (moving(points, values, x, F(1, 2), power=power) for power in (2, 1))
     assert abs(slides - usual) > F(1, 10)
@@ -145,8 +152,12 @@ def test_the_weights_enter_squared():
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_unsquared_weights_let_far_samples_prevail(d):
-    """p. 10: on a lattice the shells r ≤ |p| < 2r add as much for r⁻² and less and less for r⁻⁴."""
+def test_unsquared_weights_favour_distant_samples(d):
+    """p.
+
+    10: on a lattice the total weight of the shell r ≤ |p| < 2r is constant for r⁻². For r⁻⁴ it
+    decreases.
+    """
     axes = np.meshgrid(*[np.arange(-32, 33)] * d, indexing="ij")
     r2 = sum(axis.astype(float) ** 2 for axis in axes).ravel()
     shells = [(r2 >= r**2) & (r2 < 4 * r**2) for r in (4, 8, 16)]
@@ -156,10 +167,10 @@ def test_unsquared_weights_let_far_samples_prevail(d):
     assert all(b < 0.55 * a for a, b in itertools.pairwise(squared))
 
 
-def test_bumps_come_from_the_constant_basis_alone():
-    """p. 9: with linear polynomials a small ε makes no bumps: a plane comes back for every ε.
+def test_only_the_constant_basis_gives_terraces():
+    """p. 9: with linear polynomials a plane is reproduced for every ε, so a small ε gives no bumps.
 
-    With constants, Shepard's method, each sample becomes a terrace, its slope of the size ε⁴.
+    With constants (Shepard's method) each sample becomes a terrace with a slope of O(ε⁴).
     """
     grid = [*itertools.product(range(3), repeat=2)]
     plane = [1 + 2 * x - 3 * y for x, y in grid]
@@ -178,23 +189,23 @@ def test_bumps_come_from_the_constant_basis_alone():
 
 
 def test_a_large_epsilon_costs_accuracy_with_the_linear_basis():
-    """p. 9: between samples of a curved field the error is least for small ε, and only grows."""
+    """p. 9: between samples of a curved field the error increases with ε."""
     points = [[k] for k in range(8)]
     values = [p[0] ** 2 for p in points]
-    places = [[F(2 * k + 1, 2)] for k in range(7)]
+    queries = [[F(2 * k + 1, 2)] for k in range(7)]
     error = [
-        sum(abs(moving(points, values, x, epsilon) - x[0] ** 2) for x in places)
+        sum(abs(moving(points, values, x, epsilon) - x[0] ** 2) for x in queries)
         for epsilon in (F(1, 10), F(1), F(3), F(10))
     ]
     assert error == sorted(error)
     assert error[-1] > 5 * error[0]
     ours = MovingLeastSquares(points, inverse_square(3.0)).field(values)
-    at = np.array(places, dtype=float)
+    at = np.array(queries, dtype=float)
     assert float(abs(ours(at) - at[:, 0] ** 2).sum()) == pytest.approx(float(error[2]))
 
 
 def objective(points, values, x, epsilon):
-    """ψ_MLS(x) at its minimum over c, in rational numbers."""
+    """The minimum of ψ_MLS(x) over c, in rational numbers."""
     w = [1 / (dot(minus(x, p), minus(x, p)) + F(epsilon) ** 2) for p in points]
     b = linear_basis(points)
     c = least_squares(b, values, [v**2 for v in w])
@@ -202,7 +213,7 @@ def objective(points, values, x, epsilon):
 
 
 def test_psi_always_prefers_an_infinite_epsilon():
-    """p. 40, the hint: ψ_MLS falls with ε whatever the data, ε⁴ψ_MLS tending to ψ_LS."""
+    """p. 40, hint: ψ_MLS decreases with ε for all data, and ε⁴ψ_MLS tends to ψ_LS."""
     rng = np.random.default_rng(2)
     points = rng.integers(0, 20, (9, 2)).tolist()
     basis = linear_basis(points)
@@ -218,15 +229,19 @@ def test_psi_always_prefers_an_infinite_epsilon():
         assert float(ours) == pytest.approx(float(steps[6]), rel=1e-10)
 
 
-def test_leaving_one_out_chooses_epsilon_where_psi_cannot():
-    """p. 40, the hint: of exact data leave-one-out takes a small ε, and ψ one ten times worse."""
-    points, places = datasets.halton(80, 2), 0.2 + 0.6 * datasets.halton(60, 2)
+def test_leave_one_out_selects_epsilon_and_psi_does_not():
+    """p.
+
+    40, hint: for exact data leave-one-out selects a small ε; ψ selects one with ten times the
+    error.
+    """
+    points, queries = datasets.halton(80, 2), 0.2 + 0.6 * datasets.halton(60, 2)
     field = datasets.power_of_sum(3)
     choices = 10.0 ** np.arange(-3, 3)
     methods = [MovingLeastSquares(points, inverse_square(epsilon)) for epsilon in choices]
-    psi = [m.objective(field(points), places).mean() for m in methods]
+    psi = [m.objective(field(points), queries).mean() for m in methods]
     left_out = [np.mean(leave_one_out(m, field(points)) ** 2) for m in methods]
-    error = [np.abs(m.field(field(points))(places) - field(places)).mean() for m in methods]
+    error = [np.abs(m.field(field(points))(queries) - field(queries)).mean() for m in methods]
     assert np.argmin(psi) == len(choices) - 1
     assert error[np.argmin(left_out)] < 1.1 * min(error)
     assert error[np.argmin(psi)] > 10 * min(error)
@@ -236,7 +251,7 @@ def test_leaving_one_out_chooses_epsilon_where_psi_cannot():
 
 
 def thin_plate(r2):
-    """w of p. 11 with its limit at zero."""
+    """w of p. 11, with its limit at zero."""
     r2 = np.asarray(r2, dtype=float)
     return r2 * np.log(np.where(r2 > 0, r2, 1.0))
 
@@ -250,7 +265,7 @@ def slides_matrix(points):
 
 
 def test_the_thin_plate_kernel_is_a_limit_at_zero():
-    """p. 11: ‖y‖² log ‖y‖² is 0 · ∞ at y = 0, on the diagonal of H; its limit there is zero."""
+    """p. 11: ‖y‖² log ‖y‖² is 0 · ∞ at y = 0, the diagonal of H. Its limit there is zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         assert np.isnan(np.float64(0) * np.log(np.float64(0)))
     assert abs(1e-20 * math.log(1e-20)) < 1e-18
@@ -259,7 +274,10 @@ def test_the_thin_plate_kernel_is_a_limit_at_zero():
 
 
 def laplacian(f, d):
-    """Of Σ c rᵃ (log r)ᵏ, k = 0 or 1, away from zero: a dictionary {(a, k): c}, and another."""
+    """The Laplacian of Σ c rᵃ (log r)ᵏ, k = 0 or 1, for r > 0.
+
+    Functions are dictionaries {(a, k): c}.
+    """
     result = {}
     for (a, k), c in f.items():
         result[a - 2, k] = result.get((a - 2, k), 0) + c * a * (a + d - 2)
@@ -269,9 +287,9 @@ def laplacian(f, d):
 
 
 def test_the_thin_plate_spline_of_space_is_another_kernel():
-    """p. 11: r² log r solves Δ²w = 0 off zero in the plane; in space r does, and r³ solves Δ³w = 0.
+    """p. 11: off zero r² log r solves Δ²w = 0 in the plane; in space r solves it.
 
-    The system of p. 13 is solvable with r² log r in space all the same.
+    In space r³ solves Δ³w = 0. The system of p. 13 is nevertheless solvable with r² log r in space.
     """
     kernel, r, cube = {(2, 1): 1}, {(1, 0): 1}, {(3, 0): 1}
     assert laplacian(laplacian(kernel, 2), 2) == {}
@@ -286,9 +304,10 @@ def test_the_thin_plate_spline_of_space_is_another_kernel():
 
 
 def test_the_multipliers_are_the_polynomial_coefficients():
-    """p. 11: of min ½λᵀAλ - φᵀλ under Pᵀλ = δ the multiplier is c; λ is that of p. 12's φ = f(p).
+    """p. 11: c is the multiplier of min ½λᵀAλ - φᵀλ subject to Pᵀλ = δ.
 
-    A multiplier is the derivative of the optimum by the right side of its condition.
+    λ is the multiplier of the conditions φ = f(p) of p. 12. A multiplier is the derivative of the
+    optimum with respect to the right side of its condition.
     """
     points = datasets.halton(12, 2)
     phi = np.cos(5 * points[:, 0]) + points[:, 1]
@@ -310,13 +329,16 @@ def test_the_multipliers_are_the_polynomial_coefficients():
     lam, c = RBF(points, thin_plate_spline()).coefficients(phi)
     np.testing.assert_allclose(derivative(optimum, np.zeros(q)), -c, rtol=1e-8)
     np.testing.assert_allclose(derivative(energy, phi), 2 * lam, rtol=1e-8)
-    assert len(lam) != q  # so λ is no multiplier of the q side conditions
+    assert len(lam) != q  # so λ cannot be the multiplier of the q side conditions
 
 
 def test_the_rbf_matrix_is_indefinite():
-    """p. 13: H_RBF has N positive and D + 1 negative eigenvalues, never only positive ones."""
+    """p.
+
+    13: H_RBF has N positive and D + 1 negative eigenvalues, so it is never positive definite.
+    """
     triangle = [(0, 0), (1, 0), (0, 1)]
-    for w in (F(1), F(7, 5), F(-3)):  # whatever its value between the last two
+    for w in (F(1), F(7, 5), F(-3)):  # any value of the kernel between the last two points
         a = [[0, 0, 0], [0, 0, w], [0, w, 0]]
         p = linear_basis(triangle)
         h = [a[i] + p[i] for i in range(3)] + [[*column, 0, 0, 0] for column in transposed(p)]
@@ -332,10 +354,13 @@ def test_the_rbf_matrix_is_indefinite():
 
 
 def test_the_rbf_system_is_singular_for_points_on_a_line():
-    """p. 13: the solution is unique iff the points are distinct and in no common hyperplane."""
+    """p.
+
+    13: the solution is unique if and only if the points are distinct and unisolvent of degree 1.
+    """
     line = [(0, 0), (1, 2), (2, 4), (5, 10)]
     h, _ = slides_matrix(line)
-    null = np.array([0, 0, 0, 0, 0, 2, -1.0])  # the polynomial 2x - y, and no bump
+    null = np.array([0, 0, 0, 0, 0, 2, -1.0])  # the polynomial 2x - y, and no basis functions
     assert not np.any(h @ null)
     with pytest.raises(np.linalg.LinAlgError, match="determine"):
         RBF(line, thin_plate_spline())
@@ -346,7 +371,7 @@ def test_the_rbf_system_is_singular_for_points_on_a_line():
 
 
 def test_without_side_conditions_the_thin_plate_matrix_can_be_zero():
-    """p. 12-13: at mutual distance one r² log r² is zero for all pairs; bordered, H is regular."""
+    """p. 12-13: r² log r² is zero at distance 1. With the polynomial the matrix H is regular."""
     triangle = np.array([[0, 0], [1, 0], [0.5, math.sqrt(3) / 2]])
     h, _ = slides_matrix(triangle)
     np.testing.assert_allclose(h[:3, :3], 0, atol=1e-15)
@@ -357,7 +382,10 @@ def test_without_side_conditions_the_thin_plate_matrix_can_be_zero():
 
 
 def test_a_circumcentre_may_lie_outside_its_triangle():
-    """p. 14: it does where the triangle is obtuse; the pressure is then not in its cell."""
+    """p.
+
+    14: the circumcentre of an obtuse triangle, where the pressure is located, lies outside.
+    """
     corners = [[0, 0], [4, 0], [1, 1]]
     x = circumcentre(corners)
     columns = [[1, 1, 1], *transposed(corners)]
@@ -366,8 +394,8 @@ def test_a_circumcentre_may_lie_outside_its_triangle():
     np.testing.assert_allclose(mesh.circumcenters[0], np.array(x, dtype=float))
 
 
-def test_cells_on_one_circle_have_one_circumcentre():
-    """p. 14, 32: the dual edge between them has no length, and so no direction to be normal to."""
+def test_cocircular_cells_have_one_circumcentre():
+    """p. 14, 32: the dual edge between them has length zero, and therefore no direction."""
     square = [[0, 0], [2, 0], [2, 2], [0, 2]]
     assert circumcentre(square[:3]) == circumcentre([square[0], *square[2:]])
     mesh = SimplexMesh(square, [[0, 1, 2], [0, 2, 3]])
@@ -377,14 +405,17 @@ def test_cells_on_one_circle_have_one_circumcentre():
 
 
 def test_in_space_dual_edges_meet_faces_at_their_circumcentres():
-    """p. 14, 32: the face centre that makes dual edges normal is the circumcentre, no centroid.
+    """p. 14, 32: the dual edge passes through the circumcentre of the face, not the centroid.
 
-    A mean of vertex velocities, p. 43, belongs to the centroid. In the plane both are the midpoint.
+    The mean of vertex velocities of p. 43 belongs to the centroid. In the plane both are the
+    midpoint of the edge.
     """
     face, tops = [[0, 0, 0], [4, 0, 0], [1, 3, 0]], ([1, 1, 2], [2, 1, -3])
     ends = [circumcentre([*face, top]) for top in tops]
     flat = circumcentre([p[:2] for p in face])
-    assert all(end[:2] == flat for end in ends)  # straight above and below
+    assert all(
+        end[:2] == flat for end in ends
+    )  # on the line normal to the face through its circumcentre
     centroid = [F(sum(column), 3) for column in transposed(face)][:2]
     assert flat != centroid
     mesh = SimplexMesh([*face, *tops], [[0, 1, 2, 3], [0, 1, 2, 4]])
@@ -406,8 +437,12 @@ def incident(cells, i):
     return len(mine), len(faces), len(edges)
 
 
-def test_how_many_faces_meet_at_a_vertex_of_n_cells():
-    """p. 15: N inside the plane, N + 1 on its boundary; in space 3N/2, and N/2 + 2 edges."""
+def test_numbers_of_faces_and_edges_at_a_vertex_of_n_cells():
+    """p.
+
+    15: in the plane N faces meet at an interior vertex and N + 1 at a boundary vertex. In space an
+    interior vertex has 3N/2 faces and N/2 + 2 edges.
+    """
     for d in (2, 3):
         mesh = SimplexMesh.delaunay(np.random.default_rng(3).random((60, d)))
         valences = np.diff(mesh.vertex_face_incidence.indptr)
@@ -423,17 +458,19 @@ def test_how_many_faces_meet_at_a_vertex_of_n_cells():
 
 
 def ring(valence, seed):
-    """Vertex 0 inside, and a polygon round it, in whole numbers."""
+    """Vertex 0 surrounded by a polygon, in integers."""
     rng = np.random.default_rng(seed)
     angle = 2 * np.pi * (np.arange(valence) + rng.uniform(-0.2, 0.2, valence)) / valence
-    rim = rng.uniform(50, 90, valence)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-    points = [[7, -3], *np.rint(rim).astype(int).tolist()]
+    polygon = rng.uniform(50, 90, valence)[:, None] * np.column_stack(
+        [np.cos(angle), np.sin(angle)]
+    )
+    points = [[7, -3], *np.rint(polygon).astype(int).tolist()]
     rest = range(1, valence + 1)
     return points, [(0, k) for k in rest], [(k, k % valence + 1) for k in rest]
 
 
 def velocity_matrix(points, edges):
-    """B' of p. 22, its rows (nᵀ, x nᵀ, y nᵀ) times the lengths of the edges."""
+    """B' of p. 22 with rows (nᵀ, x nᵀ, y nᵀ), times the lengths of the edges."""
     rows = []
     for i, j in edges:
         (x0, y0), (x1, y1) = points[i], points[j]
@@ -443,8 +480,12 @@ def velocity_matrix(points, edges):
 
 
 @pytest.mark.parametrize("valence", range(3, 9))
-def test_the_edges_at_a_vertex_never_suffice(valence):
-    """p. 15-22: u = x - x_i is tangent to all of them, so B' has rank 5 at most, H no inverse."""
+def test_edges_at_a_vertex_do_not_suffice(valence):
+    """p.
+
+    15-22: u = x - x_i is tangent to all of these edges. Therefore the rank of B' is at most 5, and
+    H is singular.
+    """
     points, spokes, _ = ring(valence, 4)
     b = velocity_matrix(points, spokes)
     x, y = points[0]
@@ -455,10 +496,11 @@ def test_the_edges_at_a_vertex_never_suffice(valence):
 
 
 @pytest.mark.parametrize("valence", range(3, 9))
-def test_one_ring_suffices_from_valence_five_on(valence):
+def test_one_ring_suffices_for_valence_five_and_more(valence):
     """p. 15-22: with the edges opposite the vertex the rank is N + 1 in general, at most 6.
 
-    Six and more equations are not enough: what counts are the vertices of the patch, N + 1.
+    Six equations are not sufficient: the rank depends on the number of vertices of the patch, N +
+    1.
     """
     points, spokes, opposite = ring(valence, 5)
     b = velocity_matrix(points, spokes + opposite)
@@ -466,20 +508,24 @@ def test_one_ring_suffices_from_valence_five_on(valence):
     assert rank(b) == min(6, valence + 1)
 
 
-def test_vertices_on_a_conic_take_a_rank_from_every_patch():
-    """p. 42: rank B' is that of the monomials of degree two at the vertices of the patch."""
-    # five points of the conic x y = 60, and a sixth, on it or not
-    rim = [[1, 60], [-6, -10], [-10, -6], [60, 1], [20, 3]]
+def test_vertices_on_a_conic_reduce_the_rank_of_a_patch():
+    """p. 42: the rank of B' equals that of the quadratic monomials at the vertices of the patch."""
+    # five points of the conic x y = 60, and a sixth on it or off it
+    five = [[1, 60], [-6, -10], [-10, -6], [60, 1], [20, 3]]
     for sixth, wanted in (([3, 20], 5), ([4, 20], 6)):
-        points = [*rim, sixth]
+        points = [*five, sixth]
         squares = [[1, x, y, x * x, x * y, y * y] for x, y in points]
         assert rank(squares) == wanted
         fan = [(0, k) for k in range(1, 6)] + [(k, k + 1) for k in range(1, 5)]
         assert rank(velocity_matrix(points, fan)) == wanted
 
 
-def test_some_points_allow_no_normals_at_all():
-    """p. 42: full rank of B is not enough of a premise: five of six points in line always fail."""
+def test_full_rank_of_the_points_is_not_sufficient():
+    """p.
+
+    42: full column rank of B does not suffice. If five of six points are collinear, B' is singular
+    for all normals.
+    """
     points = [[k, 0] for k in range(5)] + [[1, 1]]
     assert rank([[1, x, y] for x, y in points]) == 3
     numbers = np.random.default_rng(4).integers(-9, 10, (50, 6, 2)).tolist()
@@ -492,11 +538,15 @@ def test_some_points_allow_no_normals_at_all():
     assert rank([[a * b for b in (1, *p) for a in n] for p, n in pairs]) == 6
 
 
-def test_least_norm_misses_a_rotation_in_silence():
-    """p. 22: least norm on too few edges misses a rotation; the library takes another ring."""
+def test_least_norm_silently_fails_for_a_rotation():
+    """p.
+
+    22: the least-norm solution with too few edges does not reproduce a rotation. The library uses a
+    second ring instead.
+    """
     mesh = SimplexMesh.delaunay(np.random.default_rng(6).random((80, 2)))
-    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
-    u = (mesh.points - mesh.points.mean(axis=0)) @ turn
+    rotation = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    u = (mesh.points - mesh.points.mean(axis=0)) @ rotation
     v = normal_velocities(mesh, u)
     valence = np.diff(mesh.vertex_cell_incidence.indptr)
     inside = ~mesh.boundary_vertices & (valence == 4)
@@ -509,7 +559,7 @@ def test_least_norm_misses_a_rotation_in_silence():
         n, p = mesh.face_normals[spokes], mesh.face_centers[spokes]
         b = np.hstack([n, p[:, :1] * n, p[:, 1:] * n])
         c = np.linalg.lstsq(b, v[spokes])[0]
-        assert np.abs(b @ c - v[spokes]).max() < ROUNDING  # nothing looks wrong
+        assert np.abs(b @ c - v[spokes]).max() < ROUNDING  # the residual is zero
         assert np.linalg.norm(np.array([1, *mesh.points[i]]) @ c.reshape(3, 2) - u[i]) > 1e-3
 
 
@@ -525,34 +575,45 @@ def test_the_velocity_matrix_has_two_orders_of_columns():
     np.testing.assert_allclose(first @ c.T.ravel(), second @ c.ravel())
 
 
-def test_right_sides_that_are_vectors():
-    """p. 22, 25: W B'c is a vector, as W V' is and W' is not; B c = V has a right side."""
+def test_right_sides_must_be_vectors():
+    """p.
+
+    22, 25: W B'c is a vector. The right side must be the vector W V', not W'; the system of p. 25
+    is B c = V.
+    """
     rng = np.random.default_rng(8)
     w, b, c, v = np.diag(rng.random(8)), rng.random((8, 6)), rng.random(6), rng.random(8)
     assert (w @ b @ c).shape == (w @ v).shape == (8,)
     assert w.T.shape != (8,)
 
 
-def test_the_field_of_the_exercise_turns_about_the_mean():
-    """p. 43: u_k is the turned difference x_k - m: two vectors have no product to be turned."""
+def test_the_field_of_the_exercise_rotates_about_the_mean():
+    """p.
+
+    43: u_k is the difference x_k - m rotated by 90°. The printed product of two vectors is
+    undefined.
+    """
     mesh = SimplexMesh.delaunay(datasets.halton(40, 2))
     m = mesh.points.mean(axis=0)
 
-    def turned(x):
+    def rotated(x):
         return np.stack([-x[:, 1], x[:, 0]], axis=1)
 
-    def along(u):
+    def largest_radial_component(u):
         return np.abs(np.einsum("kd,kd->k", u, mesh.points - m)).max()
 
-    assert along(turned(mesh.points * m)) > 0.01  # not even component by component
-    assert along(turned(mesh.points - m)) < ROUNDING
-    assert np.abs(turned(mesh.points - m).mean(axis=0)).max() < ROUNDING
+    assert (
+        largest_radial_component(rotated(mesh.points * m)) > 0.01
+    )  # not even component by component
+    assert largest_radial_component(rotated(mesh.points - m)) < ROUNDING
+    assert np.abs(rotated(mesh.points - m).mean(axis=0)).max() < ROUNDING
 
 
 def test_cell_velocities_belong_to_circumcentres_in_rotations():
-    """p. 23-25, 44: of an expansion it is the value at the symmedian point Σl²q / Σl².
+    """p. 23-25, 44: for an expansion the value belongs to the symmedian point Σl²q / Σl² instead.
 
-    Strain has no such point: with S = diag(1, -1) an equilateral triangle errs by half its radius.
+    For a strain no such point exists: with S = diag(1, -1) the error in an equilateral triangle is
+    half its circumradius.
     """
     q = [[0, 0], [4, 0], [0, 3]]
     edges = [(1, 2), (2, 0), (0, 1)]  # the k-th opposite q_k
@@ -586,13 +647,13 @@ PENTAGON = [[0, 0], [4, 0], [5, 3], [2, 5], [-1, 3]]
 
 
 def outward(corners):
-    """Normals of the edges from each corner to the next, of any length, which cancels in ω."""
+    """Outward normals of the edges. Their lengths cancel in ω."""
     after = [*corners[1:], corners[0]]
     return [[b[1] - a[1], a[0] - b[0]] for a, b in zip(corners, after, strict=True)]
 
 
 def slides_weights(corners, x, volume):
-    """ω of p. 29-31 with vol(n_a, n_b) as given, in rational numbers."""
+    """ω of p. 29-31 with the given vol(n_a, n_b), in rational numbers."""
     normals = outward(corners)
     w = []
     for i, p in enumerate(corners):
@@ -606,9 +667,9 @@ def absolute(_, a, b):
 
 
 def test_affinely_independent_points_make_simplices_only():
-    """p. 27: of affinely independent points there are D + 1 at most, and a square has more.
+    """p. 27: at most D + 1 points are affinely independent, so a square would be excluded.
 
-    N ≥ D + 1 points in convex position that affinely span R^D are meant.
+    The intended condition is N ≥ D + 1 points in convex position that affinely span R^D.
     """
     square = [[0, 0], [1, 0], [1, 1], [0, 1]]
     assert rank(linear_basis(square)) == 3 < len(square)
@@ -618,9 +679,9 @@ def test_affinely_independent_points_make_simplices_only():
 
 
 def test_a_point_within_an_edge_has_no_coordinate():
-    """p. 28: two edges meet there, but vol is zero: its value does not count, ω is 0/0 there.
+    """p. 28: two edges meet at the point but vol is zero, so its value has no influence.
 
-    With proper corners all polygons are simple.
+    At the point ω is 0/0. Without such points all polygons are simple.
     """
     corners = [[0, 0], [1, 0], [2, 0], [2, 2], [0, 2]]
     assert slides_weights(corners, [1, F(1, 10**9)], absolute)[1] == 0
@@ -631,26 +692,30 @@ def test_a_point_within_an_edge_has_no_coordinate():
 
 
 def test_the_volume_of_the_normals_is_an_absolute_value():
-    """p. 30: N_i is a set, its order free, and with it the sign of det: |det| is meant."""
+    """p.
+
+    30: N_i is a set, so the order of its elements and the sign of det are arbitrary: |det| is
+    meant.
+    """
     x = [2, 2]
 
     def unordered(i, a, b):
         return determinant([b, a] if i in (0, 2) else [a, b])
 
-    def place(w):
+    def position(w):
         return [dot(w, column) for column in transposed(PENTAGON)]
 
     literal = slides_weights(PENTAGON, x, unordered)
     assert min(literal) < 0
-    assert max(map(abs, minus(place(literal), x))) > F(1, 4)
-    right = slides_weights(PENTAGON, x, absolute)
-    assert place(right) == x
+    assert max(map(abs, minus(position(literal), x))) > F(1, 4)
+    intended = slides_weights(PENTAGON, x, absolute)
+    assert position(intended) == x
     ours = BarycentricCoordinates(PENTAGON).weights(x)[0]
-    np.testing.assert_allclose(ours, np.array(right, dtype=float), rtol=ROUNDING)
+    np.testing.assert_allclose(ours, np.array(intended, dtype=float), rtol=ROUNDING)
 
 
 def test_the_quotient_has_no_value_on_the_boundary():
-    """p. 29, 31: on an edge two weights are infinite, ω is ∞/∞; times all heights it is exact."""
+    """p. 29, 31: on an edge two weights are infinite and ω is ∞/∞. The product form is exact."""
     for x in ([2, 0], [0, 0]):
         with pytest.raises(ZeroDivisionError):
             slides_weights(PENTAGON, x, absolute)
@@ -659,7 +724,11 @@ def test_the_quotient_has_no_value_on_the_boundary():
 
 
 def test_beside_an_edge_the_quotient_is_silently_wrong():
-    """p. 29, 31: heights of rounding's size are any number; one height per face does no harm."""
+    """p.
+
+    29, 31: heights near an edge are rounding errors. The product form has one height per face and
+    is accurate.
+    """
     worst = 0.0
     for k in range(40):
         angle = 0.01 * k + np.pi / 3 * np.arange(6)
@@ -680,9 +749,10 @@ def test_beside_an_edge_the_quotient_is_silently_wrong():
 
 
 def test_outside_the_coordinates_change_sign_and_have_a_pole():
-    """p. 31: linear fields still come back there, but for a curve on which Σ w vanishes.
+    """p. 31: outside, linear fields are reproduced except on a curve where Σ w vanishes.
 
-    For this quadrilateral it is the line 4x + 3y + 12 = 0, through the meets of opposite edges.
+    For this quadrilateral the curve is the line 4x + 3y + 12 = 0 through the intersections of
+    opposite edges.
     """
     corners = [[0, 0], [2, 0], [3, 2], [0, 1]]
     outside = slides_weights(corners, [5, 7], absolute)
@@ -702,7 +772,7 @@ def test_outside_the_coordinates_change_sign_and_have_a_pole():
 
 
 def corners_of_cell(neighbors):
-    """Corners of the cell of the origin among integer points, each with how many faces it has."""
+    """Corners of the Voronoi cell of the origin, each with its number of faces."""
     found = {}
     for three in itertools.combinations(neighbors, 3):
         if determinant(three):
@@ -729,26 +799,29 @@ def test_a_voronoi_cell_need_not_be_simple():
 
 
 def test_voronoi_cells_on_the_boundary_are_open():
-    """p. 32-33: the cell of a vertex of the hull has no end, and no corners all round."""
+    """p.
+
+    32-33: the cell of a vertex of the convex hull is unbounded, so its corners do not enclose it.
+    """
     points = datasets.halton(30, 2)
     mesh = SimplexMesh.delaunay(points)
     hull = int(points[:, 0].argmin())
     for far in (1e3, 1e6, 1e9):
         x = points[hull] - [far, 0]
         others = np.delete(points, hull, axis=0)
-        nearer = (2 * x - points[hull] - others) @ (points[hull] - others).T
-        assert np.all(np.diag(nearer) > 0)  # x is nearest to the vertex, however far away
+        difference = (2 * x - points[hull] - others) @ (points[hull] - others).T
+        assert np.all(np.diag(difference) > 0)  # x is nearest to the vertex, however far away
     with pytest.raises(ValueError, match="boundary"):
         VoronoiCell(mesh, hull)
 
 
 def hexagon(center, turn=0.0):
-    """The mesh of p. 45, its middle last, and the corners and heights of its Voronoi cell."""
+    """The mesh of p. 45 with the centre as its last vertex, and the heights in its Voronoi cell."""
     c, s = np.cos(turn), np.sin(turn)
-    rim = regular(6) @ np.array([[c, s], [-s, c]])
-    points = np.vstack([rim, np.zeros(2)]) + center
+    corners = regular(6) @ np.array([[c, s], [-s, c]])
+    points = np.vstack([corners, np.zeros(2)]) + center
     mesh = SimplexMesh(points, [[6, k, (k + 1) % 6] for k in range(6)])
-    return mesh, lambda x: 0.5 - (x - center) @ rim.T
+    return mesh, lambda x: 0.5 - (x - center) @ corners.T
 
 
 def spiral(r, n=50):
@@ -764,7 +837,7 @@ def inradius(mesh, a, b):
 
 
 def test_the_spiral_begins_at_the_centre_of_the_cell():
-    """p. 45: x_i + s_n is meant; about the origin no point need lie in the cell."""
+    """p. 45: the points are x_i + s_n. Around the origin they may all lie outside the cell."""
     center = np.array([3.0, -2.0])
     mesh, heights = hexagon(center)
     s = spiral(inradius(mesh, 0, 1))
@@ -776,7 +849,7 @@ def test_the_spiral_begins_at_the_centre_of_the_cell():
 
 
 def test_the_spiral_radius_needs_neighbouring_circumcentres():
-    """p. 45: a and b are adjacent; the middle of others lies elsewhere, of opposite ones in x_i."""
+    """p. 45: a and b must be adjacent. For opposite circumcentres the midpoint is x_i and r = 0."""
     mesh, _ = hexagon(np.zeros(2))
     assert inradius(mesh, 0, 1) == pytest.approx(0.5)
     assert inradius(mesh, 0, 2) == pytest.approx(1 / math.sqrt(12))
@@ -784,7 +857,10 @@ def test_the_spiral_radius_needs_neighbouring_circumcentres():
 
 
 def test_the_spiral_may_touch_the_edge_of_the_cell():
-    """p. 45: its first point has the inradius, and lies on an edge if the hexagon is turned so."""
+    """p.
+
+    45: the first point has the distance r from the centre. In a rotated hexagon it lies on an edge.
+    """
     mesh, heights = hexagon(np.zeros(2), turn=2 * np.pi / 50)
     first = spiral(inradius(mesh, 0, 1))[:1]
     assert abs(heights(first).min()) < 1e-15

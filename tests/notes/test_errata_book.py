@@ -1,8 +1,8 @@
-"""Errors and omissions of the appendix and the book, on surfaces, splines and kernels.
+"""Errors and omissions of the appendix and the book on surfaces, splines and kernels.
 
 Each counterexample follows the printed sentence, mostly in rational numbers; the correct statement
-is then tested on the library as well. The chapter on the errata of the book and the
-appendix names every test of the files test_errata_*.py, and no other.
+is then tested on the library as well. The chapter on the errata of the book and the appendix names
+every test of the files test_errata_*.py, and no other.
 """
 
 import itertools
@@ -39,7 +39,7 @@ def test_the_chapter_names_every_test_and_no_other():
 
 
 def test_there_is_a_coefficient_for_each_point():
-    """α is in R^N and P has a row for each of N points; α in R^d, P in R^(Q × N) fit nothing."""
+    """α is in R^N and P is N × Q. With α in R^d and P in R^(Q × N) the shapes do not match."""
     x = np.random.default_rng(1).random((7, 2))
     a = polyharmonic(3)(np.linalg.norm(x[:, None] - x, axis=-1))
     p = np.column_stack([np.ones(7), x])
@@ -52,15 +52,15 @@ def test_there_is_a_coefficient_for_each_point():
 
 
 def cubes(x, y):
-    """|x - y|³ of integers or of points of a line whose direction has an integer length."""
+    """|x - y|³ for integers, or for points on a line with a direction of integer length."""
     return F(abs(x - y)) ** 3
 
 
 def test_the_order_is_one_more_than_the_degree():
-    """r³ is positive under side conditions of degree ≤ 1, and its order by the theorem is 2, not 1.
+    """The form of r³ is positive under side conditions of degree ≤ 1, so its order is 2, not 1.
 
-    φ(s) = s^(3/2): -φ' is negative, so (-1)^m φ^(m) is not completely monotone for m = 1; and with
-    Σα = 0 alone the form of r³ has both signs.
+    φ(s) = s^(3/2): -φ' is negative, so (-1)^m φ^(m) is not completely monotone for m = 1. Under Σα
+    = 0 alone the form of r³ is indefinite.
     """
     x = [F(0), F(1), F(2), F(5)]
     second = [F(1), F(-2), F(1), F(0)]  # annihilates 1 and x
@@ -78,7 +78,7 @@ def test_the_order_is_one_more_than_the_degree():
 
 
 def test_complete_monotonicity_gives_semidefiniteness_only():
-    """φ(s) = -s: -φ' = 1 is completely monotone, and Σαα φ = 2|Σαx|² vanishes for 1, -2, 1."""
+    """φ(s) = -s: -φ' = 1 is completely monotone, but Σααφ = 2|Σαx|² vanishes for α = 1, -2, 1."""
     alpha = [F(1), F(-2), F(1)]
     x = [F(0), F(1), F(2)]
     form = sum(
@@ -90,8 +90,8 @@ def test_complete_monotonicity_gives_semidefiniteness_only():
     assert form == 0
 
 
-def test_solvable_is_less_than_unique():
-    """Five points on a line in the plane, r³ and planes: rank 7 of 8, and no right side fails."""
+def test_solvability_does_not_imply_uniqueness():
+    """r³ and linear polynomials on five collinear points: rank 7 of 8, yet always solvable."""
     t = [F(0), F(1), F(2), F(3), F(5)]  # the points t (3, 4), at distances 5 |t - u|
     a = [[125 * cubes(p, q) for q in t] for p in t]
     p = [[F(1), 3 * u, 4 * u] for u in t]
@@ -101,7 +101,7 @@ def test_solvable_is_less_than_unique():
     for i in range(5):
         data = [F(int(j == i)) for j in range(8)]
         assert rank([[*row, f] for row, f in zip(h, data, strict=True)]) == 7
-    # what is free is the plane 4x - 3y, zero at the points and nowhere else
+    # the null space is the polynomial 4x - 3y, which vanishes at the points
     free = [F(0)] * 5 + [F(0), F(4), F(-3)]
     assert all(dot(row, free) == 0 for row in h)
     with pytest.raises(np.linalg.LinAlgError, match="rank 2 of 3"):
@@ -112,7 +112,7 @@ def test_solvable_is_less_than_unique():
 
 
 def test_close_eigenvalues_are_not_needed_for_a_normal():
-    """p. 3: a strip a hundred times as long as wide has one normal; λ₁ ≫ λ₂ ≫ λ₃ does no harm."""
+    """p. 3: a strip with λ₁ ≫ λ₂ ≫ λ₃, 100 times as long as wide, has an accurate normal."""
     rng = np.random.default_rng(2)
     strip = rng.random((200, 3)) * [100.0, 1.0, 0.0] + rng.standard_normal((200, 3)) * 1e-6
     estimate = estimate_normals(strip, neighbors=200)
@@ -120,9 +120,11 @@ def test_close_eigenvalues_are_not_needed_for_a_normal():
     assert estimate.planar.all()
 
 
-def test_the_sum_of_signs_has_its_minimum_elsewhere():
-    """p. 3: Σ b_j b_k (1 - |η_jᵀη_k|) is least for signs that disagree; Σ b_j b_k η_jᵀη_k is
-    greatest for those that agree. Twelve normals on a circle, all signs tried.
+def test_the_printed_sum_of_signs_has_an_inconsistent_minimum():
+    """p. 3: Σ b_j b_k (1 - |η_jᵀη_k|) is minimal for inconsistent signs.
+
+    Σ b_j b_k η_jᵀη_k is maximal for consistent signs. All signs of twelve normals on a circle are
+    tried.
     """
     angle = 2 * np.pi * np.arange(12) / 12
     normals = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -145,21 +147,24 @@ def test_the_sum_of_signs_has_its_minimum_elsewhere():
     assert consistent(greatest[0])
 
 
-def test_one_normal_orients_one_part_only():
-    """p. 3: two bodies apart are two trees; each needs a start, and an outside, of its own."""
+def test_one_normal_orients_one_connected_component():
+    """p.
+
+    3: two separate bodies have two spanning trees. Each needs its own root and outward direction.
+    """
     x = np.random.default_rng(4).standard_normal((300, 3))
     x /= np.linalg.norm(x, axis=1, keepdims=True)
     bodies, true = np.vstack([x, x + 5.0]), np.vstack([x, x])
     flips = np.random.default_rng(5).choice([-1, 1], 600)[:, None]
     oriented = orient_normals(bodies, flips * true)
     assert (np.einsum("nd,nd->n", oriented, true) > 0).all()
-    # the graph of neighbours has no edge between them, so the sum of signs says nothing about it
+    # no edge of the neighbourhood graph connects them, so the sum of signs does not depend on it
     distances = np.linalg.norm(bodies[:300, None] - bodies[None, 300:], axis=-1)
     assert distances.min() > 5
 
 
 def test_the_gradient_of_a_function_positive_inside_points_inwards():
-    """p. 2-4: F > 0 inside and η outwards: ∇F / |∇F| = -η, the normal up to its sign."""
+    """p. 2-4: if F > 0 inside and η points outwards, then ∇F / |∇F| = -η."""
     t = 2 * np.pi * np.arange(20) / 20
     eta = np.column_stack([np.cos(t), np.sin(t)])
     data = np.repeat([0.0, -1.0], 20)
@@ -169,11 +174,13 @@ def test_the_gradient_of_a_function_positive_inside_points_inwards():
     assert np.abs(along + 1).max() < 1e-8
 
 
-def test_the_nearest_point_can_tell_the_wrong_side():
-    """p. 4: beside an edge sampled sparsely, a point outside of a wedge lies behind the plane of
-    its nearest point; a dense sample is needed, and the ray x - x_j, since a line has no sign.
+def test_the_nearest_point_can_give_the_wrong_side():
+    """p. 4: a point outside a wedge can lie behind the tangent plane of its nearest sample.
+
+    This happens near a sparsely sampled edge. The sampling must be dense. The ray x - x_j must be
+    used, because a line has no sign.
     """
-    # the solid angle x < 0 and y < x, whose faces are sampled a unit away from the edge
+    # the wedge x < 0 and y < x, whose faces are sampled one unit away from the edge
     points = {(F(0), F(-1)): (F(1), F(0)), (F(-1), F(-1)): (F(-1), F(1))}
     x = (F(1, 20), F(3, 20))  # outside: x > 0
     nearest = min(points, key=lambda p: (p[0] - x[0]) ** 2 + (p[1] - x[1]) ** 2)
@@ -186,9 +193,11 @@ def test_the_nearest_point_can_tell_the_wrong_side():
     assert dot(ray, points[nearest]) < 0  # "inside"
 
 
-def test_a_point_beside_one_sheet_may_be_beyond_the_other():
-    """p. 3-4: of a slab of thickness 1/10, x_j - dη is inside for d = 1/25, outside for 3/20, and
-    for 3/50 it is nearer to the other sheet: what must be asked is that x_j is its nearest point.
+def test_off_surface_points_may_lie_beyond_the_opposite_sheet():
+    """p. 3-4: for a slab of thickness 1/10 the point x_j - dη may be nearer to the other sheet.
+
+    It is inside for d = 1/25 and outside for 3/20. For d = 3/50 it is nearer to the other sheet.
+    The condition must be that x_j is its nearest point.
     """
     upper, lower = F(0), F(-1, 10)
     for d, inside, own in (
@@ -205,9 +214,10 @@ def test_a_point_beside_one_sheet_may_be_beyond_the_other():
 
 
 def test_the_third_derivative_is_zero_from_outside_only():
-    """p. 8: s'''(x₁) = 0 is a limit from outside; from inside it is the jump 6 α₁, here -3.
+    """p. 8: s'''(x₁) = 0 is the limit from outside.
 
-    Of the data 0, 1, 0 at 0, 1, 2 the natural spline is 3x/2 - x³/2 on [0, 1], a line before it.
+    The limit from inside is the jump 6 α₁, here -3. The natural spline of the data 0, 1, 0 at 0, 1,
+    2 is 3x/2 - x³/2 on [0, 1] and a line to the left.
     """
     method = NaturalCubicSpline([0.0, 1.0, 2.0])
     s = method.field([0.0, 1.0, 0.0])
@@ -215,12 +225,15 @@ def test_the_third_derivative_is_zero_from_outside_only():
         slopes = s.gradient(np.array([start, start + 0.25, start + 0.5]))
         assert (slopes[2] - 2 * slopes[1] + slopes[0]) / 0.25**2 == pytest.approx(third, abs=1e-12)
     assert 6 * method.truncated_powers([0.0, 1.0, 0.0])[0][0] == pytest.approx(-3)
-    # were it zero on both sides, s would be a line on [0, 1] too, and could not turn back
+    # if it were zero on both sides, s would be the line s(x) = x on [0, 1], with s(1/2) = 1/2
     assert float(s(0.5)) == pytest.approx(11 / 16)
 
 
-def test_one_site_has_two_dimensions_of_natural_splines():
-    """p. 8, proposition 1.1: dim NS₃ = N needs N ≥ 2; for one site (1.6) leaves α = 0, and π₁."""
+def test_natural_splines_of_one_site_have_dimension_two():
+    """p.
+
+    8, proposition 1.1: dim NS₃ = N needs N ≥ 2. For one site (1.6) gives α = 0 and leaves π₁.
+    """
     for sites in ([F(3)], [F(0), F(3)], [F(0), F(3), F(4)]):
         n = len(sites)
         conditions = [[F(1)] * n, list(sites)]
@@ -230,9 +243,10 @@ def test_one_site_has_two_dimensions_of_natural_splines():
 
 
 def test_one_constant_interpolates_at_any_single_point():
-    """p. 8: no N functions serve all points of R^d, d ≥ 2, if N ≥ 2: a constant does for N = 1.
+    """p. 8: the theorem on N functions in R^d, d ≥ 2, needs N ≥ 2.
 
-    And on a line in the plane, which has no interior point, 1 and x serve any two.
+    For N = 1 a constant interpolates. The theorem also needs interior points: on a line in the
+    plane, 1 and x interpolate at any two points.
     """
     for x in ((F(0), F(0)), (F(5), F(-2))):
         assert determinant([[F(1) for _ in [x]]]) != 0
@@ -240,5 +254,5 @@ def test_one_constant_interpolates_at_any_single_point():
     line = [(F(k), 2 * F(k)) for k in range(6)]
     for p, q in itertools.combinations(line, 2):
         assert determinant([[F(1), p[0]], [F(1), q[0]]]) != 0
-    # in the plane two points with one x are distinct, and 1 and x do not tell them apart
+    # two distinct points of the plane may have equal x, and then 1 and x are equal at both
     assert determinant([[F(1), F(1)], [F(1), F(1)]]) == 0

@@ -1,6 +1,6 @@
 """Errors and omissions of the appendix on mesh errors.
 
-Triangles are counted here by the definitions; the audit is tested as well.
+Here triangles are counted by the definitions; the audit is tested as well.
 """
 
 import itertools
@@ -18,7 +18,7 @@ PLANTED = planted_errors(1)
 
 
 def is_manifold(triangles):
-    """Every edge has at most two triangles, and those at a vertex hang together by edges."""
+    """Every edge has at most two triangles; the triangles at a vertex are connected by edges."""
     vertices = {int(v) for t in triangles for v in t}
     crowded = any(count > 2 for count in edge_counts(triangles).values())
     return not crowded and all(fans(triangles, v) == 1 for v in vertices)
@@ -33,8 +33,8 @@ def is_manifold(triangles):
         ("overlap", "embedding"),
     ],
 )
-def test_most_errors_listed_are_errors_of_manifolds(error, concern):
-    """A hole, a flipped triangle, a crossing, an overlap: each in a mesh that is a manifold."""
+def test_most_listed_errors_occur_in_manifolds(error, concern):
+    """A hole, a flipped triangle, a crossing and an overlap each occur in a manifold mesh."""
     points, triangles = PLANTED[error].surface
     assert is_manifold(triangles)
     counts = audit_mesh(points, triangles).counts
@@ -43,8 +43,11 @@ def test_most_errors_listed_are_errors_of_manifolds(error, concern):
 
 
 @pytest.mark.parametrize("error", ["edge of four triangles", "bow-tie"])
-def test_the_two_ways_not_to_be_a_manifold_are_not_listed(error):
-    """No copy, no boundary, no flipped triangle, nothing crosses: and yet no manifold."""
+def test_the_two_kinds_of_non_manifold_are_not_listed(error):
+    """The mesh has no duplicates, no boundary, no flipped triangles and no intersections.
+
+    Yet it is not a manifold.
+    """
     points, triangles = PLANTED[error].surface
     counts = edge_counts(triangles)
     assert not is_manifold(triangles)
@@ -52,7 +55,7 @@ def test_the_two_ways_not_to_be_a_manifold_are_not_listed(error):
     assert len({tuple(p) for p in points.tolist()}) == len(points)
     assert set(counts.values()) <= {2, 4}
     sides = Counter((int(t[k]), int(t[k - 2])) for t in triangles for k in range(3))
-    assert all(sides[a, b] == sides[b, a] for a, b in counts)  # each way as often: none is flipped
+    assert all(sides[a, b] == sides[b, a] for a, b in counts)  # no triangle is flipped
     audit = audit_mesh(points, triangles)
     assert {*audit.found} == {*PLANTED[error].found}
     assert any(audit.counts["manifoldness"].values())
@@ -60,29 +63,32 @@ def test_the_two_ways_not_to_be_a_manifold_are_not_listed(error):
 
 @pytest.mark.parametrize("error", ["degenerate triangle", "unreferenced vertex", "T-junction"])
 def test_further_errors_are_not_listed(error):
-    """Triangles without area, vertices of no triangle, vertices inside an edge."""
+    """They are triangles without area, unreferenced vertices, and vertices inside an edge."""
     assert audit_mesh(*PLANTED[error].surface).found == PLANTED[error].found
 
 
-def test_an_edge_is_no_thing_that_could_be_twice():
-    """Triangles name vertices; edges follow. Two of them with one place are another matter.
+def test_duplicate_edges_are_other_errors():
+    """Triangles refer to vertices, so an edge cannot be stored twice.
 
-    Either one edge has three triangles, or two edges of the boundary, whose vertices are
-    duplicates, lie in one place.
+    Two coincident edges are either one edge with three triangles or two boundary edges with
+    duplicate vertices.
     """
     points, triangles = sphere(1)
     sides = {frozenset((int(t[k]), int(t[k - 1]))) for t in triangles for k in range(3)}
     assert len(sides) == len(edge_counts(triangles)) == 3 * len(triangles) // 2
     points, triangles = PLANTED["duplicate vertex"].surface
     free = [edge for edge, count in edge_counts(triangles).items() if count == 1]
-    places = Counter(frozenset(tuple(points[v].tolist()) for v in edge) for edge in free)
-    assert sorted(places.values()) == [2, 2]
+    locations = Counter(frozenset(tuple(points[v].tolist()) for v in edge) for edge in free)
+    assert sorted(locations.values()) == [2, 2]
     audit = audit_mesh(points, triangles)
     assert {tuple(sorted(e)) for e in audit.free_edge_pairs.reshape(-1, 2).tolist()} == {*free}
 
 
-def test_copies_hide_what_the_surface_is():
-    """A triangle twice in a closed cube makes three edges of three; in a soup each edge is free."""
+def test_duplicates_hide_the_topology_of_the_surface():
+    """A duplicate triangle in a closed cube gives three edges of three triangles.
+
+    In a polygon soup every edge is free.
+    """
     points, triangles = cube(1)
     again = np.concatenate([triangles, triangles[:1]])
     sides = Counter(frozenset((int(t[k]), int(t[k - 1]))) for t in again for k in range(3))
@@ -96,12 +102,12 @@ def test_copies_hide_what_the_surface_is():
     assert audit.clean
 
 
-def test_coherent_normals_need_not_exist_and_are_not_enough():
-    """A Möbius band has no coherent orientation; a sphere turned over has one, the wrong one."""
+def test_consistent_normals_need_not_exist_and_do_not_suffice():
+    """A Möbius band has no consistent orientation. An inverted sphere has one, but it is wrong."""
     _, triangles = band(4, half_turns=1)
     for ways in itertools.product([False, True], repeat=len(triangles)):
-        turned = np.where(np.array(ways)[:, None], triangles[:, ::-1], triangles)
-        sides = [(int(t[k]), int(t[k - 2])) for t in turned for k in range(3)]
+        oriented = np.where(np.array(ways)[:, None], triangles[:, ::-1], triangles)
+        sides = [(int(t[k]), int(t[k - 2])) for t in oriented for k in range(3)]
         assert len({*sides}) < len(sides)
     assert "flipped_triangles" not in audit_mesh(*band(4, half_turns=1)).found
     points, triangles = turned_over(sphere(1))

@@ -1,8 +1,7 @@
-"""Every page of the slides with mathematics, in a few lines of numpy, against the library.
+"""Every page of the slides with mathematics: the page in a few lines of NumPy against the library.
 
-Where a page is wrong, its test implements the intended statement, and names the test of
-`test_errata.py`
-that shows the mistake.
+Where a page has an error, its test implements the intended statement and names the test of
+`test_errata.py` that demonstrates the error.
 """
 
 import itertools
@@ -45,8 +44,11 @@ def close(a, b, tolerance=1e-10):
     np.testing.assert_allclose(a, b, rtol=0, atol=tolerance)
 
 
-def test_every_page_with_mathematics_has_its_test():
-    """Pages 2 to 46 but for titles and reading; and every mistake they refer to is shown."""
+def test_every_page_with_mathematics_has_a_test():
+    """These are pages 2 to 46 except titles and reading lists.
+
+    Every erratum that a docstring names must exist.
+    """
     pages = [int(name[10:12]) for name in globals() if name.startswith("test_page_")]
     assert sorted(pages) == sorted(set(range(2, 47)) - TITLES_AND_READING)
     named = set(re.findall(r"test_errata\.(test_\w+)", Path(__file__).read_text("utf-8")))
@@ -58,7 +60,7 @@ def test_every_page_with_mathematics_has_its_test():
 
 
 def test_page_02_a_field_from_samples():
-    """f(p_i) = φ_i holds for radial basis functions, and for these alone.
+    """f(p_i) = φ_i holds for radial basis functions only.
 
     See test_errata.test_only_radial_basis_functions_interpolate.
     """
@@ -72,13 +74,16 @@ def test_page_03_the_linear_basis():
 
 
 def test_page_04_the_matrix_of_all_equations():
-    """The rows of B are b(p_i)ᵀ; with B c = V for affine data the c come back."""
+    """The rows of B are b(p_i)ᵀ. For affine data B c = V the coefficients c are reproduced."""
     c = np.array([1.0, -2.0, 3.0])
     close(LeastSquares(POINTS).coefficients(B @ c), c)
 
 
 def test_page_05_the_normal_equations():
-    """c = (BᵀB)⁻¹BᵀV; not for every B, test_errata.test_normal_equations_need_full_column_rank."""
+    """c = (BᵀB)⁻¹BᵀV.
+
+    B must have full column rank: test_errata.test_normal_equations_need_full_column_rank.
+    """
     c = np.linalg.inv(B.T @ B) @ B.T @ VALUES
     close(LeastSquares(POINTS).matrix(), B.T @ B)
     close(normal_equations(POINTS, VALUES), c)
@@ -86,7 +91,10 @@ def test_page_05_the_normal_equations():
 
 
 def test_page_06_the_minimised_function():
-    """ψ = ½‖Bc - V‖²; as printed, test_errata.test_half_the_squared_norm_of_the_error_is_least."""
+    """ψ = ½‖Bc - V‖².
+
+    On the printed formula see test_errata.test_the_minimized_function_is_half_the_squared_norm.
+    """
     method = LeastSquares(POINTS)
     c = method.coefficients(VALUES)
 
@@ -110,7 +118,7 @@ def weights(x, epsilon=EPSILON):
 
 
 def moving(x):
-    """p. 8-10 by `lstsq` on the scaled equations."""
+    """The value of p. 8-10, by `lstsq` on the scaled equations."""
     w = weights(x)
     return np.array([1, *x]) @ np.linalg.lstsq(w[:, None] * B, w * VALUES)[0]
 
@@ -126,14 +134,17 @@ def test_page_08_each_equation_is_scaled():
 def test_page_09_the_weight():
     """w(r) = 1/(r² + ε²).
 
-    On its advice, test_errata.test_bumps_come_from_the_constant_basis_alone.
+    On the advice for ε see test_errata.test_only_the_constant_basis_gives_terraces.
     """
     r = np.linspace(0, 2, 9)
     close(inverse_square(EPSILON)(r), 1 / (r**2 + EPSILON**2))
 
 
 def test_page_10_the_weighted_normal_equations():
-    """H = BᵀW²B and f = bᵀH⁻¹BᵀW²V, W squared: test_errata.test_the_weights_enter_squared."""
+    """H = BᵀW²B and f = bᵀH⁻¹BᵀW²V.
+
+    W enters squared: test_errata.test_the_weights_enter_squared.
+    """
     w = np.diag(weights(X))
     h = B.T @ w @ w @ B
     close(METHOD.matrix(X), h, 1e-8)
@@ -146,12 +157,12 @@ def test_page_10_the_weighted_normal_equations():
 
 
 def thin_plate(y):
-    """w of p. 11, with test_errata.test_the_thin_plate_kernel_is_a_limit_at_zero."""
+    """w of p. 11, with the limit of test_errata.test_the_thin_plate_kernel_is_a_limit_at_zero."""
     s = (y**2).sum(axis=-1)
     return s * np.log(np.where(s > 0, s, 1.0))
 
 
-def test_page_11_a_sum_of_bumps_and_a_polynomial():
+def test_page_11_a_sum_of_basis_functions_and_a_polynomial():
     """f(x) = b(x)ᵀc + Σ λ_j w(x - p_j), w = ‖y‖² log ‖y‖²."""
     method = RBF(POINTS, thin_plate_spline())
     lam, c = method.coefficients(VALUES)
@@ -161,7 +172,7 @@ def test_page_11_a_sum_of_bumps_and_a_polynomial():
 def test_page_12_the_constraints():
     """f(p_i) = φ_i, and Σ λ_j b(p_j) = 0.
 
-    On their multipliers, test_errata.test_the_multipliers_are_the_polynomial_coefficients.
+    On the multipliers see test_errata.test_the_multipliers_are_the_polynomial_coefficients.
     """
     lam, c = RBF(POINTS, thin_plate_spline()).coefficients(VALUES)
     close(B @ c + thin_plate(POINTS[:, None] - POINTS) @ lam, VALUES)
@@ -177,8 +188,8 @@ def bordered(points):
 def test_page_13_the_system():
     """H (λ, c) = (φ, 0), in space.
 
-    Of what is said of H, neither half holds: test_errata.test_the_rbf_matrix_is_indefinite and
-    test_errata.test_the_rbf_system_is_singular_for_points_on_a_line.
+    Both statements about H on this page are wrong: test_errata.test_the_rbf_matrix_is_indefinite
+    and test_errata.test_the_rbf_system_is_singular_for_points_on_a_line.
     """
     points = datasets.halton(15, 3)
     values = np.sin(points.sum(axis=1))
@@ -192,10 +203,11 @@ def test_page_13_the_system():
 
 
 @pytest.mark.parametrize("mesh", [MESH, TETRAHEDRA], ids=["2-D", "3-D"])
-def test_page_14_where_velocities_and_pressures_are(mesh):
-    """v = n·u at the centres of faces, p at circumcentres: as far from all vertices of the cell.
+def test_page_14_locations_of_velocities_and_pressures(mesh):
+    """v = n·u at face centres, and p at circumcentres, which are equidistant from the vertices.
 
-    On the words, test_errata.test_a_circumcentre_may_lie_outside_its_triangle.
+    Circumcentres need not lie in their cells:
+    test_errata.test_a_circumcentre_may_lie_outside_its_triangle.
     """
     p, e = mesh.points[mesh.faces], np.diff(mesh.points[mesh.faces], axis=1)
     close(np.einsum("fkd,fd->fk", e, mesh.face_normals), 0)
@@ -208,9 +220,9 @@ def test_page_14_where_velocities_and_pressures_are(mesh):
 
 
 def test_page_15_the_neighbourhood_of_a_vertex():
-    """N triangles and N edges, inside a plane mesh.
+    """An interior vertex of a plane mesh has N triangles and N edges.
 
-    Elsewhere, test_errata.test_how_many_faces_meet_at_a_vertex_of_n_cells.
+    On other vertices see test_errata.test_numbers_of_faces_and_edges_at_a_vertex_of_n_cells.
     """
     mesh = star(6, 13)
     assert len(mesh.vertex_cells(0)) == 6
@@ -218,7 +230,7 @@ def test_page_15_the_neighbourhood_of_a_vertex():
 
 
 def test_page_16_pressure_gradients_at_vertices():
-    """∇p(x_i) is the derivative of the field through the values of the cells around."""
+    """∇p(x_i) is the gradient of a least-squares fit to the values of the surrounding cells."""
     values = np.sin(3 * MESH.circumcenters[:, 0]) + MESH.circumcenters[:, 1] ** 2
     i = int(np.flatnonzero(~MESH.boundary_vertices)[0])
     cells = MESH.vertex_cells(i)
@@ -243,7 +255,7 @@ def vertex_fit(b):
 
 
 def test_page_18_an_affine_velocity():
-    """u(x) = c_0 + Σ x_j c_j with n_k · u(p_k) = v_k: a velocity that is affine comes back."""
+    """u(x) = c_0 + Σ x_j c_j with n_k · u(p_k) = v_k: affine velocities are reproduced."""
     c = np.array([[1.0, 2.0], [3.0, -1.0], [0.5, 4.0]])
 
     def u(x):
@@ -254,14 +266,14 @@ def test_page_18_an_affine_velocity():
 
 
 def test_page_19_reverse_thinking():
-    """With full velocities at the edges, B c_x = V_x and B c_y = V_y: two fits of one component."""
+    """With full velocities at the edges, B c_x = V_x and B c_y = V_y are two separate fits."""
     u = taylor_green(P)
     whole = LeastSquares(P).coefficients(u)
     close(whole, np.stack([np.linalg.lstsq(B_EDGES, u[:, k])[0] for k in (0, 1)], axis=1))
 
 
 def test_page_20_both_components_at_once():
-    """diag(B, B) (c_x, c_y) = (V_x, V_y) is the same."""
+    """diag(B, B) (c_x, c_y) = (V_x, V_y) is equivalent to the two separate fits."""
     u, zero = taylor_green(P), np.zeros_like(B_EDGES)
     c = np.linalg.lstsq(np.block([[B_EDGES, zero], [zero, B_EDGES]]), u.T.ravel())[0]
     close(LeastSquares(P).coefficients(u), c.reshape(2, 3).T)
@@ -270,7 +282,7 @@ def test_page_20_both_components_at_once():
 def test_page_21_projected_onto_normals():
     """B' = (N_x B, N_y B), V' = N_x V_x + N_y V_y.
 
-    On p. 22 it is another, test_errata.test_the_velocity_matrix_has_two_orders_of_columns.
+    p. 22 has another B': test_errata.test_the_velocity_matrix_has_two_orders_of_columns.
     """
     nx, ny = np.diag(N[:, 0]), np.diag(N[:, 1])
     c = vertex_fit(np.hstack([nx @ B_EDGES, ny @ B_EDGES])).reshape(2, 3)
@@ -280,7 +292,7 @@ def test_page_21_projected_onto_normals():
 def test_page_22_the_fit_at_a_vertex():
     """W B'c = W V' with the rows (nᵀ, x nᵀ, y nᵀ), and u(x_i) = c_0 + x c_1 + y c_2.
 
-    With the edges at the vertex alone, test_errata.test_the_edges_at_a_vertex_never_suffice.
+    The edges at the vertex alone do not suffice: test_errata.test_edges_at_a_vertex_do_not_suffice.
     """
     c = vertex_fit(np.hstack([N, P[:, :1] * N, P[:, 1:] * N])).reshape(3, 2)
     close(FOUND, np.array([1, *MESH.points[INSIDE[0]]]) @ c, 1e-9)
@@ -295,7 +307,7 @@ def outward(mesh, cell):
 
 @pytest.mark.parametrize("mesh", [MESH, TETRAHEDRA], ids=["2-D", "3-D"])
 def test_page_24_a_constant_velocity_has_these_normal_components(mesh):
-    """n_iᵀu = v_i with outward unit normals: a constant field comes back in every cell."""
+    """n_iᵀu = v_i with outward unit normals: constant fields are reproduced in every cell."""
     u = np.arange(1.0, 1 + mesh.points.shape[1])
     for cell in range(3):
         to_face = mesh.face_centers[mesh.cell_faces[cell]] - mesh.cell_centers[cell]
@@ -305,7 +317,7 @@ def test_page_24_a_constant_velocity_has_these_normal_components(mesh):
 
 @pytest.mark.parametrize("mesh", [MESH, TETRAHEDRA], ids=["2-D", "3-D"])
 def test_page_25_the_least_squares_velocity_of_a_cell(mesh):
-    """B c = V in the sense of least squares, B the three (or four) normals."""
+    """B c = V in the sense of least squares, where the rows of B are the three or four normals."""
     v = np.random.default_rng(14).normal(size=len(mesh.faces))
     found = cell_velocities(mesh, v)
     for cell in range(0, len(mesh.cells), 7):
@@ -319,7 +331,7 @@ def test_page_25_the_least_squares_velocity_of_a_cell(mesh):
 
 
 def polytope(corners):
-    """Unit outward normals, and the faces at each corner, from all planes through d corners."""
+    """Unit outward normals and the faces at each corner, from all planes through d corners."""
     d = corners.shape[1]
     faces = {}
     for some in itertools.combinations(range(len(corners)), d):
@@ -328,7 +340,7 @@ def polytope(corners):
         h = (corners - corners[some[0]]) @ n
         n = n if h.max() < 1e-9 else -n
         if min(h.max(), -h.min()) < 1e-9:
-            faces[tuple(np.flatnonzero(np.abs(h) < 1e-9))] = n  # a face is known by its corners
+            faces[tuple(np.flatnonzero(np.abs(h) < 1e-9))] = n  # the corners identify the face
     normals = np.array(list(faces.values()))
     height = normals @ corners.T
     on = np.abs(height - height.max(axis=1, keepdims=True)) < 1e-9
@@ -350,9 +362,9 @@ PENTAGON = np.array([[0, 0], [4, 0], [5, 3], [2, 5], [-1, 3]]) / 4.0
 
 
 def test_page_27_the_convex_hull_of_the_points():
-    """It is bounded by faces with outward normals.
+    """The hull is bounded by faces with outward normals.
 
-    On its points, test_errata.test_affinely_independent_points_make_simplices_only.
+    On the points see test_errata.test_affinely_independent_points_make_simplices_only.
     """
     for corners, faces in ((PENTAGON, 5), (CUBE, 6), (TETRAHEDRON, 4)):
         normals, _ = polytope(corners)
@@ -363,9 +375,9 @@ def test_page_27_the_convex_hull_of_the_points():
 
 
 def test_page_28_which_polytopes_are_simple():
-    """Polygons and tetrahedra are, the pyramid is not: its apex has four faces.
+    """Polygons and tetrahedra are simple. A pyramid is not: its apex has four faces.
 
-    On polygons, test_errata.test_a_point_within_an_edge_has_no_coordinate.
+    On polygons see test_errata.test_a_point_within_an_edge_has_no_coordinate.
     """
     count = [[len(a) for a in polytope(c)[1]] for c in (PENTAGON, TETRAHEDRON, PYRAMID)]
     assert count == [[2] * 5, [3] * 4, [3, 3, 3, 3, 4]]
@@ -373,9 +385,9 @@ def test_page_28_which_polytopes_are_simple():
 
 @pytest.mark.parametrize("corners", [PENTAGON, TETRAHEDRON, CUBE], ids=["2-D", "simplex", "cube"])
 def test_page_29_the_weight_function(corners):
-    """w_i = vol / Π n_aᵀ(p_i - x), up to a common factor the library's.
+    """w_i = vol / Π n_aᵀ(p_i - x) is proportional to the weights of the library.
 
-    At the boundary, test_errata.test_the_quotient_has_no_value_on_the_boundary.
+    On the boundary see test_errata.test_the_quotient_has_no_value_on_the_boundary.
     """
     x = np.average(corners, axis=0, weights=np.arange(1, 1 + len(corners)))
     quotient = w(corners, x) / BarycentricCoordinates(corners).weights(x)[0]
@@ -385,7 +397,7 @@ def test_page_29_the_weight_function(corners):
 def test_page_30_the_volume_of_the_normals():
     """vol = |det(n_a, n_b)|, the sine of the angle at the corner.
 
-    As printed, test_errata.test_the_volume_of_the_normals_is_an_absolute_value.
+    On the printed formula see test_errata.test_the_volume_of_the_normals_is_an_absolute_value.
     """
     normals, at = polytope(PENTAGON)
     sides = np.roll(PENTAGON, -1, axis=0) - PENTAGON, np.roll(PENTAGON, 1, axis=0) - PENTAGON
@@ -395,12 +407,12 @@ def test_page_30_the_volume_of_the_normals():
 
 
 def cut(corners, delta):
-    """The faces at corners with four of them moved apart, by δ: all corners are simple then."""
+    """Corners of the simple polytope in which a face of each non-simple corner is shifted by δ."""
     normals, at = polytope(corners)
     offset = (normals @ corners.T).max(axis=1)
     crowded = [a for a in at if len(a) > 3]
-    moved = {int(min(a, key=lambda k: normals[k][0] + 0.3 * normals[k][1])) for a in crowded}
-    offset[list(moved)] += delta
+    shifted = {int(min(a, key=lambda k: normals[k][0] + 0.3 * normals[k][1])) for a in crowded}
+    offset[list(shifted)] += delta
     found = {}
     for three in itertools.combinations(range(len(normals)), 3):
         if abs(np.linalg.det(normals[list(three)])) > 1e-9:
@@ -410,10 +422,11 @@ def cut(corners, delta):
     return np.array(list(found.values()))
 
 
-def test_page_31_normalised_and_at_corners_that_are_split():
-    """ω_i = w_i / Σ w_j; where four faces meet, the sum over the corners the perturbation makes.
+def test_page_31_normalization_and_split_corners():
+    """ω_i = w_i / Σ w_j.
 
-    Outside, test_errata.test_outside_the_coordinates_change_sign_and_have_a_pole.
+    A corner of four faces has the sum of the weights of its perturbed corners. On points outside
+    see test_errata.test_outside_the_coordinates_change_sign_and_have_a_pole.
     """
     x = np.array([0.6, 0.5])
     close(BarycentricCoordinates(PENTAGON).weights(x)[0], w(PENTAGON, x) / w(PENTAGON, x).sum())
@@ -433,9 +446,9 @@ def test_page_31_normalised_and_at_corners_that_are_split():
 
 
 def test_page_32_dual_cells_of_a_delaunay_mesh():
-    """Dual edges are normal to the primal ones, and dual cells turn one way only: convex.
+    """Dual edges are normal to primal edges, and dual cells are convex.
 
-    On the boundary, test_errata.test_voronoi_cells_on_the_boundary_are_open.
+    On boundary cells see test_errata.test_voronoi_cells_on_the_boundary_are_open.
     """
     for mesh in (MESH, TETRAHEDRA):
         segments, faces = circumcentric_dual(mesh)
@@ -446,14 +459,14 @@ def test_page_32_dual_cells_of_a_delaunay_mesh():
     for i in np.flatnonzero(~MESH.boundary_vertices):
         corners = MESH.circumcenters[MESH.vertex_cells(i)]
         middle = MESH.cell_centers[MESH.vertex_cells(i)] - MESH.points[i]
-        round_ = corners[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
-        e, f = np.roll(round_, -1, 0) - round_, np.roll(round_, -2, 0) - np.roll(round_, -1, 0)
+        ordered = corners[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
+        e, f = np.roll(ordered, -1, 0) - ordered, np.roll(ordered, -2, 0) - np.roll(ordered, -1, 0)
         assert (e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]).min() > -1e-12
 
 
 @pytest.mark.parametrize("mesh", [MESH, TETRAHEDRA], ids=["2-D", "3-D"])
 def test_page_33_the_corners_of_a_voronoi_cell(mesh):
-    """They are the circumcentres of the cells round the vertex, as near to it as to any other.
+    """They are the circumcentres of the cells at the vertex, and no other vertex is closer to them.
 
     They need not be simple: test_errata.test_a_voronoi_cell_need_not_be_simple.
     """
@@ -466,7 +479,7 @@ def test_page_33_the_corners_of_a_voronoi_cell(mesh):
 
 
 def test_page_34_each_corner_belongs_to_a_triangle_ijk():
-    """Its two faces are the bisectors of x_i x_j and x_i x_k."""
+    """The two faces at the corner lie on the bisectors of x_i x_j and x_i x_k."""
     i = int(INSIDE[0])
     cell = VoronoiCell(MESH, i)
     center = MESH.points[i]
@@ -476,7 +489,7 @@ def test_page_34_each_corner_belongs_to_a_triangle_ijk():
 
 
 def cells_at(mesh):
-    """Vertex x_i inside, then for each of its cells the others x_b, circumcentre and measure."""
+    """For each cell at an interior vertex x_i: x_i, other vertices, circumcentre, measure."""
     i = int(np.flatnonzero(~mesh.boundary_vertices)[0])
     for a in mesh.vertex_cells(i):
         others = mesh.cells[a][mesh.cells[a] != i]
@@ -495,7 +508,7 @@ def test_page_35_the_volume_of_the_normals_of_a_voronoi_corner():
 
 
 def simplified(mesh, x, factor):
-    """w_a = D! V_a / Π (x_b - x_i)ᵀ(p_a - x), normalised: p. 36 and 37."""
+    """w_a = D! V_a / Π (x_b - x_i)ᵀ(p_a - x), normalized: p. 36 and 37."""
     w = [factor * m / np.prod((b - center) @ (p - x)) for center, b, p, m in cells_at(mesh)]
     return np.array(w) / np.sum(w)
 
@@ -530,9 +543,9 @@ def test_page_39_least_squares():
 
 
 def test_page_40_moving_least_squares():
-    """ψ at its least, H of size D + 1, and the gradient with the derivative of the coefficients.
+    """The minimum of ψ, the size of H, and the full gradient with derivatives of the coefficients.
 
-    On the hint, test_errata.test_psi_always_prefers_an_infinite_epsilon.
+    On the hint see test_errata.test_psi_always_prefers_an_infinite_epsilon.
     """
     w = weights(X)
     c, residual, _, _ = np.linalg.lstsq(w[:, None] * B, w * VALUES)
@@ -556,9 +569,9 @@ def test_page_41_radial_basis_functions():
 
 
 def test_page_42_conditions_on_the_normals():
-    """B' loses rank if normals are parallel, or if one affine field is tangent to all edges.
+    """B' is rank-deficient for parallel normals, and if an affine field is tangent to all edges.
 
-    Of the edges of a patch, test_errata.test_vertices_on_a_conic_take_a_rank_from_every_patch.
+    On the edges of a patch see test_errata.test_vertices_on_a_conic_reduce_the_rank_of_a_patch.
     """
 
     def rank(n):
@@ -571,10 +584,10 @@ def test_page_42_conditions_on_the_normals():
 
 
 def test_page_43_a_rotation_at_the_vertices():
-    """u = J(x - m) is affine: v_a = n·(u_i + u_j)/2 = n·u(midpoint), and all vertices come back.
+    """u = J(x - m) is affine, so v_a = n·(u_i + u_j)/2 = n·u(midpoint), and u is reproduced.
 
-    As printed, test_errata.test_the_field_of_the_exercise_turns_about_the_mean; on one ring,
-    test_errata.test_least_norm_misses_a_rotation_in_silence.
+    On the printed formula see test_errata.test_the_field_of_the_exercise_rotates_about_the_mean; on
+    one ring see test_errata.test_least_norm_silently_fails_for_a_rotation.
     """
 
     def u(x):
@@ -587,18 +600,18 @@ def test_page_43_a_rotation_at_the_vertices():
 
 
 def test_page_44_a_rotation_in_the_cells():
-    """It comes back at circumcentres, not elsewhere; what is not free of divergence is dropped.
+    """A rotation is reproduced at circumcentres only; the divergence does not affect the velocity.
 
-    Of other fields, test_errata.test_cell_velocities_belong_to_circumcentres_in_rotations.
+    On other fields see test_errata.test_cell_velocities_belong_to_circumcentres_in_rotations.
     """
 
-    def turned(x):
+    def rotated(x):
         return np.stack([-x[:, 1], x[:, 0]], axis=1)
 
-    v = normal_velocities(MESH, turned(MESH.points))
+    v = normal_velocities(MESH, rotated(MESH.points))
     u = cell_velocities(MESH, v).values
-    close(u, turned(MESH.circumcenters), 1e-8)
-    assert np.abs(u - turned(MESH.cell_centers)).max() > 1e-2
+    close(u, rotated(MESH.circumcenters), 1e-8)
+    assert np.abs(u - rotated(MESH.cell_centers)).max() > 1e-2
     one = SimplexMesh(MESH.points[MESH.cells[0]], [[0, 1, 2]])
     v = np.array([1.0, -2.0, 0.5])
     out = (one.face_measures @ v) / np.sum(one.face_measures**2)  # boundary normals point out
@@ -606,9 +619,9 @@ def test_page_44_a_rotation_in_the_cells():
 
 
 def test_page_45_the_spiral_in_a_hexagon():
-    """Constant and linear fields come back at x_i + s_n, n = 1 ... 50.
+    """Constant and linear fields are reproduced at x_i + s_n, n = 1 ... 50.
 
-    As printed, test_errata.test_the_spiral_begins_at_the_centre_of_the_cell.
+    On the printed points see test_errata.test_the_spiral_begins_at_the_centre_of_the_cell.
     """
     center = np.array([0.25, -0.5])
     points = np.vstack([regular(6) + center, center])
@@ -624,7 +637,7 @@ def test_page_45_the_spiral_in_a_hexagon():
 
 
 def test_page_46_the_weights_in_space_are_the_general_ones():
-    """p. 37 agrees with p. 29-31 on the Voronoi cell, its normals found from its corners alone."""
+    """p. 37 agrees with p. 29-31 on the Voronoi cell; the normals are computed from its corners."""
     i = int(np.flatnonzero(~TETRAHEDRA.boundary_vertices)[0])
     corners = TETRAHEDRA.circumcenters[TETRAHEDRA.vertex_cells(i)]
     x = TETRAHEDRA.points[i] + 0.02

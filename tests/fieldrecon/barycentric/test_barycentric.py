@@ -246,7 +246,7 @@ def test_linear_fields_are_reproduced_near_a_corner_of_many_faces(distance):
 
 
 def split(corners, i, delta):
-    """The polyhedron with corner i cut off at depth `delta`, and the index of its first new corner."""
+    """The polyhedron with corner i cut off at depth `delta`; the index of the first new corner."""
     others = np.delete(corners, i, axis=0)
     normals = faces_at(corners, i)
     axis = normals.sum(axis=0) / np.linalg.norm(normals.sum(axis=0))
@@ -290,7 +290,7 @@ def test_three_of_four_faces_at_a_corner_lose_linear_precision():
 
 
 def test_the_volume_of_the_normals_is_an_absolute_value():
-    """The sign of the determinant depends on the order of the faces, which the slides leave open."""
+    """The sign of the determinant depends on the order of the faces, which the slides omit."""
     corners = regular(5)
     x = np.array([0.1, 0.2])
 

@@ -97,7 +97,7 @@ def test_a_difference_without_the_minus_sign_is_detected(monkeypatch):
 
 
 def test_a_blend_equals_the_union_away_from_the_intersection_curve():
-    """The blend exceeds the union by at most a quarter of the radius, where the fields are equal."""
+    """The blend exceeds the union by at most a quarter of the radius, attained at equal fields."""
     a, b, r = Ball(1.0), Ball(1.0, [1.5, 0, 0]), 0.8
     x = queries(a | b)
     more = blend(a, b, r)(x) - union(a, b)(x)
