@@ -39,13 +39,13 @@ end
 
 local function cell(value, format, id)
   if type(value) == 'number' and format == '' and not math.tointeger(value) then format = '.3g' end
-  if type(value) ~= 'number' then format = '' end
+  if type(value) ~= 'number' then format = '' end   -- a text, or an order of magnitude
   return pandoc.Cell { pandoc.Plain(values.inlines(values.text(value, format, id) or '?')) }
 end
 
 local function is_numeric(rows, index)
   for _, row in ipairs(rows) do
-    if type(row[index]) == 'number' then return true end
+    if type(row[index]) == 'number' or values.order(row[index]) then return true end
   end
 end
 

@@ -38,9 +38,17 @@ local function group(digits)
   return grouped:gsub('^([-+]?),', '%1') .. rest
 end
 
--- An order of magnitude: a bare power of ten at the level of rounding errors. It has no digits.
-local function is_order(x)
-  return math.abs(x) < 1e-9 and ('%.8e'):format(x):match '^%-?1%.0+e' ~= nil
+-- An order of magnitude arrives as the text ~1e-16. It has no digits.
+function values.order(value)
+  return type(value) == 'string' and value:match '^~(1e[-+]%d+)$' or nil
+end
+
+local WITHOUT_DIGITS = { [''] = true, e = true, g = true, ['.0e'] = true }
+
+local function order_text(order, format, token)
+  if WITHOUT_DIGITS[format] then return order end
+  problems.add(('an order of magnitude has no digits: write .0e, not %q, in %s'):format(format, token), token)
+  return nil
 end
 
 local function digits(x, format)
@@ -50,11 +58,12 @@ local function digits(x, format)
   if kind == '' and precision == '' then
     kind = math.type(x) == 'integer' and 'd' or '.9g'
   end
-  if is_order(x) and kind:match '[eg]' then precision, kind = '.0', 'e' end
   if kind == 'd' and math.type(x) ~= 'integer' then return nil end
   local text
   if kind == '%' then
     text = ('%' .. sign .. (precision == '' and '.6' or precision) .. 'f'):format(100 * x) .. '%'
+  elseif kind == 'e' and precision == '.0' and ('%.15e'):format(x):match '^%-?1%.0*e' == nil then
+    text = ('%#' .. sign .. '.0e'):format(x)     -- one digit, 1.e-05, is not a power of ten, 1e-05
   else
     text = ('%' .. sign .. precision .. (kind == '' and 'g' or kind)):format(x)
   end
@@ -68,6 +77,8 @@ function values.text(value, format, token)
     for i, part in ipairs(value) do parts[i] = values.text(part, format, token) or '?' end
     return table.concat(parts, ', ')
   end
+  local order = values.order(value)
+  if order then return order_text(order, format, token) end
   if type(value) ~= 'number' then
     if format ~= '' then problems.add('a text has no number format: ' .. token, token) end
     return tostring(value)
@@ -97,20 +108,27 @@ function values.find(key, token)
   return value, kind, name
 end
 
--- Mantissa and exponent of 1.20e-03; a bare power of ten has no mantissa.
+-- Mantissa and exponent of 1.20e-03; a bare power of ten, 1e-16, has no mantissa, 1.e-16 has the mantissa 1.
 local function scientific(text)
   local mantissa, exponent = text:match '^([-+]?[%d.,]+)e([-+]%d+)$'
   if not mantissa then return nil end
   local sign = mantissa:match '^[-+]?'
   if mantissa:match '^[-+]?1$' then return sign, nil, math.tointeger(tonumber(exponent)) end
-  return sign, mantissa:sub(#sign + 1), math.tointeger(tonumber(exponent))
+  return sign, mantissa:sub(#sign + 1):gsub('%.$', ''), math.tointeger(tonumber(exponent))
+end
+
+-- 2 × 10⁻³, 10⁻³, and without a power where that is shorter: 2 for 2 × 10⁰, 1 and 10 for 10⁰ and 10¹.
+local function product(mantissa, times, exponent, power)
+  if exponent == 0 then return mantissa or '1' end
+  if exponent == 1 and not mantissa then return '10' end
+  return (mantissa and mantissa .. times or '') .. power
 end
 
 function values.tex(text)
   if not text:match '^[-+%d]' then return '\\text{' .. text .. '}' end
   local sign, mantissa, exponent = scientific(text)
   if exponent then
-    return sign .. (mantissa and mantissa .. ' \\times ' or '') .. '10^{' .. exponent .. '}'
+    return sign .. product(mantissa, ' \\times ', exponent, '10^{' .. exponent .. '}')
   end
   return (text:gsub('(%d),(%d)', '%1{,}%2'):gsub('%%', '\\%%'))
 end
@@ -124,7 +142,7 @@ function values.plain(text)
   if not text:match '^[-+%d]' then return text end
   local sign, mantissa, exponent = scientific(text)
   if exponent then
-    text = sign .. (mantissa and mantissa .. ' × ' or '') .. '10' .. tostring(exponent):gsub('.', RAISED)
+    text = sign .. product(mantissa, ' × ', exponent, '10' .. tostring(exponent):gsub('.', RAISED))
   end
   return (text:gsub('^%-', MINUS))
 end

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldrecon import RBF
+from fieldrecon import RBF, MovingLeastSquares, wendland
 from fieldrecon.datasets.synthetic import halton, power_of_sum
 from fieldrecon.kernels.weights import inverse_square
 from fieldreport import experiments
@@ -14,6 +14,7 @@ from fieldreport.experiments.methods import (
     power_sampling,
     weight_shapes,
 )
+from fieldreport.framework.experiment import OrderOfMagnitude
 
 ROUNDING = 1e-13
 
@@ -30,13 +31,15 @@ def sweep():
 
 @pytest.fixture(scope="module")
 def shapes():
-    return experiments.get("weight_shapes").run(weight_shapes.Params(steps=9, relief_side=8))
+    return experiments.get("weight_shapes").run(
+        weight_shapes.Params(steps=9, relief_side=8, draws=2, fine=80)
+    )
 
 
 @pytest.fixture(scope="module")
 def kernels():
     return experiments.get("kernel_comparison").run(
-        kernel_comparison.Params(sizes=(50, 100, 200, 400))
+        kernel_comparison.Params(sizes=(50, 100, 200, 400), starts=(1, 50, 1000))
     )
 
 
@@ -149,6 +152,16 @@ def test_the_plane_holds_the_thin_plate_down(kernels):
     assert kernels.arrays["far_gaussian"][-1] == 0
 
 
+def test_orders_depend_on_the_sequence_of_points(kernels):
+    """By more than the digits of one fit; a point in the corner alone changes order and error."""
+    for kernel, smooth in (("linear", 2.5), ("thin_plate", 3.0), ("cubic", 3.4)):
+        least, most = (kernels.facts[f"order_{kernel}_{which}"] for which in ("least", "most"))
+        assert least <= kernels.facts[f"order_{kernel}_first"] <= most
+        assert least < smooth < most
+    assert kernels.facts["order_cubic_corner"] > kernels.facts["order_cubic_first"] + 0.5
+    assert min(kernels.facts[f"corner_gain_{k}"] for k in ("cubic", "multiquadric")) > 2
+
+
 def test_smoother_kernels_pay_in_condition(kernels):
     """Among the polyharmonic kernels a higher power means less error and a worse condition."""
     errors = [kernels.facts[f"error_{k}"] for k in ("linear", "thin_plate", "cubic")]
@@ -169,5 +182,31 @@ def test_normal_equations_that_rounding_makes_singular(monkeypatch):
     params = normal_equations.Params(side=5, queries=5, decades=(6, 8))
     result = experiments.get("normal_equations").run(params)
     near, far = result.tables["offsets"].column("error, normal equations")[-2:]
-    assert (type(near), far) == (float, "singular")
+    assert (type(near), far) == (OrderOfMagnitude, "singular")
     normal_equations.plot(result)
+
+
+def test_the_gradient_of_the_nearest_samples_jumps():
+    """Where another sample becomes the (k + 1)-th nearest: the field is continuous, no more."""
+    points = np.array([[0.0], [1.0], [2.2], [3.1], [4.6]])
+    method = MovingLeastSquares(points, wendland(1, 1), degree=1, neighbors=3)
+    s = method.field(np.sin(2 * points[:, 0]))
+    left, right = np.array([2.3 - 1e-7]), np.array([2.3 + 1e-7])  # as far from 0 as from 4.6
+    assert s(left) == pytest.approx(s(right), abs=1e-6)
+    assert abs(s.gradient(left) - s.gradient(right)) > 0.05
+    assert abs(s.gradient(left - 0.1) - s.gradient(right - 0.1)) < 1e-5
+
+
+def test_bumps_occur_with_either_basis(shapes):
+    """More extrema than the field has, and an ε of the spacing removes most with either basis."""
+    facts = shapes.facts
+    assert facts["extrema_true"] == 3
+    for basis in ("constant", "linear"):
+        counts = [facts[f"extrema_{basis}_{name}"] for name in weight_shapes.JUDGED]
+        assert counts == sorted(counts, reverse=True)
+        assert counts[0] >= 10 > 6 >= counts[2]
+        assert (
+            facts[f"curvature_error_{basis}_tenth"] > 3 * facts[f"curvature_error_{basis}_spacing"]
+        )
+    assert 2 < facts["slope_constant_over_linear"] < facts["curvature_constant_over_linear"] < 5
+    assert facts["error_linear_ratio"] > 2

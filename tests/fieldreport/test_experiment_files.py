@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.io.tables import csv_bytes
 from fieldreport.framework import result_files as files
 from fieldreport.framework.experiment import (
+    Experiment,
+    OrderOfMagnitude,
     Result,
     ResultTable,
     cell_from_text,
@@ -109,8 +112,25 @@ def test_an_order_of_magnitude_is_the_nearest_power_of_ten(exponent, factor, sig
 
 def test_cells_read_as_what_they_are():
     """A whole number, a decimal number, a text."""
-    assert [cell_from_text(t) for t in ("12", "12.0", "1e-3", "12 m")] == [12, 12.0, 0.001, "12 m"]
-    assert [type(cell_from_text(t)) for t in ("12", "12.0")] == [int, float]
+    texts = ("12", "12.0", "1e-3", "~1e-03", "12 m")
+    assert [cell_from_text(t) for t in texts] == [12, 12.0, 0.001, 0.001, "12 m"]
+    assert [type(cell_from_text(t)) for t in texts] == [int, float, float, OrderOfMagnitude, str]
+
+
+def test_an_order_of_magnitude_stays_one(tmp_path):
+    """In facts and tables, written and read again; a format with digits is refused."""
+    order = order_of_magnitude(0.02)
+    table = ResultTable(("x", "y"), ((order, 0.01),))
+    files.write_result(
+        result(facts={"order": order, "number": 0.01}, tables={"t": table}), tmp_path
+    )
+    found = files.read_result(tmp_path, Experiment("made_up", SimpleNamespace(Params=Params)))
+    cells = [*found.facts.values(), *found.tables["t"].rows[0]]
+    assert [type(x) for x in cells] == [OrderOfMagnitude, float] * 2
+    assert set(cells) == {0.01}
+    assert f"{order:.0e}" == "1e-02"
+    with pytest.raises(ValueError, match=r"has no digits: format \.0e, not \.1e"):
+        f"{order:.1e}"
 
 
 @pytest.mark.parametrize(

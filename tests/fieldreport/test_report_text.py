@@ -10,6 +10,7 @@ import typst
 from fieldreport.build.errors import BuildError
 from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.build.webfonts import code_points, font_faces
+from fieldreport.framework.experiment import OrderOfMagnitude
 from report_fixtures import REPORT
 
 VALUES = {
@@ -19,7 +20,9 @@ VALUES = {
             "small": 0.0012,
             "ratio": -2.5,
             "count": 12345,
-            "rounding": 1e-16,
+            "rounding": OrderOfMagnitude(1e-16),
+            "one_digit": 9.6e-5,
+            "order_one": OrderOfMagnitude(1.0),
             "word": "fine",
             "large": 123456.789,
             "unquoted": 1.0,
@@ -33,7 +36,7 @@ VALUES = {
         "tables": {
             "errors": {
                 "columns": ["n", "error, rms [m]", "exact"],
-                "rows": [[1, 1e-16, "yes"], [2, 0.00123, "no"], [3, -12.5, "no"]],
+                "rows": [[1, OrderOfMagnitude(1e-16), "yes"], [2, 0.00123, "no"], [3, -12.5, "no"]],
             }
         },
         "figures": ["bumps", "bumps_far"],
@@ -53,8 +56,9 @@ WHOLE = r"""# First {#sec:first}
 See [@fig:bumps; @fig:far], @tbl:errors, @tbl:which, @eq:one, [-@eq:two], @sec:first, @sec:inner,
 @app:more, @thm:one, @exr:one, @lst:one and [@wendland2005, chapter 8].
 
-Prose: {{bumps.small:.1e}}, {{bumps.ratio:.1f}}, {{bumps.count:,}}, {{bumps.rounding:.2e}},
-{{bumps.word}}, {{bumps.params.powers}}, {{bumps.large:,.1f}},
+Prose: {{bumps.small:.1e}}, {{bumps.ratio:.1f}}, {{bumps.count:,}}, {{bumps.rounding:.0e}},
+{{bumps.word}}, {{bumps.order_one:.0e}}, {{bumps.one_digit:.0e}},
+{{bumps.params.powers}}, {{bumps.large:,.1f}},
 {{bumps.ratio:.0%}}. Math: $a = {{bumps.small:.1e}}$,
 $b = {{bumps.count:,}}$, $c = {{bumps.rounding:.0e}}$, $d = {{bumps.params.epsilon}}$. Code:
 `{{bumps.small:.1e}}`.
@@ -114,6 +118,10 @@ $$ x $$ {#eq:three} and @eq:three.
 DAMAGE = {
     "a fact that is missing": ("{{bumps.gone:.1f}}", r"01-all.md:\d+: bumps has no fact gone"),
     "a parameter that is missing": ("{{bumps.params.gone}}", "bumps has no parameter gone"),
+    "an order of magnitude with digits": (
+        "{{bumps.rounding:.1e}}",
+        r"an order of magnitude has no digits: write .0e, not '?\"?.1e",
+    ),
     "an experiment that is missing": ("{{gone.x}}", r"there is no experiment for {{gone.x}}"),
     "decimals without a format": (
         "{{bumps.large}}",
@@ -276,18 +284,18 @@ def test_links_lead_somewhere(page, typ):
 def test_numbers_read_well_in_prose(page):
     """Minus signs, thousands and percents are set as in print; tuples as lists."""
     told = words(page)
-    for text_ in ("−2.5, 12,345,", "fine, 1, 2, 3, 4, 5, 6, 7, 8, 123,456.8, −250%"):
+    for text_ in ("−2.5, 12,345,", ", 1, 2, 3, 4, 5, 6, 7, 8, 123,456.8, −250%"):
         assert text_ in told
     assert "{{bumps.small:.1e}}" in told  # in code
     assert told.count("{{") == 1
 
 
 def test_powers_of_ten_are_mathematics_in_both_outputs(page, typ):
-    """0.0012 as .1e reads 1.2 × 10⁻³; an order of magnitude is a bare power."""
+    """0.0012 as .1e reads 1.2 × 10⁻³, one digit 1 × 10⁻⁴; an order of magnitude is a bare power."""
     tex = re.findall(r'<annotation encoding="application/x-tex">(.*?)</annotation>', page)
     assert tex.count(r"1.2 \times 10^{-3}") == 3  # in prose and in two tables
     assert {"a = 1.2 \\times 10^{-3}", "b = 12{,}345", "c = 10^{-16}", "10^{-16}"} <= set(tex)
-    assert "d = 10^{-5}" in tex
+    assert {"d = 10^{-5}", r"1 \times 10^{-4}", "1"} <= set(tex)
     assert "1.2 times 10^(- 3)" in typ
 
 

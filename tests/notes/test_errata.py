@@ -167,15 +167,49 @@ def test_unsquared_weights_favour_distant_samples(d):
     assert all(b < 0.55 * a for a, b in itertools.pairwise(squared))
 
 
-def test_only_the_constant_basis_gives_terraces():
-    """p. 9: with linear polynomials a plane is reproduced for every ε, so a small ε gives no bumps.
+def differences(values):
+    """Differences of neighbouring numbers."""
+    return [b - a for a, b in itertools.pairwise(values)]
 
-    With constants (Shepard's method) each sample becomes a terrace with a slope of O(ε⁴).
+
+@pytest.mark.parametrize("degree", [0, 1])
+def test_bumps_occur_with_either_basis(degree):
+    """p. 9: on x³, which rises, and x², which is convex; for the linear basis ε = h is enough.
+
+    A small ε makes the field fall somewhere (constants: nearly flat at every sample), and its
+    curvature changes its sign between any two samples.
     """
+    points = [[k] for k in range(8)]
+    path = [F(k, 8) for k in range(57)]
+
+    def along(power, epsilon):
+        values = [p[0] ** power for p in points]
+        return [moving(points, values, [x], epsilon, degree) for x in path]
+
+    small, spacing = F(1, 10), F(1)
+    flattest = [min(differences(along(3, epsilon))) for epsilon in (small, spacing)]
+    bends = [differences(differences(along(2, epsilon))) for epsilon in (small, spacing)]
+    changes = [sum(a * b < 0 for a, b in itertools.pairwise(bend)) for bend in bends]
+    assert flattest[0] < (0 if degree else F(1, 100)) < flattest[1] + F(1, 10**6)
+    assert changes[0] >= 12
+    if degree:
+        assert flattest[1] > 0
+        assert changes[1] <= 2
+    ours = MovingLeastSquares(points, inverse_square(0.1), degree).field([k**3 for k in range(8)])
+    at = np.array([[float(x)] for x in path])
+    np.testing.assert_allclose(ours(at), np.array(along(3, small), dtype=float), atol=1e-9)
+
+
+def test_planes_cannot_show_bumps_of_the_linear_basis():
+    """p. 9: affine data are reproduced for every ε, so a test of bumps needs a curved field."""
     grid = [*itertools.product(range(3), repeat=2)]
     plane = [1 + 2 * x - 3 * y for x, y in grid]
     for epsilon, x in itertools.product((F(1, 1000), F(1), F(9)), ([F(1, 3), F(8, 7)], [1, 1])):
         assert moving(grid, plane, x, epsilon) == 1 + 2 * x[0] - 3 * x[1]
+
+
+def test_constants_are_flat_at_every_sample():
+    """p. 9: with constants, Shepard's method, the slope at a sample is of the order of ε⁴."""
     points, h = [[k] for k in range(5)], F(1, 10**20)
 
     def slope(epsilon):

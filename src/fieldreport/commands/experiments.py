@@ -83,8 +83,10 @@ def _run(options: argparse.Namespace) -> None:
     folder = options.out / experiment.name
     written = files.write_result(result, folder) + files.write_figures(experiment, result, folder)
     for name, table in result.tables.items():
-        print_table(table.columns, table.rows, title=f"{experiment.name}: {name}")
-    print_table(("fact", ""), tuple(result.facts.items()))
+        print_table(
+            table.columns, files.mark_orders(table.rows), title=f"{experiment.name}: {name}"
+        )
+    print_table(("fact", ""), files.mark_orders(tuple(result.facts.items())))
     print_files(written)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property
@@ -96,6 +97,43 @@ def in_checkout(name: str) -> Path:
     return (root if (root / "pyproject.toml").is_file() else Path()) / name
 
 
+class OrderOfMagnitude(float):
+    """A power of ten that stands for a number without a reliable digit.
+
+    It computes as a float. In files it is written ``~1e-16``, so that reading restores the type.
+
+    Raises
+    ------
+    ValueError
+        From a format that would print digits, such as ``.1e``.
+
+    Examples
+    --------
+    >>> x = OrderOfMagnitude(0.01)
+    >>> x, f"{x:.0e}", 10 * x
+    (~1e-02, '1e-02', 0.1)
+    """
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return f"~{self:.0e}"
+
+    __str__ = __repr__
+
+    def __format__(self, spec: str) -> str:
+        if spec not in ("", "e", "g", ".0e"):
+            raise ValueError(f"an order of magnitude has no digits: format .0e, not {spec}")
+        return format(float(self), ".0e")
+
+    @classmethod
+    def parse(cls, text: str) -> OrderOfMagnitude:
+        """Read ``~1e-16``."""
+        if not re.fullmatch(r"~1e[+-]\d+", text):
+            raise ValueError(f"an order of magnitude is written ~1e-16; got {text!r}")
+        return cls(text[1:])
+
+
 def order_of_magnitude(x: float) -> float:
     """Return the power of ten nearest to ``|x|`` on a logarithmic scale; zero stays zero.
 
@@ -105,9 +143,20 @@ def order_of_magnitude(x: float) -> float:
     Examples
     --------
     >>> order_of_magnitude(2.2e-16), order_of_magnitude(-250.0), order_of_magnitude(0.0)
-    (1e-16, 100.0, 0.0)
+    (~1e-16, ~1e+02, 0.0)
     """
-    return float(f"1e{round(math.log10(abs(x)))}") if x else 0.0
+    return OrderOfMagnitude(f"1e{round(math.log10(abs(x)))}") if x else 0.0
+
+
+def floored(x: float, level: float) -> float:
+    """Return x, or the order of magnitude ``level`` if x is not above it: a rounding error.
+
+    Examples
+    --------
+    >>> floored(0.02, 1e-12), floored(3e-15, 1e-12)
+    (0.02, ~1e-12)
+    """
+    return float(x) if x > level else OrderOfMagnitude(level)
 
 
 def round_to_digits(x: Cell, digits: int) -> Cell:
@@ -116,9 +165,9 @@ def round_to_digits(x: Cell, digits: int) -> Cell:
     Examples
     --------
     >>> round_to_digits(0.123456789, 3), round_to_digits(0.123456789, 0), round_to_digits(12345, 3)
-    (0.123, 0.1, 12345)
+    (0.123, ~1e-01, 12345)
     """
-    if not isinstance(x, float):
+    if not isinstance(x, float) or isinstance(x, OrderOfMagnitude):
         return x
     return float(f"{x:.{digits}g}") if digits else order_of_magnitude(x)
 
@@ -127,6 +176,8 @@ def _normalized(name: str, x: Any) -> Cell:
     """Return the value that is stored: an int, a text, or a float with nine significant digits."""
     if isinstance(x, str):
         return str(x)
+    if isinstance(x, OrderOfMagnitude):
+        return x
     if isinstance(x, bool | np.bool_):
         raise ValueError(f"{name} must be a number or a text; got the truth value {x}")
     if isinstance(x, int | np.integer):
@@ -139,8 +190,8 @@ def _normalized(name: str, x: Any) -> Cell:
 
 
 def cell_from_text(text: str) -> Cell:
-    """Read a table's cell: an integer, else a decimal number, else the text itself."""
-    for number in (int, float):
+    """Read a table's cell: an integer, a decimal number, an order of magnitude or a text."""
+    for number in (int, float, OrderOfMagnitude.parse):
         try:
             return number(text)
         except ValueError:

@@ -16,7 +16,14 @@ import numpy as np
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.io.tables import csv_bytes
 from fieldrecon.plotting.figure_files import FIGURE_FORMATS, write_figure
-from fieldreport.framework.experiment import Experiment, Result, ResultTable, cell_from_text
+from fieldreport.framework.experiment import (
+    Cell,
+    Experiment,
+    OrderOfMagnitude,
+    Result,
+    ResultTable,
+    cell_from_text,
+)
 from fieldreport.framework.parameters import replace_parameters
 
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -30,7 +37,7 @@ def write_result(result: Result, folder: Path) -> list[Path]:
     """
     contents = {
         "params.json": _json(asdict(result.params)),
-        "facts.json": _json(dict(result.facts)),
+        "facts.json": _json(mark_orders(dict(result.facts))),
         "arrays.npz": npz_bytes(result.arrays),
     } | {f"{name}.csv": csv_bytes(t.columns, t.rows) for name, t in result.tables.items()}
     for stale in set(folder.glob("*.csv")) - {folder / name for name in contents}:
@@ -45,7 +52,7 @@ def read_result(folder: Path, experiment: Experiment) -> Result:
     return Result(
         params=replace_parameters(experiment.defaults, _read_json(folder / "params.json")),
         tables={path.stem: _read_table(path) for path in sorted(folder.glob("*.csv"))},
-        facts=_read_json(folder / "facts.json"),
+        facts={name: _fact(x) for name, x in _read_json(folder / "facts.json").items()},
         arrays=arrays,
     )
 
@@ -74,6 +81,19 @@ def npz_bytes(arrays: Mapping[str, np.ndarray]) -> bytes:
             np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
             archive.writestr(zipfile.ZipInfo(f"{name}.npy", _ZIP_EPOCH), member.getvalue())
     return buffer.getvalue()
+
+
+def mark_orders(x: Any) -> Any:
+    """Write each order of magnitude as the text ``~1e-16``, which JSON does not confuse."""
+    if isinstance(x, dict):
+        return {key: mark_orders(value) for key, value in x.items()}
+    if isinstance(x, list | tuple):
+        return [mark_orders(value) for value in x]
+    return str(x) if isinstance(x, OrderOfMagnitude) else x
+
+
+def _fact(x: Cell) -> Cell:
+    return OrderOfMagnitude.parse(x) if isinstance(x, str) and x.startswith("~1e") else x
 
 
 def _json(x: Any) -> bytes:

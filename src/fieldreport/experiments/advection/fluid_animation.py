@@ -45,6 +45,7 @@ from fieldreport.framework.experiment import (
     Parameters,
     Result,
     ResultTable,
+    floored,
     order_of_magnitude,
     parameter,
     require,
@@ -225,7 +226,7 @@ def run(params: Params, each: Map = map) -> Result:
         tables={
             "ways": ResultTable(
                 ("frames", "energy left", "error", "divergence"),
-                tuple((name, e, error, max(d, 1e-12)) for name, e, error, d in rows),
+                tuple((name, e, error, floored(d, 1e-12)) for name, e, error, d in rows),
             )
         },
         facts=facts,

@@ -29,7 +29,15 @@ from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.experiments.coupling.precice_mappings import integrated, separate
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Parameters,
+    Result,
+    ResultTable,
+    floored,
+    parameter,
+)
 
 THICKNESS = 0.12  # of the profile, as a fraction of the chord
 SPARS = (0.2, 0.45, 0.7)  # positions along the chord
@@ -159,7 +167,9 @@ def run(params: Params, each: Map = map) -> Result:
     jobs = [(way, k) for way in WAYS for k in (*params.stations, params.shown)]
     found = dict(zip(jobs, each(partial(errors_of, params), jobs), strict=True))
     errors = np.array([[found[way, k] for k in params.stations] for way in WAYS])
-    rows = [(way, *found[way, params.shown]) for way in WAYS]
+    rows: list[tuple[Cell, ...]] = [
+        (way, *(floored(x, ROUNDING) for x in found[way, params.shown])) for way in WAYS
+    ]
     given = wing(params)
     places, weights = footprints(params, given)
     maps = mappings(params, given)
@@ -213,7 +223,7 @@ def mappings(params: Params, given: Wing) -> list[tuple[Cell, ...]]:
         there, back = made(nodes, given.skin, kernel)
         away = [np.abs(h - g).max() / np.abs(g).max() for h, g in ((there, ours), (back, ours.T))]
         errors = np.abs(quantities(nodes, back @ given.forces)[:3] / wanted - 1)
-        rows.append((name, *np.maximum([*away, *errors], ROUNDING)))
+        rows.append((name, *(floored(x, ROUNDING) for x in (*away, *errors))))
     return rows
 
 

@@ -30,7 +30,15 @@ from fieldreport.experiments.coupling.pointwise_loads import compared
 from fieldreport.experiments.coupling.standard_atmosphere import TOP, standard_atmosphere
 from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 from fieldreport.experiments.coupling.wing_models import Plan, built_incidences, elastic, skin
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import (
+    Cell,
+    Map,
+    Parameters,
+    Result,
+    ResultTable,
+    floored,
+    parameter,
+)
 
 RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
 SKIN = (16, 29)  # cells of the drawn skin, along half its section and along the span
@@ -200,7 +208,10 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
         "tip": float(arrays["rise"][-1]),
         "tip_nose_down": float(-arrays["twist"][-1]),
     }
-    rows = [(way, *np.maximum(errors, ROUNDING), tip, lost) for way, *errors, tip, lost in ways]
+    rows: list[tuple[Any, ...]] = [
+        (way, *(floored(x, ROUNDING) for x in errors), tip, lost)
+        for way, *errors, tip, lost in ways
+    ]
     for way, lift, _, work, *_ in rows[2:]:
         facts |= {
             f"{way.replace(' ', '_')}_{name}": x for name, x in (("lift", lift), ("work", work))

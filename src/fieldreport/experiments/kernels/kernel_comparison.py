@@ -1,7 +1,10 @@
 """Kernels of radial basis functions on Franke's function: error, conditioning, augmentation.
 
-Each kernel interpolates Franke's function at increasing numbers of points. The smoother the kernel,
-the faster the error decreases and the condition number of the system grows. A second part shows the
+Each kernel interpolates Franke's function at increasing numbers of points, taken from several parts
+of the Halton sequence. The smoother the kernel, the faster the error decreases and the condition
+number of the system grows. Orders fitted to one sequence of points are uncertain: a single point in
+a corner of the square, the origin with which the sequence begins, changes them. A second part shows
+the
 purpose of the polynomial that augments the kernels: affine data are reproduced exactly, and far
 from the data the field grows like a polynomial and not like the kernel.
 
@@ -61,6 +64,12 @@ class Params(Parameters):
         fewest=2,
         order="increasing",
     )
+    starts: tuple[int, ...] = parameter(
+        (1, 20, 50, 100, 200, 400, 1000, 2000, 5000),
+        "indices at which the Halton sequence begins; 0 is the origin, a corner of the square",
+        least=1,
+        most=10**6,
+    )
     scale: float = parameter(
         0.2,
         "scale of Gaussian, multiquadric and Matérn; the square has side 1",
@@ -97,16 +106,21 @@ LABELS = {
     "multiquadric": "multiquadric",
     "gaussian": "Gaussian",
 }
-QUICK = Params(sizes=(20, 40, 80), side=12, few=30)
-DIGITS = {"condition_multiquadric": 4, "condition_gaussian": 4}
+POLYHARMONIC = ("linear", "thin_plate", "cubic")
+QUICK = Params(sizes=(20, 40, 80), starts=(1, 50), side=12, few=30)
+DIGITS = {"corner_gain_multiquadric": 1, "condition_multiquadric": 4, "condition_gaussian": 4}
 
 
 def run(params: Params, each: Map = map) -> Result:
     """Interpolate with every kernel at every size, and with and without a polynomial."""
-    cases = [(kernel, n) for kernel in params.kernels.values() for n in params.sizes]
-    shape = (len(LABELS), len(params.sizes))
-    error, condition = np.transpose(list(each(partial(error_and_condition, params), cases)))
-    error, condition = error.reshape(shape), condition.reshape(shape)
+    starts = (0, *params.starts)
+    cases = [(k, n, i) for k in params.kernels.values() for n in params.sizes for i in starts]
+    shape = (len(LABELS), len(params.sizes), len(starts))
+    errors, conditions = np.transpose(list(each(partial(error_and_condition, params), cases)))
+    errors = errors.reshape(shape)
+    solved = (errors[..., 1:] > 0).all(axis=-1)
+    error = np.where(solved, np.median(errors[..., 1:], axis=-1), 0.0)
+    condition = np.median(conditions.reshape(shape)[..., 1:], axis=-1)
     distances = np.geomspace(1, params.farthest, 40)
     far = _far_fields(params, distances)
     return Result(
@@ -119,16 +133,17 @@ def run(params: Params, each: Map = map) -> Result:
             ),
         },
         facts=_facts(params, error, condition)
+        | _order_facts(params, errors)
         | _far_facts(distances, far)
         | {"difference_from_scipy": order_of_magnitude(max(_difference(params), ROUNDING))},
         arrays={"error": error, "condition": condition, "distances": distances} | far,
     )
 
 
-def error_and_condition(params: Params, case: tuple[Radial, int]) -> tuple[float, float]:
+def error_and_condition(params: Params, case: tuple[Radial, int, int]) -> tuple[float, float]:
     """Return the rms error over the square, zero if refused, and the condition number."""
-    kernel, n = case
-    x = halton(n, 2)
+    kernel, n, start = case
+    x = halton(start + n, 2)[start:]
     size = np.abs(np.linalg.eigvalsh(interpolation_matrix(kernel, x)))
     condition = size.max() / max(size.min(), np.finfo(float).tiny)
     try:
@@ -184,8 +199,8 @@ def _affine_rows(params: Params) -> Iterator[tuple[Cell, ...]]:
             np.abs(RBF(x, kernel, degree).field(affine(x))(queries) - affine(queries)).max()
             for degree in (kernel.order - 1, 1)
         ]
-        told = [e if e > 1e-9 else order_of_magnitude(max(e, ROUNDING)) for e in errors]
-        yield LABELS[name], kernel.order, kernel.order - 1, *map(float, told)
+        told = [float(e) if e > 1e-9 else order_of_magnitude(max(e, ROUNDING)) for e in errors]
+        yield LABELS[name], kernel.order, kernel.order - 1, *told
 
 
 def _far_fields(params: Params, distances: np.ndarray) -> dict[str, np.ndarray]:
@@ -193,12 +208,17 @@ def _far_fields(params: Params, distances: np.ndarray) -> dict[str, np.ndarray]:
     x = halton(params.few, 2)
     values, bell, plate = franke(x), gaussian(params.scale), thin_plate_spline()
     ray = 0.5 + distances[:, None] * np.array([0.6, 0.8])
-    # The library refuses the thin plate without its plane. Its matrix happens to be regular     #
+    angle = np.linspace(0, 2 * np.pi, 360, endpoint=False)
+    ring = 0.5 + distances[-1] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    # The library refuses the thin plate without its plane. Its matrix happens to be regular
     # here, but without the side conditions the field grows like the kernel.
-    loose = plate(cdist(ray, x)) @ np.linalg.solve(plate(cdist(x, x)), values)
+    weights = np.linalg.solve(plate(cdist(x, x)), values)
+    loose = plate(cdist(ray, x)) @ weights
     return {
         "far_plate": RBF(x, plate).field(values)(ray),
         "far_plate_loose": loose,
+        "ring_plate": RBF(x, plate).field(values)(ring),
+        "ring_plate_loose": plate(cdist(ring, x)) @ weights,
         "far_gaussian": RBF(x, bell).field(values)(ray),
         "far_gaussian_plane": RBF(x, bell, degree=1).field(values)(ray),
     }
@@ -208,22 +228,37 @@ def _facts(params: Params, error: np.ndarray, condition: np.ndarray) -> dict[str
     facts: dict[str, Cell] = {}
     for k, name in enumerate(params.kernels):
         certain = (error[k] > 0) & (condition[k] < CERTAIN)
-        sizes, errors = np.array(params.sizes)[certain], error[k, certain]
-        facts[f"points_{name}"] = int(sizes[-1])
-        facts[f"error_{name}"] = errors[-1]
-        facts[f"rate_{name}"] = -2 * np.polyfit(np.log(sizes[-3:]), np.log(errors[-3:]), 1)[0]
+        facts[f"points_{name}"] = int(np.array(params.sizes)[certain][-1])
+        facts[f"error_{name}"] = error[k, certain][-1]
         facts[f"condition_{name}"] = condition[k, certain][-1]
     best = np.where(error > 0, error, np.inf)[:, -1].argmin()
     return facts | {"best": LABELS[list(params.kernels)[best]]}
+
+
+def _order_facts(params: Params, errors: np.ndarray) -> dict[str, Cell]:
+    """Orders p of errors like h^p over all sizes, by start; the effect of a point in the corner."""
+    names = list(params.kernels)
+    facts: dict[str, Cell] = {}
+    for name in POLYHARMONIC:
+        logarithms = np.log(errors[names.index(name)])
+        corner, *orders = -2 * np.polyfit(np.log(params.sizes), logarithms, 1)[0]
+        facts[f"order_{name}_least"], facts[f"order_{name}_most"] = min(orders), max(orders)
+        facts[f"order_{name}_corner"] = corner
+        facts[f"order_{name}_first"] = orders[0]
+    for name in ("cubic", "multiquadric"):
+        corner, first = errors[names.index(name), -1, :2]
+        facts[f"corner_gain_{name}"] = first / corner if corner else 0.0
+    return facts
 
 
 def _far_facts(distances: np.ndarray, far: dict[str, np.ndarray]) -> dict[str, Cell]:
     last = distances >= distances[-1] / 10
     facts: dict[str, Cell] = {}
     for name in ("far_plate", "far_plate_loose", "far_gaussian_plane"):
-        facts[name] = far[name][-1]
         growth = np.polyfit(np.log(distances[last]), np.log(np.abs(far[name][last])), 1)[0]
         facts[f"{name}_growth"] = growth
+    for name in ("ring_plate", "ring_plate_loose"):
+        facts[f"{name}_least"], facts[f"{name}_most"] = far[name].min(), far[name].max()
     return facts
 
 

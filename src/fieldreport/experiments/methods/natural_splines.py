@@ -194,6 +194,7 @@ def _facts(
         "order_ends": order(steps[-3:], errors[-3:, 1]),
         "decay": float(-weights[6] / weights[5]),
         "decay_exact": float(DECAY),
+        "decay_ten": float(DECAY) ** 10,
         "b_splines_difference": _magnitude(
             np.concatenate([(pairs[0] - pairs[1]).ravel(), convolved])
         ),

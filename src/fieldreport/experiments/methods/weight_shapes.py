@@ -1,10 +1,11 @@
 """Bumps and dimples of moving least squares, and their dependence on ε.
 
 The slides warn of bumps and dimples unless ε is substantially larger than the spacing of the
-points. With constant polynomials this is confirmed: as ε decreases, the field becomes flat at every
-point, a staircase in one variable and terraces in two, since its slope there is of the order of ε⁴.
-With linear polynomials most of the slope remains, and the terraces become ripples. Both follow the
-slope best with ε near the spacing; a larger ε blurs.
+points. Bumps occur with either basis. With constant polynomials, as ε decreases, the field becomes
+flat at every point, a staircase in one variable and terraces in two, since its slope there is of
+the order of ε⁴. With linear polynomials part of the slope remains, and the terraces become ripples:
+extrema that the field does not have, and errors of slope and curvature. An ε of about the spacing
+removes them with either basis, and costs accuracy of the values; a larger ε blurs.
 
 References
 ----------
@@ -39,6 +40,8 @@ from fieldreport.framework.experiment import (
 )
 
 DEGREES = {0: "constant", 1: "linear"}
+JUDGED = {"tenth": 0.1, "half": 0.5, "spacing": 1.0, "two": 2.0}
+"""Values of ε/h at which extrema are counted, by the name that a fact gives them."""
 
 
 @dataclass(frozen=True)
@@ -60,14 +63,18 @@ class Params(Parameters):
     steps: int = parameter(19, "values of ε/h in the sweep, in geometric progression", least=3)
     curve_points: int = parameter(401, "points on a curve in the figure", least=2)
     relief_side: int = parameter(110, "points along a side of a relief", least=2)
-    seed: int = parameter(1, "seed of the jitter", least=0)
+    draws: int = parameter(5, "draws of sites for the count of extrema", least=1)
+    fine: int = parameter(
+        120, "points along a side of the grid on which extrema are counted", least=5
+    )
+    seed: int = parameter(1, "seed of the jitter; the draws take the seeds that follow", least=0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.largest > self.smallest, "largest", "more than smallest", self.largest)
 
 
-QUICK = Params(steps=5, relief_side=12, curve_points=21, side=6)
+QUICK = Params(steps=5, relief_side=12, curve_points=21, side=6, draws=2, fine=30)
 
 
 def run(params: Params, each: Map = map) -> Result:
@@ -75,15 +82,18 @@ def run(params: Params, each: Map = map) -> Result:
     ratios = np.geomspace(params.smallest, params.largest, params.steps)
     sites = jittered_grid(params.side, 2, params.jitter, params.seed)
     kept, error = np.stack(list(each(partial(slope_and_error, params, sites), ratios)), axis=-1)
+    judged = [(ratio, degree) for ratio in JUDGED.values() for degree in DEGREES]
+    bumps = dict(zip(judged, each(partial(bumps_and_errors, params), judged), strict=True))
     columns = [f"{what}, {basis}" for what in ("slope kept", "error") for basis in DEGREES.values()]
     return Result(
         params=params,
         tables={
             "sweep": ResultTable(
                 ("epsilon/h", *columns), tuple(map(tuple, np.column_stack([ratios, *kept, *error])))
-            )
+            ),
+            "bumps": _bump_table(bumps),
         },
-        facts=_facts(params, sites, kept, error, ratios),
+        facts=_facts(params, sites, kept, error, ratios) | _bump_facts(params, bumps),
         arrays={"ratios": ratios, "kept": kept, "error": error}
         | _curves(params)
         | {"reliefs": _reliefs(params, sites), "relief": franke(_mesh(params.relief_side))}
@@ -102,6 +112,62 @@ def slope_and_error(params: Params, sites: np.ndarray, ratio: float) -> np.ndarr
     kept = [np.sum(s.gradient(sites) * slopes) / np.sum(slopes**2) for s in fields]
     error = [np.sqrt(np.mean((s(queries) - franke(queries)) ** 2)) for s in fields]
     return np.array([kept, error])
+
+
+def bumps_and_errors(params: Params, case: tuple[float, int]) -> np.ndarray:
+    """Extrema, and rms errors of value, slope and curvature: medians over the draws.
+
+    Curvatures are differences of the gradient on the fine grid, for the field and for the truth.
+    """
+    ratio, degree = case
+    x = _mesh(params.fine)
+    truth, slope = franke(x), franke.gradient(x)
+    found = []
+    for draw in range(params.draws):
+        sites = jittered_grid(params.side, 2, params.jitter, params.seed + 1 + draw)
+        s = _field(params, sites, degree, ratio)
+        values, wrong = s(x), s.gradient(x) - slope
+        bend = np.stack(np.gradient(wrong, 1 / params.fine, axis=(0, 1)))
+        # root mean squares over the places of the norm of a vector and of a matrix
+        errors = [np.sqrt(np.sum(e**2) / values.size) for e in (values - truth, wrong, bend)]
+        found.append([count_extrema(values), *errors])
+    return np.median(found, axis=0)
+
+
+def count_extrema(values: np.ndarray) -> int:
+    """Inner points of a grid whose value is above, or below, those of all eight neighbours."""
+    n, m = values.shape
+    steps = [(i, j) for i in (0, 1, 2) for j in (0, 1, 2) if (i, j) != (1, 1)]
+    around = np.stack([values[i : n - 2 + i, j : m - 2 + j] for i, j in steps])
+    middle = values[1:-1, 1:-1]
+    return int(np.sum((middle > around.max(axis=0)) | (middle < around.min(axis=0))))
+
+
+def _bump_table(bumps: dict[tuple[float, int], np.ndarray]) -> ResultTable:
+    rows: list[tuple[Cell, ...]] = [
+        (DEGREES[k], ratio, *map(float, bumps[ratio, k]))
+        for k in DEGREES
+        for ratio in JUDGED.values()
+    ]
+    columns = ("polynomials", "epsilon/h", "extrema", "error", "slope error", "curvature error")
+    return ResultTable(columns, tuple(rows))
+
+
+def _bump_facts(params: Params, bumps: dict[tuple[float, int], np.ndarray]) -> dict[str, Cell]:
+    facts: dict[str, Cell] = {"extrema_true": count_extrema(franke(_mesh(params.fine)))}
+    for name, ratio in JUDGED.items():
+        for degree, basis in DEGREES.items():
+            extrema, _, slope, curvature = bumps[ratio, degree]
+            facts[f"extrema_{basis}_{name}"] = round(extrema)
+            facts[f"slope_error_{basis}_{name}"] = slope
+            facts[f"curvature_error_{basis}_{name}"] = curvature
+    values = {case: found[1] for case, found in bumps.items()}
+    tenth, spacing = JUDGED["tenth"], JUDGED["spacing"]
+    facts["error_linear_ratio"] = values[spacing, 1] / values[tenth, 1]
+    constant, linear = (bumps[tenth, degree] for degree in DEGREES)
+    facts["slope_constant_over_linear"] = constant[2] / linear[2]
+    facts["curvature_constant_over_linear"] = constant[3] / linear[3]
+    return facts
 
 
 def curve(x: np.ndarray) -> np.ndarray:
