@@ -15,12 +15,11 @@ from fieldrecon.io.tables import csv_bytes
 from fieldreport.framework import result_files as files
 from fieldreport.framework.experiment import (
     Experiment,
-    OrderOfMagnitude,
     Result,
     ResultTable,
     cell_from_text,
-    order_of_magnitude,
 )
+from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, order_of_magnitude
 from fieldreport.framework.parameters import replace_parameters
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)

@@ -21,7 +21,7 @@ from fieldreport.build.rerun import ExperimentJob, compute, jobs_of
 from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.framework.names import no_such
-from fieldreport.framework.result_files import mark_orders, read_result
+from fieldreport.framework.result_files import read_result
 
 
 def build(arguments: argparse.Namespace) -> None:
@@ -66,7 +66,7 @@ def _finish(document: Document, jobs: list[ExperimentJob], steps: Steps, progres
     )
     if not steps.done("document", key):
         progress.add(1)
-        document.compile(mark_orders(values), {"version": versions()["fieldrecon"]})
+        document.compile(values, {"version": versions()["fieldrecon"]})
         steps.record("document", key, made[-2:])
         progress.done("set the text")
         _report_unquoted(document, values, progress)

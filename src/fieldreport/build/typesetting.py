@@ -20,6 +20,7 @@ from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.manifest import versions
 from fieldreport.build.step_records import Steps
+from fieldreport.framework.orders_of_magnitude import mark_orders
 
 PDF_STANDARD: Final = "ua-1"
 OUTPUTS: Final = ("html5", "typst-citations")
@@ -83,7 +84,7 @@ class Document:
     def convert(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> tuple[str, str]:
         """Return the text as HTML, without style and fonts, and as Typst."""
         state = self.out / ".state"
-        write_atomically(state / "values.json", json.dumps(values).encode())
+        write_atomically(state / "values.json", json.dumps(mark_orders(values)).encode())
         places = {"values": state / "values.json", "figures": self.out / "experiments"}
         told = {**metadata, **{key: str(path.resolve()) for key, path in places.items()}}
         document = self._read(told)

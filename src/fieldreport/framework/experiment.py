@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property
@@ -15,6 +14,8 @@ import numpy as np
 
 from fieldrecon._core.blas_threads import one_blas_thread
 from fieldreport.framework.domains import Domain
+from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude
+from fieldreport.framework.orders_of_magnitude import order_of_magnitude as order_of_magnitude
 
 Cell: TypeAlias = int | float | str
 Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
@@ -95,68 +96,6 @@ def in_checkout(name: str) -> Path:
     """
     root = Path(__file__).parents[3]
     return (root if (root / "pyproject.toml").is_file() else Path()) / name
-
-
-class OrderOfMagnitude(float):
-    """A power of ten that stands for a number without a reliable digit.
-
-    It computes as a float. In files it is written ``~1e-16``, so that reading restores the type.
-
-    Raises
-    ------
-    ValueError
-        From a format that would print digits, such as ``.1e``.
-
-    Examples
-    --------
-    >>> x = OrderOfMagnitude(0.01)
-    >>> x, f"{x:.0e}", 10 * x
-    (~1e-02, '1e-02', 0.1)
-    """
-
-    __slots__ = ()
-
-    def __repr__(self) -> str:
-        return f"~{self:.0e}"
-
-    __str__ = __repr__
-
-    def __format__(self, spec: str) -> str:
-        if spec not in ("", "e", "g", ".0e"):
-            raise ValueError(f"an order of magnitude has no digits: format .0e, not {spec}")
-        return format(float(self), ".0e")
-
-    @classmethod
-    def parse(cls, text: str) -> OrderOfMagnitude:
-        """Read ``~1e-16``."""
-        if not re.fullmatch(r"~1e[+-]\d+", text):
-            raise ValueError(f"an order of magnitude is written ~1e-16; got {text!r}")
-        return cls(text[1:])
-
-
-def order_of_magnitude(x: float) -> float:
-    """Return the power of ten nearest to ``|x|`` on a logarithmic scale; zero stays zero.
-
-    A value with fewer than three reliable digits, such as a rounding error, is reported in this
-    form.
-
-    Examples
-    --------
-    >>> order_of_magnitude(2.2e-16), order_of_magnitude(-250.0), order_of_magnitude(0.0)
-    (~1e-16, ~1e+02, 0.0)
-    """
-    return OrderOfMagnitude(f"1e{round(math.log10(abs(x)))}") if x else 0.0
-
-
-def floored(x: float, level: float) -> float:
-    """Return x, or the order of magnitude ``level`` if x is not above it: a rounding error.
-
-    Examples
-    --------
-    >>> floored(0.02, 1e-12), floored(3e-15, 1e-12)
-    (0.02, ~1e-12)
-    """
-    return float(x) if x > level else OrderOfMagnitude(level)
 
 
 def round_to_digits(x: Cell, digits: int) -> Cell:

@@ -19,11 +19,11 @@ from fieldrecon.plotting.figure_files import FIGURE_FORMATS, write_figure
 from fieldreport.framework.experiment import (
     Cell,
     Experiment,
-    OrderOfMagnitude,
     Result,
     ResultTable,
     cell_from_text,
 )
+from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, mark_orders
 from fieldreport.framework.parameters import replace_parameters
 
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -81,15 +81,6 @@ def npz_bytes(arrays: Mapping[str, np.ndarray]) -> bytes:
             np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
             archive.writestr(zipfile.ZipInfo(f"{name}.npy", _ZIP_EPOCH), member.getvalue())
     return buffer.getvalue()
-
-
-def mark_orders(x: Any) -> Any:
-    """Write each order of magnitude as the text ``~1e-16``, which JSON does not confuse."""
-    if isinstance(x, dict):
-        return {key: mark_orders(value) for key, value in x.items()}
-    if isinstance(x, list | tuple):
-        return [mark_orders(value) for value in x]
-    return str(x) if isinstance(x, OrderOfMagnitude) else x
 
 
 def _fact(x: Cell) -> Cell:

@@ -45,11 +45,11 @@ from fieldreport.framework.experiment import (
     Parameters,
     Result,
     ResultTable,
-    floored,
     order_of_magnitude,
     parameter,
     require,
 )
+from fieldreport.framework.orders_of_magnitude import floored
 
 INK = np.array([0.5, 0.72])
 RADIUS = 0.16

@@ -35,9 +35,9 @@ from fieldreport.framework.experiment import (
     Parameters,
     Result,
     ResultTable,
-    floored,
     parameter,
 )
+from fieldreport.framework.orders_of_magnitude import floored
 
 THICKNESS = 0.12  # of the profile, as a fraction of the chord
 SPARS = (0.2, 0.45, 0.7)  # positions along the chord

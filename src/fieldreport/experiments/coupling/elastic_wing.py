@@ -36,9 +36,9 @@ from fieldreport.framework.experiment import (
     Parameters,
     Result,
     ResultTable,
-    floored,
     parameter,
 )
+from fieldreport.framework.orders_of_magnitude import floored
 
 RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
 SKIN = (16, 29)  # cells of the drawn skin, along half its section and along the span
