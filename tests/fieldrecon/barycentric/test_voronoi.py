@@ -1,6 +1,8 @@
 """Voronoi coordinates: barycentric coordinates of the circumcentres, and the slides' formula."""
 
+import itertools
 import math
+from fractions import Fraction
 from functools import cache
 
 import numpy as np
@@ -12,6 +14,7 @@ from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldrecon.barycentric.voronoi import VoronoiCell, voronoi_weights
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from polytopes import HEXAGON, PYRAMID, RHOMBIC_DODECAHEDRON, kuhn, regular, star, voronoi_cell
+from rational import determinant, dot, solved
 
 
 @cache
@@ -321,3 +324,26 @@ def test_poles_outside_are_refused():
         np.linalg.LinAlgError, match=r"no value at \(-1.5, -2\): the weights of the"
     ):
         voronoi_weights(star(square), 0, [-1.5, -2.0])
+
+
+def test_linear_precision_of_any_star_in_any_dimension():
+    """Exact, for positively oriented cells that surround x_i, mostly not Delaunay; no fan."""
+    rng = np.random.default_rng(4)
+    for d in (2, 3, 4):
+        axes = [[Fraction(int(k == j)) for k in range(d)] for j in range(d)]
+        spokes = {}
+        for j, sign in itertools.product(range(d), (-1, 1)):
+            noise = [Fraction(int(t), 9) for t in rng.integers(-4, 5, d)]
+            length = sign * int(rng.integers(3, 9))
+            spokes[j, sign] = [length * e + t for e, t in zip(axes[j], noise, strict=True)]
+        x = [Fraction(int(t), 7) for t in rng.integers(-5, 6, d)]
+        terms = []
+        for signs in itertools.product((-1, 1), repeat=d):
+            edges = [spokes[j, sign] for j, sign in enumerate(signs)]
+            volume = determinant(edges) * math.prod(signs)  # times d!
+            assert volume > 0
+            corner = solved(edges, [dot(e, e) / 2 for e in edges])
+            weight = volume / math.prod(dot(e, e) / 2 - dot(e, x) for e in edges)
+            terms.append([weight * (p - t) for p, t in zip(corner, x, strict=True)])
+        assert [sum(column) for column in zip(*terms, strict=True)] == [0] * d
+        assert any(sum(column) != 0 for column in zip(*terms[1:], strict=True))

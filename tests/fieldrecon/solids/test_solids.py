@@ -15,6 +15,7 @@ from fieldrecon.solids.constructive import (
     union,
 )
 from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface, scanned
+from fieldrecon.triangles.audit import audit_mesh
 from laws import assert_close
 
 SHAPES = {
@@ -184,3 +185,21 @@ def test_invalid_solids_are_refused(call, words):
     """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call()
+
+
+@pytest.mark.slow
+def test_triangles_of_one_cell_do_not_cross():
+    """For all signs at the corners, and vertices anywhere on the edges."""
+    measure = pytest.importorskip("skimage.measure")
+    rng = np.random.default_rng(3)
+    for bits in range(1, 255):
+        signs = np.array([1.0 if bits >> k & 1 else -1.0 for k in range(8)], np.float32)
+        vertices, triangles, *_ = measure.marching_cubes(
+            signs.reshape(2, 2, 2), 0.0, method="lorensen", gradient_direction="ascent"
+        )
+        inside = np.abs(vertices - np.round(vertices)) > 0.1
+        for draw in range(2):
+            along = rng.random(len(vertices)) if draw else rng.choice([0.01, 0.99], len(vertices))
+            audit = audit_mesh(np.where(inside, along[:, None], vertices), triangles)
+            assert not len(audit.crossings), bits
+            assert not len(audit.overlaps), bits

@@ -189,3 +189,35 @@ def test_at_the_vertices_the_comparison_measures_the_circumradius(found):
     rotation = row(found, 2, "rotation")
     assert rotation["vertices"] == pytest.approx(np.sqrt(np.mean(radius**2)))
     assert rotation["centroid"] == pytest.approx(np.sqrt(np.mean((offset**2).sum(axis=1))))
+
+
+def test_the_error_is_of_the_size_of_the_circumradius_and_not_of_the_cell():
+    """At most R (|s| + 2 |σ|); in a flat triangle a strain at 45° to the base has nearly 2 R."""
+    rng = np.random.default_rng(5)
+    for corners in (*rng.random((200, 3, 2)), np.array([[0.0, 0], [1, 0], [0.5, 0.01]])):
+        q = corners @ [1, 1j]
+        o, r = circumcircle(q)
+        s, sigma = rng.normal(), rng.normal() + 1j * rng.normal()
+        bound = r * (abs(s) + 2 * abs(sigma))
+        assert abs(velocity_of(q, o, s, sigma)) <= bound * (1 + 1e-9)
+    shear = velocity_of(q, o, 0.0, 1j)
+    assert r == pytest.approx((1 / 4 + 1e-4) / 0.02)
+    assert abs(shear) == pytest.approx(2 * r, rel=2e-3)
+    assert abs(shear - 1j * np.conj(q.mean() - o)) == pytest.approx(r, rel=2e-3)
+
+
+def circumcircle(q):
+    """Centre and radius of the circle through three complex numbers."""
+    d = q - q[0]
+    top = d[1] * d[2] * np.conj(d[1] - d[2])
+    o = q[0] + top / (np.conj(d[1]) * d[2] - d[1] * np.conj(d[2]))
+    return o, abs(o - q[0])
+
+
+def velocity_of(q, o, s, sigma):
+    """Least squares for an expansion s and a strain σ about o, by numpy, in complex numbers."""
+    edges = np.roll(q, -1) - q
+    normals = -1j * edges / abs(edges)
+    z = (q + np.roll(q, -1)) / 2 - o
+    v = (np.conj(normals) * (s * z + sigma * np.conj(z))).real
+    return complex(*np.linalg.lstsq(np.stack([normals.real, normals.imag], axis=1), v)[0])

@@ -172,7 +172,14 @@ def test_weights_help_where_two_rings_are_needed(refined):
 
 
 def test_narrow_weights_cost_noise(refined):
-    """The narrower the weight, the fewer edges share the noise; the error hardly changes."""
+    """The narrower the weight, the fewer edges share the noise; the error hardly changes.
+
+    On the same edges no weights have less noise than equal ones, at no vertex (Gauss and Markov).
+    """
+    assert refined.facts["least_noise_on_same_edges"] > 1 - 1e-12
+    on_same = np.array(refined.tables["weights"].column("noise / LS, same edges"))
+    assert on_same[0] == 1
+    assert np.all(np.diff(on_same) > 0)
     noise = np.array(refined.tables["weights"].column("noise"))
     error = np.array(refined.tables["weights"].column("error"))
     assert np.all(np.diff(noise) > 0)

@@ -45,6 +45,7 @@ from fieldreport.framework.experiment import (
 
 ROUNDING = np.finfo(float).eps
 WAVES = np.linspace(1.0, 20.0, 381)
+FINE_WAVES = np.linspace(1.0, 20.0, 3801)
 VARIABLES = (1, 2, 3)
 ON_A_LINE = np.array([0.0, 0.2, 0.35, 0.7, 1.0])
 SIDE = 61
@@ -150,6 +151,13 @@ def first_negative(phi: Radial, d: int, waves: np.ndarray) -> float:
     return float(waves[np.argmax(transform(phi, d, waves) < 0)])
 
 
+def first_positive_after(phi: Radial, d: int, waves: np.ndarray) -> float:
+    """Return the first of the frequencies after negative ones at which it is positive again."""
+    negative = transform(phi, d, waves) < 0
+    start = int(np.argmax(negative))
+    return float(waves[start + np.argmax(~negative[start:])])
+
+
 def on_the_diagonal() -> tuple[np.ndarray, np.ndarray]:
     """Points on a line in the plane, and data on them."""
     return np.column_stack([ON_A_LINE, ON_A_LINE]), np.cos(6 * ON_A_LINE)
@@ -207,7 +215,8 @@ def _facts(
         "even_size": len(even),
         "refusal": refusal(line_x),
         "cone_least": float(np.linalg.eigvalsh(cone(cdist(square, square))).min()),
-        "cone_wave": first_negative(cone, 2, WAVES),
+        "cone_wave": first_negative(cone, 2, FINE_WAVES),
+        "cone_wave_end": first_positive_after(cone, 2, FINE_WAVES),
         "late_wave": first_negative(wendland(3, 1, 1.0), 4, np.linspace(80.0, 95.0, 751)),
         "alone_positive": alone[0],
         "alone_negative": alone[1],

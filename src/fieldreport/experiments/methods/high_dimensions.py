@@ -57,17 +57,20 @@ class Params(Parameters):
     )
     at: int = parameter(10, "number of variables for which numbers of sites are compared", least=2)
     queries: int = parameter(150, "random points where errors are measured", least=1)
+    draws: int = parameter(5, "draws of sites and queries; errors are medians over them", least=1)
     large: int = parameter(
         20000, "points for the mean and the deviation of the functions", least=100
     )
-    seed: int = parameter(1, "seed of sites, queries and functions", least=0)
+    seed: int = parameter(1, "seed of sites, queries and functions in the first draw", least=0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.at in self.variables, "at", "one of variables", self.at)
 
 
-QUICK = Params(variables=(3, 10, 20, 100), sites=150, more=(60, 120), queries=10, large=200)
+QUICK = Params(
+    variables=(3, 10, 20, 100), sites=150, more=(60, 120), queries=10, draws=2, large=200
+)
 
 
 def run(params: Params, each: Map = map) -> Result:
@@ -75,7 +78,9 @@ def run(params: Params, each: Map = map) -> Result:
     cases = [(d, params.sites, "random") for d in params.variables]
     cases += [(params.at, n, "random") for n in params.more]
     cases += [(d, params.sites, kind) for d in params.variables for kind in KINDS[1:]]
-    found = np.array(list(each(partial(errors, params), cases)))
+    draws = [(*case, params.seed + 3 * k) for case in cases for k in range(params.draws)]
+    found = np.array(list(each(partial(errors, params), draws)))
+    found = median_over_draws(found.reshape(len(cases), params.draws, *found.shape[1:]))
     number = len(params.variables)
     by_variables, by_sites, by_kind = np.split(found, [number, number + len(params.more)])
     by_kind = by_kind.reshape(number, 2, *found.shape[1:])
@@ -100,15 +105,20 @@ def run(params: Params, each: Map = map) -> Result:
     )
 
 
-def errors(params: Params, case: tuple[int, int, str]) -> np.ndarray:
+def median_over_draws(found: np.ndarray) -> np.ndarray:
+    """Medians over the second axis; zero if a method could not be computed in some draw."""
+    return np.where((found > 0).all(axis=1), np.median(found, axis=1), 0.0)
+
+
+def errors(params: Params, case: tuple[int, int, str, int]) -> np.ndarray:
     """Return rms errors (methods, functions) in standard deviations; zero where not computed.
 
     For sites that are not random only the errors of the cubic are computed. The last row is the
     cubic on the two relevant variables, for the function of two variables.
     """
-    d, n, kind = case
-    x, q = sites(n, d, kind, params.seed), uniform(params.queries, d, params.seed + 1)
-    large = uniform(params.large, d, params.seed + 2)
+    d, n, kind, seed = case
+    x, q = sites(n, d, kind, seed), uniform(params.queries, d, seed + 1)
+    large = uniform(params.large, d, seed + 2)
     scale = [(f(large).mean(), f(large).std()) for f in FIELDS]
     data, truth = (
         np.stack([(f(p) - m) / s for f, (m, s) in zip(FIELDS, scale, strict=True)], axis=1)

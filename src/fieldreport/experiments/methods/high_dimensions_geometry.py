@@ -81,11 +81,14 @@ def overlap(x: np.ndarray) -> float:
 
 
 def counting(x: np.ndarray, q: np.ndarray) -> float:
-    """Return the effective number of sites near a query, (sum w)² / sum w²."""
+    """Return the effective number of sites near a query, (sum w²)² / sum w⁴.
+
+    Moving least squares squares its weights: a residual counts by w².
+    """
     n, d = x.shape
     near = min(4 * dimension(d, 1), n - 1)
     distance = cKDTree(x).query(q, near + 1)[0]
-    weight = wendland(3, 1)(distance[:, :-1] / distance[:, -1:])
+    weight = wendland(3, 1)(distance[:, :-1] / distance[:, -1:]) ** 2
     return float(np.median(weight.sum(axis=1) ** 2 / (weight**2).sum(axis=1)))
 
 

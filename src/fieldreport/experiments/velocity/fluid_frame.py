@@ -275,7 +275,10 @@ def _facts(
         "error_surface_from_cells": float(found[2, params.around[-1]]["surface_from_cells"]),
         "suction_missed_percent": 100 * abs(pressure[top] / closed[top] - 1),
     }
-    for name in ("inner_vertices", "surface", "cells"):
+    facts["cells_over_faces"] = (
+        errors[2]["vertices_from_cells"][-1] / errors[2]["inner_vertices"][-1]
+    )
+    for name in ("inner_vertices", "surface", "cells", "vertices_from_cells"):
         facts |= {f"order_{name}_{d}d": order(steps[d], errors[d][name]) for d in (2, 3)}
     for name in ("inner_vertices", "cells", "vertices_from_cells"):
         facts[f"error_{name}"] = errors[2][name][-1]

@@ -15,7 +15,6 @@ and 43).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -127,15 +126,20 @@ def run(params: Params, each: Map = map) -> Result:
     space = zip(params.sides_3d, each(rotation_in_space, cubes), strict=True)
     convergence = tuple((*job, *map(float, e)) for job, e in zip(jobs, errors, strict=True))
     facts, arrays = _exercise(params, meshes[0])
+    weights, noise = _compared_weights(params)
     return Result(
         params=params,
         tables={
             "valences": ResultTable(VALENCES, tuple(valences(counted))),
             "convergence": ResultTable(("D", "side", *ERRORS), convergence),
-            "weights": ResultTable(WEIGHTS, tuple(_compared_weights(params))),
+            "weights": ResultTable(WEIGHTS, tuple(weights)),
             "space": ResultTable(("side", *SPACE), tuple((side, *row) for side, row in space)),
         },
-        facts=facts | facts_of_counts(counted) | _orders(convergence) | _gain_by_rings(params),
+        facts=facts
+        | noise
+        | facts_of_counts(counted)
+        | _orders(convergence)
+        | _gain_by_rings(params),
         arrays=arrays | _stars(meshes),
     )
 
@@ -229,7 +233,14 @@ ERRORS = (
     "one ring rms, undetermined",
     "one ring max, determined",
 )
-WEIGHTS = ("weight", "error", "error / LS", "noise", "noise / LS")
+WEIGHTS = (
+    "weight",
+    "error",
+    "error / LS",
+    "noise",
+    "noise / LS",
+    "noise / LS, same edges",
+)
 
 
 def errors_on_grid(params: Params, job: tuple[int, int]) -> np.ndarray:
@@ -247,20 +258,39 @@ def errors_on_grid(params: Params, job: tuple[int, int]) -> np.ndarray:
     return np.array([1 / side, *measured, _rms(left), right.max()])
 
 
-def _compared_weights(params: Params) -> Iterator[tuple[Cell, ...]]:
-    """Error of the flow, and rms velocity caused by unit noise in the data."""
+def _compared_weights(params: Params) -> tuple[list[tuple[Cell, ...]], dict[str, Cell]]:
+    """Error of the flow, and velocity caused by unit noise in the data: the rows, and facts.
+
+    Some vertices take other rings with other weights. The theorem of Gauss and Markov compares
+    weights on the same edges only, so the noise is compared there as well.
+    """
     mesh = jittered_cube(params.weights_side, 2, params.jitter, params.seed)
     u = taylor_green(mesh.points)
     v = normal_velocities(mesh, u)
-    plain: tuple[float, float] | None = None
+    rows: list[tuple[Cell, ...]] = []
+    least, ratio_on_same, others = np.inf, 1.0, 0
     for ratio in (None, *params.ratios):
         weight = None if ratio is None else inverse_square(ratio / params.weights_side)
         x, y = velocity_weights(mesh, weight)
+        rings = vertex_velocities(mesh, v, weight).rings
         error = _rms(np.linalg.norm(np.column_stack([x @ v, y @ v]) - u, axis=1))
-        noise = float(np.sqrt((x.power(2).sum() + y.power(2).sum()) / len(u)))
-        plain = plain or (error, noise)
+        noise = np.sqrt(x.power(2).sum(axis=1) + y.power(2).sum(axis=1))
+        if ratio is None:
+            plain, equal, plain_rings = error, noise, rings
+        same = rings == plain_rings
         name = "LS" if ratio is None else f"MLS, ε = {ratio:g} h"
-        yield name, error, error / plain[0], noise, noise / plain[1]
+        ratio_on_same = _rms(noise[same]) / _rms(equal[same])
+        rows.append(
+            (name, error, error / plain, _rms(noise), _rms(noise) / _rms(equal), ratio_on_same)
+        )
+        least = min(least, float((noise[same] / equal[same]).min()))
+        others = max(others, int((~same).sum()))
+    return rows, {
+        "least_noise_on_same_edges": least,
+        "largest_noise_on_same_edges": ratio_on_same,
+        "most_with_other_edges": others,
+        "compared_vertices": len(u),
+    }
 
 
 def _gain_by_rings(params: Params) -> dict[str, Cell]:
