@@ -16,7 +16,7 @@ from fieldreport.experiments.velocity.normal_matrix_rank import (
     rank,
     vertices_around,
 )
-from fieldreport.experiments.velocity.rank_deficient_normals import configurations
+from fieldreport.experiments.velocity.rank_of_normals import configurations
 
 NOTEBOOK = Source(ROOT / "solutions/04_rank_of_normals.py").functions()
 

@@ -11,8 +11,7 @@ from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.plotting import audit_picture
 from fieldrecon.plotting.mesh_pictures import COLORS, MeshPicture, marks
 from fieldrecon.triangles.audit import CONCERNS, audit_mesh
-from fieldreport.experiments.triangles.damaged_meshes import damaged
-from fieldreport.experiments.triangles.planted_errors import TOWARD, planted_errors
+from fieldreport.experiments.triangles.planted_errors import TOWARD, damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import band, cube, sphere
 
 PLANTED = planted_errors(1)

@@ -21,7 +21,7 @@ from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
-from fieldreport.experiments.coupling import precice_mappings
+from fieldreport.experiments.coupling.coupling import integrated, separate
 from laws import VISIBLE, assert_close
 
 plates = partial(RBF, kernel=thin_plate_spline())
@@ -300,7 +300,7 @@ KERNEL = wendland(3, 2, 0.8)
 def test_the_mappings_of_precice_with_an_integrated_polynomial_are_these():
     """Consistent: H; conservative: its transpose. By their block system."""
     x, y = nodes(3), skin(3)
-    consistent, conservative = precice_mappings.integrated(x, y, KERNEL)
+    consistent, conservative = integrated(x, y, KERNEL)
     u, f = np.cos(5 * x), np.sin(7 * y)
     t = Coupling(RBF(x, KERNEL, degree=1), y)
     assert_close(t.displacements(u), consistent @ u, 1e-9)
@@ -310,7 +310,7 @@ def test_the_mappings_of_precice_with_an_integrated_polynomial_are_these():
 def test_the_mappings_of_precice_with_a_separate_polynomial_are_others_with_the_same_laws():
     """A fit is subtracted first, and kernels alone interpolate the rest."""
     x, y = nodes(3), skin(3)
-    consistent, conservative = precice_mappings.separate(x, y, KERNEL)
+    consistent, conservative = separate(x, y, KERNEL)
     q = np.column_stack([np.ones(len(x)), x])
     u, f = np.cos(5 * x), np.sin(7 * y)
     rest = u - q @ np.linalg.lstsq(q, u, rcond=None)[0]

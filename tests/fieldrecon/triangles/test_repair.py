@@ -9,8 +9,7 @@ from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
 from fieldrecon.triangles.repair import minimum_area_patches, repair_mesh
-from fieldreport.experiments.triangles.damaged_meshes import damaged
-from fieldreport.experiments.triangles.planted_errors import planted_errors
+from fieldreport.experiments.triangles.planted_errors import damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
     band,
     bumpy,

@@ -9,9 +9,14 @@ from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport import experiments
 from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
 from fieldreport.experiments.methods.convergence import order
-from fieldreport.experiments.velocity import cell_velocity, triangle_velocity
-from fieldreport.experiments.velocity.cell_velocity import GRADIENTS, PLACES
-from fieldreport.experiments.velocity.triangle_velocity import ROTATION, STRAIN, closed_form
+from fieldreport.experiments.velocity import cell_velocity
+from fieldreport.experiments.velocity.cell_velocity import (
+    GRADIENTS,
+    PLACES,
+    ROTATION,
+    STRAIN,
+    closed_form,
+)
 
 ROUNDING = 1e-12
 
@@ -69,7 +74,7 @@ def test_a_closed_form_without_one_of_its_terms_is_caught(part):
 
 
 def places(corners, strains=7):
-    return triangle_velocity.places_on_triangle(corners, strains)
+    return cell_velocity.places_on_triangle(corners, strains)
 
 
 @pytest.mark.parametrize("k", range(12))

@@ -8,7 +8,7 @@ import pytest
 
 from fieldrecon.coupling.fixed_point_iteration import fixed_point
 from fieldreport.experiments.coupling import elastic_wing
-from fieldreport.experiments.coupling.elastic_wing_checks import straight_wing
+from fieldreport.experiments.coupling.elastic_wing import straight_wing
 from fieldreport.experiments.coupling.pointwise_loads import WAYS, compared, corner_areas, loaded
 from fieldreport.experiments.coupling.standard_atmosphere import standard_atmosphere
 from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing

@@ -11,6 +11,7 @@ from fieldrecon.velocity.vertices import divergence, normal_velocities, vertex_v
 from fieldreport import experiments
 from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.velocity import fluid_frame
+from fieldreport.experiments.velocity.fluid_frame import exact_streamline, traced_streamlines
 from fieldreport.experiments.velocity.potential_flow import (
     ball_mesh,
     disc_mesh,
@@ -20,7 +21,6 @@ from fieldreport.experiments.velocity.potential_flow import (
     vector_potential,
     velocity,
 )
-from fieldreport.experiments.velocity.streamlines import exact_streamline, traced_streamlines
 
 MESHES = {2: partial(disc_mesh, 16, 4.0, 5, 1), 3: partial(ball_mesh, 0.6, 3.0, 1)}
 

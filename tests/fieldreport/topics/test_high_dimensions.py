@@ -8,12 +8,16 @@ import pytest
 
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.kernels.positive_definite import wendland
-from fieldreport.experiments.methods.high_dimensions import QUICK, errors
-from fieldreport.experiments.methods.high_dimensions_cases import FIELDS, METHODS, additive, pairs
-from fieldreport.experiments.methods.high_dimensions_geometry import (
+from fieldreport.experiments.methods.high_dimensions import (
+    FIELDS,
+    METHODS,
+    QUICK,
     Geometry,
+    additive,
     counting,
+    errors,
     largest_correlation,
+    pairs,
     sites,
 )
 
@@ -65,7 +69,7 @@ def test_wendland_s_function_is_at_half_its_height_where_it_is_said(geometry):
 def test_the_sites_that_count_are_known_for_equal_weights(monkeypatch):
     """All of them; and one, if the others weigh nothing."""
     x, q = uniform(200, 3, seed=1), uniform(10, 3, seed=2)
-    module = "fieldreport.experiments.methods.high_dimensions_geometry.wendland"
+    module = "fieldreport.experiments.methods.high_dimensions.wendland"
     monkeypatch.setattr(module, lambda *_: np.ones_like)
     assert counting(x, q) == pytest.approx(16)
     monkeypatch.setattr(module, lambda *_: lambda r: (r == r[:, :1]).astype(float))

@@ -5,7 +5,7 @@ import pytest
 
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldreport.experiments.coupling.elastic_wing_checks import cantilever, strip
+from fieldreport.experiments.coupling.elastic_wing import cantilever, strip
 from fieldreport.experiments.coupling.plate import Plate, hessians, isotropic_rigidity
 from laws import VISIBLE, assert_close
 

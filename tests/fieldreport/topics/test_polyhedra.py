@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
 from fieldreport.experiments.barycentric import polyhedra
-from fieldreport.experiments.barycentric.coordinate_limits import Outside
+from fieldreport.experiments.barycentric.coordinate_formulas import Outside
 from fieldreport.experiments.barycentric.polytopes import (
     OUTSIDE,
     POLYHEDRA,

@@ -9,7 +9,7 @@ from fieldrecon.polynomials import monomials
 from fieldreport import experiments
 from fieldreport.experiments.velocity import rank_of_normals as module
 from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
-from fieldreport.experiments.velocity.rank_deficient_normals import configurations
+from fieldreport.experiments.velocity.rank_of_normals import configurations
 
 CASES = {case.name: case for case in configurations(12, 3)}
 

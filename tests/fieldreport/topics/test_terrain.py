@@ -20,7 +20,7 @@ from fieldreport.experiments.datasets.landforms import (
     phase,
     relief_told,
 )
-from fieldreport.experiments.datasets.terrain import QUICK, Params, run, study
+from fieldreport.experiments.datasets.terrain import QUICK, Params, on_one_isoline, run, study
 from fieldreport.experiments.datasets.terrain_errors import (
     NONE,
     TerrainProblem,
@@ -29,7 +29,6 @@ from fieldreport.experiments.datasets.terrain_errors import (
     windowed,
 )
 from fieldreport.experiments.datasets.terrain_methods import GUARDED, THIN_PLATE, methods
-from fieldreport.experiments.datasets.terrain_weights import on_one_isoline
 
 EXACT = 1e-9
 SMALL = Params(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fieldreport.experiments.coupling.elastic_wing_checks import elliptic_wing, long_wing
+from fieldreport.experiments.coupling.elastic_wing import elliptic_wing, long_wing
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice, _horseshoe
 from laws import VISIBLE, assert_close
 

@@ -21,6 +21,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 from matplotlib.tri import Triangulation
+from scipy.interpolate import LinearNDInterpolator
 
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -37,7 +38,6 @@ from fieldreport.experiments.velocity.potential_flow import (
     stream_function,
     velocity,
 )
-from fieldreport.experiments.velocity.streamlines import exact_streamline, traced_streamlines
 from fieldreport.framework.experiment import (
     Cell,
     Map,
@@ -47,6 +47,8 @@ from fieldreport.framework.experiment import (
     order_of_magnitude,
     parameter,
 )
+
+HALVINGS = 60
 
 MEASURES = (
     "inner vertices",
@@ -280,6 +282,73 @@ def _facts(
     for name in ("inner_vertices", "cells", "vertices_from_cells"):
         facts[f"error_{name}"] = errors[2][name][-1]
     return facts
+
+
+def traced_streamlines(
+    mesh: SimplexMesh, u: np.ndarray, start: np.ndarray, arc: float, right: float
+) -> np.ndarray:
+    """Trace velocities, linear between the vertices of a mesh, by the Runge-Kutta method.
+
+    Parameters
+    ----------
+    mesh : SimplexMesh
+        A mesh of triangles.
+    u : (n, 2) ndarray
+        Velocities of the vertices.
+    start : (m, 2) ndarray
+        Starting points of the lines.
+    arc : float
+        Length of a step.
+    right : float
+        Lines stop when x exceeds this value.
+
+    Returns
+    -------
+    (m, steps, 2) ndarray
+        Points along each line.
+    """
+    field = LinearNDInterpolator(mesh.points, u)
+
+    def direction(x: np.ndarray) -> np.ndarray:
+        v = field(x)
+        return v / np.linalg.norm(v, axis=1, keepdims=True)
+
+    lines = [start]
+    for _ in range(int(2 * (right - start[:, 0].min()) / arc)):
+        x = lines[-1]
+        going = x[:, 0] < right
+        if not going.any():
+            break
+        y = x[going]
+        k1 = direction(y)
+        k2 = direction(y + arc / 2 * k1)
+        k3 = direction(y + arc / 2 * k2)
+        k4 = direction(y + arc * k3)
+        x = x.copy()
+        x[going] = y + arc / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        lines.append(x)
+    return np.stack(lines, axis=1)
+
+
+def exact_streamline(height: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the points (x, y) with y (1 − 1/r²) = height, the streamlines past the unit circle.
+
+    For height > 0 the left side is zero on the circle, increases with y outside, and exceeds height
+    at y = height + 1; so y is found by bisection.
+
+    Examples
+    --------
+    >>> exact_streamline(np.array(1.5), np.array(0.0)).round(12).tolist()
+    [0.0, 2.0]
+    """
+    target = np.abs(height) + 0 * x
+    low = np.sqrt(np.maximum(1 - x**2, 0))
+    high = target + 1
+    for _ in range(HALVINGS):
+        y = (low + high) / 2
+        above = y * (1 - 1 / (x**2 + y**2)) > target
+        low, high = np.where(above, low, y), np.where(above, y, high)
+    return np.stack([x, np.sign(height) * high], axis=-1)
 
 
 SPEED = LinearSegmentedColormap.from_list("speed", colormaps["YlGnBu"](np.linspace(0, 0.85, 64)))
