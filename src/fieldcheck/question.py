@@ -14,6 +14,7 @@ LEAST_TOLERANCE = 1e-9
 """Smallest tolerance: known answers are stored with twelve digits."""
 
 Shape = tuple[int, ...]
+Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,13 @@ class Law:
     """
 
     sentence: str
-    deviation: Callable[[Sequence[Call], Sequence[Values]], float]
+    deviation: Deviation
     tolerance: float = LEAST_TOLERANCE
+
+
+def law(sentence: str, tolerance: float = LEAST_TOLERANCE) -> Callable[[Deviation], Law]:
+    """Declare the function below as the deviation from the law of this sentence."""
+    return lambda deviation: Law(sentence, deviation, tolerance)
 
 
 def unchanged(_: Call, values: Values) -> Values:

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 
 EPS = float(np.finfo(float).eps)
 
@@ -32,6 +32,10 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("basis_matrix", (cloud(random, n, d),), case) for n, d, case in sizes)
 
 
+@law(
+    "Applied to the coefficients of a field, B must give the field at the points, so "
+    "that two rows differ as their points do."
+)
 def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far differences of rows are from differences of points."""
     return max(
@@ -71,6 +75,10 @@ def fit_tolerance(call: Call) -> float:
     return 100 * EPS * float(np.linalg.cond(np.insert(points, 0, 1.0, axis=1))) ** 2
 
 
+@law(
+    "The residual of the best fit is orthogonal to the columns of B: it sums to zero, "
+    "also when weighted by a coordinate."
+)
 def residual_is_orthogonal(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest sum of residuals, plain and weighted by coordinates."""
     worst = 0.0
@@ -94,6 +102,7 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("From one place to another the field changes by the slope times the way.")
 def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much differences of values depend on the constant."""
     return max(
@@ -131,6 +140,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("A rank is a whole number from 1 to the number of rows, or of columns if these are fewer.")
 def counts_what_can_be_told(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a rank is from a whole number, or above the numbers of rows and columns."""
     told = (
@@ -140,6 +150,7 @@ def counts_what_can_be_told(calls: Sequence[Call], values: Sequence[Values]) -> 
     return max(max(abs(r - round(r)), 1 - r, r - most) for r, most in told)
 
 
+@law("An affine field has the same gradient at every place.")
 def is_the_same_everywhere(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much the gradient differs from place to place."""
     return max(relative(np.ptp(g, axis=0), g) for (g,) in values)
@@ -174,6 +185,10 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "ψ is a square: the same for the opposite residual, nine times as large for three "
+    "times the residual."
+)
 def is_a_square(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far ψ is from even, and from quadratic, in the residual."""
     once, turned, thrice, _space = (float(v) for (v,) in values)
@@ -187,13 +202,7 @@ QUESTIONS = (
         2,
         matrix_inputs,
         lambda call: ((call.arguments[0].shape[0], call.arguments[0].shape[1] + 1),),
-        (
-            Law(
-                "Applied to the coefficients of a field, B must give the field at the points, so "
-                "that two rows differ as their points do.",
-                spans_affine_fields,
-            ),
-        ),
+        (spans_affine_fields,),
     ),
     Question(
         "01.2",
@@ -201,13 +210,7 @@ QUESTIONS = (
         3,
         fit_inputs,
         lambda call: ((call.arguments[0].shape[1] + 1,),),
-        (
-            Law(
-                "The residual of the best fit is orthogonal to the columns of B: it sums to zero, "
-                "also when weighted by a coordinate.",
-                residual_is_orthogonal,
-            ),
-        ),
+        (residual_is_orthogonal,),
         fit_tolerance,
     ),
     Question(
@@ -216,47 +219,16 @@ QUESTIONS = (
         1,
         lambda seed: field_inputs("evaluate", seed),
         lambda call: ((len(call.arguments[1]),),),
-        (
-            Law(
-                "From one place to another the field changes by the slope times the way.",
-                moves_by_the_gradient,
-            ),
-        ),
+        (moves_by_the_gradient,),
     ),
-    Question(
-        "01.4",
-        "rank",
-        2,
-        rank_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "A rank is a whole number from 1 to the number of rows, or of columns if these "
-                "are fewer.",
-                counts_what_can_be_told,
-            ),
-        ),
-    ),
+    Question("01.4", "rank", 2, rank_inputs, lambda _: ((),), (counts_what_can_be_told,)),
     Question(
         "01.5",
         "gradient",
         1,
         lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[1].shape,),
-        (Law("An affine field has the same gradient at every place.", is_the_same_everywhere),),
+        (is_the_same_everywhere,),
     ),
-    Question(
-        "01.6",
-        "objective",
-        1,
-        objective_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "ψ is a square: the same for the opposite residual, nine times as large for three "
-                "times the residual.",
-                is_a_square,
-            ),
-        ),
-    ),
+    Question("01.6", "objective", 1, objective_inputs, lambda _: ((),), (is_a_square,)),
 )

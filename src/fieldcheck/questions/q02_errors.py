@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q02_moving_least_squares import LOCAL, affine, local_rounding
 
 # 02.8 Least squares against moving least squares
@@ -29,6 +29,10 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "In a square twice as large (x₁ + x₂)² is four times as large, and so must both errors be.",
+    LOCAL,
+)
 def grows_with_the_field(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - 4 * values[0][0], values[1][0])
 
@@ -62,10 +66,18 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "Raising a value by one must raise its own error by one: the field that it is "
+    "compared with has not seen it.",
+    LOCAL,
+)
 def has_not_seen_the_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(abs(values[1][0][4] - values[0][0][4] - 1))
 
 
+@law(
+    "An affine field is reproduced by any of the others, so adding it must change no error.", LOCAL
+)
 def affine_fields_leave_no_error(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
 
@@ -85,14 +97,7 @@ QUESTIONS = (
         3,
         errors_inputs,
         lambda _: ((2,),),
-        (
-            Law(
-                "In a square twice as large (x₁ + x₂)² is four times as large, and so must both "
-                "errors be.",
-                grows_with_the_field,
-                LOCAL,
-            ),
-        ),
+        (grows_with_the_field,),
         lambda call: local_rounding(call.arguments[0], call.arguments[1], call.arguments[3]),
         nothing_for_rounding,
     ),
@@ -102,20 +107,7 @@ QUESTIONS = (
         3,
         leave_one_out_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (
-            Law(
-                "Raising a value by one must raise its own error by one: the field that it is "
-                "compared with has not seen it.",
-                has_not_seen_the_value,
-                LOCAL,
-            ),
-            Law(
-                "An affine field is reproduced by any of the others, so adding it must change no "
-                "error.",
-                affine_fields_leave_no_error,
-                LOCAL,
-            ),
-        ),
+        (has_not_seen_the_value, affine_fields_leave_no_error),
         without_the_worst,
     ),
 )

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 
 EPS = float(np.finfo(float).eps)
+LOCAL = 1e-7
+"""What rounding explains in a law about local fits, whose systems are worse conditioned."""
 
 
 def affine(points: np.ndarray, slopes: np.ndarray) -> np.ndarray:
@@ -51,6 +53,9 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "Between two points the reciprocal of the weight must grow by as much as the squared distance."
+)
 def weights_differ_like_squared_distances(calls: Sequence[Call], values: Sequence[Values]) -> float:
     worst = 0.0
     for call, (w,) in zip(calls, values, strict=True):
@@ -61,10 +66,12 @@ def weights_differ_like_squared_distances(calls: Sequence[Call], values: Sequenc
     return worst
 
 
+@law("At a point itself r is zero, and its weight is the greatest there is.")
 def greatest_at_the_point_itself(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(abs(values[3][0][2] * calls[3].arguments[2] ** 2 - 1))
 
 
+@law("Where all lengths, ε among them, are three times as large, each weight must be a ninth.")
 def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(9 * values[1][0] - values[0][0], values[0][0])
 
@@ -87,6 +94,10 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "The residual of the best fit, multiplied by the squared weights, must be "
+    "orthogonal to the columns of B."
+)
 def weighted_residual_is_orthogonal(calls: Sequence[Call], values: Sequence[Values]) -> float:
     worst = 0.0
     for call, (c,) in zip(calls, values, strict=True):
@@ -126,12 +137,22 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "An affine field is one of those that are fitted: adding it to the values must "
+    "add it to the result.",
+    LOCAL,
+)
 def reproduces_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     x = calls[0].arguments[2]
     gained = values[1][0] - values[0][0]
     return relative(gained - affine(x, np.array([1.5, -2.0])), np.abs(values[1][0]).max() + 1)
 
 
+@law(
+    "Moving points and places together, or measuring all lengths in another unit, "
+    "must not change the value.",
+    LOCAL,
+)
 def only_relative_positions_count(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
 
@@ -171,10 +192,18 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "ψ is a sum of squares: doubling the values and the coefficients must make it "
+    "four times as large."
+)
 def is_quadratic(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - 4 * values[0][0], values[1][0])
 
 
+@law(
+    "Only the difference of Bc and V counts: adding the same affine field to both "
+    "must change nothing."
+)
 def sees_only_the_residual(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], values[0][0])
 
@@ -208,6 +237,11 @@ CIRCLE = 24
 """So many places on the circle that the sum along it is as good as the integral."""
 
 
+@law(
+    "Once round a circle the field is what it was, so the slopes along the way must "
+    "add up to zero. Where they do not, no field has this gradient.",
+    LOCAL,
+)
 def comes_back_to_the_same_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the sum of the slopes along the circle, as a part of what goes up on the way."""
     x, (g,) = calls[0].arguments[2], values[0]
@@ -216,14 +250,12 @@ def comes_back_to_the_same_value(calls: Sequence[Call], values: Sequence[Values]
     return float(abs(along.sum()) / max(np.abs(g).max() * 0.1 * CIRCLE, EPS))
 
 
+@law("Adding an affine field to the values must add its slope to the gradient.", LOCAL)
 def adds_the_slope_of_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(
         values[1][0] - values[0][0] - np.array([1.5, -2.0]), np.abs(values[1][0]).max() + 1
     )
 
-
-LOCAL = 1e-7
-"""What rounding explains in a law about local fits, whose systems are worse conditioned."""
 
 QUESTIONS = (
     Question(
@@ -232,22 +264,7 @@ QUESTIONS = (
         2,
         weights_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (
-            Law(
-                "Between two points the reciprocal of the weight must grow by as much as the "
-                "squared distance.",
-                weights_differ_like_squared_distances,
-            ),
-            Law(
-                "Where all lengths, ε among them, are three times as large, each weight must be a "
-                "ninth.",
-                unit_of_length,
-            ),
-            Law(
-                "At a point itself r is zero, and its weight is the greatest there is.",
-                greatest_at_the_point_itself,
-            ),
-        ),
+        (weights_differ_like_squared_distances, unit_of_length, greatest_at_the_point_itself),
     ),
     Question(
         "02.2",
@@ -255,13 +272,7 @@ QUESTIONS = (
         3,
         fit_inputs,
         lambda call: ((call.arguments[0].shape[1] + 1,),),
-        (
-            Law(
-                "The residual of the best fit, multiplied by the squared weights, must be "
-                "orthogonal to the columns of B.",
-                weighted_residual_is_orthogonal,
-            ),
-        ),
+        (weighted_residual_is_orthogonal,),
         lambda call: rounding(
             call.arguments[0], float(call.arguments[2].max() / call.arguments[2].min())
         ),
@@ -272,20 +283,7 @@ QUESTIONS = (
         3,
         field_inputs,
         lambda call: ((len(call.arguments[2]),),),
-        (
-            Law(
-                "An affine field is one of those that are fitted: adding it to the values must "
-                "add it to the result.",
-                reproduces_affine_fields,
-                LOCAL,
-            ),
-            Law(
-                "Moving points and places together, or measuring all lengths in another unit, "
-                "must not change the value.",
-                only_relative_positions_count,
-                LOCAL,
-            ),
-        ),
+        (reproduces_affine_fields, only_relative_positions_count),
         lambda call: local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
     Question(
@@ -294,18 +292,7 @@ QUESTIONS = (
         2,
         objective_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "ψ is a sum of squares: doubling the values and the coefficients must make it "
-                "four times as large.",
-                is_quadratic,
-            ),
-            Law(
-                "Only the difference of Bc and V counts: adding the same affine field to both "
-                "must change nothing.",
-                sees_only_the_residual,
-            ),
-        ),
+        (is_quadratic, sees_only_the_residual),
     ),
     Question(
         "02.7",
@@ -313,19 +300,7 @@ QUESTIONS = (
         4,
         gradient_inputs,
         lambda call: (call.arguments[2].shape,),
-        (
-            Law(
-                "Once round a circle the field is what it was, so the slopes along the way must "
-                "add up to zero. Where they do not, no field has this gradient.",
-                comes_back_to_the_same_value,
-                LOCAL,
-            ),
-            Law(
-                "Adding an affine field to the values must add its slope to the gradient.",
-                adds_the_slope_of_affine_fields,
-                LOCAL,
-            ),
-        ),
+        (comes_back_to_the_same_value, adds_the_slope_of_affine_fields),
         lambda call: 10 * local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
 )

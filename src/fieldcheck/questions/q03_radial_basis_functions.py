@@ -11,7 +11,7 @@ from math import ceil
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Law, Question, law, relative
 
 STEP = 1e-30
 """Of the complex step: its square vanishes."""
@@ -65,6 +65,7 @@ def kernel_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.")
 def quotient_is_a_logarithm(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far exp(w / s) is from s, and w from zero where s is zero."""
     worst = 0.0
@@ -101,6 +102,10 @@ def is_symmetric(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative(h - h.T, h) for (h,) in values)
 
 
+@law(
+    "The matrix times λ and c must be the values of that field at the points, and "
+    "below them the sums of (3.4)."
+)
 def maps_coefficients_to_data(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far H times some (λ, c) is from the values of that field, and the moments of λ."""
     worst = 0.0
@@ -143,6 +148,7 @@ def coefficients_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n,), (d + 1,))
 
 
+@law("With these coefficients the field must go through the values.")
 def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the field is from the values at the points."""
     worst = 0.0
@@ -152,6 +158,10 @@ def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> 
     return worst
 
 
+@law(
+    "The λ must satisfy the orthogonality constraints: they sum to zero, also when "
+    "weighted by a coordinate."
+)
 def has_no_moments(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest sum of the λ_j, plain and weighted by coordinates."""
     worst = 0.0
@@ -181,11 +191,13 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+@law("The field is an affine function and one bump for each point.")
 def is_a_sum_of_bumps(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the values are from those of the field."""
     return max(relative(v - field(*c.arguments), v) for c, (v,) in zip(calls, values, strict=True))
 
 
+@law("A gradient foretells how the field changes over a small step.", 1e-5)
 def foretells_small_steps(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference of the gradient from central differences."""
     worst, h = 0.0, 1e-5
@@ -222,6 +234,10 @@ def inertia_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "The three numbers add up to the rows of the matrix; and since its diagonal is "
+    "zero, so is the sum of the eigenvalues, and both signs occur."
+)
 def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many are missing from the sum, and one where a sign is missing."""
     lacking = (
@@ -231,6 +247,10 @@ def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -
     return float(max(lacking))
 
 
+@law(
+    "An eigenvalue is zero for each affine field that vanishes at all points, and for "
+    "each point that comes a second time: then the solution is not unique."
+)
 def is_singular_where_it_must(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference of the zeros from the changes that the field at the points
     does not show.
@@ -261,6 +281,10 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "An affine field does not bend, and adds nothing to the energy; three times the "
+    "values have nine times the energy; a sheet twice as wide has a quarter of it."
+)
 def bends_as_a_sheet(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the energies are from e, e, 9e, e/4."""
     e = np.array([v[0] for v in values])
@@ -274,12 +298,7 @@ QUESTIONS = (
         2,
         kernel_inputs,
         lambda call: (call.arguments[0].shape[:-1],),
-        (
-            Law(
-                "By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.",
-                quotient_is_a_logarithm,
-            ),
-        ),
+        (quotient_is_a_logarithm,),
     ),
     Question(
         "03.2",
@@ -287,14 +306,7 @@ QUESTIONS = (
         3,
         matrix_inputs,
         matrix_shape,
-        (
-            Law("The matrix of (3.5) is its own transpose.", is_symmetric),
-            Law(
-                "The matrix times λ and c must be the values of that field at the points, and "
-                "below them the sums of (3.4).",
-                maps_coefficients_to_data,
-            ),
-        ),
+        (Law("The matrix of (3.5) is its own transpose.", is_symmetric), maps_coefficients_to_data),
     ),
     Question(
         "03.3",
@@ -302,17 +314,7 @@ QUESTIONS = (
         3,
         coefficients_inputs,
         coefficients_shapes,
-        (
-            Law(
-                "The λ must satisfy the orthogonality constraints: they sum to zero, also when "
-                "weighted by a coordinate.",
-                has_no_moments,
-            ),
-            Law(
-                "With these coefficients the field must go through the values.",
-                goes_through_the_values,
-            ),
-        ),
+        (has_no_moments, goes_through_the_values),
     ),
     Question(
         "03.4",
@@ -320,7 +322,7 @@ QUESTIONS = (
         2,
         lambda seed: field_inputs("evaluate", seed),
         lambda call: ((len(call.arguments[3]),),),
-        (Law("The field is an affine function and one bump for each point.", is_a_sum_of_bumps),),
+        (is_a_sum_of_bumps,),
     ),
     Question(
         "03.5",
@@ -328,18 +330,7 @@ QUESTIONS = (
         2,
         inertia_inputs,
         lambda _: ((3,),),
-        (
-            Law(
-                "The three numbers add up to the rows of the matrix; and since its diagonal is "
-                "zero, so is the sum of the eigenvalues, and both signs occur.",
-                counts_all_and_both_signs,
-            ),
-            Law(
-                "An eigenvalue is zero for each affine field that vanishes at all points, and for "
-                "each point that comes a second time: then the solution is not unique.",
-                is_singular_where_it_must,
-            ),
-        ),
+        (counts_all_and_both_signs, is_singular_where_it_must),
     ),
     Question(
         "03.6",
@@ -347,26 +338,7 @@ QUESTIONS = (
         3,
         lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[3].shape,),
-        (
-            Law(
-                "A gradient foretells how the field changes over a small step.",
-                foretells_small_steps,
-                1e-5,
-            ),
-        ),
+        (foretells_small_steps,),
     ),
-    Question(
-        "03.7",
-        "energy",
-        2,
-        energy_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "An affine field does not bend, and adds nothing to the energy; three times the "
-                "values have nine times the energy; a sheet twice as wide has a quarter of it.",
-                bends_as_a_sheet,
-            ),
-        ),
-    ),
+    Question("03.7", "energy", 2, energy_inputs, lambda _: ((),), (bends_as_a_sheet,)),
 )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 
 MAP = np.array([1e7, -4e6])
@@ -70,6 +70,7 @@ def matrix_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n, d + d**2),)
 
 
+@law("B' times the coefficients of a flow must be what flows across the samples.")
 def gives_what_flows_across(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far B' c is from the normal component of that flow."""
     worst = 0.0
@@ -138,6 +139,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
 RANKS = (6, 3, 5, 5, 5, 6, 6, 12, 8)
 
 
+@law("Theory knows the rank of each of these cases.")
 def is_the_rank_of_construction(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference from the ranks that theory gives for these cases."""
     return max(abs(float(v) - r) for (v,), r in zip(values, RANKS, strict=True))
@@ -186,6 +188,7 @@ def tangent_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("The flow must not be zero, and at each sample it must run along the edge.")
 def runs_along_the_edges(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest velocity across an edge, relative to the size of the coefficients."""
     worst = 0.0
@@ -218,6 +221,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("Normals have the length one, and stand at right angles to the flow.")
 def are_unit_and_across(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the normals are from length one, and from right angles to the flow."""
     worst = 0.0
@@ -292,6 +296,7 @@ def in_triangle(points: np.ndarray) -> np.ndarray:
     return spread
 
 
+@law("For each of these cases it is known whether (4.5) holds.")
 def is_as_constructed(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return one if a case is judged otherwise than it was made."""
     return max(abs(float(v) - h) for (v,), h in zip(values, HOLDS, strict=True))
@@ -316,39 +321,15 @@ def loose(_: Call) -> float:
 
 
 QUESTIONS = (
-    Question(
-        "04.1",
-        "velocity_matrix",
-        2,
-        matrix_inputs,
-        matrix_shape,
-        (
-            Law(
-                "B' times the coefficients of a flow must be what flows across the samples.",
-                gives_what_flows_across,
-            ),
-        ),
-    ),
-    Question(
-        "04.2",
-        "velocity_rank",
-        3,
-        rank_inputs,
-        number,
-        (Law("Theory knows the rank of each of these cases.", is_the_rank_of_construction),),
-    ),
+    Question("04.1", "velocity_matrix", 2, matrix_inputs, matrix_shape, (gives_what_flows_across,)),
+    Question("04.2", "velocity_rank", 3, rank_inputs, number, (is_the_rank_of_construction,)),
     Question(
         "04.3",
         "tangent_field",
         2,
         tangent_inputs,
         lambda _: ((6,),),
-        (
-            Law(
-                "The flow must not be zero, and at each sample it must run along the edge.",
-                runs_along_the_edges,
-            ),
-        ),
+        (runs_along_the_edges,),
         loose,
         up_to_a_factor,
         fingerprint=sizes,
@@ -359,20 +340,8 @@ QUESTIONS = (
         2,
         normals_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "Normals have the length one, and stand at right angles to the flow.",
-                are_unit_and_across,
-            ),
-        ),
+        (are_unit_and_across,),
         normal_form=with_one_sign,
     ),
-    Question(
-        "04.5",
-        "obvious",
-        3,
-        obvious_inputs,
-        number,
-        (Law("For each of these cases it is known whether (4.5) holds.", is_as_constructed),),
-    ),
+    Question("04.5", "obvious", 3, obvious_inputs, number, (is_as_constructed,)),
 )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 from fieldcheck.questions.q04_rank_of_normals import MAP, in_line, number, with_one_sign
 
@@ -34,6 +34,10 @@ def star_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((2 * k, 2), (2 * k, 2))
 
 
+@law(
+    "Points are in the middle of the edges; normals have the length one and stand at "
+    "right angles to the edge."
+)
 def belong_to_the_edges(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far points are from the middle of the edges, and normals from unit ones across."""
     worst = 0.0
@@ -81,6 +85,7 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
 CONIC_RANKS = (6, 5, 5, 5, 5, 5, 3, 6, 6)
 
 
+@law("Theory knows the rank of each of these cases.")
 def is_the_known_conic_rank(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference from the ranks that theory gives for these points."""
     return max(abs(float(v) - r) for (v,), r in zip(values, CONIC_RANKS, strict=True))
@@ -93,21 +98,8 @@ QUESTIONS = (
         2,
         star_inputs,
         star_shapes,
-        (
-            Law(
-                "Points are in the middle of the edges; normals have the length one and stand at "
-                "right angles to the edge.",
-                belong_to_the_edges,
-            ),
-        ),
+        (belong_to_the_edges,),
         normal_form=with_one_sign,
     ),
-    Question(
-        "04.7",
-        "conic_rank",
-        2,
-        conic_inputs,
-        number,
-        (Law("Theory knows the rank of each of these cases.", is_the_known_conic_rank),),
-    ),
+    Question("04.7", "conic_rank", 2, conic_inputs, number, (is_the_known_conic_rank,)),
 )

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 
 ACROSS = np.array([0.62, 0.78])
 """A direction that no edge of a mesh at random runs along."""
@@ -78,11 +78,13 @@ def both_ends_known(_: Call, values: Values) -> Values:
     return (np.stack([low, high], axis=1)[order],)
 
 
+@law("Each edge must occur once, also where two triangles share it.")
 def no_edge_twice(calls: Sequence[Call], values: Sequence[Values]) -> float:
     repeated = [len(e) - len({frozenset(pair) for pair in e.tolist()}) for (e,) in values]
     return float(max(repeated))
 
 
+@law("The two ends of an edge must be different corners of one triangle.")
 def ends_share_a_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest part of the edges whose two ends are not corners of one triangle."""
     worst = 0.0
@@ -131,14 +133,20 @@ def of_the_edges(
         yield one, other, midpoints, normals
 
 
+@law(
+    "From the one end to the midpoint it must be as far, and the same way, as from "
+    "there to the other end."
+)
 def halfway(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative((p - a) - (b - p), b - a) for a, b, p, _ in of_the_edges(calls, values))
 
 
+@law("A unit normal must have length one.")
 def unit_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative(np.hypot(*n.T) - 1, 1) for *_, n in of_the_edges(calls, values))
 
 
+@law("A normal must be perpendicular to its edge.")
 def across(calls: Sequence[Call], values: Sequence[Values]) -> float:
     found = of_the_edges(calls, values)
     return max(relative(np.einsum("ek,ek->e", b - a, n), b - a) for a, b, _, n in found)
@@ -159,6 +167,10 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "In a rotation the distance of two points must not change: the difference of their "
+    "velocities is perpendicular to the line between them."
+)
 def stays_rigid(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how fast distances between points change."""
     worst = 0.0
@@ -168,6 +180,7 @@ def stays_rigid(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law("The rotation is about the mean of the points, so the velocities must add up to zero.")
 def turns_about_the_mean(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative(u.mean(axis=0), u) for (u,) in values)
 
@@ -194,14 +207,19 @@ def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("An edge has no first and no second end: exchanging them must change nothing.")
 def ends_are_equal(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], values[0][0])
 
 
+@law("Reversing a normal must reverse the sign of its normal velocity.")
 def turns_with_the_normal(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] + values[0][0], values[0][0])
 
 
+@law(
+    "Where every velocity is (1, 0), the normal velocity must be the first component of the normal."
+)
 def wind_along_the_first_axis(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[3][0] - calls[3].arguments[1][:, 0], 1)
 
@@ -213,13 +231,7 @@ QUESTIONS = (
         2,
         edges_inputs,
         lambda call: ((number_of_edges(call.arguments[0]), 2),),
-        (
-            Law(
-                "The two ends of an edge must be different corners of one triangle.",
-                ends_share_a_triangle,
-            ),
-            Law("Each edge must occur once, also where two triangles share it.", no_edge_twice),
-        ),
+        (ends_share_a_triangle, no_edge_twice),
         normal_form=both_ends_known,
     ),
     Question(
@@ -228,15 +240,7 @@ QUESTIONS = (
         2,
         normals_inputs,
         lambda call: (call.arguments[1].shape, call.arguments[1].shape),
-        (
-            Law(
-                "From the one end to the midpoint it must be as far, and the same way, as from "
-                "there to the other end.",
-                halfway,
-            ),
-            Law("A unit normal must have length one.", unit_length),
-            Law("A normal must be perpendicular to its edge.", across),
-        ),
+        (halfway, unit_length, across),
         normal_form=either_side,
     ),
     Question(
@@ -245,18 +249,7 @@ QUESTIONS = (
         2,
         rotation_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "In a rotation the distance of two points must not change: the difference of their "
-                "velocities is perpendicular to the line between them.",
-                stays_rigid,
-            ),
-            Law(
-                "The rotation is about the mean of the points, so the velocities must add up to "
-                "zero.",
-                turns_about_the_mean,
-            ),
-        ),
+        (stays_rigid, turns_about_the_mean),
     ),
     Question(
         "05.4",
@@ -264,20 +257,6 @@ QUESTIONS = (
         2,
         normal_velocities_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (
-            Law(
-                "An edge has no first and no second end: exchanging them must change nothing.",
-                ends_are_equal,
-            ),
-            Law(
-                "Reversing a normal must reverse the sign of its normal velocity.",
-                turns_with_the_normal,
-            ),
-            Law(
-                "Where every velocity is (1, 0), the normal velocity must be the first component "
-                "of the normal.",
-                wind_along_the_first_axis,
-            ),
-        ),
+        (ends_are_equal, turns_with_the_normal, wind_along_the_first_axis),
     ),
 )

@@ -7,8 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q05_edges import directions, mesh, sides
+
+FITTED = 1e-8
+"""What rounding explains where a system with a condition of some hundreds is solved."""
 
 # 05.6 The ring
 
@@ -41,6 +44,7 @@ def neighbours_of_three(triangles: np.ndarray) -> int:
     raise ValueError("no vertex of the mesh has three triangles around it")
 
 
+@law("Every edge that ends in the vertex must be in its ring.")
 def holds_the_spokes(calls: Sequence[Call], values: Sequence[Values]) -> float:
     missed = [
         1 - near[[c.arguments[2] in pair for pair in c.arguments[1]]].min()
@@ -49,6 +53,7 @@ def holds_the_spokes(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(np.abs(missed).max())
 
 
+@law("The edges are those of whole triangles, so at each end of one of them another must end.")
 def made_of_triangles(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the part of the ends of chosen edges at which no other chosen edge ends."""
     worst = 0.0
@@ -58,6 +63,7 @@ def made_of_triangles(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law("More rings must keep all edges of fewer, and add some.")
 def grows(calls: Sequence[Call], values: Sequence[Values]) -> float:
     lost = [(values[k][0] > values[k + 1][0]).mean() for k in (0, 2)]
     gained = [(values[k + 1][0] > values[k][0]).mean() for k in (0, 2)]
@@ -88,6 +94,7 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("Bʹ times the coefficients of a field must be its normal velocities at the midpoints.")
 def gives_normal_velocities(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far Bʹ of a field is from its normal velocities: the field (2 + 3 y₂, −1 + y₁ +
     4 y₂).
@@ -101,6 +108,7 @@ def gives_normal_velocities(calls: Sequence[Call], values: Sequence[Values]) -> 
     return worst
 
 
+@law("Moving the edges together with the vertex must change nothing.")
 def sees_only_differences(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - values[0][0], values[0][0])
 
@@ -140,15 +148,22 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "An affine field is one of those that are fitted: adding its normal velocities to "
+    "the data must add its value at the vertex.",
+    FITTED,
+)
 def returns_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     told = linear_flow(calls[0].arguments[3])
     return relative(values[1][0] - values[0][0] - told, np.abs(values[1][0]).max() + 1)
 
 
+@law("Moving the edges together with the vertex must change nothing.", FITTED)
 def moves_along(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
 
 
+@law("Reversing a normal together with its normal velocity must change nothing.", FITTED)
 def side_of_the_normal(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[3][0] - values[0][0], np.abs(values[0][0]).max() + 1)
 
@@ -168,20 +183,26 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "A ring has three edges at least, of one triangle, and Bʹ has six columns: the "
+    "rank must lie between three and six."
+)
 def rank_between(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(np.any((r < 3) | (r > 6)) for (r,) in values))
 
 
+@law(
+    "A rank must depend on the shape of the mesh only, not on where it lies nor on "
+    "the unit of length."
+)
 def rank_of_the_shape(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(np.abs(values[k][0] - values[0][0]).max() for k in (2, 3)))
 
 
+@law("A second ring only adds edges: no rank may fall, and some must grow.")
 def rank_grows(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(np.any(values[1][0] < values[0][0]), np.all(values[1][0] == values[0][0])))
 
-
-FITTED = 1e-8
-"""What rounding explains where a system with a condition of some hundreds is solved."""
 
 QUESTIONS = (
     Question(
@@ -190,15 +211,7 @@ QUESTIONS = (
         3,
         ring_inputs,
         lambda call: ((len(call.arguments[1]),),),
-        (
-            Law("Every edge that ends in the vertex must be in its ring.", holds_the_spokes),
-            Law(
-                "The edges are those of whole triangles, so at each end of one of them another "
-                "must end.",
-                made_of_triangles,
-            ),
-            Law("More rings must keep all edges of fewer, and add some.", grows),
-        ),
+        (holds_the_spokes, made_of_triangles, grows),
     ),
     Question(
         "05.7",
@@ -206,17 +219,7 @@ QUESTIONS = (
         3,
         system_inputs,
         lambda call: ((len(call.arguments[0]), 6),),
-        (
-            Law(
-                "Bʹ times the coefficients of a field must be its normal velocities at the "
-                "midpoints.",
-                gives_normal_velocities,
-            ),
-            Law(
-                "Moving the edges together with the vertex must change nothing.",
-                sees_only_differences,
-            ),
-        ),
+        (gives_normal_velocities, sees_only_differences),
     ),
     Question(
         "05.8",
@@ -224,24 +227,7 @@ QUESTIONS = (
         4,
         velocity_inputs,
         lambda _: ((2,),),
-        (
-            Law(
-                "An affine field is one of those that are fitted: adding its normal velocities to "
-                "the data must add its value at the vertex.",
-                returns_affine_fields,
-                FITTED,
-            ),
-            Law(
-                "Moving the edges together with the vertex must change nothing.",
-                moves_along,
-                FITTED,
-            ),
-            Law(
-                "Reversing a normal together with its normal velocity must change nothing.",
-                side_of_the_normal,
-                FITTED,
-            ),
-        ),
+        (returns_affine_fields, moves_along, side_of_the_normal),
         lambda _: FITTED,
     ),
     Question(
@@ -250,18 +236,6 @@ QUESTIONS = (
         3,
         ranks_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (
-            Law(
-                "A ring has three edges at least, of one triangle, and Bʹ has six columns: the "
-                "rank must lie between three and six.",
-                rank_between,
-            ),
-            Law(
-                "A rank must depend on the shape of the mesh only, not on where it lies nor on "
-                "the unit of length.",
-                rank_of_the_shape,
-            ),
-            Law("A second ring only adds edges: no rank may fall, and some must grow.", rank_grows),
-        ),
+        (rank_between, rank_of_the_shape, rank_grows),
     ),
 )

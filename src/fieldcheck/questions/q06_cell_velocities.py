@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q05_edges import directions, mesh
 
 FAR = 1e6
@@ -50,10 +50,12 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("A unit normal must have length one.")
 def of_unit_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative(np.hypot(*n.T) - 1, 1) for (n,) in values)
 
 
+@law("The normal in row a must be perpendicular to the side opposite to corner a.")
 def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the sum of the normals times the lengths of the opposite sides, and how far off they
     are.
@@ -66,6 +68,10 @@ def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law(
+    "An outward normal must point away from the opposite corner, whichever way round "
+    "the corners are listed."
+)
 def leave_the_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return 1 if a normal points to the side of the opposite corner."""
     inwards = [
@@ -111,18 +117,28 @@ def shadows(q: np.ndarray) -> np.ndarray:
     return cross(WIND, along) / np.hypot(*along.T)
 
 
+@law(
+    "A constant velocity satisfies all three equations: adding its normal velocities "
+    "to the data must add it to the result."
+)
 def wind_comes_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - values[0][0] - WIND, np.abs(values[1][0]).max() + 2)
 
 
+@law("Minus two times the data must give minus two times the velocity.")
 def is_linear(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] + 2 * values[0][0], values[2][0])
 
 
+@law(
+    "A constant velocity explains its own normal velocities: adding them must not "
+    "change the defect."
+)
 def wind_leaves_no_defect(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(abs(values[1][0] - values[0][0]))
 
 
+@law("The defect is a length: minus two times the data must have twice the defect.")
 def grows_with_the_data(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - 2 * values[0][0], values[2][0])
 
@@ -142,6 +158,11 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "The circumcentre is equally far from all corners. If this fails only far from "
+    "the origin, digits were lost in squares of large coordinates.",
+    DIGITS_FAR_AWAY,
+)
 def equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
     worst = 0.0
     for call, (center,) in zip(calls, values, strict=True):
@@ -150,6 +171,7 @@ def equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law("Moving the triangle must move its circumcentre by as much.", DIGITS_FAR_AWAY)
 def moves_along(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0] - FAR, 1)
 
@@ -169,11 +191,16 @@ def truth_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "For s = 0 distances must not change: the difference of two velocities is "
+    "perpendicular to the line between the places."
+)
 def turns_rigidly(calls: Sequence[Call], values: Sequence[Values]) -> float:
     way, change = np.diff(calls[1].arguments[0], axis=0), np.diff(values[1][0], axis=0)
     return relative(np.einsum("xk,xk->x", way, change), way**2)
 
 
+@law("With s the distance of two places must grow at the rate s.")
 def expands(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the part along the way is from s times the way squared."""
     x, _, s = calls[0].arguments
@@ -181,6 +208,7 @@ def expands(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(np.einsum("xk,xk->x", way, change - s * way), way**2)
 
 
+@law("Only the way from the centre counts: moving places and centre together must change nothing.")
 def knows_only_the_way_from_the_centre(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], values[0][0])
 
@@ -204,10 +232,12 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("For a rotation there must be no error at the circumcentres.")
 def exact_at_the_circumcentre(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[0][0][0], values[0][0][1:])
 
 
+@law("On a mesh twice as large all velocities are twice as large, and so must be the errors.")
 def grows_with_the_mesh(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - 2 * values[0][0], values[1][0])
 
@@ -238,6 +268,7 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("All over a side the field must cross it at the given normal velocity.")
 def crosses_the_side_as_given(calls: Sequence[Call], values: Sequence[Values]) -> float:
     q, v, _ = calls[0].arguments
     along = q[2] - q[1]
@@ -252,18 +283,7 @@ QUESTIONS = (
         3,
         normals_inputs,
         lambda _: ((3, 2),),
-        (
-            Law("A unit normal must have length one.", of_unit_length),
-            Law(
-                "The normal in row a must be perpendicular to the side opposite to corner a.",
-                across_the_sides,
-            ),
-            Law(
-                "An outward normal must point away from the opposite corner, whichever way round "
-                "the corners are listed.",
-                leave_the_triangle,
-            ),
-        ),
+        (of_unit_length, across_the_sides, leave_the_triangle),
     ),
     Question(
         "06.2",
@@ -271,14 +291,7 @@ QUESTIONS = (
         3,
         lambda seed: velocity_inputs("cell_velocity", seed),
         lambda _: ((2,),),
-        (
-            Law(
-                "A constant velocity satisfies all three equations: adding its normal velocities "
-                "to the data must add it to the result.",
-                wind_comes_back,
-            ),
-            Law("Minus two times the data must give minus two times the velocity.", is_linear),
-        ),
+        (wind_comes_back, is_linear),
     ),
     Question(
         "06.3",
@@ -286,17 +299,7 @@ QUESTIONS = (
         2,
         lambda seed: velocity_inputs("defect", seed),
         lambda _: ((),),
-        (
-            Law(
-                "A constant velocity explains its own normal velocities: adding them must not "
-                "change the defect.",
-                wind_leaves_no_defect,
-            ),
-            Law(
-                "The defect is a length: minus two times the data must have twice the defect.",
-                grows_with_the_data,
-            ),
-        ),
+        (wind_leaves_no_defect, grows_with_the_data),
     ),
     Question(
         "06.4",
@@ -304,19 +307,7 @@ QUESTIONS = (
         3,
         circumcentre_inputs,
         lambda _: ((2,),),
-        (
-            Law(
-                "The circumcentre is equally far from all corners. If this fails only far from "
-                "the origin, digits were lost in squares of large coordinates.",
-                equally_far,
-                DIGITS_FAR_AWAY,
-            ),
-            Law(
-                "Moving the triangle must move its circumcentre by as much.",
-                moves_along,
-                DIGITS_FAR_AWAY,
-            ),
-        ),
+        (equally_far, moves_along),
     ),
     Question(
         "06.5",
@@ -324,19 +315,7 @@ QUESTIONS = (
         2,
         truth_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "For s = 0 distances must not change: the difference of two velocities is "
-                "perpendicular to the line between the places.",
-                turns_rigidly,
-            ),
-            Law("With s the distance of two places must grow at the rate s.", expands),
-            Law(
-                "Only the way from the centre counts: moving places and centre together must "
-                "change nothing.",
-                knows_only_the_way_from_the_centre,
-            ),
-        ),
+        (turns_rigidly, expands, knows_only_the_way_from_the_centre),
     ),
     Question(
         "06.6",
@@ -344,17 +323,7 @@ QUESTIONS = (
         3,
         errors_inputs,
         lambda _: ((3,),),
-        (
-            Law(
-                "For a rotation there must be no error at the circumcentres.",
-                exact_at_the_circumcentre,
-            ),
-            Law(
-                "On a mesh twice as large all velocities are twice as large, and so must be the "
-                "errors.",
-                grows_with_the_mesh,
-            ),
-        ),
+        (exact_at_the_circumcentre, grows_with_the_mesh),
     ),
     Question(
         "06.8",
@@ -362,11 +331,6 @@ QUESTIONS = (
         3,
         raviart_thomas_inputs,
         lambda _: ((2,),),
-        (
-            Law(
-                "All over a side the field must cross it at the given normal velocity.",
-                crosses_the_side_as_given,
-            ),
-        ),
+        (crosses_the_side_as_given,),
     ),
 )

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Law, Question, law, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
 SLOPES = np.array([2.0, -1.0])
@@ -85,6 +85,10 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "All sides and spokes of a regular hexagon are as long as its radius, and it lies "
+    "evenly round its centre."
+)
 def has_equal_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far spokes and sides are from the radius, and the sum of spokes from zero."""
     worst = 0.0
@@ -119,6 +123,7 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("A circumcentre is equally far from all three corners.")
 def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much the distances to the three corners differ."""
     worst = 0.0
@@ -128,6 +133,10 @@ def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law(
+    "An area is positive, does not depend on the order of the corners, and a line "
+    "from a corner to the middle of the other side cuts it in half."
+)
 def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the area is from the same both ways round, from twice its half, from
     positive.
@@ -156,6 +165,7 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
 
 
+@law("The weights pull the place towards the corners in such a way that it stays where it is.")
 def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the weighted sum of the ways to the corners, which vanishes."""
     worst = 0.0
@@ -166,6 +176,10 @@ def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law(
+    "If everything is twice as large, (7.5) has four times the area above and sixteen "
+    "times as much below: a quarter is left."
+)
 def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the weights are from a quarter of themselves at twice the size."""
     (here,), _other, (double,) = values
@@ -200,6 +214,7 @@ def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
 
 
+@law("The mean of the corners with these weights is the place itself.")
 def finds_the_place(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the weighted means of the corners are from the places."""
     return max(
@@ -224,6 +239,10 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "Seen from the centre, n times the way to the nth point goes round once with "
+    "steps of one angle, at one distance, and ends to the right."
+)
 def winds_inwards(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far n (s_n − x_i) is from one turn at one distance that ends to the right."""
     worst = 0.0
@@ -258,11 +277,13 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+@law("A constant comes back.")
 def gives_constants_back(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the first field is from three."""
     return relative(values[0][0] - 3.0, 3.0)
 
 
+@law("A linear field comes back.")
 def gives_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the second field is from the linear one."""
     return relative(values[1][0] - 1.0 - calls[1].arguments[4] @ SLOPES, calls[1].arguments[3])
@@ -277,27 +298,14 @@ ONE = Law(
 )
 
 QUESTIONS = (
-    Question(
-        "07.1",
-        "hexagon",
-        1,
-        hexagon_inputs,
-        lambda _: ((6, 2),),
-        (
-            Law(
-                "All sides and spokes of a regular hexagon are as long as its radius, and it lies "
-                "evenly round its centre.",
-                has_equal_sides,
-            ),
-        ),
-    ),
+    Question("07.1", "hexagon", 1, hexagon_inputs, lambda _: ((6, 2),), (has_equal_sides,)),
     Question(
         "07.2",
         "circumcenter",
         2,
         lambda seed: triangles("circumcenter", seed),
         lambda _: ((2,),),
-        (Law("A circumcentre is equally far from all three corners.", is_equally_far),),
+        (is_equally_far,),
     ),
     Question(
         "07.3",
@@ -305,13 +313,7 @@ QUESTIONS = (
         1,
         lambda seed: triangles("area", seed),
         lambda _: ((),),
-        (
-            Law(
-                "An area is positive, does not depend on the order of the corners, and a line "
-                "from a corner to the middle of the other side cuts it in half.",
-                halves_with_the_triangle,
-            ),
-        ),
+        (halves_with_the_triangle,),
     ),
     Question(
         "07.4",
@@ -319,18 +321,7 @@ QUESTIONS = (
         3,
         weights_inputs,
         lambda call: ((len(call.arguments[1]),),),
-        (
-            Law(
-                "If everything is twice as large, (7.5) has four times the area above and sixteen "
-                "times as much below: a quarter is left.",
-                scales,
-            ),
-            Law(
-                "The weights pull the place towards the corners in such a way that it stays where "
-                "it is.",
-                balances,
-            ),
-        ),
+        (scales, balances),
     ),
     Question(
         "07.5",
@@ -338,24 +329,10 @@ QUESTIONS = (
         2,
         coordinates_inputs,
         lambda call: per_place(call, 3),
-        (
-            ONE,
-            Law("The mean of the corners with these weights is the place itself.", finds_the_place),
-        ),
+        (ONE, finds_the_place),
     ),
     Question(
-        "07.6",
-        "spiral",
-        2,
-        spiral_inputs,
-        lambda call: ((call.arguments[2], 2),),
-        (
-            Law(
-                "Seen from the centre, n times the way to the nth point goes round once with "
-                "steps of one angle, at one distance, and ends to the right.",
-                winds_inwards,
-            ),
-        ),
+        "07.6", "spiral", 2, spiral_inputs, lambda call: ((call.arguments[2], 2),), (winds_inwards,)
     ),
     Question(
         "07.7",
@@ -363,9 +340,6 @@ QUESTIONS = (
         1,
         interpolate_inputs,
         lambda call: ((len(call.arguments[4]),),),
-        (
-            Law("A constant comes back.", gives_constants_back),
-            Law("A linear field comes back.", gives_linear_fields_back),
-        ),
+        (gives_constants_back, gives_linear_fields_back),
     ),
 )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q07_voronoi_coordinates import (
     ONE,
     mirror_images,
@@ -64,11 +64,13 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("Turning everything changes nothing.")
 def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much a quarter turn changes the coordinates."""
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
+@law("On an edge only its two corners have a weight, in the ratio of the distances.")
 def is_linear_on_edges(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a quarter of the way along an edge the weights are from three quarters and
     one.
@@ -84,13 +86,6 @@ QUESTIONS = (
         3,
         safe_inputs,
         lambda call: per_place(call, 2),
-        (
-            ONE,
-            Law("Turning everything changes nothing.", turns_along),
-            Law(
-                "On an edge only its two corners have a weight, in the ratio of the distances.",
-                is_linear_on_edges,
-            ),
-        ),
+        (ONE, turns_along, is_linear_on_edges),
     ),
 )

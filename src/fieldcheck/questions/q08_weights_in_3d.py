@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
@@ -70,6 +70,10 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "A volume is positive, does not depend on the order of the corners, and a plane "
+    "through one edge and the middle of the opposite one cuts it in half."
+)
 def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the volume is from the same in both orders, from twice its half, from
     positive.
@@ -80,6 +84,7 @@ def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> 
     )
 
 
+@law("A circumcentre is equally far from all four corners.")
 def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much the distances to the four corners differ."""
     worst = 0.0
@@ -115,6 +120,10 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "Normals have directions only: the lengths of the edges and their order do not "
+    "matter, and perpendicular normals span the volume one."
+)
 def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much lengths and orders matter, and how far perpendicular directions are from
     one.
@@ -139,6 +148,7 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
 
 
+@law("The weights pull the place towards the corners in such a way that it stays where it is.")
 def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the weighted sum of the ways to the corners, which vanishes."""
     worst = 0.0
@@ -148,6 +158,10 @@ def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law(
+    "If everything is twice as large, (8.2) has eight times the volume above and 64 "
+    "times as much below: an eighth is left."
+)
 def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the weights are from an eighth of themselves at twice the size."""
     return relative(8 * values[2][0] - values[0][0], values[0][0])
@@ -179,6 +193,7 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("Half-way to a neighbour its height is zero, and at the two ends it is opposite.")
 def vanishes_half_way(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far h is from zero half-way, and from opposite at the two ends."""
     ends, middles = values[1][0], values[2][0]
@@ -223,16 +238,19 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("Coordinates have the sum one at every place, so that a constant comes back.")
 def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far sums of rows are from one."""
     return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
 
 
+@law("Turning everything changes nothing.")
 def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much turning everything over changes."""
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
+@law("At a corner it alone has a weight, and half-way along an edge its two ends have a half each.")
 def is_right_on_the_cube(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far corners are from one weight, and middles of edges from two halves."""
     return relative(values[3][0] - np.vstack([np.eye(8), (np.eye(8)[:4] + np.eye(8)[4:]) / 2]), 1.0)
@@ -245,13 +263,7 @@ QUESTIONS = (
         1,
         lambda seed: tetrahedra("volume", seed),
         lambda _: ((),),
-        (
-            Law(
-                "A volume is positive, does not depend on the order of the corners, and a plane "
-                "through one edge and the middle of the opposite one cuts it in half.",
-                halves_with_the_tetrahedron,
-            ),
-        ),
+        (halves_with_the_tetrahedron,),
     ),
     Question(
         "08.2",
@@ -259,21 +271,10 @@ QUESTIONS = (
         2,
         lambda seed: tetrahedra("circumcenter", seed),
         lambda _: ((3,),),
-        (Law("A circumcentre is equally far from all four corners.", is_equally_far),),
+        (is_equally_far,),
     ),
     Question(
-        "08.4",
-        "volume_of_normals",
-        2,
-        normals_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "Normals have directions only: the lengths of the edges and their order do not "
-                "matter, and perpendicular normals span the volume one.",
-                depends_on_directions,
-            ),
-        ),
+        "08.4", "volume_of_normals", 2, normals_inputs, lambda _: ((),), (depends_on_directions,)
     ),
     Question(
         "08.7",
@@ -281,18 +282,7 @@ QUESTIONS = (
         3,
         weights_inputs,
         lambda call: ((len(call.arguments[2]),),),
-        (
-            Law(
-                "If everything is twice as large, (8.2) has eight times the volume above and 64 "
-                "times as much below: an eighth is left.",
-                scales,
-            ),
-            Law(
-                "The weights pull the place towards the corners in such a way that it stays where "
-                "it is.",
-                balances,
-            ),
-        ),
+        (scales, balances),
     ),
     Question(
         "08.8",
@@ -300,12 +290,7 @@ QUESTIONS = (
         1,
         heights_inputs,
         lambda call: ((len(call.arguments[1]), len(call.arguments[2])),),
-        (
-            Law(
-                "Half-way to a neighbour its height is zero, and at the two ends it is opposite.",
-                vanishes_half_way,
-            ),
-        ),
+        (vanishes_half_way,),
     ),
     Question(
         "08.10",
@@ -313,17 +298,6 @@ QUESTIONS = (
         3,
         coordinates_inputs,
         lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
-        (
-            Law(
-                "Coordinates have the sum one at every place, so that a constant comes back.",
-                sums_to_one,
-            ),
-            Law("Turning everything changes nothing.", turns_along),
-            Law(
-                "At a corner it alone has a weight, and half-way along an edge its two ends have "
-                "a half each.",
-                is_right_on_the_cube,
-            ),
-        ),
+        (sums_to_one, turns_along, is_right_on_the_cube),
     ),
 )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Law, Question, law, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud, is_symmetric, squares
 
 
@@ -55,6 +55,10 @@ def columns_in_order(_: Call, values: Values) -> Values:
     return (p[:, np.lexsort(np.round(p, 9)[::-1])] if p.size else p,)
 
 
+@law(
+    "If one coordinate is doubled and the other tripled, each monomial grows by a "
+    "product of twos and threes: 1, 2, 3, 4, 6 and 9 for the degree two."
+)
 def stretch_by_powers(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the columns of stretched points are from 1, 2, 3, 4, 6 and 9 times the
     others.
@@ -64,6 +68,7 @@ def stretch_by_powers(_: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(ratio - [1, 2, 3, 4, 6, 9], 1.0)
 
 
+@law("Where both coordinates are one, every monomial is one.")
 def are_one_at_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[0][0][4] - 1, 1.0)
 
@@ -99,6 +104,10 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
 
 
+@law(
+    "On the vectors that satisfy the conditions, the form less a smaller number is "
+    "positive, and less a larger number it is not."
+)
 def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return one if the form, less the number, is not positive just below it, or is so just
     above.
@@ -148,6 +157,10 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("vanishing", (p, degree), case) for p, degree, case in cases)
 
 
+@law(
+    "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of "
+    "points, has a rank; the other polynomials vanish at the points."
+)
 def leaves_the_rank_of_another_matrix(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference from Q less the rank of (1 + p·q)^n, which has that of P."""
     worst = 0.0
@@ -186,6 +199,7 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+@law("The field must go through the values.", 1e-8)
 def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(
         relative(f[24:] - c.arguments[1], c.arguments[1])
@@ -193,6 +207,11 @@ def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> 
     )
 
 
+@law(
+    "The field is made of bumps on the points and a polynomial of the degree asked "
+    "for, and the factors of the bumps satisfy the side conditions.",
+    1e-6,
+)
 def is_bumps_and_a_polynomial(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the field is from the form, and its factors from the side conditions."""
     worst = 0.0
@@ -221,6 +240,10 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+@law(
+    "The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the "
+    "integral (9.9) of the one for two variables more."
+)
 def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the values for s = 1 are from the integral, by the rule of Gauss, and for
     s = 0 from a power.
@@ -269,6 +292,7 @@ def exchange_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+@law("At that time, between 0 and 1, the triangle of the three points has no area.")
 def makes_a_flat_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the area of the triangle at that time, and by how much the time is out of [0, 1]."""
     worst = 0.0
@@ -297,6 +321,11 @@ def slope_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((rows, rows),)
 
 
+@law(
+    "The matrix times the unknowns must be the values of the field (9.11) at the "
+    "points, its slopes there, and the two side conditions.",
+    1e-6,
+)
 def maps_to_values_and_slopes(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far H times some unknowns is from values and central differences of that field,
     and its moments.
@@ -326,14 +355,7 @@ QUESTIONS = (
         2,
         monomials_inputs,
         monomials_shape,
-        (
-            Law("Where both coordinates are one, every monomial is one.", are_one_at_one),
-            Law(
-                "If one coordinate is doubled and the other tripled, each monomial grows by a "
-                "product of twos and threes: 1, 2, 3, 4, 6 and 9 for the degree two.",
-                stretch_by_powers,
-            ),
-        ),
+        (are_one_at_one, stretch_by_powers),
         normal_form=columns_in_order,
     ),
     Question(
@@ -342,13 +364,7 @@ QUESTIONS = (
         3,
         eigenvalue_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "On the vectors that satisfy the conditions, the form less a smaller number is "
-                "positive, and less a larger number it is not.",
-                is_where_the_signs_change,
-            ),
-        ),
+        (is_where_the_signs_change,),
         tolerance=lambda _: 1e-8,
     ),
     Question(
@@ -357,13 +373,7 @@ QUESTIONS = (
         2,
         vanishing_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of "
-                "points, has a rank; the other polynomials vanish at the points.",
-                leaves_the_rank_of_another_matrix,
-            ),
-        ),
+        (leaves_the_rank_of_another_matrix,),
     ),
     Question(
         "09.4",
@@ -371,15 +381,7 @@ QUESTIONS = (
         4,
         field_inputs,
         lambda call: ((len(call.arguments[4]),),),
-        (
-            Law("The field must go through the values.", goes_through_the_values, 1e-8),
-            Law(
-                "The field is made of bumps on the points and a polynomial of the degree asked "
-                "for, and the factors of the bumps satisfy the side conditions.",
-                is_bumps_and_a_polynomial,
-                1e-6,
-            ),
-        ),
+        (goes_through_the_values, is_bumps_and_a_polynomial),
         tolerance=lambda _: 1e-8,
     ),
     Question(
@@ -388,13 +390,7 @@ QUESTIONS = (
         2,
         wendland_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the "
-                "integral (9.9) of the one for two variables more.",
-                are_integrals,
-            ),
-        ),
+        (are_integrals,),
     ),
     Question(
         "09.6",
@@ -402,12 +398,7 @@ QUESTIONS = (
         3,
         exchange_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "At that time, between 0 and 1, the triangle of the three points has no area.",
-                makes_a_flat_triangle,
-            ),
-        ),
+        (makes_a_flat_triangle,),
         tolerance=lambda _: 1e-8,
     ),
     Question(
@@ -422,12 +413,7 @@ QUESTIONS = (
                 "the same number.",
                 is_symmetric,
             ),
-            Law(
-                "The matrix times the unknowns must be the values of the field (9.11) at the "
-                "points, its slopes there, and the two side conditions.",
-                maps_to_values_and_slopes,
-                1e-6,
-            ),
+            maps_to_values_and_slopes,
         ),
     ),
 )

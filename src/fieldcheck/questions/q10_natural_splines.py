@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 
 
 def line(random: np.random.Generator, n: int) -> np.ndarray:
@@ -70,6 +70,7 @@ def coefficients_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return (call.arguments[0].shape, (2,))
 
 
+@law("With the new coefficients (10.4) must be the same curve as (10.1), inside and outside.")
 def is_the_same_curve(calls: Sequence[Call], values: Sequence[Values]) -> float:
     worst = 0.0
     for call, (a, b) in zip(calls, values, strict=True):
@@ -101,6 +102,10 @@ def nothing_for_rounding(call: Call, values: Values) -> Values:
     return np.where(np.abs(a) > 1e-12 * np.abs(call.arguments[1]).max(), a, 0.0), b
 
 
+@law(
+    "The curve (10.4) must go through the values, and its factors sum to zero, plain "
+    "and weighted by the sites."
+)
 def is_natural_and_hits(calls: Sequence[Call], values: Sequence[Values]) -> float:
     worst = 0.0
     for call, (a, b) in zip(calls, values, strict=True):
@@ -132,6 +137,7 @@ def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.nda
     return secant - width * (mean / 2 - jump / 12), secant + width * (mean / 2 + jump / 12)
 
 
+@law("Neighbouring pieces must have the same slope where they meet, and both ends the moment zero.")
 def has_no_kink(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest jump of the slope, and the moments of the two ends."""
     worst = 0.0
@@ -170,6 +176,10 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+@law(
+    "Each piece has the values and second derivatives of (10.6) at its ends; outside "
+    "the curve goes on straight, with the slope that it has there."
+)
 def is_cubic_inside_and_straight_outside(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far ends, second derivatives and outer lines are from what was given."""
     worst = 0.0
@@ -215,6 +225,10 @@ def _free_powers(
     return np.append(factors, -factors.sum()), straight
 
 
+@law(
+    "The curve (10.1) must have the values and the second derivatives at the sites, "
+    "and satisfy (10.2)."
+)
 def is_made_of_half_cubes(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far values, second derivatives and moments are from those given."""
     worst = 0.0
@@ -252,6 +266,11 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("energy", (x, m), case) for x, m, case in cases)
 
 
+@law(
+    "The integral of a square: three times s'' gives nine times as much, to cut an "
+    "interval or to look in a mirror changes nothing, and where s'' is 2 it is four "
+    "times the length."
+)
 def is_an_integral_of_a_square(calls: Sequence[Call], values: Sequence[Values]) -> float:
     e = np.array([v[0] for v in values])
     first, last = calls[-1].arguments[0]
@@ -284,6 +303,10 @@ def b_spline_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((len(x), len(t) - k - 1),)
 
 
+@law(
+    "A B-spline is never negative, and zero outside the k + 1 intervals from its "
+    "first knot to its last."
+)
 def lives_where_it_should(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest value outside the support, and the most negative one."""
     worst = 0.0
@@ -294,6 +317,11 @@ def lives_where_it_should(calls: Sequence[Call], values: Sequence[Values]) -> fl
     return worst
 
 
+@law(
+    "Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times "
+    "(y - t) for the knots t inside each: Marsden's identity, which for the highest "
+    "power of y says that their sum is one."
+)
 def gives_every_power(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far (y - x)^k is from its B-splines, by the identity of Marsden, for several y."""
     worst = 0.0
@@ -309,18 +337,7 @@ def gives_every_power(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "10.1",
-        "from_truncated",
-        3,
-        conversion_inputs,
-        coefficients_shape,
-        (
-            Law(
-                "With the new coefficients (10.4) must be the same curve as (10.1), inside and "
-                "outside.",
-                is_the_same_curve,
-            ),
-        ),
+        "10.1", "from_truncated", 3, conversion_inputs, coefficients_shape, (is_the_same_curve,)
     ),
     Question(
         "10.2",
@@ -328,13 +345,7 @@ QUESTIONS = (
         3,
         radial_inputs,
         coefficients_shape,
-        (
-            Law(
-                "The curve (10.4) must go through the values, and its factors sum to zero, plain "
-                "and weighted by the sites.",
-                is_natural_and_hits,
-            ),
-        ),
+        (is_natural_and_hits,),
         tolerance=lambda _: 1e-8,
         normal_form=nothing_for_rounding,
     ),
@@ -344,13 +355,7 @@ QUESTIONS = (
         4,
         moments_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "Neighbouring pieces must have the same slope where they meet, and both ends the "
-                "moment zero.",
-                has_no_kink,
-            ),
-        ),
+        (has_no_kink,),
     ),
     Question(
         "10.4",
@@ -358,61 +363,16 @@ QUESTIONS = (
         3,
         pieces_inputs,
         lambda call: (call.arguments[3].shape,),
-        (
-            Law(
-                "Each piece has the values and second derivatives of (10.6) at its ends; outside "
-                "the curve goes on straight, with the slope that it has there.",
-                is_cubic_inside_and_straight_outside,
-            ),
-        ),
+        (is_cubic_inside_and_straight_outside,),
     ),
-    Question(
-        "10.5",
-        "truncated",
-        3,
-        back_inputs,
-        coefficients_shape,
-        (
-            Law(
-                "The curve (10.1) must have the values and the second derivatives at the sites, "
-                "and satisfy (10.2).",
-                is_made_of_half_cubes,
-            ),
-        ),
-    ),
-    Question(
-        "10.6",
-        "energy",
-        2,
-        energy_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "The integral of a square: three times s'' gives nine times as much, to cut an "
-                "interval or to look in a mirror changes nothing, and where s'' is 2 it is four "
-                "times the length.",
-                is_an_integral_of_a_square,
-            ),
-        ),
-    ),
+    Question("10.5", "truncated", 3, back_inputs, coefficients_shape, (is_made_of_half_cubes,)),
+    Question("10.6", "energy", 2, energy_inputs, lambda _: ((),), (is_an_integral_of_a_square,)),
     Question(
         "10.7",
         "b_splines",
         4,
         b_spline_inputs,
         b_spline_shape,
-        (
-            Law(
-                "A B-spline is never negative, and zero outside the k + 1 intervals from its "
-                "first knot to its last.",
-                lives_where_it_should,
-            ),
-            Law(
-                "Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times "
-                "(y - t) for the knots t inside each: Marsden's identity, which for the highest "
-                "power of y says that their sum is one.",
-                gives_every_power,
-            ),
-        ),
+        (lives_where_it_should, gives_every_power),
     ),
 )

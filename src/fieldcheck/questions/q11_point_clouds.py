@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 
 THICK = 0.4
 """Half of the thickness of horseshoe and torus; the arc has the radius one."""
@@ -145,6 +145,11 @@ def normals_tolerance(call: Call) -> float:
     return float(1e-8 + 1e-13 * np.abs(points).max() / np.ptp(points))
 
 
+@law(
+    "Normals have the length one, and in no direction beside them have the neighbours "
+    "less variance.",
+    1e-6,
+)
 def are_across_the_neighbours(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return by how much a direction beside the normal has less variance; how far from length one
     it is.
@@ -192,6 +197,7 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("Links go both ways, none leads to the point itself, and all of the nearest are linked.")
 def links_both_ways(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many points are linked to themselves, or one way only, or to none of the
     nearest.
@@ -245,6 +251,7 @@ def orient_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+@law("Each normal is the given one or its opposite, and on these bodies it points outward.")
 def point_outward(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many normals point inward or are none of the two that were possible."""
     wrong = 0.0
@@ -274,6 +281,10 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "The nearest point of the cloud is the own one, and with twice the length, if "
+    "that is not too much, it is not."
+)
 def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many lengths are no half of a half, lead to another site, or could be twice as
     long.
@@ -298,14 +309,7 @@ QUESTIONS = (
         3,
         normals_inputs,
         normals_shapes,
-        (
-            Law(
-                "Normals have the length one, and in no direction beside them have the neighbours "
-                "less variance.",
-                are_across_the_neighbours,
-                1e-6,
-            ),
-        ),
+        (are_across_the_neighbours,),
         normals_tolerance,
         with_one_sign,
     ),
@@ -315,13 +319,7 @@ QUESTIONS = (
         2,
         graph_inputs,
         lambda call: (2 * (len(call.arguments[0]),),),
-        (
-            Law(
-                "Links go both ways, none leads to the point itself, and all of the nearest are "
-                "linked.",
-                links_both_ways,
-            ),
-        ),
+        (links_both_ways,),
     ),
     Question(
         "11.3",
@@ -329,13 +327,7 @@ QUESTIONS = (
         4,
         orient_inputs,
         lambda call: (call.arguments[1].shape,),
-        (
-            Law(
-                "Each normal is the given one or its opposite, and on these bodies it points "
-                "outward.",
-                point_outward,
-            ),
-        ),
+        (point_outward,),
     ),
     Question(
         "11.4",
@@ -343,12 +335,6 @@ QUESTIONS = (
         3,
         beside_inputs,
         lambda call: ((len(call.arguments[0]), 2),),
-        (
-            Law(
-                "The nearest point of the cloud is the own one, and with twice the length, if "
-                "that is not too much, it is not.",
-                belong_to_their_sites,
-            ),
-        ),
+        (belong_to_their_sites,),
     ),
 )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q11_point_clouds import horseshoe, outward, oval, torus
 
 
@@ -50,6 +50,7 @@ def fit_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n,), (d + 1,))
 
 
+@law("F takes the values at the sites, and the coefficients fulfil the side conditions.", 1e-7)
 def meets_values_and_side_conditions(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference from the values, or what is left of the side conditions."""
     worst = 0.0
@@ -117,6 +118,7 @@ def field_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((len(x),), x.shape)
 
 
+@law("Values are those of (11.6), and gradients agree with differences of them.", 1e-6)
 def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the differences of values from (11.6), and of gradients from small steps to both
     sides.
@@ -143,6 +145,7 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("One step leads to the zero of the tangent, and five to the zero level.", 1e-8)
 def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return what is left after five steps, and how far one step is from the tangent's zero."""
     x, sites, weights, plane, _ = calls[0].arguments
@@ -170,6 +173,10 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "Ends lie on the sides of the square, where the values on the side are zero, and "
+    "what is positive lies to the left."
+)
 def lie_on_the_border(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far ends are from the border, from a zero of the values on it, and pieces from
     running with the positive side to the left.
@@ -195,42 +202,17 @@ QUESTIONS = (
         3,
         fit_inputs,
         fit_shapes,
-        (
-            Law(
-                "F takes the values at the sites, and the coefficients fulfil the side conditions.",
-                meets_values_and_side_conditions,
-                1e-7,
-            ),
-        ),
+        (meets_values_and_side_conditions,),
         lambda _: 1e-7,
     ),
-    Question(
-        "11.6",
-        "field",
-        3,
-        field_inputs,
-        field_shapes,
-        (
-            Law(
-                "Values are those of (11.6), and gradients agree with differences of them.",
-                gradient_is_that_of_the_values,
-                1e-6,
-            ),
-        ),
-    ),
+    Question("11.6", "field", 3, field_inputs, field_shapes, (gradient_is_that_of_the_values,)),
     Question(
         "11.7",
         "to_surface",
         2,
         newton_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "One step leads to the zero of the tangent, and five to the zero level.",
-                ends_on_the_zero_level,
-                1e-8,
-            ),
-        ),
+        (ends_on_the_zero_level,),
     ),
     Question(
         "11.8",
@@ -238,12 +220,6 @@ QUESTIONS = (
         3,
         pieces_inputs,
         lambda call: ((len(call.arguments[0]), 2, 2),),
-        (
-            Law(
-                "Ends lie on the sides of the square, where the values on the side are zero, and "
-                "what is positive lies to the left.",
-                lie_on_the_border,
-            ),
-        ),
+        (lie_on_the_border,),
     ),
 )

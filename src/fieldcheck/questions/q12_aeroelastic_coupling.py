@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative, scale
+from fieldcheck.question import Question, law, relative, scale
 
 
 def grid(random: np.random.Generator, *counts: int) -> np.ndarray:
@@ -58,6 +58,10 @@ def slopes_inputs(seed: int) -> tuple[Call, ...]:
     return (*calls, Call("slopes", (line, places), "two places between two nodes of the line"))
 
 
+@law(
+    "From one node to the next the slopes must add up to the change of the weights: "
+    "the one's falls from one to zero, the other's rises from zero to one."
+)
 def adds_up(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the integral of slopes from one node to the next is from the change of the
     weights.
@@ -69,11 +73,16 @@ def adds_up(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(np.abs(change - [0.0, -1.0, 1.0, 0.0, 0.0]).max())
 
 
+@law("If all nodes move alike, all places must move with them: the rows of H sum to one.")
 def rows_sum_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a translation of all nodes is from moving all places alike."""
     return max(float(np.abs(h.sum(axis=1) - 1).max()) for (h,) in values)
 
 
+@law(
+    "H applied to the coordinates of the nodes must give those of the places: linear "
+    "displacements come back."
+)
 def brings_places_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the weighted means of the nodes are from the places."""
     return max(
@@ -82,22 +91,29 @@ def brings_places_back(calls: Sequence[Call], values: Sequence[Values]) -> float
     )
 
 
+@law("At a node its own displacement counts, and no other.")
 def is_one_at_its_node(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far weights at nodes are from one for it and zero for the others."""
     return float(np.abs(values[5][0] - np.eye(12)[[4, 0, 7]]).max())
 
 
+@law("Turning everything changes no weight.")
 def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much the weights change when all is turned."""
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
+@law("Slopes turn along with everything else.")
 def slopes_turn_along(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far slopes after a quarter of a turn are from those before, turned."""
     (before,), (after,) = values[:2]
     return relative([after[1] - before[0], after[0] + before[1]], before)
 
 
+@law(
+    "A constant has no slope, and a coordinate has the slope one along its own axis "
+    "and none along others."
+)
 def slope_of_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far slopes of constants are from zero, those of coordinates from one and zero."""
     worst = 0.0
@@ -134,6 +150,10 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "In every displacement of the nodes the loads must do the work that the forces do "
+    "at the places."
+)
 def does_the_same_work(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the work of the loads is from that of the forces, in a few displacements."""
     random, worst = np.random.default_rng(0), 0.0
@@ -166,6 +186,11 @@ def resultants_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "About another point only the moment changes, and by what the total force does on "
+    "the way between the points: nothing for a couple. And (12.5) can be done by hand "
+    "for a couple and for one upward force."
+)
 def moves_by_the_total_force(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far moments about two points differ from that of the total force in one at the
     other.
@@ -204,11 +229,13 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("A constant pressure must arrive as the same constant.")
 def constant_comes_back(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a constant pressure is from itself."""
     return float(np.abs(values[1][0] / 3 - 1).max())
 
 
+@law("Pressure times area must have the same sum on both sides.")
 def carries_the_whole(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the pressure at the nodes, felt by the skin, differs from the given in
     total.
@@ -241,6 +268,7 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("In every rigid motion, a rotation too, the loads must do the work of the forces.")
 def does_the_work_of_rigid_motions(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the work of the loads is from that of the forces in the six rigid motions."""
     worst = 0.0
@@ -264,20 +292,7 @@ QUESTIONS = (
         3,
         lambda seed: meshes("weights", seed),
         weights_shape,
-        (
-            Law(
-                "If all nodes move alike, all places must move with them: the rows of H sum to "
-                "one.",
-                rows_sum_to_one,
-            ),
-            Law(
-                "H applied to the coordinates of the nodes must give those of the places: linear "
-                "displacements come back.",
-                brings_places_back,
-            ),
-            Law("At a node its own displacement counts, and no other.", is_one_at_its_node),
-            Law("Turning everything changes no weight.", turns_along),
-        ),
+        (rows_sum_to_one, brings_places_back, is_one_at_its_node, turns_along),
     ),
     Question(
         "12.2",
@@ -285,28 +300,10 @@ QUESTIONS = (
         1,
         loads_inputs,
         lambda call: ((call.arguments[0].shape[1], call.arguments[1].shape[1]),),
-        (
-            Law(
-                "In every displacement of the nodes the loads must do the work that the forces do "
-                "at the places.",
-                does_the_same_work,
-            ),
-        ),
+        (does_the_same_work,),
     ),
     Question(
-        "12.4",
-        "resultants",
-        2,
-        resultants_inputs,
-        lambda _: ((6,),),
-        (
-            Law(
-                "About another point only the moment changes, and by what the total force does on "
-                "the way between the points: nothing for a couple. And (12.5) can be done by hand "
-                "for a couple and for one upward force.",
-                moves_by_the_total_force,
-            ),
-        ),
+        "12.4", "resultants", 2, resultants_inputs, lambda _: ((6,),), (moves_by_the_total_force,)
     ),
     Question(
         "12.6",
@@ -314,10 +311,7 @@ QUESTIONS = (
         2,
         densities_inputs,
         lambda call: ((call.arguments[0].shape[1],),),
-        (
-            Law("A constant pressure must arrive as the same constant.", constant_comes_back),
-            Law("Pressure times area must have the same sum on both sides.", carries_the_whole),
-        ),
+        (constant_comes_back, carries_the_whole),
     ),
     Question(
         "12.7",
@@ -325,19 +319,7 @@ QUESTIONS = (
         2,
         slopes_inputs,
         lambda call: ((call.arguments[0].shape[1], *weights_shape(call)[0]),),
-        (
-            Law(
-                "A constant has no slope, and a coordinate has the slope one along its own axis "
-                "and none along others.",
-                slope_of_linear_fields,
-            ),
-            Law("Slopes turn along with everything else.", slopes_turn_along),
-            Law(
-                "From one node to the next the slopes must add up to the change of the weights: "
-                "the one's falls from one to zero, the other's rises from zero to one.",
-                adds_up,
-            ),
-        ),
+        (slope_of_linear_fields, slopes_turn_along, adds_up),
     ),
     Question(
         "12.8",
@@ -345,11 +327,6 @@ QUESTIONS = (
         3,
         flat_inputs,
         lambda call: ((len(call.arguments[0]), 3),),
-        (
-            Law(
-                "In every rigid motion, a rotation too, the loads must do the work of the forces.",
-                does_the_work_of_rigid_motions,
-            ),
-        ),
+        (does_the_work_of_rigid_motions,),
     ),
 )

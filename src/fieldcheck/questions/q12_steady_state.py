@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q12_aeroelastic_coupling import transfer
 
 
@@ -45,6 +45,11 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "A section on one spring begins at rest, and each of its steps is 1 − ω(1 − λ) "
+    "times the one before, where λ is how much the moment of the lift grows with the "
+    "angle, divided by how much that of the spring does."
+)
 def settles_as_a_section(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far angles of a section are from the sums of a geometric series that begins at
     rest.
@@ -88,6 +93,7 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("There the matrix of structure and flow is singular, and at no smaller pressure.")
 def is_just_singular(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the structure in the flow is from singular there, or whether it was so
     before.
@@ -114,26 +120,7 @@ QUESTIONS = (
         3,
         iterates_inputs,
         lambda call: ((call.arguments[5] + 1, len(call.arguments[0])),),
-        (
-            Law(
-                "A section on one spring begins at rest, and each of its steps is 1 − ω(1 − λ) "
-                "times the one before, where λ is how much the moment of the lift grows with the "
-                "angle, divided by how much that of the spring does.",
-                settles_as_a_section,
-            ),
-        ),
+        (settles_as_a_section,),
     ),
-    Question(
-        "12.11",
-        "divergence",
-        2,
-        divergence_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "There the matrix of structure and flow is singular, and at no smaller pressure.",
-                is_just_singular,
-            ),
-        ),
-    ),
+    Question("12.11", "divergence", 2, divergence_inputs, lambda _: ((),), (is_just_singular,)),
 )

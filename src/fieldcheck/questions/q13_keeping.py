@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q13_semi_lagrangian_advection import in_disc, in_square
 
 # 13.8 Bounds
@@ -32,18 +32,21 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("If the field changes its sign, the bounds do, and exchange their places.")
 def turns_over(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the bounds of the opposite field are from the opposite bounds, exchanged."""
     (low, high), (below, above) = values[:2]
     return max(relative(below + high, high), relative(above + low, low))
 
 
+@law("A foot that is a site has the value there between its bounds.")
 def holds_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return by how much a value at a site lies outside of the bounds there."""
     u, (low, high) = calls[2].arguments[1], values[2]
     return max(0.0, float((low - u).max()), float((u - high).max()))
 
 
+@law("Four sites are asked, so that four values at least lie between the bounds.")
 def hold_four(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many of four different values are missing between bounds."""
     between = (
@@ -55,6 +58,7 @@ def hold_four(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(0, 4 - min(between)))
 
 
+@law("Bounds are values of the field.")
 def are_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the bounds are from the nearest values of the field."""
     return max(
@@ -94,6 +98,7 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("The values must have the mass that is asked for, and lie within their bounds.")
 def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the mass is from the wanted one, and values from their bounds."""
     worst = 0.0
@@ -104,6 +109,7 @@ def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law("All values that are at neither bound are changed by the same number.")
 def changes_alike(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much the changes differ among values that are between their bounds."""
     worst = 0.0
@@ -132,6 +138,7 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("If the velocity is linear, each round adds a term of a geometric series.")
 def closes_in(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far feet of a linear field are from the sums of a geometric series."""
     worst = 0.0
@@ -143,6 +150,7 @@ def closes_in(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
+@law("A constant velocity shifts all places alike.")
 def constant_shifts(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far feet in a constant flow are from places shifted alike."""
     x, u, dt, _, _ = calls[3].arguments
@@ -156,18 +164,7 @@ QUESTIONS = (
         2,
         bounds_inputs,
         lambda call: ((len(call.arguments[2]),),) * 2,
-        (
-            Law("Bounds are values of the field.", are_values),
-            Law(
-                "If the field changes its sign, the bounds do, and exchange their places.",
-                turns_over,
-            ),
-            Law(
-                "Four sites are asked, so that four values at least lie between the bounds.",
-                hold_four,
-            ),
-            Law("A foot that is a site has the value there between its bounds.", holds_the_nearest),
-        ),
+        (are_values, turns_over, hold_four, holds_the_nearest),
     ),
     Question(
         "13.9",
@@ -175,16 +172,7 @@ QUESTIONS = (
         3,
         mass_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "The values must have the mass that is asked for, and lie within their bounds.",
-                has_the_mass,
-            ),
-            Law(
-                "All values that are at neither bound are changed by the same number.",
-                changes_alike,
-            ),
-        ),
+        (has_the_mass, changes_alike),
     ),
     Question(
         "13.11",
@@ -192,12 +180,6 @@ QUESTIONS = (
         2,
         burgers_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law("A constant velocity shifts all places alike.", constant_shifts),
-            Law(
-                "If the velocity is linear, each round adds a term of a geometric series.",
-                closes_in,
-            ),
-        ),
+        (constant_shifts, closes_in),
     ),
 )

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Law, Question, law, relative
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 
@@ -126,6 +126,7 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("Linear fields come back: rows sum to one, and the weighted mean of the sites is the foot.")
 def brings_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far rows are from the sum one, and weighted means of sites from the feet."""
     worst = 0.0
@@ -136,6 +137,7 @@ def brings_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -
     return worst
 
 
+@law("Only the k sites nearest to its foot have weights in a row.")
 def counts_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest weight of a site that has k sites nearer to the foot."""
     worst = 0.0
@@ -148,6 +150,7 @@ def counts_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float
     return worst
 
 
+@law("At a site its own value counts, and no other.")
 def is_one_at_its_site(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the rows of feet that are sites are from one and zeros."""
     return float(np.abs(values[2][0] - np.eye(25)[[7, 0, 18]]).max())
@@ -180,6 +183,7 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("The first row is the field at the beginning, and a constant stays what it is.")
 def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a constant is from itself, and the first row from the field at the
     beginning.
@@ -190,6 +194,10 @@ def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(begins, relative(values[1][0] - 2.5, 2.5))
 
 
+@law(
+    "An affine field in a solid rotation only turns: there is no error in space, and "
+    "in time that of the feet."
+)
 def affine_fields_turn(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far an affine field is from the one at the sites turned back step by step."""
     sites, u, dt, _, _, _ = calls[0].arguments
@@ -211,15 +219,7 @@ QUESTIONS = (
         3,
         matrix_inputs,
         lambda call: ((len(call.arguments[1]), len(call.arguments[0])),),
-        (
-            Law(
-                "Linear fields come back: rows sum to one, and the weighted mean of the sites is "
-                "the foot.",
-                brings_linear_fields_back,
-            ),
-            Law("Only the k sites nearest to its foot have weights in a row.", counts_the_nearest),
-            Law("At a site its own value counts, and no other.", is_one_at_its_site),
-        ),
+        (brings_linear_fields_back, counts_the_nearest, is_one_at_its_site),
     ),
     Question(
         "13.6",
@@ -227,16 +227,6 @@ QUESTIONS = (
         3,
         advect_inputs,
         lambda call: ((call.arguments[3] + 1, len(call.arguments[0])),),
-        (
-            Law(
-                "The first row is the field at the beginning, and a constant stays what it is.",
-                constants_stay,
-            ),
-            Law(
-                "An affine field in a solid rotation only turns: there is no error in space, and "
-                "in time that of the feet.",
-                affine_fields_turn,
-            ),
-        ),
+        (constants_stay, affine_fields_turn),
     ),
 )

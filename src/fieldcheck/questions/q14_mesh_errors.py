@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question
+from fieldcheck.question import Question, law
 
 Surface = tuple[np.ndarray, np.ndarray]
 
@@ -165,6 +165,10 @@ def count_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "It is known how many edges of each kind these surfaces have, and all sides of an "
+    "edge have one number."
+)
 def counts_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the counts are from what is known, and how often they differ along an edge."""
     wrong = 0
@@ -208,6 +212,7 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
 CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 0)
 
 
+@law("The characteristic of each of these surfaces is known.")
 def is_the_known_characteristic(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(abs(float(v) - known) for (v,), known in zip(values, CHARACTERISTICS, strict=True))
 
@@ -235,6 +240,10 @@ def loop_inputs(seed: int) -> tuple[Call, ...]:
 LENGTHS = ((14,), (3, 4), (6, 6), (12,), (), (8, 8))
 
 
+@law(
+    "It is known how many loops there are, and how long; a loop is called by the "
+    "least of its vertices."
+)
 def loops_have_the_known_lengths(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return one if loops have another length than made, or not the name of their least vertex."""
     for (loop,), lengths in zip(values, LENGTHS, strict=True):
@@ -266,6 +275,7 @@ FANS = ((2, 20), (4, 33, 0, 1), (3, 18, 1), (3, 15, 1), (2, 6))
 """How many vertices of those surfaces have no fan, one fan, and so on."""
 
 
+@law("It is known how many vertices have no fan, one fan, and more.")
 def fans_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far the numbers are from what is known, and how many are less than the boundary
     asks for.
@@ -285,13 +295,7 @@ QUESTIONS = (
         2,
         count_inputs,
         lambda call: ((call.arguments[0].size,),),
-        (
-            Law(
-                "It is known how many edges of each kind these surfaces have, and all sides of an "
-                "edge have one number.",
-                counts_are_those_of_the_weave,
-            ),
-        ),
+        (counts_are_those_of_the_weave,),
     ),
     Question(
         "14.3",
@@ -299,12 +303,7 @@ QUESTIONS = (
         2,
         euler_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "The characteristic of each of these surfaces is known.",
-                is_the_known_characteristic,
-            ),
-        ),
+        (is_the_known_characteristic,),
     ),
     Question(
         "14.4",
@@ -312,13 +311,7 @@ QUESTIONS = (
         3,
         loop_inputs,
         lambda call: ((call.arguments[0],),),
-        (
-            Law(
-                "It is known how many loops there are, and how long; a loop is called by the "
-                "least of its vertices.",
-                loops_have_the_known_lengths,
-            ),
-        ),
+        (loops_have_the_known_lengths,),
     ),
     Question(
         "14.5",
@@ -326,11 +319,6 @@ QUESTIONS = (
         3,
         fan_inputs,
         lambda call: ((call.arguments[0],),),
-        (
-            Law(
-                "It is known how many vertices have no fan, one fan, and more.",
-                fans_are_those_of_the_weave,
-            ),
-        ),
+        (fans_are_those_of_the_weave,),
     ),
 )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question
+from fieldcheck.question import Question, law
 from fieldcheck.questions.q14_mesh_errors import (
     Surface,
     ball,
@@ -59,6 +59,10 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "A vertex and the one that stands for it are no farther apart than the tolerance, "
+    "and no earlier vertex is so near."
+)
 def is_the_first_in_its_place(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many vertices have a place that is no vertex, is not near, or is not the first."""
     wrong = 0
@@ -110,6 +114,10 @@ ONE_SIDED = (0, 0, 0, 0, 24, 0)
 """How many triangles of those surfaces belong to a part with one side."""
 
 
+@law(
+    "Once they are turned, no two triangles run along an edge in the same direction; "
+    "and a part with one side has zeros."
+)
 def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how many sides run as another does, once triangles are turned as is said."""
     wrong = 0
@@ -179,6 +187,7 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
 FLAT = ((0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 0), (0, 0, 1, 1, 1, 0, 0, 1, 1), 9 * (0,))
 
 
+@law("The heights of these triangles are known.")
 def is_flat_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(float(np.abs(v - known).max()) for (v,), known in zip(values, FLAT, strict=True))
 
@@ -230,6 +239,7 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
 GOES_THROUGH = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0)
 
 
+@law("It is known which of these lines go through their triangle.")
 def goes_through_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(float(np.abs(v - np.array(GOES_THROUGH)).max()) for (v,) in values)
 
@@ -241,13 +251,7 @@ QUESTIONS = (
         2,
         weld_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (
-            Law(
-                "A vertex and the one that stands for it are no farther apart than the tolerance, "
-                "and no earlier vertex is so near.",
-                is_the_first_in_its_place,
-            ),
-        ),
+        (is_the_first_in_its_place,),
     ),
     Question(
         "14.6",
@@ -255,13 +259,7 @@ QUESTIONS = (
         4,
         turn_inputs,
         lambda call: ((len(call.arguments[1]),),),
-        (
-            Law(
-                "Once they are turned, no two triangles run along an edge in the same direction; "
-                "and a part with one side has zeros.",
-                makes_them_agree,
-            ),
-        ),
+        (makes_them_agree,),
     ),
     Question(
         "14.7",
@@ -269,7 +267,7 @@ QUESTIONS = (
         2,
         flat_inputs,
         lambda call: ((len(call.arguments[1]),),),
-        (Law("The heights of these triangles are known.", is_flat_as_made),),
+        (is_flat_as_made,),
     ),
     Question(
         "14.8",
@@ -277,6 +275,6 @@ QUESTIONS = (
         3,
         pierced_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (Law("It is known which of these lines go through their triangle.", goes_through_as_made),),
+        (goes_through_as_made,),
     ),
 )
