@@ -5,12 +5,12 @@ import numpy as np
 from fieldcheck.calls import Call
 from fieldcheck.questions.q07_voronoi_coordinates import (
     mirror_images,
+    octagon,
     on_edges,
     place_for_weights,
     places_inside,
     star,
 )
-from fieldcheck.questions.q07_without_division import octagon
 from fieldgrade.authoring.hidden_cases import hidden
 
 

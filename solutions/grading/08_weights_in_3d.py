@@ -3,8 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q07_voronoi_coordinates import mirror_images
-from fieldcheck.questions.q07_without_division import octagon
+from fieldcheck.questions.q07_voronoi_coordinates import mirror_images, octagon
 from fieldcheck.questions.q08_weights_in_3d import places_inside, star
 from fieldgrade.authoring.hidden_cases import hidden
 

@@ -12,12 +12,8 @@ from fieldrecon._core import atomic_files as _whole_file
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.io.tables import csv_bytes
 from fieldreport.framework import result_files as files
-from fieldreport.framework.experiment import (
-    Result,
-    ResultTable,
-    cell_from_text,
-    order_of_magnitude,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Result, ResultTable, cell_from_text
 from fieldreport.framework.parameters import replace_parameters
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)

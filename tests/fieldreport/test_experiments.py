@@ -15,7 +15,7 @@ from checkout import ROOT
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport import experiments
 from fieldreport.framework import result_files as files
-from fieldreport.framework.experiment import order_of_magnitude
+from fieldreport.framework.error_measures import order_of_magnitude
 
 NAMES = experiments.names()
 

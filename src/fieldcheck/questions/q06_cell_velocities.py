@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q05_edges import directions, mesh
+from fieldcheck.questions.q05_vertex_velocities import directions, mesh
 
 FAR = 1e6
 """So far from the origin, squared coordinates have few digits left for a triangle."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from fieldrecon._core.blas_threads import one_blas_thread
 from fieldreport.framework.domains import Domain
+from fieldreport.framework.error_measures import order_of_magnitude
 
 Cell: TypeAlias = int | float | str
 Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
@@ -94,20 +95,6 @@ def in_checkout(name: str) -> Path:
     """
     root = Path(__file__).parents[3]
     return (root if (root / "pyproject.toml").is_file() else Path()) / name
-
-
-def order_of_magnitude(x: float) -> float:
-    """Return the power of ten nearest to ``|x|`` on a logarithmic scale; zero stays zero.
-
-    A value with fewer than three reliable digits, such as a rounding error, is reported in this
-    form.
-
-    Examples
-    --------
-    >>> order_of_magnitude(2.2e-16), order_of_magnitude(-250.0), order_of_magnitude(0.0)
-    (1e-16, 100.0, 0.0)
-    """
-    return float(f"1e{round(math.log10(abs(x)))}") if x else 0.0
 
 
 def round_to_digits(x: Cell, digits: int) -> Cell:

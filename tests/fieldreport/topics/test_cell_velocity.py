@@ -8,7 +8,6 @@ from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport import experiments
 from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
-from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.velocity import cell_velocity
 from fieldreport.experiments.velocity.cell_velocity import (
     GRADIENTS,
@@ -17,6 +16,7 @@ from fieldreport.experiments.velocity.cell_velocity import (
     STRAIN,
     closed_form,
 )
+from fieldreport.framework.error_measures import order
 
 ROUNDING = 1e-12
 

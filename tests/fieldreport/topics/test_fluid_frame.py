@@ -9,7 +9,6 @@ import pytest
 from checkout import ROOT
 from fieldrecon.velocity.vertices import divergence, normal_velocities, vertex_velocities
 from fieldreport import experiments
-from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.velocity import fluid_frame
 from fieldreport.experiments.velocity.fluid_frame import exact_streamline, traced_streamlines
 from fieldreport.experiments.velocity.potential_flow import (
@@ -21,6 +20,7 @@ from fieldreport.experiments.velocity.potential_flow import (
     vector_potential,
     velocity,
 )
+from fieldreport.framework.error_measures import order
 
 MESHES = {2: partial(disc_mesh, 16, 4.0, 5, 1), 3: partial(ball_mesh, 0.6, 3.0, 1)}
 

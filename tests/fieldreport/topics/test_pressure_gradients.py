@@ -8,7 +8,6 @@ from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.velocity.gradients import local_moving_least_squares, vertex_gradients
 from fieldreport import experiments
 from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
-from fieldreport.experiments.methods.convergence import order, rms
 from fieldreport.experiments.velocity import pressure_gradients
 from fieldreport.experiments.velocity.pressure_gradients import (
     METHODS,
@@ -16,6 +15,7 @@ from fieldreport.experiments.velocity.pressure_gradients import (
     pressure,
     pressure_gradient,
 )
+from fieldreport.framework.error_measures import order, rms
 
 
 @pytest.fixture(scope="module")

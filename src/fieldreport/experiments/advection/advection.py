@@ -26,7 +26,7 @@ from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
-from fieldreport.experiments.methods.convergence import order, rms
+from fieldreport.framework.error_measures import order, rms
 from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 DISC, CONE, HUMP = np.array([[0.5, 0.75], [0.5, 0.25], [0.25, 0.5]])

@@ -39,14 +39,13 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, figure, line
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
-from fieldreport.experiments.methods.convergence import rms
+from fieldreport.framework.error_measures import order_of_magnitude, rms
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Parameters,
     Result,
     ResultTable,
-    order_of_magnitude,
     parameter,
     require,
 )

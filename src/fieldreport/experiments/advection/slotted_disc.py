@@ -29,7 +29,7 @@ from fieldreport.experiments.advection.advection import (
     shapes,
     turning,
 )
-from fieldreport.experiments.methods.convergence import order
+from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 UNKNOWNS = 72314

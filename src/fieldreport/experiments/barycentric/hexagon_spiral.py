@@ -35,15 +35,8 @@ from fieldreport.experiments.barycentric.vertex_stars import (
     quotients,
     spiral,
 )
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 ROUNDING = 1e-16
 FORMS = ("quotient", "quotient, one height", "product")

@@ -42,13 +42,13 @@ from fieldreport.experiments.barycentric.polytopes import (
     mesh_of,
     polygons,
 )
+from fieldreport.framework.error_measures import order_of_magnitude
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Parameters,
     Result,
     ResultTable,
-    order_of_magnitude,
     parameter,
     require,
 )

@@ -32,7 +32,7 @@ from fieldrecon.methods.hermite import HermiteField, HermiteRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
-from fieldreport.experiments.methods.convergence import order
+from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
 
 KERNELS: dict[str, Radial] = {

@@ -36,13 +36,13 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.polynomials import dimension
+from fieldreport.framework.error_measures import order_of_magnitude
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Parameters,
     Result,
     ResultTable,
-    order_of_magnitude,
     parameter,
     require,
 )

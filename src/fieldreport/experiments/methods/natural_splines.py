@@ -31,15 +31,8 @@ from fieldrecon.methods.spline_bases import (
     cardinal_b_spline,
 )
 from fieldrecon.plotting.style import figure, line, shades
-from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import (
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order, order_of_magnitude
+from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
 
 Curve = Callable[[np.ndarray], np.ndarray]
 

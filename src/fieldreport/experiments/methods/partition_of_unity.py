@@ -28,13 +28,13 @@ from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import figure, shades
 from fieldrecon.polynomials import dimension
+from fieldreport.framework.error_measures import order_of_magnitude
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Parameters,
     Result,
     ResultTable,
-    order_of_magnitude,
     parameter,
     require,
 )

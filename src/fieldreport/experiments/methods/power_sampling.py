@@ -22,13 +22,13 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line
+from fieldreport.framework.error_measures import order_of_magnitude
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Parameters,
     Result,
     ResultTable,
-    order_of_magnitude,
     parameter,
     require,
 )

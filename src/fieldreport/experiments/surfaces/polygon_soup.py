@@ -28,8 +28,8 @@ from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.solids.ray_tracing import View, ray_traced
 from fieldrecon.surfaces.polygon_soup import PolygonSoup
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_triangles
-from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.triangles.triangle_shapes import Surface, cube, torus
+from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
 
 OUTLINE = np.array(

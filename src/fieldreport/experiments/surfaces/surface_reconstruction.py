@@ -34,7 +34,7 @@ from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
 from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface, scanned
 from fieldrecon.surfaces.implicit_surfaces import implicit_surface
 from fieldrecon.surfaces.off_surface import spacing_of
-from fieldreport.experiments.methods.convergence import order
+from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 EYES = np.array([[4.0, -4.0, 1.5], [-4.0, -3.0, 1.5], [0.0, 4.0, -2.0]])

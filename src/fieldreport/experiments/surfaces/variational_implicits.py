@@ -27,7 +27,7 @@ from fieldrecon.plotting.style import figure, line
 from fieldrecon.reconstruction import Field
 from fieldrecon.solids.ray_tracing import View, ray_traced
 from fieldrecon.surfaces.variational_implicits import ShapeTransformation, variational_implicit
-from fieldreport.experiments.methods.convergence import order
+from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
 
 AXES = np.array([1.5, 1.0, 0.7])

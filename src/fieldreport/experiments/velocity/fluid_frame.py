@@ -29,7 +29,6 @@ from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
 from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
-from fieldreport.experiments.methods.convergence import order, rms
 from fieldreport.experiments.velocity.potential_flow import (
     ball_mesh,
     disc_mesh,
@@ -38,15 +37,8 @@ from fieldreport.experiments.velocity.potential_flow import (
     stream_function,
     velocity,
 )
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order, order_of_magnitude, rms
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 HALVINGS = 60
 

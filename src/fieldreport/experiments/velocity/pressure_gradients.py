@@ -32,14 +32,13 @@ from fieldrecon.velocity.gradients import (
     vertex_gradients,
 )
 from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
-from fieldreport.experiments.methods.convergence import order, rms
+from fieldreport.framework.error_measures import order, order_of_magnitude, rms
 from fieldreport.framework.experiment import (
     Cell,
     Map,
     Parameters,
     Result,
     ResultTable,
-    order_of_magnitude,
     parameter,
     require,
 )

@@ -54,15 +54,8 @@ from fieldreport.experiments.velocity.vertex_counts import (
     rotation_in_space,
     valences,
 )
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
 
 FLOWS = {2: taylor_green, 3: abc_flow}
 

@@ -16,7 +16,8 @@ from fieldreport.experiments.velocity.normal_matrix_rank import (
     one_ring,
     vertices_around,
 )
-from fieldreport.framework.experiment import Cell, order_of_magnitude
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Cell
 
 MOST = {False: 8, True: 5}
 """Numbers of triangles at interior and boundary vertices from which on rows are merged."""

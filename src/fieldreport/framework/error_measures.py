@@ -1,6 +1,8 @@
-"""Error norms and orders of convergence."""
+"""Error norms, orders of convergence and orders of magnitude."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -53,3 +55,17 @@ def order(sizes: ArrayLike, errors: ArrayLike) -> float:
 
 def _listed(values: np.ndarray) -> str:
     return ", ".join(f"{x:g}" for x in values)
+
+
+def order_of_magnitude(x: float) -> float:
+    """Return the power of ten nearest to ``|x|`` on a logarithmic scale; zero stays zero.
+
+    A value with fewer than three reliable digits, such as a rounding error, is reported in this
+    form.
+
+    Examples
+    --------
+    >>> order_of_magnitude(2.2e-16), order_of_magnitude(-250.0), order_of_magnitude(0.0)
+    (1e-16, 100.0, 0.0)
+    """
+    return float(f"1e{round(math.log10(abs(x)))}") if x else 0.0
