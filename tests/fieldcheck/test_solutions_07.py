@@ -7,7 +7,7 @@ from checkout import ROOT
 from fieldcheck.questions.q07_voronoi_coordinates import on_edges, places_inside, star
 from fieldgrade.authoring.sources import Source
 from fieldrecon import SimplexMesh, VoronoiCell
-from fieldreport.experiments.barycentric.vertex_stars import Star, from_areas, hexagon, spiral
+from fieldreport.experiments.barycentric.hexagon_spiral import Star, from_areas, hexagon, spiral
 
 NOTEBOOK = Source(ROOT / "solutions/07_voronoi_coordinates.py").functions()
 ROUNDING = 1e-11

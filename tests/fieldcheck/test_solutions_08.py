@@ -7,7 +7,7 @@ from checkout import ROOT
 from fieldcheck.questions.q08_weights_in_3d import places_inside, star
 from fieldgrade.authoring.sources import Source
 from fieldrecon import SimplexMesh, VoronoiCell
-from fieldreport.experiments.barycentric.vertex_stars import Star, icosahedron, quotients
+from fieldreport.experiments.barycentric.hexagon_spiral import Star, icosahedron, quotients
 
 NOTEBOOK = Source(ROOT / "solutions/08_weights_in_3d.py").functions()
 ROUNDING = 1e-10

@@ -7,7 +7,7 @@ import pytest
 from fieldreport import experiments
 from fieldreport.build import pinned_kernels, reproducibility, rerun
 from fieldreport.build.errors import BuildError
-from fieldreport.build.workers import workers
+from fieldreport.build.rerun import workers
 from fieldreport.framework.result_files import npz_bytes
 
 NAME = "normal_equations"

@@ -145,7 +145,7 @@ JUDGING = {
     "fieldgrade.authoring": ("hidden_cases", "known_answers", "trials"),
     "fieldgrade.checking": ("check_results", "course", "grade_submission", "instructor_checks"),
     "fieldgrade.grading": ("instructor_items",),
-    "fieldgrade.isolation": ("file_access", "process", "server", "session"),
+    "fieldgrade.isolation": ("file_access", "server", "session"),
     "fieldgrade.sandbox": (),
     "fieldgrade.submissions": ("definitions", "submission"),
 }

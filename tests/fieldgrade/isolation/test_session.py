@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fieldcheck.calls import Call
-from fieldgrade.isolation import file_access, process
+from fieldgrade.isolation import file_access, session
 from fieldgrade.isolation.server import MEBIBYTE, Limits, Server, tiers
 from fieldgrade.isolation.session import CallGroup, run
 from fieldgrade.sandbox import frames
@@ -256,8 +256,8 @@ def double(x):
 def test_a_process_that_does_not_start_is_a_fault(monkeypatch):
     """Nobody is given nothing because a machine lacks something: the grader says so."""
     with Server("none", LIMITS).started() as bare:
-        monkeypatch.setattr(process, "SECONDS_TO_START", 0.0)
-        with pytest.raises(process.NotStarted, match=r"no process starts in the sandbox \(none\)"):
+        monkeypatch.setattr(session, "SECONDS_TO_START", 0.0)
+        with pytest.raises(session.NotStarted, match=r"no process starts in the sandbox \(none\)"):
             run(bare, [DOUBLE], [task()])
 
 
@@ -272,7 +272,7 @@ def test_a_server_that_does_not_start_is_a_fault(monkeypatch):
 
 def test_what_a_student_tells_is_short_and_steers_no_terminal():
     """Words are kept, as far as they can be shown; anything else is no word."""
-    assert process._text("caf\u00e9\nok") == "caf\u00e9\nok"
-    assert process._text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
-    assert len(process._text("x" * 10**6)) == process.MOST_TEXT
-    assert process._text(["x"]) == process._text(None) == ""
+    assert session._text("caf\u00e9\nok") == "caf\u00e9\nok"
+    assert session._text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
+    assert len(session._text("x" * 10**6)) == session.MOST_TEXT
+    assert session._text(["x"]) == session._text(None) == ""

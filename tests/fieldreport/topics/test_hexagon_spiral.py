@@ -7,7 +7,7 @@ import pytest
 
 from fieldrecon import VoronoiCell
 from fieldreport.experiments.barycentric import hexagon_spiral
-from fieldreport.experiments.barycentric.vertex_stars import (
+from fieldreport.experiments.barycentric.hexagon_spiral import (
     at_random,
     from_areas,
     hexagon,

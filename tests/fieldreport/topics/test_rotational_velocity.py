@@ -18,15 +18,17 @@ from fieldreport.experiments.meshes.reference_flows import (
 from fieldreport.experiments.velocity import normal_matrix_rank
 from fieldreport.experiments.velocity import rotational_velocity as module
 from fieldreport.experiments.velocity.normal_matrix_rank import (
+    SPACE,
     conics_through,
+    counts_of_mesh,
     error_by_conics,
     field_along,
     normal_matrix,
     one_ring,
     rank,
+    rotation_in_space,
     vertices_around,
 )
-from fieldreport.experiments.velocity.vertex_counts import SPACE, counts_of_mesh, rotation_in_space
 
 ROUNDING = 1e-12
 

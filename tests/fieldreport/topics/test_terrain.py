@@ -10,22 +10,20 @@ from scipy.interpolate import LinearNDInterpolator
 from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldreport import experiments
 from fieldreport.experiments.datasets import terrain_methods
-from fieldreport.experiments.datasets.landforms import (
+from fieldreport.experiments.datasets.terrain import QUICK, Params, on_one_isoline, run, study
+from fieldreport.experiments.datasets.terrain_errors import (
     HOLLOW,
+    NONE,
     SLOPE,
     TOP,
+    TerrainProblem,
     beyond_band,
     landforms,
     level_below,
-    phase,
-    relief_told,
-)
-from fieldreport.experiments.datasets.terrain import QUICK, Params, on_one_isoline, run, study
-from fieldreport.experiments.datasets.terrain_errors import (
-    NONE,
-    TerrainProblem,
     measured,
     part,
+    phase,
+    relief_told,
     windowed,
 )
 from fieldreport.experiments.datasets.terrain_methods import GUARDED, THIN_PLATE, methods

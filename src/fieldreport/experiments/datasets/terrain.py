@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from fieldrecon.datasets.elevation import Terrain, terrain
-from fieldreport.experiments.datasets.landforms import LANDFORMS, phase
 from fieldreport.experiments.datasets.terrain_errors import (
+    LANDFORMS,
     NEAR,
     TerrainProblem,
     by_distance,
@@ -28,6 +28,7 @@ from fieldreport.experiments.datasets.terrain_errors import (
     correlation,
     measured,
     part,
+    phase,
     rms,
     rms_or_none,
     terrace_percent,

@@ -41,18 +41,16 @@ from fieldreport.experiments.meshes.reference_flows import (
     taylor_green,
 )
 from fieldreport.experiments.velocity.normal_matrix_rank import (
-    conics_through,
-    field_along,
-    one_ring,
-    vertices_around,
-)
-from fieldreport.experiments.velocity.vertex_counts import (
     SPACE,
     VALENCES,
+    conics_through,
     counts_of_mesh,
     facts_of_counts,
+    field_along,
+    one_ring,
     rotation_in_space,
     valences,
+    vertices_around,
 )
 from fieldreport.framework.error_measures import order_of_magnitude
 from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
