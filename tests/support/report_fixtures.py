@@ -22,7 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldreport.framework.experiment import Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 from fieldrecon.plotting.style import figure, line
 
 SCALE = 1.0

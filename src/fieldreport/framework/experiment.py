@@ -13,7 +13,6 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fieldrecon._core.blas_threads import one_blas_thread
-from fieldreport.framework.domains import Domain
 from fieldreport.framework.error_measures import order_of_magnitude
 
 Cell: TypeAlias = int | float | str
@@ -22,62 +21,6 @@ Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 SIGNIFICANT_DIGITS = 9
 FACT_DIGITS = 6
 """Significant digits of a fact, unless the ``DIGITS`` of its experiment state another number."""
-
-
-def parameter(default: Any, meaning: str, **domain: Any) -> Any:
-    """Declare a field of ``Params``: its default, its meaning with its unit, and its ``Domain``.
-
-    Examples
-    --------
-    >>> @dataclass(frozen=True)
-    ... class Params(Parameters):
-    ...     points: int = parameter(100, "number of sample points", least=3)
-    >>> Params().points
-    100
-    >>> Params(points=2)
-    Traceback (most recent call last):
-    ...
-    ValueError: parameter points must be 3 or more; got 2
-    """
-    return field(default=default, metadata={"meaning": meaning, "domain": Domain(**domain)})
-
-
-def input_file(default: str, meaning: str) -> Any:
-    """Declare a field that names a file of the checkout; the content of the file is a parameter."""
-    return field(default=default, metadata={"meaning": meaning, "file": True})
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """The parameters of an experiment, each in its domain.
-
-    A relation between parameters is checked by a ``__post_init__`` that calls this one first.
-    """
-
-    def __post_init__(self) -> None:
-        for f in fields(self):
-            stored = f.metadata.get("domain", Domain()).checked(f.name, getattr(self, f.name))
-            object.__setattr__(self, f.name, stored)
-
-
-def require(condition: bool, name: str, wanted: str, got: Any) -> None:
-    """Refuse parameters that contradict each other.
-
-    Raises
-    ------
-    ValueError
-        In the wording of ``Domain``, if the condition does not hold.
-
-    Examples
-    --------
-    >>> require(False, "largest", "10 times smallest or more", 0.1)
-    Traceback (most recent call last):
-    ...
-    ValueError: parameter largest must be 10 times smallest or more; got 0.1
-    """
-    if not condition:
-        shown = f"{got:g}" if isinstance(got, float) else got
-        raise ValueError(f"parameter {name} must be {wanted}; got {shown}")
 
 
 class ExperimentError(ValueError):

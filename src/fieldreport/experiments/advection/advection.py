@@ -27,7 +27,8 @@ from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.framework.error_measures import order, rms
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 DISC, CONE, HUMP = np.array([[0.5, 0.75], [0.5, 0.25], [0.25, 0.5]])
 RADIUS = 0.15

@@ -40,15 +40,8 @@ from fieldrecon.plotting.style import FULL_WIDTH, figure, line
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
 from fieldreport.framework.error_measures import order_of_magnitude, rms
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 SMOOTHINGS = 3
 GROWTH = 0.35

@@ -31,7 +31,8 @@ from fieldrecon.meshes.duals import circumcentric_dual
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line, shades
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 GOLDEN = (1 + 5**0.5) / 2
 

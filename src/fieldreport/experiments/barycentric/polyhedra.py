@@ -43,15 +43,8 @@ from fieldreport.experiments.barycentric.polytopes import (
     polygons,
 )
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 LEVELS = np.linspace(0, 1, 11)
 FAR = np.array([-10, -5, -2, -1, -0.5, 0, 0.5, 1, 2, 5, 10])

@@ -30,7 +30,8 @@ from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thi
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 Kernel: TypeAlias = Callable[[np.ndarray], np.ndarray]
 

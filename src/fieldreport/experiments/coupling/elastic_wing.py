@@ -33,7 +33,8 @@ from fieldreport.experiments.coupling.standard_atmosphere import TOP, standard_a
 from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 from fieldreport.experiments.coupling.wing_models import Plan, built_incidences, elastic, flat, skin
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
 SKIN = (16, 29)  # cells of the drawn skin, along half its section and along the span

@@ -52,15 +52,8 @@ from fieldreport.experiments.datasets.terrain_methods import (
     scipy_thin_plate,
     solved,
 )
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 PUBLISHED_SUMMIT = 1077
 """Height of Cross Mountain in metres, from the gazetteer of the U.S. Geological Survey."""

@@ -35,7 +35,8 @@ from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import DIVERGING, figure, line, shades
 from fieldrecon.polynomials import dimension, monomials
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 ROUNDING = np.finfo(float).eps
 WAVES = np.linspace(1.0, 20.0, 381)

@@ -36,7 +36,8 @@ from fieldrecon.methods.least_squares import monomial_matrix
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 # Larger computed condition numbers are dominated by rounding, as are the solutions.
 CERTAIN = 1e13

@@ -27,7 +27,8 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
 from fieldreport.experiments.meshes.reference_flows import jittered_cube
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 ROUNDING = 1e-16
 NO_LENGTH = 1e-9

@@ -26,15 +26,8 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")
 CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "leave_one_out"}

@@ -33,7 +33,8 @@ from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
 from fieldreport.framework.error_measures import order
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 KERNELS: dict[str, Radial] = {
     "r⁵": polyharmonic(5),

@@ -37,15 +37,8 @@ from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.polynomials import dimension
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 KINDS = ("random", "halton", "scrambled")
 BINS = np.linspace(0, 2.5, 101)

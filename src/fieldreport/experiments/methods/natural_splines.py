@@ -32,7 +32,8 @@ from fieldrecon.methods.spline_bases import (
 )
 from fieldrecon.plotting.style import figure, line, shades
 from fieldreport.framework.error_measures import order, order_of_magnitude
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 Curve = Callable[[np.ndarray], np.ndarray]
 

@@ -29,15 +29,8 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import figure, shades
 from fieldrecon.polynomials import dimension
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 DATA = ("smooth", "front", "noisy", "terrain")
 

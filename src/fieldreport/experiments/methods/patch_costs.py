@@ -13,15 +13,8 @@ from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
 from fieldreport.framework.benchmark_results import read_benchmark, tables
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    input_file,
-    parameter,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, input_file, parameter
 
 
 @dataclass(frozen=True)

@@ -23,15 +23,8 @@ from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 METHODS = ("LS", "MLS")
 MEASURES = ("rms", "max")

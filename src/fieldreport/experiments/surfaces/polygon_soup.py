@@ -30,7 +30,8 @@ from fieldrecon.surfaces.polygon_soup import PolygonSoup
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_triangles
 from fieldreport.experiments.triangles.triangle_shapes import Surface, cube, torus
 from fieldreport.framework.error_measures import order
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 OUTLINE = np.array(
     [

@@ -35,7 +35,8 @@ from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, samp
 from fieldrecon.surfaces.implicit_surfaces import implicit_surface
 from fieldrecon.surfaces.off_surface import spacing_of
 from fieldreport.framework.error_measures import order
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 EYES = np.array([[4.0, -4.0, 1.5], [-4.0, -3.0, 1.5], [0.0, 4.0, -2.0]])
 """Positions of the scanner: two above and one below, all to the side of the body."""

@@ -28,7 +28,8 @@ from fieldrecon.reconstruction import Field
 from fieldrecon.solids.ray_tracing import View, ray_traced
 from fieldrecon.surfaces.variational_implicits import ShapeTransformation, variational_implicit
 from fieldreport.framework.error_measures import order
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 AXES = np.array([1.5, 1.0, 0.7])
 """Semi-axes of the ellipsoid."""

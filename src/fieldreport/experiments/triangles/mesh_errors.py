@@ -35,7 +35,8 @@ from fieldreport.experiments.triangles.planted_errors import (
     planted_errors,
 )
 from fieldreport.experiments.triangles.triangle_shapes import Surface, bumpy, cube
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 LINE = np.array([[12.0, 12.0], [24.0, 24.0]])
 """Two points on the diagonal; near (½, ½), rounding affects the computed side."""

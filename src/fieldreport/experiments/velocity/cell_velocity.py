@@ -29,7 +29,8 @@ from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
 from fieldreport.framework.error_measures import middle, order, order_of_magnitude, rms
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 ROTATION = np.array([[0.0, -1.0], [1.0, 0.0]])
 STRAIN = np.diag([1.0, -1.0])

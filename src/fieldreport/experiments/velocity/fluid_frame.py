@@ -38,7 +38,8 @@ from fieldreport.experiments.velocity.potential_flow import (
     velocity,
 )
 from fieldreport.framework.error_measures import order, order_of_magnitude, rms
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 HALVINGS = 60
 

@@ -33,15 +33,8 @@ from fieldrecon.velocity.gradients import (
 )
 from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
 from fieldreport.framework.error_measures import order, order_of_magnitude, rms
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 METHODS = ("LS", "MLS", "RBF")
 MESHES = {"jittered, plane": 2, "equilateral, plane": 2, "jittered, space": 3}

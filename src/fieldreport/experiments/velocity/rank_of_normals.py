@@ -29,15 +29,8 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line, shades
 from fieldrecon.polynomials import monomials
 from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 Samples = tuple[np.ndarray, np.ndarray]
 

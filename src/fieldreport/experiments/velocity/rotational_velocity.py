@@ -53,7 +53,8 @@ from fieldreport.experiments.velocity.normal_matrix_rank import (
     vertices_around,
 )
 from fieldreport.framework.error_measures import order_of_magnitude
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 FLOWS = {2: taylor_green, 3: abc_flow}
 
