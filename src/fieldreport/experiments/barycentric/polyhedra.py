@@ -42,7 +42,7 @@ from fieldreport.experiments.barycentric.polytopes import (
     mesh_of,
     polygons,
 )
-from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.error_measures import order, order_of_magnitude
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter, require
 
@@ -101,6 +101,17 @@ class Params(Parameters):
             f"{2 * self.smallest_shift:g} or more",
             self.largest_shift,
         )
+        require(
+            (self.deltas < SMALL).sum() > 1,
+            "shifts",
+            f"so many that two values of δ are below {SMALL:g}, for an order",
+            self.shifts,
+        )
+
+    @property
+    def deltas(self) -> np.ndarray:
+        """The distances δ, the largest first."""
+        return np.geomspace(self.largest_shift, self.smallest_shift, self.shifts)
 
 
 QUICK = Params(queries=4, splits=2, shifts=4, turns=2, distances=6, poles=12, rings=3)
@@ -183,7 +194,7 @@ def ways_apart(params: Params, name: str) -> int:
 
 def shifts(params: Params) -> np.ndarray:
     """Return the distances δ by which faces are shifted."""
-    return np.geomspace(params.largest_shift, params.smallest_shift, params.shifts)
+    return params.deltas
 
 
 def _places(params: Params, corners: np.ndarray) -> np.ndarray:
@@ -235,11 +246,11 @@ def _facts(compared: dict[str, dict[str, float]]) -> dict[str, Cell]:
 
 def _split_facts(params: Params, split: dict[str, np.ndarray]) -> dict[str, Cell]:
     errors = np.concatenate([*split.values()])
-    small = shifts(params) < SMALL
-    slopes = np.polyfit(np.log(shifts(params)[small]), np.log(errors[:, small]).T, 1)[0]
+    delta = shifts(params)
+    slopes = [order(delta[delta < SMALL], e[delta < SMALL]) for e in errors]
     return {
-        "slope_least": slopes.min(),
-        "slope_most": slopes.max(),
+        "slope_least": min(slopes),
+        "slope_most": max(slopes),
         "difference_at_smallest_shift": errors[:, -1].max(),
         "ways_pyramid": ways_apart(params, "square pyramid"),
     }

@@ -30,15 +30,16 @@ from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line, shad
 from fieldreport.experiments.coupling.plate import Plate, isotropic_rigidity
 from fieldreport.experiments.coupling.pointwise_loads import compared
 from fieldreport.experiments.coupling.standard_atmosphere import TOP, standard_atmosphere
-from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing, settled
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 from fieldreport.experiments.coupling.wing_models import Plan, built_incidences, elastic, flat, skin
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
-from fieldreport.framework.parameters import Parameters, parameter
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 RELAXATIONS = {"plain": 1.0, "half": 0.5, "aitken": None}
 SKIN = (16, 29)  # cells of the drawn skin, along half its section and along the span
 SETTLED = 1e-8  # residual at which convergence factors are measured, well above rounding
+UNLOADED = 1e-6  # incidence of a panel, in radians, below which it counts as unloaded
 NONE = 100  # multiples of the flight's dynamic pressure beyond which divergence is ignored
 ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 
@@ -47,7 +48,7 @@ ROUNDING = 1e-12  # smaller errors are rounding errors, and are reported as this
 class Params(Parameters):
     """The flight, the wing, and the meshes."""
 
-    mach: float = parameter(0.8, "Mach number", above=0, below=1)
+    mach: float = parameter(0.8, "Mach number", least=0.1, below=1)
     angle: float = parameter(-0.087, "angle of attack, degrees", least=-30, most=30)
     height: float = parameter(10498.0, "height of the flight, m", least=0, most=TOP)
     half_span: float = parameter(29.0, "half span, m", least=1, most=1000)
@@ -97,6 +98,13 @@ class Params(Parameters):
         most=100,
         order="increasing",
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        loaded = np.abs(self.incidences(self.sweep)).max() > UNLOADED
+        require(
+            loaded, "angle", "such that, with incidence and camber, there is a load", self.angle
+        )
 
     def plan(self, sweep: float) -> Plan:
         """The wing model with a sweep."""
@@ -174,12 +182,17 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
     """Facts, arrays and the table of transfers for the wing in flight."""
     wing, incidences = params.wing(params.sweep), params.incidences(params.sweep)
     q, air = params.pressure, wing.lattice
+    if q >= wing.divergence_pressure:
+        raise ValueError(
+            f"the wing diverges at {wing.divergence_pressure / 1000:.3g} kPa, and the dynamic "
+            f"pressure of the flight is {q / 1000:.3g} kPa: there is no stable steady state"
+        )
     turns = {
         name: wing.steady_state(q, incidences, relaxation=omega, maxiter=300)
         for name, omega in RELAXATIONS.items()
     }
-    w, plain = turns["aitken"].value, turns["plain"].residuals
-    middle = plain[len(plain) // 2 :][:2]
+    w, plain = settled(turns["aitken"]), turns["plain"].residuals
+    middle = plain[min(len(plain) // 2, len(plain) - 2) :][:2]
     stiff, bent = air.circulations(incidences), wing.circulations(w, incidences)
     z = wing.heights(w).reshape(air.shape[0] + 1, -1)
     before, after = drawn(params, wing, w)

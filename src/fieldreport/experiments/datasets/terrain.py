@@ -52,6 +52,7 @@ from fieldreport.experiments.datasets.terrain_methods import (
     scipy_thin_plate,
     solved,
 )
+from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter, require
 
@@ -265,7 +266,7 @@ def _facts_of_window(
     for told, name in params.quoted.items():
         if name in in_window:
             errors = in_window[name]
-            power = np.polyfit(np.log(params.spacings), np.log(errors), 1)[0]
+            power = order(params.spacings, errors)
             facts |= {
                 f"window_{told}_power": power,
                 f"window_{told}_finest": errors[finest],

@@ -35,7 +35,7 @@ from fieldrecon.kernels.positive_definite import gaussian, matern, wendland
 from fieldrecon.methods.least_squares import monomial_matrix
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
-from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.error_measures import order, order_of_magnitude
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter
 
@@ -203,10 +203,11 @@ def _facts(params: Params, error: np.ndarray, condition: np.ndarray) -> dict[str
     for k, name in enumerate(params.kernels):
         certain = (error[k] > 0) & (condition[k] < CERTAIN)
         sizes, errors = np.array(params.sizes)[certain], error[k, certain]
-        facts[f"points_{name}"] = int(sizes[-1])
-        facts[f"error_{name}"] = errors[-1]
-        facts[f"rate_{name}"] = -2 * np.polyfit(np.log(sizes[-3:]), np.log(errors[-3:]), 1)[0]
-        facts[f"condition_{name}"] = condition[k, certain][-1]
+        if len(sizes) > 1:  # else there is no rate, and the table shows why
+            facts[f"points_{name}"] = int(sizes[-1])
+            facts[f"error_{name}"] = errors[-1]
+            facts[f"rate_{name}"] = -2 * order(sizes[-3:], errors[-3:])
+            facts[f"condition_{name}"] = condition[k, certain][-1]
     best = np.where(error > 0, error, np.inf)[:, -1].argmin()
     return facts | {"best": LABELS[list(params.kernels)[best]]}
 
@@ -216,8 +217,7 @@ def _far_facts(distances: np.ndarray, far: dict[str, np.ndarray]) -> dict[str, C
     facts: dict[str, Cell] = {}
     for name in ("far_plate", "far_plate_loose", "far_gaussian_plane"):
         facts[name] = far[name][-1]
-        growth = np.polyfit(np.log(distances[last]), np.log(np.abs(far[name][last])), 1)[0]
-        facts[f"{name}_growth"] = growth
+        facts[f"{name}_growth"] = order(distances[last], np.abs(far[name][last]))
     return facts
 
 

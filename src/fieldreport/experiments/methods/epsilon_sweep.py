@@ -32,6 +32,9 @@ from fieldreport.framework.parameters import Parameters, parameter, require
 MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")
 CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "leave_one_out"}
 
+LIMIT = 1e2
+"""An ε far above the side of the square, whatever the range of the sweep."""
+
 
 @dataclass(frozen=True)
 class Params(Parameters):
@@ -193,15 +196,15 @@ def _facts(params: Params, sweeps: np.ndarray, means: np.ndarray) -> dict[str, C
 
 
 def _limit_of_psi(params: Params) -> tuple[float, float]:
-    """Return half the squared residual of a fit by numpy.linalg.lstsq, and ε⁴ψ at the largest ε.
+    """Return half the squared residual of a fit by numpy.linalg.lstsq, and ε⁴ψ at a large ε.
 
     As ε grows all weights become 1/ε², so that ε⁴ψ tends to ψ of plain least squares.
     """
     x, queries, values, _ = _drawn(params, (params.seed, 0))
     residual = np.linalg.lstsq(np.column_stack([np.ones(len(x)), x]), values[:, 0])[1]
-    method = MovingLeastSquares(x, inverse_square(params.largest))
+    method = MovingLeastSquares(x, inverse_square(LIMIT))
     psi = method.objective(values[:, 0], queries).mean()
-    return float(residual[0] / 2), float(params.largest**4 * psi)
+    return float(residual[0] / 2), float(LIMIT**4 * psi)
 
 
 def _geometric_mean(x: np.ndarray) -> float:

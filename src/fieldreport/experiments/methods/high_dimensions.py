@@ -36,7 +36,7 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.polynomials import dimension
-from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.error_measures import order, order_of_magnitude
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter, require
 
@@ -75,6 +75,8 @@ class Params(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.at in self.variables, "at", "one of variables", self.at)
+        wanted = f"{self.at + 2} sites or more each, for {self.at} variables"
+        require(self.more[0] > self.at + 1, "more", wanted, self.more[0])
 
 
 QUICK = Params(variables=(3, 10, 20, 100), sites=150, more=(60, 120), queries=10, large=200)
@@ -163,7 +165,7 @@ def _kinds(
     columns = ("variables", "sites", "largest correlation", *(f.__name__ for f in FIELDS))
     cubic = METHODS.index("cubic")
     rows = (
-        (d, kind, g.correlations[k], *((random[i], *others[i])[k][cubic].tolist()))
+        (d, kind, g.correlations[k], *map(_told, (random[i], *others[i])[k][cubic]))
         for i, (d, g) in enumerate(zip(params.variables, geometry, strict=True))
         for k, kind in enumerate(KINDS)
     )
@@ -198,18 +200,19 @@ def _facts(
             facts[f"overlap_{d}"] = g.overlap
         facts[f"known_{d}"] = float(found[-1, 1])
         cubic = METHODS.index("cubic")
-        facts[f"halton_worse_{d}"] = float((kinds[0, cubic] / found[cubic]).max())
+        if found[cubic].all():  # else there are too few sites for a plane
+            facts[f"halton_worse_{d}"] = float((kinds[0, cubic] / found[cubic]).max())
     return facts | dict(_rates(params, by_sites))
 
 
 def _rates(params: Params, by_sites: np.ndarray) -> Iterator[tuple[str, float]]:
     """Yield the exponents p of errors that decrease as n^-p."""
     for name in ("nearest", "cubic"):
-        errors_of = np.log(by_sites[:, METHODS.index(name)])
-        rates = -np.polyfit(np.log(params.more), errors_of, 1)[0]
-        yield f"rate_{name}_most", float(rates.max())
+        errors_of = by_sites[:, METHODS.index(name)].T
+        rates = [-order(params.more, error) for error in errors_of]
+        yield f"rate_{name}_most", max(rates)
         for f, rate in zip(FIELDS, rates, strict=True):
-            yield f"rate_{name}_{f.__name__}", float(rate)
+            yield f"rate_{name}_{f.__name__}", rate
 
 
 def centred(x: np.ndarray) -> np.ndarray:

@@ -56,6 +56,13 @@ class Params(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.told in self.sizes, "told", "one of sizes", self.told)
+        nodes = terrain().height.size
+        require(
+            self.sites + self.queries <= nodes,
+            "queries",
+            f"{nodes - self.sites} or less, the nodes of the terrain that are not sites",
+            self.queries,
+        )
 
     @property
     def choices(self) -> dict[str, tuple[str, Radial, int]]:

@@ -62,7 +62,7 @@ class Params(Parameters):
     )
     smoothing: float = parameter(0.25, "epsilon in the plane, as a length", least=1e-6, most=10)
     torn: float = parameter(0.04, "shift of the triangles, in radii of the ring", least=0, most=1)
-    lost: float = parameter(0.06, "fraction of the triangles that is missing", least=0, below=1)
+    lost: float = parameter(0.06, "fraction of the triangles that is missing", least=0, most=0.9)
     smoothing_in_space: float = parameter(
         0.12, "epsilon in space, in radii of the ring", least=1e-6, most=10
     )
@@ -162,6 +162,8 @@ def torn_ring(params: Params, rng: np.random.Generator) -> Surface:
     """Triangles of a ring, without shared corners, shifted, and some of them removed."""
     points, triangles = torus(params.around, params.around // 2)
     kept = rng.random(len(triangles)) >= params.lost
+    if not kept.any():
+        raise ValueError(f"parameter lost must leave a triangle; {params.lost:g} leaves none")
     corners = points[triangles[kept]]
     corners = corners + rng.uniform(-params.torn, params.torn, (len(corners), 1, 3))
     return corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)

@@ -49,7 +49,7 @@ class Params(Parameters):
     offsets: tuple[float, ...] = parameter(
         (0.1, 0.01),
         "distances of the points inside, in radii",
-        least=1e-6,
+        least=1e-4,
         most=1,
         fewest=2,
         order="decreasing",

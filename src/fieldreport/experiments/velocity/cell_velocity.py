@@ -30,7 +30,7 @@ from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
 from fieldreport.framework.error_measures import middle, order, order_of_magnitude, rms
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
-from fieldreport.framework.parameters import Parameters, parameter
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 ROTATION = np.array([[0.0, -1.0], [1.0, 0.0]])
 STRAIN = np.diag([1.0, -1.0])
@@ -53,6 +53,8 @@ GRADIENTS = {
 
 PLACES = ("circumcentre", "centroid", "vertices", "RT at circumcentre", "inner vertices")
 EXACT = 1e-12
+FLAT = 1e-6
+"""Area of a flat triangle, over the square of its size."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,18 @@ class Params(Parameters):
     )
     seed: int = parameter(0, "seed of meshes and noise", least=0)
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        a, b, c = self.corners
+        (u, v), (x, y) = b - a, c - a
+        flat = abs(u * y - v * x) <= FLAT * np.ptp(self.corners) ** 2
+        require(not flat, "triangle", "three corners that are not on one line", self.triangle)
+
+    @property
+    def corners(self) -> np.ndarray:
+        """The corners (3, 2) of the triangle in the figure."""
+        return np.reshape(self.triangle, (3, 2))
+
 
 QUICK = Params(sides=(4, 8), sides_3d=(3, 5), shown_side=3, strains=3)
 
@@ -100,7 +114,7 @@ def run(params: Params, each: Map = map) -> Result:
         _disturbed(params, finest_side, d)
         for d, finest_side in ((2, max(params.sides)), (3, max(params.sides_3d)))
     ]
-    places = places_on_triangle(np.reshape(params.triangle, (3, 2)), params.strains)
+    places = places_on_triangle(params.corners, params.strains)
     return Result(
         params=params,
         tables={

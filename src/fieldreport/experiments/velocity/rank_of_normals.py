@@ -29,6 +29,7 @@ from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line, shades
 from fieldrecon.polynomials import monomials
 from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
+from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter, require
 
@@ -131,7 +132,7 @@ def _row(case: Configuration, t: np.ndarray, smallest: np.ndarray) -> tuple[Cell
     if found == p.shape[1] * (p.shape[1] + 1):
         return *start, case.rank, found, FULL, FULL, FULL
     near = t <= max(1e-2 * t[-1], t[1])
-    slope = np.polyfit(np.log(t[near]), np.log(smallest[near]), 1)[0]
+    slope = order(t[near], smallest[near])
     return *start, case.rank, found, slope, smallest[0] / t[0], rate_by_perturbation(case)
 
 

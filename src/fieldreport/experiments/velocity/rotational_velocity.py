@@ -52,7 +52,7 @@ from fieldreport.experiments.velocity.normal_matrix_rank import (
     valences,
     vertices_around,
 )
-from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.error_measures import order, order_of_magnitude
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter
 
@@ -275,9 +275,9 @@ def _orders(convergence: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
     facts: dict[str, Cell] = {}
     for d in FLOWS:
         rows = np.array([row for row in convergence if row[0] == d], dtype=float)
-        slope = np.log(rows[-2] / rows[-1])[2:]
-        for k, name in ((1, "one_ring"), (3, "ls"), (5, "mls")):
-            facts[f"order_{name}_{d}d"] = float(slope[k] / slope[0])
+        h, *errors = rows[-2:, 2:].T
+        for k, name in ((0, "one_ring"), (2, "ls"), (4, "mls")):
+            facts[f"order_{name}_{d}d"] = order(h, errors[k])
         facts[f"undetermined_{d}d"] = float(rows[-1, 9])
     facts["largest_one_ring_3d"] = convergence[-1][4]
     facts["determined_over_ls"] = max(float(row[10]) / float(row[6]) for row in convergence)
