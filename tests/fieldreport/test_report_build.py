@@ -379,6 +379,16 @@ def test_an_experiment_that_fails_is_named(report, capfd):
     assert re.search(r"experiment fake_b failed(.|\n)*no_such_function", capfd.readouterr().err)
 
 
+def test_an_experiment_that_fails_with_other_parameters_is_a_sentence(report, capfd):
+    """The error of a worker reads like one outside: the experiment and the parameter, no traceback."""
+    report.write_experiment("fake_b", "x = np.linspace", "x = 10.0 ** params.points, np.linspace")
+    (report.source / "experiments.toml").write_text("[fake_b]\npoints = 1001\n")
+    assert report.build() == 1
+    told = capfd.readouterr().err
+    assert "experiment fake_b fails with points = 1001: " in told
+    assert "Traceback" not in told
+
+
 def test_facts_agree_to_the_digits_stated():
     """Another machine may differ by a unit of the last digit, in nothing else."""
     facts = {"x": 1.0, "rough": 1.0, "order": 0.01, "k": 3, "e": 1e-15}

@@ -104,7 +104,7 @@ class Params(Parameters):
         require(
             (self.deltas < SMALL).sum() > 1,
             "shifts",
-            f"so many that two values of δ are below {SMALL:g}, for an order",
+            f"so many that two values from largest_shift to smallest_shift are below {SMALL:g}",
             self.shifts,
         )
 
