@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldreport import experiments
-from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.domains import Domain
+from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import ExperimentError
+from fieldreport.framework.parameters import Domain
 
 NAMES = experiments.names()
 HEAVY = {"adaptive_front", "fluid_animation", "mesh_errors", "surface_reconstruction"}

@@ -380,7 +380,7 @@ def test_an_experiment_that_fails_is_named(report, capfd):
 
 
 def test_an_experiment_that_fails_with_other_parameters_is_a_sentence(report, capfd):
-    """The error of a worker reads like one outside: the experiment and the parameter, no traceback."""
+    """The error of a worker reads like one outside: experiment and parameter, no traceback."""
     report.write_experiment("fake_b", "x = np.linspace", "x = 10.0 ** params.points, np.linspace")
     (report.source / "experiments.toml").write_text("[fake_b]\npoints = 1001\n")
     assert report.build() == 1
