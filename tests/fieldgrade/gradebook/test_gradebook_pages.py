@@ -28,7 +28,7 @@ from gradebook_class import (
     asked,
     grade,
     harmless,
-    mistaken,
+    misconception_code,
     notebook,
     record,
     results,
@@ -191,7 +191,9 @@ def leaking():
             "        raise ValueError(points.tolist())\n"
             "    return int(np.linalg.matrix_rank(np.insert(points, 0, 1.0, axis=1)))",
         ),
-        "known": with_function(notebook("01"), "evaluate", mistaken("01.3", "slopes only")),
+        "known": with_function(
+            notebook("01"), "evaluate", misconception_code("01.3", "slopes only")
+        ),
     }
     with Server(tiers()[0]).started() as server:
         found = [

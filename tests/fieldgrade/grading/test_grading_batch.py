@@ -24,7 +24,7 @@ from fieldgrade.grading.grade_class import grade_class as graded
 from fieldgrade.isolation import worker_servers
 from fieldgrade.isolation.server import Limits
 from graded_class import ROOT, STUB, TIER, checkout, ledger, points, right, run
-from submission_files import lay, notebook
+from submission_files import notebook, write_files
 
 
 @pytest.fixture(scope="module")
@@ -288,7 +288,7 @@ def test_with_one_digest_per_question_all_its_checks_are_repeated(edited, monkey
 def test_changed_points_do_not_repeat_any_check(small, tmp_path):
     """Points are applied to the cached verdicts."""
     todo, _ = small
-    lay(tmp_path / "class", {"points.csv": b"question,points\n01.2,30\n"})
+    write_files(tmp_path / "class", {"points.csv": b"question,points\n01.2,30\n"})
     before = ledger(todo.out)
     grading = graded(replace(todo, tables=tmp_path / "class"))
     assert ledger(todo.out) == before

@@ -22,7 +22,7 @@ from fieldgrade.grading import options
 from fieldgrade.grading.grade_class import grade_class as graded
 from fieldrecon.cli import main as cli
 from graded_class import ROOT, TIER, checkout, class_files, points, right, run
-from submission_files import lay, notebook
+from submission_files import notebook, write_files
 
 pytestmark = pytest.mark.slow  # each test grades a class and starts pytest inside pytest
 
@@ -68,7 +68,7 @@ def calls(monkeypatch):
 
 
 def run_with_own_checks(folder, text=CHECKS, files=None):
-    lay(folder / "class", {"checks/test_own.py": text.encode()})
+    write_files(folder / "class", {"checks/test_own.py": text.encode()})
     files = {"ada/01.ipynb": notebook(*right()), "eve/01.ipynb": notebook(*right(), STEEP)} | (
         files or {}
     )
@@ -111,7 +111,7 @@ def test_only_an_edited_check_is_repeated(tmp_path, calls):
     graded(replace(todo))
     assert calls == []
     text = CHECKS.replace("[1, 0, 0]", "(1, 0, 0)")
-    lay(tmp_path / "class", {"checks/test_own.py": text.encode()})
+    write_files(tmp_path / "class", {"checks/test_own.py": text.encode()})
     graded(replace(todo))
     assert set(calls) == {"fit"}
 
@@ -120,7 +120,9 @@ def test_editing_a_fixture_repeats_the_checks_that_use_it(tmp_path, calls):
     todo = run_with_own_checks(tmp_path)
     graded(todo)
     calls.clear()
-    lay(tmp_path / "class", {"checks/test_own.py": CHECKS.replace("rng(3)", "rng(4)").encode()})
+    write_files(
+        tmp_path / "class", {"checks/test_own.py": CHECKS.replace("rng(3)", "rng(4)").encode()}
+    )
     graded(todo)
     assert set(calls) == {"fit", "rank"}
 
@@ -259,7 +261,7 @@ def test_pytest_ignores_settings_and_tests_of_the_working_directory(
 ):
     """Files conftest.py and pytest.ini, other tests, and environment variables have no effect."""
     _, todo = reported
-    lay(
+    write_files(
         tmp_path,
         {
             "conftest.py": HOSTILE.encode(),
@@ -386,7 +388,7 @@ def test_invalid_options_of_the_grade_command_are_reported(tmp_path, capsys, mor
 def test_errors_in_the_tables_of_a_class_are_reported_with_their_lines(tmp_path, capsys):
     """They are reported before any submission is run."""
     run(tmp_path, {"ada/01.ipynb": notebook(*right())})
-    lay(tmp_path / "class", {"points.csv": b"question,points\n01.2,many\n01.99,3\n"})
+    write_files(tmp_path / "class", {"points.csv": b"question,points\n01.2,many\n01.99,3\n"})
     assert grade_by_command(tmp_path, "--class", str(tmp_path / "class")) == 2
     printed = capsys.readouterr().err
     assert "points.csv:2" in printed

@@ -19,7 +19,7 @@ from fieldgrade.class_folder.roster import Student
 from fieldgrade.submissions import collection
 from fieldgrade.submissions.archive import Archive
 from fieldgrade.submissions.intake import Intake
-from submission_files import ANSWER, FUNCTIONS, STUB, code, lay, notebook, packed
+from submission_files import ANSWER, FUNCTIONS, STUB, code, notebook, packed, write_files
 
 RIGHT, OTHER = notebook(ANSWER), notebook("x = 2", ANSWER)
 SECOND = notebook("def weights(x): return x\ndef field(x): return x")
@@ -34,7 +34,7 @@ def intake(tmp_path, **options):
 
 def take(tmp_path, files, **options):
     """The submissions found among files that are written to a folder."""
-    return intake(tmp_path, **options).take(lay(tmp_path / "class", files))
+    return intake(tmp_path, **options).take(write_files(tmp_path / "class", files))
 
 
 def graded_files(handed):
@@ -107,7 +107,7 @@ def test_every_layout_of_a_class_is_read(tmp_path, files, way):
     """In folders or zip files, each file is assigned to its student."""
     place = tmp_path / "class"
     if way == "folder":
-        lay(place, files)
+        write_files(place, files)
     elif way == "zip":
         place.write_bytes(as_zip(files))
     elif way == "zip with a folder":
@@ -115,7 +115,7 @@ def test_every_layout_of_a_class_is_read(tmp_path, files, way):
         if files in (LOOSE, ZIPS):  # a zip file with one folder would belong to one student
             place.write_bytes(as_zip(files))
     else:
-        lay(place, {"submissions.zip": as_zip(files)})
+        write_files(place, {"submissions.zip": as_zip(files)})
         if files in (LOOSE, ZIPS):  # a zip file in the class folder could belong to one student
             place = place / "submissions.zip"
     handed = intake(tmp_path, roster=ROSTER).take(place)
@@ -232,7 +232,7 @@ def test_the_latest_attempt_counts_and_earlier_ones_are_reported(tmp_path):
 
 
 def test_the_time_of_an_attempt_has_precedence_over_its_number(tmp_path):
-    folder = lay(tmp_path / "class", {"s1/01 (2).ipynb": RIGHT, "s1/b.ipynb": OTHER})
+    folder = write_files(tmp_path / "class", {"s1/01 (2).ipynb": RIGHT, "s1/b.ipynb": OTHER})
     os.utime(folder / "s1/01 (2).ipynb", (100, 100))
     os.utime(folder / "s1/b.ipynb", (200, 200))
     assert graded_files(intake(tmp_path).take(folder)) == {("s1", "01"): "b.ipynb"}
@@ -415,7 +415,7 @@ def test_a_table_of_times_has_precedence_over_file_times(tmp_path):
 def test_a_file_in_a_students_zip_file_has_the_time_of_the_zip_file(tmp_path):
     """Times inside the zip file come from the clock of the student."""
     early = zipfile.ZipInfo("01.ipynb", date_time=(1999, 1, 1, 0, 0, 0))
-    folder = lay(tmp_path / "class", {"s1/all.zip": packed([(early, RIGHT)])})
+    folder = write_files(tmp_path / "class", {"s1/all.zip": packed([(early, RIGHT)])})
     os.utime(folder / "s1/all.zip", (1_000_000_000, 1_000_000_000))
     (only,) = intake(tmp_path).take(folder)
     assert only.received == "2001-09-09T01:46:40+00:00"
@@ -424,7 +424,7 @@ def test_a_file_in_a_students_zip_file_has_the_time_of_the_zip_file(tmp_path):
 def test_received_files_are_not_changed(tmp_path):
     """Bytes and names stay the same, and no file is added."""
     files = PLAIN | ZIPS | CANVAS
-    folder = lay(tmp_path / "class", files)
+    folder = write_files(tmp_path / "class", files)
     intake(tmp_path).take(folder)
     there = [path for path in folder.rglob("*") if path.is_file()]
     assert {str(path.relative_to(folder)): path.read_bytes() for path in there} == files
@@ -432,7 +432,7 @@ def test_received_files_are_not_changed(tmp_path):
 
 def test_reading_a_class_twice_gives_the_same_submissions(tmp_path):
     """The order is the same, and nothing is archived again."""
-    folder = lay(tmp_path / "class", PLAIN | ZIPS | CANVAS | {"s9/x.ipynb": b""})
+    folder = write_files(tmp_path / "class", PLAIN | ZIPS | CANVAS | {"s9/x.ipynb": b""})
     first, second = (intake(tmp_path, roster=ROSTER).take(folder) for _ in range(2))
     assert first == second
 
@@ -446,7 +446,7 @@ def test_an_empty_class_is_refused(tmp_path, files):
 
 def test_a_notebook_in_place_of_a_class_is_refused(tmp_path):
     with pytest.raises(ValueError, match="the zip file is damaged"):
-        intake(tmp_path).take(lay(tmp_path, {"a.ipynb": RIGHT}) / "a.ipynb")
+        intake(tmp_path).take(write_files(tmp_path, {"a.ipynb": RIGHT}) / "a.ipynb")
 
 
 def test_a_stub_after_an_answer_is_reported(tmp_path):

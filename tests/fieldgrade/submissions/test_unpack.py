@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fieldgrade.submissions import unpack
 from fieldgrade.submissions.archive import Archive, CannotArchive
 from fieldgrade.submissions.unpack import BadZip, folder_items, zip_items
-from submission_files import lay, packed
+from submission_files import packed, write_files
 
 
 def items_of(tmp_path, content):
@@ -108,7 +108,7 @@ def test_files_that_are_not_the_students_work_are_skipped(tmp_path):
     ]
     files = dict.fromkeys([*junk, "a/01.ipynb"], b"x")
     assert [item.name for item in items_of(tmp_path, packed(files))] == ["a/01.ipynb"]
-    assert [i.name for i in folder_items(lay(tmp_path / "class", files))] == ["a/01.ipynb"]
+    assert [i.name for i in folder_items(write_files(tmp_path / "class", files))] == ["a/01.ipynb"]
 
 
 def test_an_item_has_the_bytes_of_its_member(tmp_path):
@@ -176,7 +176,7 @@ def test_a_member_larger_than_its_declared_size_is_refused(tmp_path):
 
 def test_links_pipes_and_devices_in_a_folder_are_refused(tmp_path):
     """None of them is opened, and no link is followed."""
-    folder = lay(tmp_path / "class", {"ada/01.ipynb": b"{}"})
+    folder = write_files(tmp_path / "class", {"ada/01.ipynb": b"{}"})
     (folder / "bob.ipynb").symlink_to("/etc/passwd")
     (folder / "cid").symlink_to(tmp_path)
     os.mkfifo(folder / "dan.ipynb")
@@ -213,7 +213,7 @@ def test_deeply_nested_folders_are_read(tmp_path):
 
 def test_an_unreadable_folder_is_reported(tmp_path, monkeypatch):
     """The other folders are read."""
-    folder = lay(tmp_path / "class", {"ada/01.ipynb": b"{}", "bob/01.ipynb": b"{}"})
+    folder = write_files(tmp_path / "class", {"ada/01.ipynb": b"{}", "bob/01.ipynb": b"{}"})
     whole = Path.iterdir
 
     def iterdir(path):
