@@ -160,19 +160,25 @@ class MassForgotten(Coupling):
 
 
 MUTANTS = [
-    (transfer_laws.work_is_kept, InterpolatedLoads),
-    (transfer_laws.work_is_kept, NearestNode),
-    (transfer_laws.work_is_kept, Rescaled),
-    (transfer_laws.work_is_kept, CouplesBackward),
-    (transfer_laws.work_is_kept, ForgottenTurn),
-    (transfer_laws.forces_are_kept_if_and_only_if_translations_come_back, InterpolatedLoads),
-    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, InterpolatedLoads),
-    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, NearestNode),
-    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, CouplesBackward),
-    (transfer_laws.what_is_lost_is_known_beforehand, InterpolatedLoads),
-    (transfer_laws.what_is_lost_is_known_beforehand, DefectsOfForceOnly),
-    (transfer_laws.parts_get_what_parts_give, SharesOfAll),
-    (transfer_laws.densities_keep_the_total_force_as_loads_do, MassForgotten),
+    (transfer_laws.virtual_work_is_conserved, InterpolatedLoads),
+    (transfer_laws.virtual_work_is_conserved, NearestNode),
+    (transfer_laws.virtual_work_is_conserved, Rescaled),
+    (transfer_laws.virtual_work_is_conserved, CouplesBackward),
+    (transfer_laws.virtual_work_is_conserved, ForgottenTurn),
+    (
+        transfer_laws.forces_are_conserved_if_and_only_if_translations_are_reproduced,
+        InterpolatedLoads,
+    ),
+    (
+        transfer_laws.moments_are_conserved_if_and_only_if_rotations_are_reproduced,
+        InterpolatedLoads,
+    ),
+    (transfer_laws.moments_are_conserved_if_and_only_if_rotations_are_reproduced, NearestNode),
+    (transfer_laws.moments_are_conserved_if_and_only_if_rotations_are_reproduced, CouplesBackward),
+    (transfer_laws.defects_equal_the_lost_force_and_moment, InterpolatedLoads),
+    (transfer_laws.defects_equal_the_lost_force_and_moment, DefectsOfForceOnly),
+    (transfer_laws.shares_of_parts_add_up_to_the_conserved_force_and_moment, SharesOfAll),
+    (transfer_laws.densities_conserve_the_total_force_as_loads_do, MassForgotten),
 ]
 
 
