@@ -1,7 +1,7 @@
 """Grading of three hundred submissions, a tenth of them hostile: the grader's memory.
 
-Every tenth is a case of the hostile suite, with its limits. The grader runs in a process of its
-own, and the largest memory so far of it and of its workers is read after each third of the class.
+Every tenth submission is a case of the hostile suite, with its limits. The grader runs in its own
+process. The peak memory of the grader and of its workers is read after each third of the class.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def _told(size: Size) -> Iterator[str]:
 
 
 def grade_class(size: Size) -> None:
-    """What the other process does: it prints a line after each third, and one on the grades."""
+    """Grade in this process; print a line after each third, and one about the grades."""
     sys.path.append(str(ROOT / "tests"))
     from fieldgrade.grading.batch import Batch
     from fieldgrade.grading.run import GradingRun, chosen_tier
@@ -107,7 +107,7 @@ def _row(done: int, seconds: float, statuses: Counter[str]) -> tuple[int, float,
 def _class(
     folder: Path, size: Size, cases: list[Case]
 ) -> Iterable[tuple[str, tuple[dict[str, float], bool]]]:
-    """Hand in for everybody; yield each name, the fair points, and whether it is hostile."""
+    """Write all submissions; yield each name, the fair points, and whether it is hostile."""
     from fieldcheck.questions import questions
     from hostile.case import as_file, notebook
 

@@ -131,14 +131,14 @@ def test_each_method_runs_on_suitable_data_only():
 
 def test_a_failed_run_reports_its_error():
     """The message of the exception is shown instead of numbers."""
-    reported = peers.apart("smooth", 2, "fieldrecon MLS, degree 2", 1)
+    reported = peers.in_own_process("smooth", 2, "fieldrecon MLS, degree 2", 1)
     assert reported.startswith("fieldrecon MLS, degree 2 on smooth, 2 sites: ValueError: neighbors")
 
 
 @pytest.mark.parametrize("method", ["fieldrecon RBF, 1000 means", "fieldrecon patches, 4000 means"])
 def test_smoothing_chosen_by_leave_one_out_reduces_the_noise(method):
     """The noise has a standard deviation of 0.01."""
-    assert peers.here("noisy", 600, method, 1).rms < 0.006
+    assert peers.in_this_process("noisy", 600, method, 1).rms < 0.006
 
 
 def test_the_page_of_results_is_up_to_date(tmp_path):
