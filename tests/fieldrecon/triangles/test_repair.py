@@ -1,4 +1,4 @@
-"""A repair undoes what was planted, leaves alone what was right, and tells what it did."""
+"""Repair of triangle meshes: planted errors are corrected, correct meshes are unchanged."""
 
 import itertools
 
@@ -48,8 +48,8 @@ def volume(points, triangles):
 
 
 @pytest.mark.parametrize("error", PLANTED)
-def test_each_error_is_undone_or_left_and_told(error):
-    """What one must not guess is left as it was, and found again afterwards."""
+def test_each_planted_error_is_repaired_or_reported(error):
+    """Errors without a unique correction are left unchanged and are found again by the audit."""
     repaired = repair_mesh(*PLANTED[error].surface)
     assert repaired.before.found == PLANTED[error].found
     assert repaired.done == DONE.get(error, {})
@@ -59,8 +59,8 @@ def test_each_error_is_undone_or_left_and_told(error):
 
 @pytest.mark.parametrize("unit", [2.0**-500, 2.0**1023])
 @pytest.mark.parametrize("error", DONE)
-def test_a_repair_does_not_depend_on_the_unit(error, unit):
-    """Bit for bit, in any power of two."""
+def test_repair_does_not_depend_on_the_unit(error, unit):
+    """Results agree bit for bit for units that are powers of two."""
     points, triangles = PLANTED[error].surface
     here, there = repair_mesh(points, triangles), repair_mesh(points * unit, triangles)
     assert there.done == here.done
@@ -69,8 +69,7 @@ def test_a_repair_does_not_depend_on_the_unit(error, unit):
 
 
 @pytest.mark.parametrize("error", DONE)
-def test_a_second_repair_finds_nothing_to_do(error):
-    """What is repaired stays as it is."""
+def test_repair_is_idempotent(error):
     once = repair_mesh(*PLANTED[error].surface)
     twice = repair_mesh(once.points, once.triangles)
     assert twice.done == {}
@@ -93,8 +92,8 @@ def test_a_second_repair_finds_nothing_to_do(error):
     ],
     ids=["sphere", "torus", "cube", "hollow", "ring", "Möbius", "Klein", "touching", "fold"],
 )
-def test_what_is_right_is_not_changed(surface):
-    """Bodies, cavities, wide rims, one-sided bands and what crosses come back bit for bit."""
+def test_correct_meshes_are_not_changed(surface):
+    """Solids, cavities, wide holes, one-sided bands and intersections are kept bit for bit."""
     points, triangles = surface
     repaired = repair_mesh(points, triangles)
     assert repaired.done == {}
@@ -103,15 +102,15 @@ def test_what_is_right_is_not_changed(surface):
 
 
 @pytest.mark.parametrize("error", DONE)
-def test_all_but_the_error_keeps_its_place(error):
-    """Triangles that have no vertex in common with the error stay, in the order given."""
+def test_triangles_away_from_the_error_are_kept_in_order(error):
+    """Triangles without a common vertex with the error are not changed."""
     points, triangles = PLANTED[error].surface
     repaired = repair_mesh(points, triangles)
     if error == "inside out":
         np.testing.assert_array_equal(repaired.triangles, triangles[:, [0, 2, 1]])
         return
     before = points[triangles].reshape(-1, 9)
-    before = before[np.sort(np.unique(before, axis=0, return_index=True)[1])]  # each but once
+    before = before[np.sort(np.unique(before, axis=0, return_index=True)[1])]  # without duplicates
     after = repaired.points[repaired.triangles].reshape(-1, 9)
     kept = np.array([(after == t).all(axis=1).any() for t in before])
     assert (~kept).sum() <= 2
@@ -119,8 +118,8 @@ def test_all_but_the_error_keeps_its_place(error):
     assert (np.diff(order) >= 0).all()
 
 
-def test_a_body_with_many_errors_becomes_a_body(tmp_path):
-    """Through a file and back: closed, oriented, with the volume that it had."""
+def test_a_solid_with_many_errors_is_repaired_through_files(tmp_path):
+    """The result is closed and oriented, and has the original volume to 0.1 %."""
     write_triangles(tmp_path / "before.stl", *damaged(3, 3, seed=1))
     repaired = repair_mesh(*read_triangles(tmp_path / "before.stl"))
     assert repaired.before.soup
@@ -130,8 +129,8 @@ def test_a_body_with_many_errors_becomes_a_body(tmp_path):
     assert volume(repaired.points, repaired.triangles) == pytest.approx(volume(*bumpy(3)), rel=1e-3)
 
 
-def test_bodies_are_turned_outward_and_cavities_inward():
-    """Whichever way each of four nested shells was turned."""
+def test_solids_are_oriented_outward_and_cavities_inward():
+    """The four nested shells have every combination of orientations."""
     shells = [(sphere(1)[0] * r, sphere(1)[1]) for r in (1, 0.75, 0.5, 0.25)]
     for ways in itertools.product([False, True], repeat=4):
         given = together(*(turned_over(s) if w else s for s, w in zip(shells, ways, strict=True)))
@@ -142,8 +141,11 @@ def test_bodies_are_turned_outward_and_cavities_inward():
         assert signs == [1, -1, 1, -1]
 
 
-def test_large_holes_are_left():
-    """A cup stays a cup, unless asked for; a hole across a flat face is filled flat."""
+def test_large_holes_are_filled_on_request_only():
+    """A cube without its top stays open by default.
+
+    A hole in a flat face is filled by a flat patch.
+    """
     points, triangles = cube(2)
     cup = triangles[~(points[triangles][:, :, 2] == 1).all(axis=1)]
     left = repair_mesh(points, cup)
@@ -156,8 +158,8 @@ def test_large_holes_are_left():
     }
 
 
-def test_a_patch_that_would_cross_something_is_not_put_in():
-    """A spike through the hole keeps it open."""
+def test_a_patch_that_would_intersect_the_mesh_is_not_inserted():
+    """A tetrahedron in the hole prevents the patch."""
     points, triangles = PLANTED["hole"].surface
     (loop,) = audit_mesh(points, triangles).boundary_loops
     middle = points[loop].mean(axis=0)
@@ -169,8 +171,8 @@ def test_a_patch_that_would_cross_something_is_not_put_in():
     assert repaired.after.found == {"boundary_loops": 1}
 
 
-def test_many_vertices_inside_one_edge_are_all_sewn():
-    """A square whose one side is cut at seven places, the other not."""
+def test_all_vertices_inside_an_edge_are_merged():
+    """One of two triangulated halves is subdivided at seven points of the common edge."""
     x = np.linspace(0, 1, 9)
     points = np.concatenate([np.column_stack([x, 0 * x, 0 * x]), [[0.5, 1, 0.0], [0.5, -1, 0.0]]])
     fan = [[k, k + 1, 9] for k in range(8)]
@@ -179,8 +181,8 @@ def test_many_vertices_inside_one_edge_are_all_sewn():
     assert repaired.after.found == {"boundary_loops": 1}
 
 
-def test_the_patch_is_the_least_of_all():
-    """Over loops of six points: no triangulation has less area than the one that is chosen."""
+def test_patches_have_minimal_area():
+    """No triangulation of these loops of six points has a smaller area."""
     rng = np.random.default_rng(4)
     corners = rng.normal(size=(20, 6, 3))
     triangles, areas = minimum_area_patches(corners)
@@ -195,9 +197,9 @@ def test_the_patch_is_the_least_of_all():
             (least(p, i, k) + least(p, k, j) + area(p, (i, k, j)) for k in between), default=0
         )
 
-    for p, chosen, told in zip(corners, triangles, areas, strict=True):
-        assert told == pytest.approx(least(p, 0, 5))
-        assert sum(area(p, t) for t in chosen) == pytest.approx(told)
+    for p, chosen, minimal_area in zip(corners, triangles, areas, strict=True):
+        assert minimal_area == pytest.approx(least(p, 0, 5))
+        assert sum(area(p, t) for t in chosen) == pytest.approx(minimal_area)
         assert len(audit_mesh(p, chosen).boundary_loops) == 1
         assert sorted(audit_mesh(p, chosen).boundary_loops[0]) == [*range(6)]
 
@@ -213,16 +215,15 @@ def test_the_patch_is_the_least_of_all():
         ("hole_patches", lambda p, t, largest: (t[:0], t[:0, 0]), "hole"),  # noqa: ARG005
     ],
 )
-def test_a_repair_without_one_of_its_steps_is_noticed(name, mutant, error, monkeypatch):
-    """Each step is needed for what it is there for."""
+def test_omitting_a_step_of_the_repair_is_detected(name, mutant, error, monkeypatch):
     right = repair_mesh(*PLANTED[error].surface)
     monkeypatch.setattr(_mending, name, mutant)
     wrong = repair_mesh(*PLANTED[error].surface)
     assert (wrong.done, wrong.after.found) != (right.done, right.after.found)
 
 
-def test_what_cannot_be_repaired_is_refused():
-    """In words."""
+def test_invalid_input_is_refused():
+    """At least one triangle must have a positive area, and `largest_hole` must not be negative."""
     with pytest.raises(ValueError, match="none is left to repair"):
         repair_mesh(np.zeros((3, 3)), [[0, 1, 2]])
     with pytest.raises(ValueError, match="largest_hole must be zero or a positive number"):

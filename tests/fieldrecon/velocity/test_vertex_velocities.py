@@ -91,7 +91,7 @@ def test_rotations_are_reproduced(mesh):
 def test_affine_fields_are_reproduced_for_every_weight(mesh, weight):
     """The weights of the faces may differ by orders of magnitude.
 
-    H is the spacing of the points.
+    The length h is the spacing of the points.
     """
     h = len(mesh.points) ** (-1 / mesh.points.shape[1])
     affine_fields_are_reproduced(lambda mesh, v: values(mesh, v, weight(h)), mesh)
