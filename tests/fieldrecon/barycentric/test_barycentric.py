@@ -342,7 +342,7 @@ class UnitVolumes(Mutant):
 def test_wrong_volumes_violate_linear_reproduction(mutant, name):
     wrong = replace(case(f"coordinates of the {name}"), make=lambda p, _: mutant(p))
     with pytest.raises((AssertionError, np.linalg.LinAlgError)):
-        laws.polynomials_of_its_degree_are_reproduced(wrong)
+        laws.polynomials_of_the_degree_are_reproduced(wrong)
 
 
 # --- invariance ---------------------------------------------------------------------------------
