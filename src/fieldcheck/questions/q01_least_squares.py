@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 
 EPS = float(np.finfo(float).eps)
@@ -58,14 +58,11 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     )
     space = cloud(random, 20, 3)
     c = random.normal(size=4)
-    return (
-        Call(
-            "fit",
-            (scattered, random.normal(size=12)),
-            "twelve points in the plane with random values",
-        ),
-        Call("fit", (space, c[0] + space @ c[1:]), "an affine field at twenty points in space"),
-        Call("fit", (corner, random.normal(size=3)), "three points in the plane"),
+    return calls_of(
+        "fit",
+        ((scattered, random.normal(size=12)), "twelve points in the plane with random values"),
+        ((space, c[0] + space @ c[1:]), "an affine field at twenty points in space"),
+        ((corner, random.normal(size=3)), "three points in the plane"),
     )
 
 
@@ -167,21 +164,12 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
     plane, space = cloud(random, 9, 2), cloud(random, 6, 3)
     c, data = random.normal(size=3), random.normal(size=9)
     exact = c[0] + plane @ c[1:]
-    return (
-        Call("objective", (plane, data, c), "nine points in the plane"),
-        Call(
-            "objective", (plane, 2 * exact - data, c), "nine points with the residual turned round"
-        ),
-        Call(
-            "objective",
-            (plane, exact + 3 * (data - exact), c),
-            "nine points with three times the residual",
-        ),
-        Call(
-            "objective",
-            (space, random.normal(size=6), random.normal(size=4)),
-            "six points in space",
-        ),
+    return calls_of(
+        "objective",
+        ((plane, data, c), "nine points in the plane"),
+        ((plane, 2 * exact - data, c), "nine points with the residual turned round"),
+        ((plane, exact + 3 * (data - exact), c), "nine points with three times the residual"),
+        ((space, random.normal(size=6), random.normal(size=4)), "six points in space"),
     )
 
 

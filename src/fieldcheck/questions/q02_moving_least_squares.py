@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 
 EPS = float(np.finfo(float).eps)
@@ -45,11 +45,12 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     """Return a place among points, all that in another unit, space, and a place that is a point."""
     random = np.random.default_rng(seed)
     plane, space, x = random.random((7, 2)), random.random((5, 3)), random.random(2)
-    return (
-        Call("weights", (plane, x, 0.3), "seven points in the plane"),
-        Call("weights", (3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
-        Call("weights", (space, random.normal(size=3), 0.6), "five points in space"),
-        Call("weights", (plane, plane[2].copy(), 0.2), "a place that is one of the points"),
+    return calls_of(
+        "weights",
+        ((plane, x, 0.3), "seven points in the plane"),
+        ((3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
+        ((space, random.normal(size=3), 0.6), "five points in space"),
+        ((plane, plane[2].copy(), 0.2), "a place that is one of the points"),
     )
 
 
@@ -116,24 +117,19 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     p, v, x = random.random((15, 2)), random.normal(size=15), random.random((5, 2))
     slopes, shift = np.array([1.5, -2.0]), np.array([1.0, -0.5])
-    return (
-        Call("field", (p, v, x, 0.25), "fifteen points in the plane"),
-        Call(
-            "field",
-            (p, v + affine(p, slopes), x, 0.25),
-            "the same values plus those of an affine field",
-        ),
-        Call(
-            "field",
+    return calls_of(
+        "field",
+        ((p, v, x, 0.25), "fifteen points in the plane"),
+        ((p, v + affine(p, slopes), x, 0.25), "the same values plus those of an affine field"),
+        (
             (3 * p + shift, v, 3 * x + shift, 0.75),
             "the same points, moved and three times as far apart",
         ),
-        Call(
-            "field",
+        (
             (random.random((20, 3)), random.normal(size=20), random.random((3, 3)), 0.5),
             "twenty points in space",
         ),
-        Call("field", (p, v, x, 0.05), "a small ε"),
+        ((p, v, x, 0.05), "a small ε"),
     )
 
 
@@ -170,16 +166,15 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
         random.normal(size=3),
     )
     slopes = np.array([1.5, -2.0])
-    return (
-        Call("objective", (p, v, x, 0.4, c), "nine points in the plane"),
-        Call("objective", (p, 2 * v, x, 0.4, 2 * c), "values and coefficients doubled"),
-        Call(
-            "objective",
+    return calls_of(
+        "objective",
+        ((p, v, x, 0.4, c), "nine points in the plane"),
+        ((p, 2 * v, x, 0.4, 2 * c), "values and coefficients doubled"),
+        (
             (p, v + affine(p, slopes), x, 0.4, c + np.array([0.7, *slopes])),
             "the same affine field added to the values and the coefficients",
         ),
-        Call(
-            "objective",
+        (
             (
                 random.random((6, 3)),
                 random.normal(size=6),
@@ -218,15 +213,11 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
     circle = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     x = 0.5 + 0.1 * np.column_stack([circle.real, circle.imag])
     slopes = np.array([1.5, -2.0])
-    return (
-        Call("gradient", (p, v, x, 0.3), "places on a circle"),
-        Call(
-            "gradient",
-            (p, v + affine(p, slopes), x, 0.3),
-            "the same values plus those of an affine field",
-        ),
-        Call(
-            "gradient",
+    return calls_of(
+        "gradient",
+        ((p, v, x, 0.3), "places on a circle"),
+        ((p, v + affine(p, slopes), x, 0.3), "the same values plus those of an affine field"),
+        (
             (random.random((25, 3)), random.normal(size=25), random.random((3, 3)), 0.5),
             "twenty-five points in space",
         ),
@@ -264,12 +255,12 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
     """Return a hundred points and ten places; all twice as far apart; other powers and ε."""
     random = np.random.default_rng(seed)
     points, places = random.random((100, 2)), random.random((10, 2))
-    return (
-        Call("errors", (points, places, 2, 0.1), "a hundred points, ten places and n = 2"),
-        Call("errors", (2 * points, 2 * places, 2, 0.2), "points and places twice as far apart"),
-        Call("errors", (points, places, 3, 0.05), "n = 3"),
-        Call(
-            "errors",
+    return calls_of(
+        "errors",
+        ((points, places, 2, 0.1), "a hundred points, ten places and n = 2"),
+        ((2 * points, 2 * places, 2, 0.2), "points and places twice as far apart"),
+        ((points, places, 3, 0.05), "n = 3"),
+        (
             (points[:30], random.random((25, 2)), 5, 0.3),
             "thirty points, twenty-five places and n = 5",
         ),
@@ -297,19 +288,15 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     p, v = random.random((12, 2)), random.normal(size=12)
     raised = v + (np.arange(12) == 4)
-    return (
-        Call("leave_one_out", (p, v, 0.3), "twelve points in the plane"),
-        Call("leave_one_out", (p, raised, 0.3), "the same points, the fifth value raised by one"),
-        Call(
-            "leave_one_out",
+    return calls_of(
+        "leave_one_out",
+        ((p, v, 0.3), "twelve points in the plane"),
+        ((p, raised, 0.3), "the same points, the fifth value raised by one"),
+        (
             (p, v + affine(p, np.array([1.5, -2.0])), 0.3),
             "the same values plus those of an affine field",
         ),
-        Call(
-            "leave_one_out",
-            (random.random((14, 3)), random.normal(size=14), 0.6),
-            "fourteen points in space",
-        ),
+        ((random.random((14, 3)), random.normal(size=14), 0.6), "fourteen points in space"),
     )
 
 

@@ -10,7 +10,7 @@ from math import ceil
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Law, Question, law, relative
 
 STEP = 1e-30
@@ -58,10 +58,11 @@ def kernel_inputs(seed: int) -> tuple[Call, ...]:
     table = random.normal(size=(4, 3, 2))
     table[1, 1] = table[3, 0] = 0
     space = random.normal(size=(6, 3)) * np.array([[0.01, 0.1, 1, 2, 5, 30]]).T
-    return (
-        Call("kernel", (plane,), "seven vectors of the plane, one of them zero"),
-        Call("kernel", (space,), "six vectors in space, short and long"),
-        Call("kernel", (table,), "a table of four times three vectors of the plane"),
+    return calls_of(
+        "kernel",
+        ((plane,), "seven vectors of the plane, one of them zero"),
+        ((space,), "six vectors in space, short and long"),
+        ((table,), "a table of four times three vectors of the plane"),
     )
 
 
@@ -128,18 +129,11 @@ def coefficients_inputs(seed: int) -> tuple[Call, ...]:
     plane, space, affine = (cloud(random, n, d) for n, d in ((12, 2), (10, 3), (7, 2)))
     almost = 1 - 2 * affine[:, 0] + random.normal() * affine[:, 1]
     almost[0] += 1
-    return (
-        Call(
-            "coefficients",
-            (plane, random.normal(size=12)),
-            "twelve points in the plane with random values",
-        ),
-        Call(
-            "coefficients",
-            (space, random.normal(size=10)),
-            "ten points in space with random values",
-        ),
-        Call("coefficients", (affine, almost), "an affine field with one value changed"),
+    return calls_of(
+        "coefficients",
+        ((plane, random.normal(size=12)), "twelve points in the plane with random values"),
+        ((space, random.normal(size=10)), "ten points in space with random values"),
+        ((affine, almost), "an affine field with one value changed"),
     )
 
 
@@ -273,11 +267,12 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
     points, values = cloud(random, 10, 2), random.normal(size=10)
     tilt = 2 - points[:, 0] + 3 * points[:, 1]
     turned = 2 * np.stack([points[:, 1], -points[:, 0]], axis=1) + 1
-    return (
-        Call("energy", (points, values), "ten points with random values"),
-        Call("energy", (points, values + tilt), "the same with an affine field added"),
-        Call("energy", (points, 3 * values), "values three times as large"),
-        Call("energy", (turned, values), "points twice as far apart, and turned"),
+    return calls_of(
+        "energy",
+        ((points, values), "ten points with random values"),
+        ((points, values + tilt), "the same with an affine field added"),
+        ((points, 3 * values), "values three times as large"),
+        ((turned, values), "points twice as far apart, and turned"),
     )
 
 

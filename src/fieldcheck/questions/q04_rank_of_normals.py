@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 
@@ -54,11 +54,11 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     """Return samples in the plane and in space; vectors that are no unit vectors."""
     random = np.random.default_rng(seed)
     plane, space = cloud(random, 7, 2), cloud(random, 5, 3)
-    return (
-        Call("velocity_matrix", (plane, directions(random, 7)), "seven samples in the plane"),
-        Call("velocity_matrix", (space - 0.3, sphere(random, 5)), "five samples in space"),
-        Call(
-            "velocity_matrix",
+    return calls_of(
+        "velocity_matrix",
+        ((plane, directions(random, 7)), "seven samples in the plane"),
+        ((space - 0.3, sphere(random, 5)), "five samples in space"),
+        (
             (plane[:3] + 1, random.normal(size=(3, 2))),
             "three samples with other vectors for normals",
         ),
@@ -172,19 +172,12 @@ def tangent_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     twelve, nine = cloud(random, 12, 2), cloud(random, 9, 2)
     place = 0.5 + random.uniform(-0.02, 0.02, 2)
-    return (
-        Call(
-            "tangent_field",
-            (twelve, hiding(twelve, flow(random))),
-            "twelve samples that do not see some flow",
-        ),
-        Call("tangent_field", (nine, towards(nine, place)), "nine normals through one place"),
-        Call(
-            "tangent_field",
-            (nine + 1, parallel_but(random, 9, (3, 6))),
-            "parallel normals but for two of nine",
-        ),
-        Call("tangent_field", (cloud(random, 5, 2), directions(random, 5)), "five samples"),
+    return calls_of(
+        "tangent_field",
+        ((twelve, hiding(twelve, flow(random))), "twelve samples that do not see some flow"),
+        ((nine, towards(nine, place)), "nine normals through one place"),
+        ((nine + 1, parallel_but(random, 9, (3, 6))), "parallel normals but for two of nine"),
+        ((cloud(random, 5, 2), directions(random, 5)), "five samples"),
     )
 
 
@@ -210,14 +203,11 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     """Return flows and points."""
     random = np.random.default_rng(seed)
     seven, five = cloud(random, 7, 2), cloud(random, 5, 2)
-    return (
-        Call("crossing_normals", (seven, flow(random)), "seven points"),
-        Call(
-            "crossing_normals",
-            (five - 0.5, np.append(random.normal(size=2) + 3, np.zeros(4))),
-            "a constant flow",
-        ),
-        Call("crossing_normals", (five + 1, 100 * random.normal(size=6)), "a fast flow"),
+    return calls_of(
+        "crossing_normals",
+        ((seven, flow(random)), "seven points"),
+        ((five - 0.5, np.append(random.normal(size=2) + 3, np.zeros(4))), "a constant flow"),
+        ((five + 1, 100 * random.normal(size=6)), "a fast flow"),
     )
 
 
@@ -258,30 +248,23 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
     )
     two_places[:5, 1] = two_places[0, 1]
     two_places[5:, 1] = -two_places[0, 1]
-    return (
-        Call(name, (points, directions(random, 7)), "seven samples"),
-        Call(name, (points, parallel_but(random, 7, ())), "parallel normals"),
-        Call(
-            name, (points, parallel_but(random, 7, (1, 4))), "parallel normals but for two of seven"
-        ),
-        Call(
-            name,
+    return calls_of(
+        name,
+        ((points, directions(random, 7)), "seven samples"),
+        ((points, parallel_but(random, 7, ())), "parallel normals"),
+        ((points, parallel_but(random, 7, (1, 4))), "parallel normals but for two of seven"),
+        (
             (in_triangle(points), parallel_but(random, 7, (0, 1, 2))),
             "parallel normals but for three of seven",
         ),
-        Call(
-            name,
+        (
             (three_in_line, parallel_but(random, 7, (0, 1, 2))),
             "parallel normals but for three that are on one line",
         ),
-        Call(name, (line, directions(random, 6)), "five points on a line and one beside it"),
-        Call(name, (points, towards(points, np.array([0.47, 0.52]))), "normals through one place"),
-        Call(name, (in_triangle(points), staggered), "normals along the axes, by turns"),
-        Call(
-            name,
-            (points, two_places),
-            "diagonal normals, only two of them in one of the directions",
-        ),
+        ((line, directions(random, 6)), "five points on a line and one beside it"),
+        ((points, towards(points, np.array([0.47, 0.52]))), "normals through one place"),
+        ((in_triangle(points), staggered), "normals along the axes, by turns"),
+        ((points, two_places), "diagonal normals, only two of them in one of the directions"),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 
 FITTED = 1e-8
@@ -59,10 +59,11 @@ def directions(angle: np.ndarray) -> np.ndarray:
 def edges_inputs(seed: int) -> tuple[Call, ...]:
     """Return two meshes, and a single triangle."""
     random = np.random.default_rng(seed)
-    return (
-        Call("edges_of", (mesh(random, 3, 3)[1],), "a mesh of twenty triangles"),
-        Call("edges_of", (mesh(random, 4, 2)[1],), "a longer mesh"),
-        Call("edges_of", (random.permutation(3)[np.newaxis],), "one triangle"),
+    return calls_of(
+        "edges_of",
+        ((mesh(random, 3, 3)[1],), "a mesh of twenty triangles"),
+        ((mesh(random, 4, 2)[1],), "a longer mesh"),
+        ((random.permutation(3)[np.newaxis],), "one triangle"),
     )
 
 
@@ -107,12 +108,11 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     more, others = mesh(random, 2, 2)
     a, b = random.uniform(1, 3, 2)
     cross = np.array([[0.0, 0.0], [a, 0.0], [0.0, b]])
-    return (
-        Call("midpoints_and_normals", (points, sides(triangles, random)), "the edges of a mesh"),
-        Call(
-            "midpoints_and_normals", (cross, np.array([[1, 0], [0, 2]])), "two edges along the axes"
-        ),
-        Call("midpoints_and_normals", (50 * more - 20, sides(others, random)), "a larger mesh"),
+    return calls_of(
+        "midpoints_and_normals",
+        ((points, sides(triangles, random)), "the edges of a mesh"),
+        ((cross, np.array([[1, 0], [0, 2]])), "two edges along the axes"),
+        ((50 * more - 20, sides(others, random)), "a larger mesh"),
     )
 
 
@@ -160,10 +160,11 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     points = mesh(random, 2, 2)[0]
     cloud = random.random((7, 2)) ** 2
-    return (
-        Call("rotation", (points,), "the vertices of a mesh"),
-        Call("rotation", (points + np.array([3.0, -2.0]),), "the same vertices, moved"),
-        Call("rotation", (cloud,), "seven points, more of them on one side"),
+    return calls_of(
+        "rotation",
+        ((points,), "the vertices of a mesh"),
+        ((points + np.array([3.0, -2.0]),), "the same vertices, moved"),
+        ((cloud,), "seven points, more of them on one side"),
     )
 
 
@@ -195,15 +196,12 @@ def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
     normals = directions(random.uniform(0, 2 * np.pi, len(edges)))
     u = random.normal(size=(int(edges.max()) + 1, 2))
     wind = np.tile([1.0, 0.0], (len(u), 1))
-    return (
-        Call("normal_velocities", (edges, normals, u), "velocities at random"),
-        Call("normal_velocities", (edges, -normals, u), "the same, the normals reversed"),
-        Call(
-            "normal_velocities",
-            (edges[:, ::-1].copy(), normals, u),
-            "the same, the ends of each edge exchanged",
-        ),
-        Call("normal_velocities", (edges, normals, wind), "the velocity (1, 0) at every vertex"),
+    return calls_of(
+        "normal_velocities",
+        ((edges, normals, u), "velocities at random"),
+        ((edges, -normals, u), "the same, the normals reversed"),
+        ((edges[:, ::-1].copy(), normals, u), "the same, the ends of each edge exchanged"),
+        ((edges, normals, wind), "the velocity (1, 0) at every vertex"),
     )
 
 
@@ -235,11 +233,12 @@ def ring_inputs(seed: int) -> tuple[Call, ...]:
     count = np.bincount(triangles.ravel())
     new = neighbours_of_three(triangles)
     lonely = int(count.argmin())
-    return (
-        Call("ring", (triangles, edges, new, 1), "one ring of a vertex inside"),
-        Call("ring", (triangles, edges, new, 2), "two rings of a vertex inside"),
-        Call("ring", (triangles, edges, lonely, 1), "one ring of a corner"),
-        Call("ring", (triangles, edges, lonely, 3), "three rings of a corner"),
+    return calls_of(
+        "ring",
+        ((triangles, edges, new, 1), "one ring of a vertex inside"),
+        ((triangles, edges, new, 2), "two rings of a vertex inside"),
+        ((triangles, edges, lonely, 1), "one ring of a corner"),
+        ((triangles, edges, lonely, 3), "three rings of a corner"),
     )
 
 
@@ -298,10 +297,11 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     p, n, x = samples(random, 9)
     few = samples(random, 4)
-    return (
-        Call("system", (p, n, x), "nine samples"),
-        Call("system", (p + 5.0, n, x + 5.0), "the same samples and the vertex, moved together"),
-        Call("system", few, "four samples"),
+    return calls_of(
+        "system",
+        ((p, n, x), "nine samples"),
+        ((p + 5.0, n, x + 5.0), "the same samples and the vertex, moved together"),
+        (few, "four samples"),
     )
 
 
@@ -338,24 +338,13 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
     more = np.einsum("ak,ak->a", linear_flow(p), n)
     shift = np.array([-4.0, 3.0])
     other = samples(random, 10)
-    return (
-        Call("velocity", (p, n, v, x, w), "twelve edges with velocities at random"),
-        Call(
-            "velocity",
-            (p, n, v + more, x, w),
-            "the same plus the normal velocities of an affine field",
-        ),
-        Call("velocity", (p + shift, n, v, x + shift, w), "the same edges, moved with the vertex"),
-        Call(
-            "velocity",
-            (p, flips[:, np.newaxis] * n, flips * v, x, w),
-            "the same, some normals reversed",
-        ),
-        Call(
-            "velocity",
-            (*other[:2], random.normal(size=10), other[2], np.ones(10)),
-            "ten edges of equal weight",
-        ),
+    return calls_of(
+        "velocity",
+        ((p, n, v, x, w), "twelve edges with velocities at random"),
+        ((p, n, v + more, x, w), "the same plus the normal velocities of an affine field"),
+        ((p + shift, n, v, x + shift, w), "the same edges, moved with the vertex"),
+        ((p, flips[:, np.newaxis] * n, flips * v, x, w), "the same, some normals reversed"),
+        ((*other[:2], random.normal(size=10), other[2], np.ones(10)), "ten edges of equal weight"),
     )
 
 
@@ -386,11 +375,12 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
     """Return a mesh with one ring and with two, far from the origin, and in small units."""
     random = np.random.default_rng(seed)
     points, triangles = mesh(random, 4, 4)
-    return (
-        Call("ranks", (points, triangles, 1), "one ring"),
-        Call("ranks", (points, triangles, 2), "two rings"),
-        Call("ranks", (points + 1000.0, triangles, 1), "the same mesh far from the origin"),
-        Call("ranks", (1e-7 * points, triangles, 1), "the same mesh in another unit of length"),
+    return calls_of(
+        "ranks",
+        ((points, triangles, 1), "one ring"),
+        ((points, triangles, 2), "two rings"),
+        ((points + 1000.0, triangles, 1), "the same mesh far from the origin"),
+        ((1e-7 * points, triangles, 1), "the same mesh in another unit of length"),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q05_vertex_velocities import directions, mesh
 
@@ -43,10 +43,11 @@ def cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 def normals_inputs(seed: int) -> tuple[Call, ...]:
     """Return triangles in both senses of rotation, and an obtuse one."""
     random = np.random.default_rng(seed)
-    return (
-        Call("outward_normals", (triangle(random, True, 3.0),), "a triangle, anticlockwise"),
-        Call("outward_normals", (triangle(random, False, 0.5),), "a smaller one, clockwise"),
-        Call("outward_normals", (obtuse(random),), "an obtuse triangle"),
+    return calls_of(
+        "outward_normals",
+        ((triangle(random, True, 3.0),), "a triangle, anticlockwise"),
+        ((triangle(random, False, 0.5),), "a smaller one, clockwise"),
+        ((obtuse(random),), "an obtuse triangle"),
     )
 
 
@@ -99,12 +100,13 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
     q = triangle(random, True)
     v = normal_velocities(random, q)
     small, wide = triangle(random, False, 0.2), obtuse(random)
-    return (
-        Call(name, (q, v), "normal velocities at random"),
-        Call(name, (q, v + shadows(q)), "the same plus those of the velocity (2, −1)"),
-        Call(name, (q, -2 * v), "the same times minus two"),
-        Call(name, (wide, normal_velocities(random, wide)), "an obtuse triangle"),
-        Call(name, (small, normal_velocities(random, small)), "a small triangle, clockwise"),
+    return calls_of(
+        name,
+        ((q, v), "normal velocities at random"),
+        ((q, v + shadows(q)), "the same plus those of the velocity (2, −1)"),
+        ((q, -2 * v), "the same times minus two"),
+        ((wide, normal_velocities(random, wide)), "an obtuse triangle"),
+        ((small, normal_velocities(random, small)), "a small triangle, clockwise"),
     )
 
 
@@ -150,11 +152,12 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
     """Return a triangle, an obtuse one, the first turned round and far away, and a small one."""
     random = np.random.default_rng(seed)
     q = triangle(random, True)
-    return (
-        Call("circumcentre", (q,), "a triangle"),
-        Call("circumcentre", (obtuse(random),), "an obtuse triangle"),
-        Call("circumcentre", (q + FAR,), "the first triangle, far from the origin"),
-        Call("circumcentre", (triangle(random, False, 1e-3),), "a small triangle, clockwise"),
+    return calls_of(
+        "circumcentre",
+        ((q,), "a triangle"),
+        ((obtuse(random),), "an obtuse triangle"),
+        ((q + FAR,), "the first triangle, far from the origin"),
+        ((triangle(random, False, 1e-3),), "a small triangle, clockwise"),
     )
 
 
@@ -183,11 +186,12 @@ def truth_inputs(seed: int) -> tuple[Call, ...]:
     """Return places with and without expansion, all moved, and the centre itself."""
     random = np.random.default_rng(seed)
     x, m, shift = random.uniform(-1, 2, (6, 2)), random.random(2), np.array([3.0, -5.0])
-    return (
-        Call("truth", (x, m, 0.7), "six places, s = 0.7"),
-        Call("truth", (x, m, 0.0), "the same places, s = 0"),
-        Call("truth", (x + shift, m + shift, 0.7), "places and centre moved"),
-        Call("truth", (m + 0 * x[:2], m, 1.3), "the centre itself"),
+    return calls_of(
+        "truth",
+        ((x, m, 0.7), "six places, s = 0.7"),
+        ((x, m, 0.0), "the same places, s = 0"),
+        ((x + shift, m + shift, 0.7), "places and centre moved"),
+        ((m + 0 * x[:2], m, 1.3), "the centre itself"),
     )
 
 
@@ -220,15 +224,12 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
     """Return a mesh with a rotation, the same twice as large, and with expansion."""
     random = np.random.default_rng(seed)
     points, triangles = mesh(random, 3, 3)
-    return (
-        Call("errors", (points, triangles, 0.0), "a rotation, s = 0"),
-        Call("errors", (2 * points, triangles, 0.0), "the same on a mesh twice as large"),
-        Call("errors", (points, triangles, 0.8), "with expansion, s = 0.8"),
-        Call(
-            "errors",
-            (triangle(random, True), np.array([[2, 0, 1]]), -0.5),
-            "a single triangle, s = −0.5",
-        ),
+    return calls_of(
+        "errors",
+        ((points, triangles, 0.0), "a rotation, s = 0"),
+        ((2 * points, triangles, 0.0), "the same on a mesh twice as large"),
+        ((points, triangles, 0.8), "with expansion, s = 0.8"),
+        ((triangle(random, True), np.array([[2, 0, 1]]), -0.5), "a single triangle, s = −0.5"),
     )
 
 
@@ -251,17 +252,13 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
     q, v = triangle(random, True), random.normal(size=3)
     part = random.uniform(0.1, 0.9, 2)
     on = [q[1] + t * (q[2] - q[1]) for t in part]
-    return (
-        Call("raviart_thomas", (q, v, on[0]), "a place on the first side"),
-        Call("raviart_thomas", (q, v, on[1]), "another place on the same side"),
-        Call("raviart_thomas", (q, v, random.dirichlet((3, 3, 3)) @ q), "a place inside"),
-        Call(
-            "raviart_thomas",
-            (obtuse(random), random.normal(size=3), random.random(2)),
-            "an obtuse triangle",
-        ),
-        Call(
-            "raviart_thomas",
+    return calls_of(
+        "raviart_thomas",
+        ((q, v, on[0]), "a place on the first side"),
+        ((q, v, on[1]), "another place on the same side"),
+        ((q, v, random.dirichlet((3, 3, 3)) @ q), "a place inside"),
+        ((obtuse(random), random.normal(size=3), random.random(2)), "an obtuse triangle"),
+        (
             (triangle(random, False, 0.4), random.normal(size=3), random.random(2)),
             "a triangle listed clockwise",
         ),

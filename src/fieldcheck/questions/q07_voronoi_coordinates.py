@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Law, Question, law, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -115,11 +115,12 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
         + [1.5, -2.5]
     )
     far = a + (b - a) * 2.5 + 0.4 * (c - a)
-    return (
-        Call(name, (a, b, c), "a triangle"),
-        Call(name, (a, c, b), "the same triangle, listed the other way round"),
-        Call(name, (a, b, (b + c) / 2), "half of the triangle"),
-        Call(name, (a, b, far), "an obtuse triangle"),
+    return calls_of(
+        name,
+        ((a, b, c), "a triangle"),
+        ((a, c, b), "the same triangle, listed the other way round"),
+        ((a, b, (b + c) / 2), "half of the triangle"),
+        ((a, b, far), "an obtuse triangle"),
     )
 
 
@@ -233,9 +234,10 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
     turns = np.exp(1j * (random.uniform(0, 1) + np.pi * np.arange(6) / 3))
     middle = random.normal(size=2)
     regular = middle + 0.7 * np.column_stack([turns.real, turns.imag])
-    return (
-        Call("spiral", (center, corners, 12), "twelve points in an uneven cell"),
-        Call("spiral", (middle, regular, 50), "fifty points in a regular hexagon"),
+    return calls_of(
+        "spiral",
+        ((center, corners, 12), "twelve points in an uneven cell"),
+        ((middle, regular, 50), "fifty points in a regular hexagon"),
     )
 
 

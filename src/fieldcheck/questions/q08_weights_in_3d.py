@@ -12,7 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -62,11 +62,12 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
     ) + random.uniform(-0.3, 0.3, (4, 3))
     a, b, c, d = corner + np.array([1.5, -2.5, 0.8])
     low = (a + 2 * b + 2 * c) / 5 + 0.25 * (d - a)
-    return (
-        Call(name, (a, b, c, d), "a tetrahedron"),
-        Call(name, (a, c, b, d), "the same tetrahedron, listed the other way round"),
-        Call(name, (a, b, c, (c + d) / 2), "half of the tetrahedron"),
-        Call(name, (a, b, c, low), "a flat tetrahedron"),
+    return calls_of(
+        name,
+        ((a, b, c, d), "a tetrahedron"),
+        ((a, c, b, d), "the same tetrahedron, listed the other way round"),
+        ((a, b, c, (c + d) / 2), "half of the tetrahedron"),
+        ((a, b, c, low), "a flat tetrahedron"),
     )
 
 
@@ -108,15 +109,15 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     )
     frame = np.linalg.qr(random.normal(size=(3, 3)))[0]
     name = "volume_of_normals"
-    return (
-        Call(name, (center, center + edges), "a tetrahedron"),
-        Call(
-            name,
+    return calls_of(
+        name,
+        ((center, center + edges), "a tetrahedron"),
+        (
             (center, center + np.array([[2.0], [0.5], [1.5]]) * edges),
             "the same directions, other lengths",
         ),
-        Call(name, (center, center + edges[[1, 0, 2]]), "the same tips in another order"),
-        Call(name, (center, center + random.uniform(1, 2, (3, 1)) * frame), "perpendicular edges"),
+        ((center, center + edges[[1, 0, 2]]), "the same tips in another order"),
+        ((center, center + random.uniform(1, 2, (3, 1)) * frame), "perpendicular edges"),
     )
 
 
@@ -174,22 +175,11 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
     """Return places inside, the vertex itself with its neighbours, and the points half-way."""
     random = np.random.default_rng(seed)
     center, neighbors, _, corners = star(random, 4)
-    return (
-        Call(
-            "heights",
-            (center, neighbors, places_inside(random, center, corners, 4)),
-            "four places in a cell",
-        ),
-        Call(
-            "heights",
-            (center, neighbors, np.vstack([center, neighbors])),
-            "the vertex and its neighbours",
-        ),
-        Call(
-            "heights",
-            (center, neighbors, (center + neighbors) / 2),
-            "points half-way to the neighbours",
-        ),
+    return calls_of(
+        "heights",
+        ((center, neighbors, places_inside(random, center, corners, 4)), "four places in a cell"),
+        ((center, neighbors, np.vstack([center, neighbors])), "the vertex and its neighbours"),
+        ((center, neighbors, (center + neighbors) / 2), "points half-way to the neighbours"),
     )
 
 

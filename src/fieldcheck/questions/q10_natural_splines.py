@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 
 
@@ -87,10 +87,11 @@ def radial_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     sites, few = random.permutation(line(random, 8)), line(random, 5)
     bent = 2 - 3 * few + (few == few[2])
-    return (
-        Call("radial_spline", (sites, random.normal(size=8)), "eight sites in any order"),
-        Call("radial_spline", (few, bent), "five values, all but one on a straight line"),
-        Call("radial_spline", (few[:2], random.normal(size=2)), "two sites"),
+    return calls_of(
+        "radial_spline",
+        ((sites, random.normal(size=8)), "eight sites in any order"),
+        ((few, bent), "five values, all but one on a straight line"),
+        ((few[:2], random.normal(size=2)), "two sites"),
     )
 
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 
 THICK = 0.4
@@ -126,12 +126,13 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         np.column_stack([random.uniform(-1, 1, (14, 2)), 0.05 * random.normal(size=14)]) @ OBLIQUE
     )
     name = "normals"
-    return (
-        Call(name, (oval(random, 16), 4), "an oval, four neighbours"),
-        Call(name, (horseshoe(random, 30), 5), "a horseshoe, five neighbours"),
-        Call(name, (torus(random, 5, 9), 7), "a torus in space"),
-        Call(name, (flat, 14), "a rough plane of fourteen points, all of them neighbours"),
-        Call(name, (oval(random, 12) + np.array([4e4, -2e4]), 4), "an oval far from the origin"),
+    return calls_of(
+        name,
+        ((oval(random, 16), 4), "an oval, four neighbours"),
+        ((horseshoe(random, 30), 5), "a horseshoe, five neighbours"),
+        ((torus(random, 5, 9), 7), "a torus in space"),
+        ((flat, 14), "a rough plane of fourteen points, all of them neighbours"),
+        ((oval(random, 12) + np.array([4e4, -2e4]), 4), "an oval far from the origin"),
     )
 
 
@@ -189,11 +190,12 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
     uneven = np.column_stack([np.cumsum(1.3 ** np.arange(12.0)), random.uniform(0, 0.3, 12)])[
         random.permutation(12)
     ]
-    return (
-        Call("linked", (random.uniform(size=(14, 2)), 4), "points in a square"),
-        Call("linked", (uneven, 3), "points that are dense at one end of a line"),
-        Call("linked", (random.normal(size=(11, 3)), 3), "points in space"),
-        Call("linked", (np.vstack([oval(random, 8), oval(random, 6) + 9]), 3), "two ovals"),
+    return calls_of(
+        "linked",
+        ((random.uniform(size=(14, 2)), 4), "points in a square"),
+        ((uneven, 3), "points that are dense at one end of a line"),
+        ((random.normal(size=(11, 3)), 3), "points in space"),
+        ((np.vstack([oval(random, 8), oval(random, 6) + 9]), 3), "two ovals"),
     )
 
 
@@ -273,11 +275,12 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
     thin_normals = away / np.hypot(*away.T)[:, None]
     bent, ring = horseshoe(random, 36), torus(random, 6, 10)
     name = "off_surface"
-    return (
-        Call(name, (bent, outward(bent), 0.1), "a horseshoe with room on both sides"),
-        Call(name, (bent, outward(bent), 1.7), "a horseshoe and points as far away as it is wide"),
-        Call(name, (thin, thin_normals, 0.9), "a flat oval"),
-        Call(name, (ring, outward(ring), 1.1), "a torus in space"),
+    return calls_of(
+        name,
+        ((bent, outward(bent), 0.1), "a horseshoe with room on both sides"),
+        ((bent, outward(bent), 1.7), "a horseshoe and points as far away as it is wide"),
+        ((thin, thin_normals, 0.9), "a flat oval"),
+        ((ring, outward(ring), 1.1), "a torus in space"),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q11_point_clouds import horseshoe, outward, oval, torus
 
@@ -32,16 +32,11 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     """Return sites and values in the plane and in space."""
     random = np.random.default_rng(seed)
     bent, ring = horseshoe(random, 14, 0.1), torus(random, 4, 5)
-    return (
-        Call(
-            "implicit",
-            (random.uniform(size=(9, 2)), random.normal(size=9)),
-            "nine sites in a square",
-        ),
-        Call("implicit", beside(bent, outward(bent), 0.15), "a horseshoe, and points beside it"),
-        Call(
-            "implicit", beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"
-        ),
+    return calls_of(
+        "implicit",
+        ((random.uniform(size=(9, 2)), random.normal(size=9)), "nine sites in a square"),
+        (beside(bent, outward(bent), 0.15), "a horseshoe, and points beside it"),
+        (beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"),
     )
 
 
@@ -138,10 +133,11 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
     x = near_diagonals(random, 6, 2)
-    return (
-        Call("to_surface", (x, *plane, 5), "five steps in the plane"),
-        Call("to_surface", (x, *plane, 1), "one step in the plane"),
-        Call("to_surface", (near_diagonals(random, 5, 3), *space, 2), "two steps in space"),
+    return calls_of(
+        "to_surface",
+        ((x, *plane, 5), "five steps in the plane"),
+        ((x, *plane, 1), "one step in the plane"),
+        ((near_diagonals(random, 5, 3), *space, 2), "two steps in space"),
     )
 
 
@@ -167,9 +163,10 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     )
     signs = np.where(kinds == 1, 1.0, -1.0)
     distance = oval(random, 12)[:, :1] + np.array([[1.5, 2.0, 2.5, 3.0]])
-    return (
-        Call("pieces", (signs * random.uniform(0.2, 1.0, (12, 4)),), "twelve squares"),
-        Call("pieces", (1e-3 * signs[::-1] * distance,), "the same kinds with small values"),
+    return calls_of(
+        "pieces",
+        ((signs * random.uniform(0.2, 1.0, (12, 4)),), "twelve squares"),
+        ((1e-3 * signs[::-1] * distance,), "the same kinds with small values"),
     )
 
 

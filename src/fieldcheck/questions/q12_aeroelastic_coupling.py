@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative, scale
 
 
@@ -33,17 +33,14 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
     triangle = np.array([[0.0, 0.0], [2.0, 0.3], [0.4, 1.7]]) + random.uniform(-0.2, 0.2, (3, 2))
     turned = np.column_stack([-plane[:, 1], plane[:, 0]])
     x = random.uniform(-0.2, 1.4, (5, 2))
-    return (
-        Call(name, (plane, x), "twelve nodes in the plane"),
-        Call(
-            name,
-            (turned, np.column_stack([-x[:, 1], x[:, 0]])),
-            "the same after a quarter of a turn",
-        ),
-        Call(name, (space, random.uniform(0, 1, (4, 3))), "twelve nodes in space"),
-        Call(name, (line, random.uniform(-0.5, 2.5, (6, 1))), "five nodes on the line"),
-        Call(name, (triangle, random.uniform(0, 1, (3, 2))), "three nodes in the plane"),
-        Call(name, (plane, plane[[4, 0, 7]]), "places that are nodes"),
+    return calls_of(
+        name,
+        ((plane, x), "twelve nodes in the plane"),
+        ((turned, np.column_stack([-x[:, 1], x[:, 0]])), "the same after a quarter of a turn"),
+        ((space, random.uniform(0, 1, (4, 3))), "twelve nodes in space"),
+        ((line, random.uniform(-0.5, 2.5, (6, 1))), "five nodes on the line"),
+        ((triangle, random.uniform(0, 1, (3, 2))), "three nodes in the plane"),
+        ((plane, plane[[4, 0, 7]]), "places that are nodes"),
     )
 
 
@@ -129,19 +126,11 @@ def slope_of_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> f
 def loads_inputs(seed: int) -> tuple[Call, ...]:
     """Return weights that move the whole, such as do not, and as many places as nodes."""
     random = np.random.default_rng(seed)
-    return (
-        Call(
-            "loads",
-            (transfer(random, 7, 4), random.normal(size=(7, 3))),
-            "seven places and four nodes",
-        ),
-        Call(
-            "loads",
-            (transfer(random, 4, 4), random.normal(size=(4, 3))),
-            "four places and four nodes",
-        ),
-        Call(
-            "loads",
+    return calls_of(
+        "loads",
+        ((transfer(random, 7, 4), random.normal(size=(7, 3))), "seven places and four nodes"),
+        ((transfer(random, 4, 4), random.normal(size=(4, 3))), "four places and four nodes"),
+        (
             (random.normal(size=(3, 5)), random.normal(size=(3, 2))),
             "weights that do not sum to one",
         ),
@@ -175,12 +164,13 @@ def resultants_inputs(seed: int) -> tuple[Call, ...]:
     ends, pull = random.normal(size=(2, 3)), random.normal(size=3)
     arm = np.array([[random.uniform(1, 3), 0.0, 0.0]])
     name = "resultants"
-    return (
-        Call(name, (p, f, a), "six forces"),
-        Call(name, (p, f, b), "the same forces about another point"),
-        Call(name, (ends, np.array([pull, -pull]), a), "a couple"),
-        Call(name, (ends, np.array([pull, -pull]), b), "a couple about another point"),
-        Call(name, (arm, np.array([[0.0, 0.0, 2.0]]), np.zeros(3)), "one upward force on an arm"),
+    return calls_of(
+        name,
+        ((p, f, a), "six forces"),
+        ((p, f, b), "the same forces about another point"),
+        ((ends, np.array([pull, -pull]), a), "a couple"),
+        ((ends, np.array([pull, -pull]), b), "a couple about another point"),
+        ((arm, np.array([[0.0, 0.0, 2.0]]), np.zeros(3)), "one upward force on an arm"),
     )
 
 
@@ -216,11 +206,11 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
     """Return pressures, a constant one, and areas that are all alike."""
     random = np.random.default_rng(seed)
     h, areas = transfer(random, 12, 4), random.uniform(0.5, 2, 12)
-    return (
-        Call("densities", (h, random.normal(size=12), areas), "twelve places and four nodes"),
-        Call("densities", (h, np.full(12, 3.0), areas), "a constant pressure"),
-        Call(
-            "densities",
+    return calls_of(
+        "densities",
+        ((h, random.normal(size=12), areas), "twelve places and four nodes"),
+        ((h, np.full(12, 3.0), areas), "a constant pressure"),
+        (
             (transfer(random, 5, 5), random.normal(size=5), np.full(5, 2.0)),
             "five places of equal area and five nodes",
         ),
@@ -255,11 +245,11 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
     places = np.column_stack([random.uniform(-0.1, 1.1, (5, 2)), random.uniform(0.2, 0.8, 5)])
     forces = random.normal(size=(5, 3))
     name = "flat_loads"
-    return (
-        Call(name, (nodes, places, forces), "five forces above a plate"),
-        Call(name, (nodes, places * [1, 1, 0], forces), "forces in the plane of the plate"),
-        Call(
-            name,
+    return calls_of(
+        name,
+        ((nodes, places, forces), "five forces above a plate"),
+        ((nodes, places * [1, 1, 0], forces), "forces in the plane of the plate"),
+        (
             (nodes, places[:1] * [1, 1, -2], np.array([[1.0, 0.5, 0.0]])),
             "one force along the plate, below it",
         ),
@@ -309,11 +299,12 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     one, behind, chain = section(random, 0.25), section(random, 0.9), wing(random, 3, 5)
     name = "iterates"
-    return (
-        Call(name, (*one, 1.0, 6), "a section on one spring"),
-        Call(name, (*one, 0.5, 6), "the same section with relaxation"),
-        Call(name, (*behind, 0.7, 5), "a section with the centre of pressure behind the axis"),
-        Call(name, (*chain, 0.8, 4), "a chain of three nodes"),
+    return calls_of(
+        name,
+        ((*one, 1.0, 6), "a section on one spring"),
+        ((*one, 0.5, 6), "the same section with relaxation"),
+        ((*behind, 0.7, 5), "a section with the centre of pressure behind the axis"),
+        ((*chain, 0.8, 4), "a chain of three nodes"),
     )
 
 
@@ -354,11 +345,11 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     turning = np.diag([0.5, 0.25, 0.4, 1.6])
     turning[2:, 2:] += 2 * np.array([[0, 1], [-1, 0]])
     frame = np.linalg.qr(random.normal(size=(4, 4)))[0]
-    return (
-        Call("divergence", (k, h, slope), "a section on one spring"),
-        Call("divergence", both, "two sections, the second of which turns back"),
-        Call(
-            "divergence",
+    return calls_of(
+        "divergence",
+        ((k, h, slope), "a section on one spring"),
+        (both, "two sections, the second of which turns back"),
+        (
             (np.diag(random.uniform(2, 3, 4)), frame, frame @ turning @ frame.T),
             "four nodes with loads that turn",
         ),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Law, Question, law, relative
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
@@ -32,15 +32,12 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
     """Return places in the three flows, and in the vortex with half the step."""
     random = np.random.default_rng(seed)
     x, dt, t = in_disc(random, 8), random.uniform(0.03, 0.05), random.uniform(0.2, 0.4)
-    return (
-        Call(name, (x, t, dt, 1), "eight places in the vortex"),
-        Call(name, (x, t, dt / 2, 1), "the same with half the step"),
-        Call(name, (x, t, 2 * dt, 0), "eight places in the flow that turns as a whole"),
-        Call(
-            name,
-            (0.9 * in_square(random, 2), t, 3 * dt, 2),
-            "four places in the flow that stretches",
-        ),
+    return calls_of(
+        name,
+        ((x, t, dt, 1), "eight places in the vortex"),
+        ((x, t, dt / 2, 1), "the same with half the step"),
+        ((x, t, 2 * dt, 0), "eight places in the flow that turns as a whole"),
+        ((0.9 * in_square(random, 2), t, 3 * dt, 2), "four places in the flow that stretches"),
     )
 
 
@@ -112,15 +109,12 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     sites, few = in_square(random, 5), in_square(random, 3)
     line = np.arange(8)[:, None] / 7 + random.uniform(-0.04, 0.04, (8, 1))
     name = "step_matrix"
-    return (
-        Call(name, (sites, random.uniform(-1, 1, (6, 2)), 9), "six feet with nine sites each"),
-        Call(name, (few, random.uniform(-1.2, 1.2, (4, 2)), 9), "four feet with all nine sites"),
-        Call(name, (sites, sites[[7, 0, 18]], 8), "three feet that are sites"),
-        Call(
-            name,
-            (line, random.uniform(-0.1, 1.1, (5, 1)), 4),
-            "five feet on a line, with four sites each",
-        ),
+    return calls_of(
+        name,
+        ((sites, random.uniform(-1, 1, (6, 2)), 9), "six feet with nine sites each"),
+        ((few, random.uniform(-1.2, 1.2, (4, 2)), 9), "four feet with all nine sites"),
+        ((sites, sites[[7, 0, 18]], 8), "three feet that are sites"),
+        ((line, random.uniform(-0.1, 1.1, (5, 1)), 4), "five feet on a line, with four sites each"),
     )
 
 
@@ -165,19 +159,15 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
     disc, square, dt = in_disc(random, 24), in_square(random, 4), random.uniform(0.04, 0.06)
     slope = random.normal(size=2)
     name = "advect"
-    return (
-        Call(
-            name,
+    return calls_of(
+        name,
+        (
             (disc, 1 + disc @ slope, dt, 3, 0, 8),
             "an affine field in the flow that turns as a whole",
         ),
-        Call(name, (disc, np.full(24, 2.5), dt, 2, 1, 8), "a constant in the vortex"),
-        Call(name, (disc, random.normal(size=24), 2 * dt, 3, 1, 8), "a field in the vortex"),
-        Call(
-            name,
-            (square, random.normal(size=16), 3 * dt, 2, 2, 9),
-            "a field in the flow that stretches",
-        ),
+        ((disc, np.full(24, 2.5), dt, 2, 1, 8), "a constant in the vortex"),
+        ((disc, random.normal(size=24), 2 * dt, 3, 1, 8), "a field in the vortex"),
+        ((square, random.normal(size=16), 3 * dt, 2, 2, 9), "a field in the flow that stretches"),
     )
 
 
@@ -217,12 +207,12 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     sites, u = in_square(random, 4), random.normal(size=16)
     feet = random.uniform(-1, 1, (7, 2))
-    return (
-        Call("bounds", (sites, u, feet), "seven feet among sixteen sites"),
-        Call("bounds", (sites, -u, feet), "the same with the opposite field"),
-        Call("bounds", (sites, u, sites + 0.0), "feet that are the sites"),
-        Call(
-            "bounds",
+    return calls_of(
+        "bounds",
+        ((sites, u, feet), "seven feet among sixteen sites"),
+        ((sites, -u, feet), "the same with the opposite field"),
+        ((sites, u, sites + 0.0), "feet that are the sites"),
+        (
             (in_disc(random, 20), random.normal(size=20), 0.5 * in_disc(random, 3)),
             "three feet in the disc",
         ),
@@ -276,22 +266,13 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
     more, less = float(m @ (0.3 * u + 0.7 * high)), float(m @ (0.25 * u + 0.75 * low))
     outside = np.clip(u, -0.5, 0.5)
     name = "with_mass"
-    return (
-        Call(name, (u, u - 9, u + 9, m, float(m @ u) + 2.0), "bounds that are far away"),
-        Call(
-            name, (u - 5, low - 5, high - 5, m, more - 5 * float(m.sum())), "a mass that is to grow"
-        ),
-        Call(
-            name,
-            (u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())),
-            "a mass that is to shrink",
-        ),
-        Call(
-            name,
-            (u, outside - 0.2, outside + 0.2, m, float(m @ outside)),
-            "values beyond their bounds",
-        ),
-        Call(name, (u, low, high, m, float(m @ u)), "a mass that is right already"),
+    return calls_of(
+        name,
+        ((u, u - 9, u + 9, m, float(m @ u) + 2.0), "bounds that are far away"),
+        ((u - 5, low - 5, high - 5, m, more - 5 * float(m.sum())), "a mass that is to grow"),
+        ((u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())), "a mass that is to shrink"),
+        ((u, outside - 0.2, outside + 0.2, m, float(m @ outside)), "values beyond their bounds"),
+        ((u, low, high, m, float(m @ u)), "a mass that is right already"),
     )
 
 
@@ -327,11 +308,12 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
     wave = np.sin(2 * x[:, 0] + random.uniform(0, 1))
     rising = random.uniform(0.5, 0.8) * x[:, 0] + random.uniform(0.3, 0.6)
     dt, name = random.uniform(0.4, 0.6), "burgers_feet"
-    return (
-        Call(name, (x, rising, dt, 5, 4), "a linear field and five rounds"),
-        Call(name, (x, rising, dt, 1, 4), "a linear field and one round"),
-        Call(name, (x, wave, dt / 2, 3, 5), "a wave and three rounds"),
-        Call(name, (x, np.full(9, 0.7), dt, 2, 4), "a constant"),
+    return calls_of(
+        name,
+        ((x, rising, dt, 5, 4), "a linear field and five rounds"),
+        ((x, rising, dt, 1, 4), "a linear field and one round"),
+        ((x, wave, dt / 2, 3, 5), "a wave and three rounds"),
+        ((x, np.full(9, 0.7), dt, 2, 4), "a constant"),
     )
 
 
