@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 
 EPS = float(np.finfo(float).eps)
 
@@ -72,19 +72,17 @@ def fit_tolerance(call: Call) -> float:
     return 100 * EPS * float(np.linalg.cond(np.insert(points, 0, 1.0, axis=1))) ** 2
 
 
-@law(
+@law_of_each(
     "The residual of the best fit is orthogonal to the columns of B: it sums to zero, "
     "also when weighted by a coordinate."
 )
-def residual_is_orthogonal(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def residual_is_orthogonal(call: Call, values: Values) -> float:
     """Return the largest sum of residuals, plain and weighted by coordinates."""
-    worst = 0.0
-    for call, (c,) in zip(calls, values, strict=True):
-        points, data = call.arguments
-        residual = c[0] - data + sum(points[:, k] * c[k + 1] for k in range(points.shape[1]))
-        moments = [residual.sum(), *(residual * points[:, k] for k in range(points.shape[1]))]
-        worst = max(worst, max(relative(np.sum(m), np.abs(data).sum()) for m in moments))
-    return worst
+    (c,) = values
+    points, data = call.arguments
+    residual = c[0] - data + sum(points[:, k] * c[k + 1] for k in range(points.shape[1]))
+    moments = [residual.sum(), *(residual * points[:, k] for k in range(points.shape[1]))]
+    return max(relative(np.sum(m), np.abs(data).sum()) for m in moments)
 
 
 # 01.3 and 01.5 The field and its gradient

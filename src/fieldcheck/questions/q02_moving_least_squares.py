@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 
 EPS = float(np.finfo(float).eps)
 LOCAL = 1e-7
@@ -54,17 +54,15 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law(
+@law_of_each(
     "Between two points the reciprocal of the weight must grow by as much as the squared distance."
 )
-def weights_differ_like_squared_distances(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (w,) in zip(calls, values, strict=True):
-        points, x, _ = call.arguments
-        left, right = points[:-1], points[1:]
-        expected = ((right - left) * (right + left - 2 * x)).sum(axis=-1)
-        worst = max(worst, relative(w[:-1] - w[1:] - expected * w[:-1] * w[1:], w))
-    return worst
+def weights_differ_like_squared_distances(call: Call, values: Values) -> float:
+    (w,) = values
+    points, x, _ = call.arguments
+    left, right = points[:-1], points[1:]
+    expected = ((right - left) * (right + left - 2 * x)).sum(axis=-1)
+    return relative(w[:-1] - w[1:] - expected * w[:-1] * w[1:], w)
 
 
 @law("At a point itself r is zero, and its weight is the greatest there is.")
@@ -95,18 +93,16 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law(
+@law_of_each(
     "The residual of the best fit, multiplied by the squared weights, must be "
     "orthogonal to the columns of B."
 )
-def weighted_residual_is_orthogonal(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (c,) in zip(calls, values, strict=True):
-        points, data, w = call.arguments
-        pull = w * w * (data - c[0] - sum(c[k + 1] * column for k, column in enumerate(points.T)))
-        moments = [pull.sum(), *(pull @ column for column in points.T)]
-        worst = max(worst, relative(np.array(moments), np.sum(w * w * np.abs(data))))
-    return worst
+def weighted_residual_is_orthogonal(call: Call, values: Values) -> float:
+    (c,) = values
+    points, data, w = call.arguments
+    pull = w * w * (data - c[0] - sum(c[k + 1] * column for k, column in enumerate(points.T)))
+    moments = [pull.sum(), *(pull @ column for column in points.T)]
+    return relative(np.array(moments), np.sum(w * w * np.abs(data)))
 
 
 # 02.4 The field

@@ -11,7 +11,7 @@ from math import ceil
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Law, Question, law, relative
+from fieldcheck.question import Law, Question, law, law_of_each, relative
 
 STEP = 1e-30
 """Of the complex step: its square vanishes."""
@@ -66,17 +66,15 @@ def kernel_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.")
-def quotient_is_a_logarithm(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.")
+def quotient_is_a_logarithm(call: Call, values: Values) -> float:
     """Return how far exp(w / s) is from s, and w from zero where s is zero."""
-    worst = 0.0
-    for call, (w,) in zip(calls, values, strict=True):
-        s = np.linalg.norm(call.arguments[0], axis=-1) ** 2
-        there = s > 0
-        with np.errstate(over="ignore"):
-            quotient = np.exp(w[there] / s[there]) / s[there]
-        worst = max(worst, relative(w[~there], 1.0), relative(quotient - 1, 1.0))
-    return worst
+    (w,) = values
+    s = np.linalg.norm(call.arguments[0], axis=-1) ** 2
+    there = s > 0
+    with np.errstate(over="ignore"):
+        quotient = np.exp(w[there] / s[there]) / s[there]
+    return max(relative(w[~there], 1.0), relative(quotient - 1, 1.0))
 
 
 # 03.2 The matrix
@@ -103,21 +101,19 @@ def is_symmetric(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative(h - h.T, h) for (h,) in values)
 
 
-@law(
+@law_of_each(
     "The matrix times λ and c must be the values of that field at the points, and "
     "below them the sums of (3.4)."
 )
-def maps_coefficients_to_data(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def maps_coefficients_to_data(call: Call, values: Values) -> float:
     """Return how far H times some (λ, c) is from the values of that field, and the moments of λ."""
-    worst = 0.0
-    for call, (h,) in zip(calls, values, strict=True):
-        (points,) = call.arguments
-        n, d = points.shape
-        lam, c = np.cos(np.arange(n)), np.sin(1.0 + np.arange(d + 1))
-        moments = [lam.sum(), *(points.T * lam).sum(axis=1)]
-        wanted = np.append(field(points, lam, c, points), moments)
-        worst = max(worst, relative(h.dot(np.append(lam, c)) - wanted, wanted))
-    return worst
+    (h,) = values
+    (points,) = call.arguments
+    n, d = points.shape
+    lam, c = np.cos(np.arange(n)), np.sin(1.0 + np.arange(d + 1))
+    moments = [lam.sum(), *(points.T * lam).sum(axis=1)]
+    wanted = np.append(field(points, lam, c, points), moments)
+    return relative(h.dot(np.append(lam, c)) - wanted, wanted)
 
 
 # 03.3 The coefficients
@@ -142,27 +138,23 @@ def coefficients_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n,), (d + 1,))
 
 
-@law("With these coefficients the field must go through the values.")
-def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("With these coefficients the field must go through the values.")
+def goes_through_the_values(call: Call, values: Values) -> float:
     """Return how far the field is from the values at the points."""
-    worst = 0.0
-    for call, (lam, c) in zip(calls, values, strict=True):
-        points, wanted = call.arguments
-        worst = max(worst, relative(field(points, lam, c, points) - wanted, wanted))
-    return worst
+    (lam, c) = values
+    points, wanted = call.arguments
+    return relative(field(points, lam, c, points) - wanted, wanted)
 
 
-@law(
+@law_of_each(
     "The λ must satisfy the orthogonality constraints: they sum to zero, also when "
     "weighted by a coordinate."
 )
-def has_no_moments(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def has_no_moments(call: Call, values: Values) -> float:
     """Return the largest sum of the λ_j, plain and weighted by coordinates."""
-    worst = 0.0
-    for call, (lam, _) in zip(calls, values, strict=True):
-        size = max(np.abs(lam).max(), np.abs(call.arguments[1]).max())
-        worst = max(worst, relative([lam.sum(), *call.arguments[0].T.dot(lam)], size))
-    return worst
+    (lam, _) = values
+    size = max(np.abs(lam).max(), np.abs(call.arguments[1]).max())
+    return relative([lam.sum(), *call.arguments[0].T.dot(lam)], size)
 
 
 # 03.4 and 03.6 The field and its gradient
@@ -241,21 +233,19 @@ def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -
     return float(max(lacking))
 
 
-@law(
+@law_of_each(
     "An eigenvalue is zero for each affine field that vanishes at all points, and for "
     "each point that comes a second time: then the solution is not unique."
 )
-def is_singular_where_it_must(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def is_singular_where_it_must(call: Call, values: Values) -> float:
     """Return the largest difference of the zeros from the changes that the field at the points
     does not show.
     """
-    worst = 0.0
-    for call, (counts,) in zip(calls, values, strict=True):
-        (points,) = call.arguments
-        repeated = len(points) - len(np.unique(points, axis=0))
-        flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=1e-9)
-        worst = max(worst, abs(float(counts[2]) - repeated - flat))
-    return worst
+    (counts,) = values
+    (points,) = call.arguments
+    repeated = len(points) - len(np.unique(points, axis=0))
+    flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=1e-9)
+    return abs(float(counts[2]) - repeated - flat)
 
 
 # 03.7 The energy

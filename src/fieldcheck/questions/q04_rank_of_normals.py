@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 
 MAP = np.array([1e7, -4e6])
@@ -70,18 +70,16 @@ def matrix_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n, d + d**2),)
 
 
-@law("B' times the coefficients of a flow must be what flows across the samples.")
-def gives_what_flows_across(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("B' times the coefficients of a flow must be what flows across the samples.")
+def gives_what_flows_across(call: Call, values: Values) -> float:
     """Return how far B' c is from the normal component of that flow."""
-    worst = 0.0
-    for call, (b,) in zip(calls, values, strict=True):
-        points, normals = call.arguments
-        d = points.shape[1]
-        c = np.cos(np.arange(d + d * d) + 1.0)
-        u = c[:d] + points.dot(c[d:].reshape(d, d))
-        wanted = (u * normals).sum(axis=1)
-        worst = max(worst, relative(b.dot(c) - wanted, wanted))
-    return worst
+    (b,) = values
+    points, normals = call.arguments
+    d = points.shape[1]
+    c = np.cos(np.arange(d + d * d) + 1.0)
+    u = c[:d] + points.dot(c[d:].reshape(d, d))
+    wanted = (u * normals).sum(axis=1)
+    return relative(b.dot(c) - wanted, wanted)
 
 
 # 04.2 The rank
@@ -181,15 +179,13 @@ def tangent_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("The flow must not be zero, and at each sample it must run along the edge.")
-def runs_along_the_edges(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("The flow must not be zero, and at each sample it must run along the edge.")
+def runs_along_the_edges(call: Call, values: Values) -> float:
     """Return the largest velocity across an edge, relative to the size of the coefficients."""
-    worst = 0.0
-    for call, (c,) in zip(calls, values, strict=True):
-        points, normals = call.arguments
-        u = c[:2] + points.dot(c[2:].reshape(2, 2))
-        worst = max(worst, float(not c.any()), relative((u * normals).sum(axis=1), c))
-    return worst
+    (c,) = values
+    points, normals = call.arguments
+    u = c[:2] + points.dot(c[2:].reshape(2, 2))
+    return max(float(not c.any()), relative((u * normals).sum(axis=1), c))
 
 
 def up_to_a_factor(_: Call, values: Values) -> Values:
@@ -211,17 +207,13 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("Normals have the length one, and stand at right angles to the flow.")
-def are_unit_and_across(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("Normals have the length one, and stand at right angles to the flow.")
+def are_unit_and_across(call: Call, values: Values) -> float:
     """Return how far the normals are from length one, and from right angles to the flow."""
-    worst = 0.0
-    for call, (normals,) in zip(calls, values, strict=True):
-        points, c = call.arguments
-        u = c[:2] + points.dot(c[2:].reshape(2, 2))
-        worst = max(
-            worst, relative((u * normals).sum(axis=1), u), relative(np.hypot(*normals.T) - 1, 1.0)
-        )
-    return worst
+    (normals,) = values
+    points, c = call.arguments
+    u = c[:2] + points.dot(c[2:].reshape(2, 2))
+    return max(relative((u * normals).sum(axis=1), u), relative(np.hypot(*normals.T) - 1, 1.0))
 
 
 def with_one_sign(_: Call, values: Values) -> Values:
@@ -326,27 +318,20 @@ def star_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((2 * k, 2), (2 * k, 2))
 
 
-@law(
+@law_of_each(
     "Points are in the middle of the edges; normals have the length one and stand at "
     "right angles to the edge."
 )
-def belong_to_the_edges(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def belong_to_the_edges(call: Call, values: Values) -> float:
     """Return how far points are from the middle of the edges, and normals from unit ones across."""
-    worst = 0.0
-    for call, (points, normals) in zip(calls, values, strict=True):
-        center, ring = call.arguments
-        k = len(ring)
-        following = ring[np.r_[1:k, 0]]
-        twice = np.append(ring + center, ring + following, axis=0)
-        edges = np.append(ring - center, ring - following, axis=0)
-        across = relative((edges * normals).sum(axis=1), edges)
-        worst = max(
-            worst,
-            relative(2 * points - twice, twice),
-            across,
-            relative(np.hypot(*normals.T) - 1, 1.0),
-        )
-    return worst
+    (points, normals) = values
+    center, ring = call.arguments
+    k = len(ring)
+    following = ring[np.r_[1:k, 0]]
+    twice = np.append(ring + center, ring + following, axis=0)
+    edges = np.append(ring - center, ring - following, axis=0)
+    across = relative((edges * normals).sum(axis=1), edges)
+    return max(relative(2 * points - twice, twice), across, relative(np.hypot(*normals.T) - 1, 1.0))
 
 
 def conic_inputs(seed: int) -> tuple[Call, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 
 FITTED = 1e-8
 """What rounding explains where a system with a condition of some hundreds is solved."""
@@ -85,17 +85,13 @@ def no_edge_twice(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(repeated))
 
 
-@law("The two ends of an edge must be different corners of one triangle.")
-def ends_share_a_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("The two ends of an edge must be different corners of one triangle.")
+def ends_share_a_triangle(call: Call, values: Values) -> float:
     """Return the largest part of the edges whose two ends are not corners of one triangle."""
-    worst = 0.0
-    for call, (e,) in zip(calls, values, strict=True):
-        corners = [set(t) for t in call.arguments[0].tolist()]
-        alone = [
-            len(set(pair)) < 2 or not any(set(pair) <= t for t in corners) for pair in e.tolist()
-        ]
-        worst = max(worst, float(np.mean(alone)))
-    return worst
+    (e,) = values
+    corners = [set(t) for t in call.arguments[0].tolist()]
+    alone = [len(set(pair)) < 2 or not any(set(pair) <= t for t in corners) for pair in e.tolist()]
+    return float(np.mean(alone))
 
 
 # 05.2 Midpoints and normals
@@ -168,17 +164,15 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law(
+@law_of_each(
     "In a rotation the distance of two points must not change: the difference of their "
     "velocities is perpendicular to the line between them."
 )
-def stays_rigid(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def stays_rigid(call: Call, values: Values) -> float:
     """Return how fast distances between points change."""
-    worst = 0.0
-    for call, (u,) in zip(calls, values, strict=True):
-        way, change = np.diff(call.arguments[0], axis=0), np.diff(u, axis=0)
-        worst = max(worst, relative(np.einsum("ek,ek->e", way, change), way**2))
-    return worst
+    (u,) = values
+    way, change = np.diff(call.arguments[0], axis=0), np.diff(u, axis=0)
+    return relative(np.einsum("ek,ek->e", way, change), way**2)
 
 
 @law("The rotation is about the mean of the points, so the velocities must add up to zero.")
@@ -263,14 +257,14 @@ def holds_the_spokes(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(np.abs(missed).max())
 
 
-@law("The edges are those of whole triangles, so at each end of one of them another must end.")
-def made_of_triangles(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each(
+    "The edges are those of whole triangles, so at each end of one of them another must end."
+)
+def made_of_triangles(call: Call, values: Values) -> float:
     """Return the part of the ends of chosen edges at which no other chosen edge ends."""
-    worst = 0.0
-    for call, (near,) in zip(calls, values, strict=True):
-        ends = np.bincount(call.arguments[1][near > 0.5].ravel())
-        worst = max(worst, float(np.mean(ends[ends > 0] < 2)) if ends.any() else 1.0)
-    return worst
+    (near,) = values
+    ends = np.bincount(call.arguments[1][near > 0.5].ravel())
+    return float(np.mean(ends[ends > 0] < 2)) if ends.any() else 1.0
 
 
 @law("More rings must keep all edges of fewer, and add some.")
@@ -305,18 +299,16 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("Bʹ times the coefficients of a field must be its normal velocities at the midpoints.")
-def gives_normal_velocities(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("Bʹ times the coefficients of a field must be its normal velocities at the midpoints.")
+def gives_normal_velocities(call: Call, values: Values) -> float:
     """Return how far Bʹ of a field is from its normal velocities: the field (2 + 3 y₂, −1 + y₁ +
     4 y₂).
     """
-    worst = 0.0
-    for call, (b,) in zip(calls, values, strict=True):
-        p, n, x = call.arguments
-        first, second = (p - x).T
-        told = n[:, 0] * (2 + 3 * second) + n[:, 1] * (first + 4 * second - 1)
-        worst = max(worst, relative(b @ [2, -1, 0, 1, 3, 4] - told, told))
-    return worst
+    (b,) = values
+    p, n, x = call.arguments
+    first, second = (p - x).T
+    told = n[:, 0] * (2 + 3 * second) + n[:, 1] * (first + 4 * second - 1)
+    return relative(b @ [2, -1, 0, 1, 3, 4] - told, told)
 
 
 @law("Moving the edges together with the vertex must change nothing.")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q05_vertex_velocities import directions, mesh
 
 FAR = 1e6
@@ -161,17 +161,15 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law(
+@law_of_each(
     "The circumcentre is equally far from all corners. If this fails only far from "
     "the origin, digits were lost in squares of large coordinates.",
     DIGITS_FAR_AWAY,
 )
-def equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (center,) in zip(calls, values, strict=True):
-        radius = np.hypot(*(call.arguments[0] - center).T)
-        worst = max(worst, relative(np.diff(radius), radius))
-    return worst
+def equally_far(call: Call, values: Values) -> float:
+    (center,) = values
+    radius = np.hypot(*(call.arguments[0] - center).T)
+    return relative(np.diff(radius), radius)
 
 
 @law("Moving the triangle must move its circumcentre by as much.", DIGITS_FAR_AWAY)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Law, Question, law, relative
+from fieldcheck.question import Law, Question, law, law_of_each, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
 SLOPES = np.array([2.0, -1.0])
@@ -85,22 +85,18 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law(
+@law_of_each(
     "All sides and spokes of a regular hexagon are as long as its radius, and it lies "
     "evenly round its centre."
 )
-def has_equal_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def has_equal_sides(call: Call, values: Values) -> float:
     """Return how far spokes and sides are from the radius, and the sum of spokes from zero."""
-    worst = 0.0
-    for call, (rim,) in zip(calls, values, strict=True):
-        center, radius, _ = call.arguments
-        lengths = [*np.hypot(*(rim - center).T), *np.hypot(*(rim - np.array([*rim[1:], rim[0]])).T)]
-        worst = max(
-            worst,
-            relative(np.array(lengths) - radius, radius),
-            relative(rim.sum(axis=0) - 6 * center, rim),
-        )
-    return worst
+    (rim,) = values
+    center, radius, _ = call.arguments
+    lengths = [*np.hypot(*(rim - center).T), *np.hypot(*(rim - np.array([*rim[1:], rim[0]])).T)]
+    return max(
+        relative(np.array(lengths) - radius, radius), relative(rim.sum(axis=0) - 6 * center, rim)
+    )
 
 
 # 07.2 and 07.3 Circumcentre and area
@@ -124,14 +120,12 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("A circumcentre is equally far from all three corners.")
-def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("A circumcentre is equally far from all three corners.")
+def is_equally_far(call: Call, values: Values) -> float:
     """Return how much the distances to the three corners differ."""
-    worst = 0.0
-    for call, (p,) in zip(calls, values, strict=True):
-        distances = np.array([np.hypot(*(p - corner)) for corner in call.arguments])
-        worst = max(worst, relative(distances - distances.mean(), distances))
-    return worst
+    (p,) = values
+    distances = np.array([np.hypot(*(p - corner)) for corner in call.arguments])
+    return relative(distances - distances.mean(), distances)
 
 
 @law(
@@ -166,15 +160,15 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
 
 
-@law("The weights pull the place towards the corners in such a way that it stays where it is.")
-def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each(
+    "The weights pull the place towards the corners in such a way that it stays where it is."
+)
+def balances(call: Call, values: Values) -> float:
     """Return the weighted sum of the ways to the corners, which vanishes."""
-    worst = 0.0
-    for call, (w,) in zip(calls, values, strict=True):
-        _, _, corners, x = call.arguments
-        pulls = w[:, None] * (corners - x)
-        worst = max(worst, relative(pulls.sum(axis=0), pulls))
-    return worst
+    (w,) = values
+    _, _, corners, x = call.arguments
+    pulls = w[:, None] * (corners - x)
+    return relative(pulls.sum(axis=0), pulls)
 
 
 @law(
@@ -241,24 +235,18 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law(
+@law_of_each(
     "Seen from the centre, n times the way to the nth point goes round once with "
     "steps of one angle, at one distance, and ends to the right."
 )
-def winds_inwards(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def winds_inwards(call: Call, values: Values) -> float:
     """Return how far n (s_n − x_i) is from one turn at one distance that ends to the right."""
-    worst = 0.0
-    for call, (s,) in zip(calls, values, strict=True):
-        center, _, steps = call.arguments
-        away = (s - center) @ [1, 1j] * (1 + np.arange(steps))
-        with np.errstate(all="ignore"):
-            turn = away / np.array([away[-1], *away[:-1]])
-        worst = max(
-            worst,
-            relative(turn - np.exp(2j * np.pi / steps), 1.0),
-            relative(np.angle(away[-1]), 1.0),
-        )
-    return worst
+    (s,) = values
+    center, _, steps = call.arguments
+    away = (s - center) @ [1, 1j] * (1 + np.arange(steps))
+    with np.errstate(all="ignore"):
+        turn = away / np.array([away[-1], *away[:-1]])
+    return max(relative(turn - np.exp(2j * np.pi / steps), 1.0), relative(np.angle(away[-1]), 1.0))
 
 
 # 07.7 The field

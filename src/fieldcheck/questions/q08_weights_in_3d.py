@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
@@ -85,14 +85,12 @@ def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> 
     )
 
 
-@law("A circumcentre is equally far from all four corners.")
-def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("A circumcentre is equally far from all four corners.")
+def is_equally_far(call: Call, values: Values) -> float:
     """Return how much the distances to the four corners differ."""
-    worst = 0.0
-    for call, (p,) in zip(calls, values, strict=True):
-        distances = np.array([np.sqrt((p - corner) @ (p - corner)) for corner in call.arguments])
-        worst = max(worst, relative(distances - distances.mean(), distances))
-    return worst
+    (p,) = values
+    distances = np.array([np.sqrt((p - corner) @ (p - corner)) for corner in call.arguments])
+    return relative(distances - distances.mean(), distances)
 
 
 # 08.4 The volume of the normals
@@ -149,14 +147,14 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
 
 
-@law("The weights pull the place towards the corners in such a way that it stays where it is.")
-def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each(
+    "The weights pull the place towards the corners in such a way that it stays where it is."
+)
+def balances(call: Call, values: Values) -> float:
     """Return the weighted sum of the ways to the corners, which vanishes."""
-    worst = 0.0
-    for call, (w,) in zip(calls, values, strict=True):
-        pulls = w[:, None] * (call.arguments[3] - call.arguments[4])
-        worst = max(worst, relative(pulls.sum(axis=0), pulls))
-    return worst
+    (w,) = values
+    pulls = w[:, None] * (call.arguments[3] - call.arguments[4])
+    return relative(pulls.sum(axis=0), pulls)
 
 
 @law(

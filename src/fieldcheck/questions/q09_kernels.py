@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, law, relative
+from fieldcheck.question import Law, Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud, is_symmetric, squares
 
 
@@ -157,20 +157,18 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("vanishing", (p, degree), case) for p, degree, case in cases)
 
 
-@law(
+@law_of_each(
     "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of "
     "points, has a rank; the other polynomials vanish at the points."
 )
-def leaves_the_rank_of_another_matrix(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def leaves_the_rank_of_another_matrix(call: Call, values: Values) -> float:
     """Return the largest difference from Q less the rank of (1 + p·q)^n, which has that of P."""
-    worst = 0.0
-    for call, (number,) in zip(calls, values, strict=True):
-        points, degree = call.arguments
-        points = points / np.abs(points).max()
-        spectrum = np.linalg.eigvalsh((1 + points.dot(points.T)) ** degree)
-        rank = (spectrum > 1e-12 * spectrum[-1]).sum()
-        worst = max(worst, abs(float(number) - (degree + 1) * (degree + 2) / 2 + rank))
-    return worst
+    (number,) = values
+    points, degree = call.arguments
+    points = points / np.abs(points).max()
+    spectrum = np.linalg.eigvalsh((1 + points.dot(points.T)) ** degree)
+    rank = (spectrum > 1e-12 * spectrum[-1]).sum()
+    return abs(float(number) - (degree + 1) * (degree + 2) / 2 + rank)
 
 
 # 09.4 The field
@@ -207,22 +205,20 @@ def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> 
     )
 
 
-@law(
+@law_of_each(
     "The field is made of bumps on the points and a polynomial of the degree asked "
     "for, and the factors of the bumps satisfy the side conditions.",
     1e-6,
 )
-def is_bumps_and_a_polynomial(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def is_bumps_and_a_polynomial(call: Call, values: Values) -> float:
     """Return how far the field is from the form, and its factors from the side conditions."""
-    worst = 0.0
-    for call, (f,) in zip(calls, values, strict=True):
-        points, wanted, k, degree, place = call.arguments
-        columns = np.column_stack([powers(squares(place, points), k), ridges(place, degree)])
-        found = np.linalg.lstsq(columns, f)[0]
-        moments = ridges(points, degree).T.dot(found[: len(points)])
-        largest = max(np.abs(found[: len(points)]).max(), np.abs(wanted).max())
-        worst = max(worst, relative(columns.dot(found) - f, f), relative(moments, largest))
-    return worst
+    (f,) = values
+    points, wanted, k, degree, place = call.arguments
+    columns = np.column_stack([powers(squares(place, points), k), ridges(place, degree)])
+    found = np.linalg.lstsq(columns, f)[0]
+    moments = ridges(points, degree).T.dot(found[: len(points)])
+    largest = max(np.abs(found[: len(points)]).max(), np.abs(wanted).max())
+    return max(relative(columns.dot(found) - f, f), relative(moments, largest))
 
 
 # 09.5 Wendland's functions
@@ -292,16 +288,14 @@ def exchange_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-@law("At that time, between 0 and 1, the triangle of the three points has no area.")
-def makes_a_flat_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("At that time, between 0 and 1, the triangle of the three points has no area.")
+def makes_a_flat_triangle(call: Call, values: Values) -> float:
     """Return the area of the triangle at that time, and by how much the time is out of [0, 1]."""
-    worst = 0.0
-    for call, (t,) in zip(calls, values, strict=True):
-        z = call.arguments[0].dot([1, 1j])
-        arm, third = (z[0] - z[1]) / 2, z[2] - (z[0] + z[1]) / 2
-        flat = (third * np.conj(arm * np.exp(1j * np.pi * t))).imag
-        worst = max(worst, abs(flat) / abs(third * arm), float(abs(t - 0.5) > 0.5))
-    return float(worst)
+    (t,) = values
+    z = call.arguments[0].dot([1, 1j])
+    arm, third = (z[0] - z[1]) / 2, z[2] - (z[0] + z[1]) / 2
+    flat = (third * np.conj(arm * np.exp(1j * np.pi * t))).imag
+    return float(max(abs(flat) / abs(third * arm), float(abs(t - 0.5) > 0.5)))
 
 
 # 09.7 Values and slopes

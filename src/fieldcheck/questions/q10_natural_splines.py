@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 
 
 def line(random: np.random.Generator, n: int) -> np.ndarray:
@@ -70,14 +70,14 @@ def coefficients_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return (call.arguments[0].shape, (2,))
 
 
-@law("With the new coefficients (10.4) must be the same curve as (10.1), inside and outside.")
-def is_the_same_curve(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (a, b) in zip(calls, values, strict=True):
-        sites, alpha, beta = call.arguments
-        wanted = half_cubes(sites, alpha, beta, around(sites))
-        worst = max(worst, relative(cubes(sites, a, b, around(sites)) - wanted, wanted))
-    return worst
+@law_of_each(
+    "With the new coefficients (10.4) must be the same curve as (10.1), inside and outside."
+)
+def is_the_same_curve(call: Call, values: Values) -> float:
+    (a, b) = values
+    sites, alpha, beta = call.arguments
+    wanted = half_cubes(sites, alpha, beta, around(sites))
+    return relative(cubes(sites, a, b, around(sites)) - wanted, wanted)
 
 
 # 10.2 The spline by distances
@@ -103,20 +103,17 @@ def nothing_for_rounding(call: Call, values: Values) -> Values:
     return np.where(np.abs(a) > 1e-12 * np.abs(call.arguments[1]).max(), a, 0.0), b
 
 
-@law(
+@law_of_each(
     "The curve (10.4) must go through the values, and its factors sum to zero, plain "
     "and weighted by the sites."
 )
-def is_natural_and_hits(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (a, b) in zip(calls, values, strict=True):
-        sites, wanted = call.arguments
-        worst = max(
-            worst,
-            relative(cubes(sites, a, b, sites) - wanted, wanted),
-            lacks_moments(sites, a) if abs(a).max() > 1e-9 else 0.0,
-        )
-    return worst
+def is_natural_and_hits(call: Call, values: Values) -> float:
+    (a, b) = values
+    sites, wanted = call.arguments
+    return max(
+        relative(cubes(sites, a, b, sites) - wanted, wanted),
+        lacks_moments(sites, a) if abs(a).max() > 1e-9 else 0.0,
+    )
 
 
 # 10.3 The moments
@@ -138,16 +135,14 @@ def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.nda
     return secant - width * (mean / 2 - jump / 12), secant + width * (mean / 2 + jump / 12)
 
 
-@law("Neighbouring pieces must have the same slope where they meet, and both ends the moment zero.")
-def has_no_kink(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each(
+    "Neighbouring pieces must have the same slope where they meet, and both ends the moment zero."
+)
+def has_no_kink(call: Call, values: Values) -> float:
     """Return the largest jump of the slope, and the moments of the two ends."""
-    worst = 0.0
-    for call, (bends,) in zip(calls, values, strict=True):
-        at_left, at_right = slopes(call.arguments[0], call.arguments[1], bends)
-        worst = max(
-            worst, relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0)
-        )
-    return worst
+    (bends,) = values
+    at_left, at_right = slopes(call.arguments[0], call.arguments[1], bends)
+    return max(relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0))
 
 
 # 10.4 The pieces
@@ -177,27 +172,25 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-@law(
+@law_of_each(
     "Each piece has the values and second derivatives of (10.6) at its ends; outside "
     "the curve goes on straight, with the slope that it has there."
 )
-def is_cubic_inside_and_straight_outside(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def is_cubic_inside_and_straight_outside(call: Call, values: Values) -> float:
     """Return how far ends, second derivatives and outer lines are from what was given."""
-    worst = 0.0
-    for call, (s,) in zip(calls, values, strict=True):
-        sites, heights, m, _ = call.arguments
-        four, step = s[3:-3].reshape(-1, 4), (sites[1:] - sites[:-1])[:, None] / 3
-        ends = four[:, [0, 3]] - np.stack([heights[:-1], heights[1:]], axis=1)
-        second = four.dot([[2, -1], [-5, 4], [4, -5], [-1, 2]]) / step**2 - np.stack(
-            [m[:-1], m[1:]], axis=1
-        )
-        at_left, at_right = slopes(sites, heights, m)
-        outer = [
-            s[:3] - heights[0] + at_left[0] * np.array([1.5, 1.0, 0.5]),
-            s[-3:] - heights[-1] - at_right[-1] * np.array([0.5, 1.0, 1.5]),
-        ]
-        worst = max(worst, relative(ends, heights), relative(second, 100.0), relative(outer, s))
-    return worst
+    (s,) = values
+    sites, heights, m, _ = call.arguments
+    four, step = s[3:-3].reshape(-1, 4), (sites[1:] - sites[:-1])[:, None] / 3
+    ends = four[:, [0, 3]] - np.stack([heights[:-1], heights[1:]], axis=1)
+    second = four.dot([[2, -1], [-5, 4], [4, -5], [-1, 2]]) / step**2 - np.stack(
+        [m[:-1], m[1:]], axis=1
+    )
+    at_left, at_right = slopes(sites, heights, m)
+    outer = [
+        s[:3] - heights[0] + at_left[0] * np.array([1.5, 1.0, 0.5]),
+        s[-3:] - heights[-1] - at_right[-1] * np.array([0.5, 1.0, 1.5]),
+    ]
+    return max(relative(ends, heights), relative(second, 100.0), relative(outer, s))
 
 
 # 10.5 Back to truncated powers
@@ -226,24 +219,19 @@ def _free_powers(
     return np.append(factors, -factors.sum()), straight
 
 
-@law(
+@law_of_each(
     "The curve (10.1) must have the values and the second derivatives at the sites, "
     "and satisfy (10.2)."
 )
-def is_made_of_half_cubes(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def is_made_of_half_cubes(call: Call, values: Values) -> float:
     """Return how far values, second derivatives and moments are from those given."""
-    worst = 0.0
-    for call, (alpha, beta) in zip(calls, values, strict=True):
-        sites, heights, bends = call.arguments
-        second = 6 * np.subtract.outer(sites, sites).clip(min=0).dot(alpha)
-        missed = half_cubes(sites, alpha, beta, sites) - heights
-        worst = max(
-            worst,
-            relative(missed, heights),
-            relative(second - bends, bends),
-            lacks_moments(sites, alpha),
-        )
-    return worst
+    (alpha, beta) = values
+    sites, heights, bends = call.arguments
+    second = 6 * np.subtract.outer(sites, sites).clip(min=0).dot(alpha)
+    missed = half_cubes(sites, alpha, beta, sites) - heights
+    return max(
+        relative(missed, heights), relative(second - bends, bends), lacks_moments(sites, alpha)
+    )
 
 
 # 10.6 The energy
@@ -304,18 +292,16 @@ def b_spline_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((len(x), len(t) - k - 1),)
 
 
-@law(
+@law_of_each(
     "A B-spline is never negative, and zero outside the k + 1 intervals from its "
     "first knot to its last."
 )
-def lives_where_it_should(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def lives_where_it_should(call: Call, values: Values) -> float:
     """Return the largest value outside the support, and the most negative one."""
-    worst = 0.0
-    for call, (b,) in zip(calls, values, strict=True):
-        t, k, x = call.arguments
-        outside = (x[:, None] < t[: -k - 1]) | (x[:, None] > t[k + 1 :])
-        worst = max(worst, relative(b[outside], 1.0), relative(b.clip(max=0), 1.0))
-    return worst
+    (b,) = values
+    t, k, x = call.arguments
+    outside = (x[:, None] < t[: -k - 1]) | (x[:, None] > t[k + 1 :])
+    return max(relative(b[outside], 1.0), relative(b.clip(max=0), 1.0))
 
 
 @law(

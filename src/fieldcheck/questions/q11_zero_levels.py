@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q11_point_clouds import horseshoe, outward, oval, torus
 
 
@@ -45,19 +45,17 @@ def fit_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n,), (d + 1,))
 
 
-@law("F takes the values at the sites, and the coefficients fulfil the side conditions.", 1e-7)
-def meets_values_and_side_conditions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each(
+    "F takes the values at the sites, and the coefficients fulfil the side conditions.", 1e-7
+)
+def meets_values_and_side_conditions(call: Call, values: Values) -> float:
     """Return the largest difference from the values, or what is left of the side conditions."""
-    worst = 0.0
-    for call, (weights, plane) in zip(calls, values, strict=True):
-        sites, wanted = call.arguments
-        moments = weights @ np.insert(sites, 0, 1.0, axis=1)
-        worst = max(
-            worst,
-            relative(cubes(sites, sites, weights, plane) - wanted, wanted),
-            relative(moments, weights),
-        )
-    return worst
+    (weights, plane) = values
+    sites, wanted = call.arguments
+    moments = weights @ np.insert(sites, 0, 1.0, axis=1)
+    return max(
+        relative(cubes(sites, sites, weights, plane) - wanted, wanted), relative(moments, weights)
+    )
 
 
 # 11.6 and 11.7 The field, its gradient, and the way to its zero level

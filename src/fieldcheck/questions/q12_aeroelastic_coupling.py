@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, relative, scale
+from fieldcheck.question import Question, law, law_of_each, relative, scale
 
 
 def grid(random: np.random.Generator, *counts: int) -> np.ndarray:
@@ -223,16 +223,14 @@ def constant_comes_back(_: Sequence[Call], values: Sequence[Values]) -> float:
     return float(np.abs(values[1][0] / 3 - 1).max())
 
 
-@law("Pressure times area must have the same sum on both sides.")
-def carries_the_whole(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("Pressure times area must have the same sum on both sides.")
+def carries_the_whole(call: Call, values: Values) -> float:
     """Return how far the pressure at the nodes, felt by the skin, differs from the given in
     total.
     """
-    worst = 0.0
-    for call, (g,) in zip(calls, values, strict=True):
-        h, pressures, areas = call.arguments
-        worst = max(worst, relative(areas @ (np.einsum("ij,j->i", h, g) - pressures), areas))
-    return worst
+    (g,) = values
+    h, pressures, areas = call.arguments
+    return relative(areas @ (np.einsum("ij,j->i", h, g) - pressures), areas)
 
 
 # 12.8 A flat structure
@@ -356,24 +354,21 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("There the matrix of structure and flow is singular, and at no smaller pressure.")
-def is_just_singular(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("There the matrix of structure and flow is singular, and at no smaller pressure.")
+def is_just_singular(call: Call, values: Values) -> float:
     """Return how far the structure in the flow is from singular there, or whether it was so
     before.
     """
-    worst = 0.0
-    for call, (q,) in zip(calls, values, strict=True):
-        k, h, slope = call.arguments
-        softening = np.einsum("ij,ik,kl->jl", h, slope, h)
-        at = np.linalg.svd(k - q * softening, compute_uv=False)
-        parts = np.linspace(0, 0.999, 200)
-        signs = np.linalg.slogdet(k - q * parts[:, None, None] * softening)[0]
-        worst = max(
-            worst,
-            float(at[-1] / at[0]) if len(at) > 1 else relative(at, k),
-            float((signs <= 0).any() or q <= 0),
-        )
-    return worst
+    (q,) = values
+    k, h, slope = call.arguments
+    softening = np.einsum("ij,ik,kl->jl", h, slope, h)
+    at = np.linalg.svd(k - q * softening, compute_uv=False)
+    parts = np.linspace(0, 0.999, 200)
+    signs = np.linalg.slogdet(k - q * parts[:, None, None] * softening)[0]
+    return max(
+        float(at[-1] / at[0]) if len(at) > 1 else relative(at, k),
+        float((signs <= 0).any() or q <= 0),
+    )
 
 
 QUESTIONS = (

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Law, Question, law, relative
+from fieldcheck.question import Law, Question, law, law_of_each, relative
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 
@@ -287,15 +287,13 @@ def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
-@law("All values that are at neither bound are changed by the same number.")
-def changes_alike(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("All values that are at neither bound are changed by the same number.")
+def changes_alike(call: Call, values: Values) -> float:
     """Return how much the changes differ among values that are between their bounds."""
-    worst = 0.0
-    for call, (v,) in zip(calls, values, strict=True):
-        u, low, high, _, _ = call.arguments
-        free = (v > low + 1e-6) & (v < high - 1e-6)
-        worst = max(worst, float(np.ptp((v - u)[free])) if free.any() else 0.0)
-    return worst
+    (v,) = values
+    u, low, high, _, _ = call.arguments
+    free = (v > low + 1e-6) & (v < high - 1e-6)
+    return float(np.ptp((v - u)[free])) if free.any() else 0.0
 
 
 # 13.11 Burgers
