@@ -144,7 +144,7 @@ JUDGING = {
     "fieldcheck": ("answers", "calls", "judge", "ladder", "question", "seeds", "shapes", "verdict"),
     "fieldgrade.authoring": ("hidden_cases", "known_answers", "trials"),
     "fieldgrade.checking": ("check_results", "course", "grade_submission", "instructor_checks"),
-    "fieldgrade.grading": ("instructor_items",),
+    "fieldgrade.grading": ("pytest_items",),
     "fieldgrade.isolation": ("file_access", "server", "session"),
     "fieldgrade.sandbox": (),
     "fieldgrade.submissions": ("definitions", "submission"),

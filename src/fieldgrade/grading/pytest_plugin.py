@@ -26,15 +26,18 @@ from fieldgrade.checking.instructor_checks import (
 )
 from fieldgrade.checking.results import Record, Results, record_from_json, record_to_json
 from fieldgrade.grading.batch import Batch, GradingTask
-from fieldgrade.grading.instructor_items import (
+from fieldgrade.grading.options import declare, run_of
+from fieldgrade.grading.pytest_items import (
     USAGE,
+    AnswerId,
+    CheckItem,
     InstructorCheckRunner,
+    answer_ids,
     answer_of_item,
     check_of,
+    items,
     parametrized,
 )
-from fieldgrade.grading.options import declare, run_of
-from fieldgrade.grading.pytest_items import AnswerId, CheckItem, answer_ids, items
 from fieldgrade.grading.run import GradingRun
 from fieldgrade.isolation import worker_servers
 from fieldgrade.isolation.server import GraderError

@@ -17,7 +17,7 @@ from fieldgrade.authoring.trials import trials
 from fieldgrade.checking import grade_submission
 from fieldgrade.class_folder.assignments import Assignment
 from fieldgrade.class_folder.decisions import Decisions, Mark
-from fieldgrade.class_folder.file_names import file_names
+from fieldgrade.class_folder.roster import file_names
 from fieldgrade.gradebook import exports
 from fieldgrade.gradebook.feedback import feedback
 from fieldgrade.gradebook.grade_sheets import grade_sheets

@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
-from fieldreport.framework.benchmark_results import read_benchmark, tables
 from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, input_file, parameter
+from fieldreport.framework.result_files import read_benchmark, tables
 
 
 @dataclass(frozen=True)
