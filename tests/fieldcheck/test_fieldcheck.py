@@ -14,12 +14,11 @@ from fieldcheck import answers, calls, figures, notebook, seeds
 from fieldcheck.answers import Answers, Mistake
 from fieldcheck.calls import Call, Outcome, perform
 from fieldcheck.judge import judge
-from fieldcheck.ladder import LADDER, TITLES
 from fieldcheck.question import Law, Question, relative
 from fieldcheck.questions import get, questions
 from fieldcheck.seeds import seed
 from fieldcheck.shapes import fitted
-from fieldcheck.verdict import Verdict
+from fieldcheck.verdict import LADDER, TITLES, Verdict
 
 
 def inputs(seed):

@@ -141,7 +141,7 @@ def environment_digest() -> str:
 
 
 JUDGING = {
-    "fieldcheck": ("answers", "calls", "judge", "ladder", "question", "seeds", "shapes", "verdict"),
+    "fieldcheck": ("answers", "calls", "judge", "question", "seeds", "shapes", "verdict"),
     "fieldgrade.authoring": ("hidden_cases", "known_answers", "trials"),
     "fieldgrade.checking": ("check_results", "course", "grade_submission", "instructor_checks"),
     "fieldgrade.grading": ("pytest_items",),

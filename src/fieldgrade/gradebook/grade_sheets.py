@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Literal
 
-from fieldcheck.ladder import TITLES
+from fieldcheck.verdict import TITLES
 from fieldgrade.checking.results import Grade, Record, Results
 from fieldgrade.class_folder.csv_tables import short
 from fieldgrade.class_folder.decisions import Decisions, require_known

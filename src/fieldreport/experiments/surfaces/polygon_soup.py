@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.plotting.mesh_pictures import MeshPicture
 from fieldrecon.plotting.style import figure, line, shades
-from fieldrecon.solids.ray_tracing import View, ray_traced
+from fieldrecon.solids.ray_casting import View, ray_traced
 from fieldrecon.surfaces.polygon_soup import PolygonSoup
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_triangles
 from fieldreport.experiments.triangles.triangle_shapes import Surface, cube, torus

@@ -25,7 +25,7 @@ from scipy import ndimage
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.plotting.style import figure, line
 from fieldrecon.reconstruction import Field
-from fieldrecon.solids.ray_tracing import View, ray_traced
+from fieldrecon.solids.ray_casting import View, ray_traced
 from fieldrecon.surfaces.variational_implicits import ShapeTransformation, variational_implicit
 from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Map, Result, ResultTable
