@@ -380,11 +380,11 @@ def contents(folder):
 
 def test_a_leak_stops_the_build_before_any_file_is_written(changed_course):
     """No file is changed, and no file is added."""
-    hint = changed_course / "src/fieldcheck/ladder.py"
+    hint = changed_course / "src/fieldcheck/verdict.py"
     hint.write_text(f"{hint.read_text('utf-8')}\n\nhint = np.linalg.solve(b.T @ b, b.T @ values)\n")
     line = len(hint.read_text("utf-8").splitlines())
     before = contents(changed_course)
-    with pytest.raises(ValueError, match=rf"src/fieldcheck/ladder\.py, line {line} holds a part"):
+    with pytest.raises(ValueError, match=rf"src/fieldcheck/verdict\.py, line {line} holds a part"):
         build.build(changed_course, build.all_sources(changed_course))
     assert contents(changed_course) == before
 
