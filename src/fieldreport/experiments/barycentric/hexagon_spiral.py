@@ -229,6 +229,9 @@ def _drawn(params: Params) -> dict[str, np.ndarray]:
 VIEW = Rotation.from_euler("zyx", [200, 0, -70], degrees=True).as_matrix()
 """Rows: directions to the right, upward, and toward the viewer."""
 
+BESIDE = 10
+"""Distance up to which the spiral that was not moved is drawn beside the moved hexagon."""
+
 FLOOR = 3e-17
 """The value at which zero errors are drawn."""
 
@@ -353,15 +356,19 @@ def plot(result: Result) -> Figure:
         _draw_star(middle, "as asked, the middle enlarged", arrays, "asked")
         s = arrays["asked_spiral"]
         reach = 1.15 * np.abs(s[3]).max()
-        middle.set(xlim=(-0.45 * reach, reach), ylim=(-0.55 * reach, 0.9 * reach))
+        low, high = reach * np.array([[-0.45, -0.55], [1.0, 0.9]])
+        if ((s[3:] < low) | (s[3:] > high)).any():  # the fourth of few points lies elsewhere
+            low, high = reach * np.array([[-1.0, -1.0], [1.0, 1.0]])
+        middle.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         for n in range(4, len(s) + 1):
             if n in (4, 6, 10, 20, len(s)):
                 outward = 9 * s[n - 1] / np.linalg.norm(s[n - 1])
                 look = {"textcoords": "offset points", "ha": "center", "va": "center"}
                 middle.annotate(f"{n}", s[n - 1], outward, **look)
         _draw_star(moved, "turned and moved", arrays, "moved")
-        moved.plot(*s.T, ".", color="#8a8a8a", markersize=3)
-        moved.annotate("without\n$x_i$", s[-1], (6, -8), textcoords="offset points", va="top")
+        if np.abs(result.params.center).max() < BESIDE:
+            moved.plot(*s.T, ".", color="#8a8a8a", markersize=3)
+            moved.annotate("without\n$x_i$", s[-1], (6, -8), textcoords="offset points", va="top")
         _draw_star(space, "icosahedron", arrays, "space")
         page.colorbar(points, ax=list(axes.flat), shrink=0.6, label="value above that at $x_i$")
     return page

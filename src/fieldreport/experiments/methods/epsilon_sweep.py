@@ -233,8 +233,15 @@ def plot(result: Result) -> Figure:
             _draw(errors, result, k, ("error", "gradient error", "leave-one-out"))
             _draw(objectives, result, k, ("ψ", "normalized ψ"))
             objectives.set_xlabel("ε")
-        beside_line = (1.15 / np.sqrt(params.points), 0.92)
-        objectives.text(*beside_line, "spacing", transform=objectives.get_xaxis_transform())
+        spacing = 1 / np.sqrt(params.points)
+        left = 10 * spacing > params.largest  # on the right there is no room
+        objectives.text(
+            spacing / 1.15 if left else spacing * 1.15,
+            0.92,
+            "spacing",
+            ha="right" if left else "left",
+            transform=objectives.get_xaxis_transform(),
+        )
         axes[0, 0].set_ylabel("root mean square")
         axes[1, 0].set_ylabel("mean over the queries")
         axes[0, 0].legend(loc="upper left")

@@ -227,7 +227,9 @@ def plot(result: Result) -> Figure:
         rms.plot(
             powers[curved],
             result.arrays["best_linear_rms"][curved],
-            **line("truth", label="best linear fit, exact") | ({"marker": "_"} if alone else {}),
+            **line("truth", label="best linear fit, exact")
+            | ({"marker": "_"} if alone else {})
+            | alone,
         )
         rms.set_ylabel("error")
         rms.legend(loc="upper left")
