@@ -237,4 +237,5 @@ def test_a_domain_in_words():
     """One wording for all bounds."""
     assert Domain(least=0, below=1).wanted == "0 or more and less than 1"
     assert Domain(above=0, most=2).wanted == "more than 0 and 2 or less"
-    assert Domain(choices=("a", "b")).wanted == "a, b"
+    assert Domain(least=-1, most=1).wanted == "between -1 and 1"
+    assert Domain(choices=("a", "b")).wanted == "one of a, b"

@@ -111,6 +111,10 @@ class Domain:
     @property
     def wanted(self) -> str:
         """The domain in words."""
+        if self.choices:
+            return f"one of {', '.join(self.choices)}"
+        if self.least is not None and self.most is not None:
+            return f"between {self.least:g} and {self.most:g}"
         bounds = (
             ("{:g} or more", self.least),
             ("more than {:g}", self.above),
@@ -118,7 +122,7 @@ class Domain:
             ("less than {:g}", self.below),
         )
         words = [text.format(bound) for text, bound in bounds if bound is not None]
-        return " and ".join(words) or ", ".join(self.choices) or "a finite number"
+        return " and ".join(words) or "a finite number"
 
     @property
     def _reason(self) -> str:

@@ -50,6 +50,7 @@ GROWTH = 0.35
 INK = np.array([0.5, 0.72])
 RADIUS = 0.16
 FRAMES = 6
+LONGEST_STEP = 0.2  # a tenth of a revolution
 ENERGY = 0.25  # of the vortex, at all times
 EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 
@@ -59,10 +60,10 @@ class Params(Parameters):
     """Meshes and steps."""
 
     spacing: float = parameter(
-        0.06, "edge length of the mesh away from the ink", least=0.005, most=0.5
+        0.06, "edge length of the mesh away from the ink", least=0.005, most=0.3
     )
     finest: float = parameter(
-        0.025, "edge length of the mesh at the boundary of the ink", least=0.002, most=0.5
+        0.025, "edge length of the mesh at the boundary of the ink", least=0.002, most=0.3
     )
     steps: int = parameter(10, "time steps, of two meshes each", least=FRAMES - 1)
     time: float = parameter(2.0, "final time; the centre rotates once in time 2", above=0, most=100)
@@ -70,6 +71,8 @@ class Params(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.finest <= self.spacing, "finest", "spacing or less", self.finest)
+        longest = self.steps * LONGEST_STEP
+        require(self.time <= longest, "time", f"{longest:g} or less in so many steps", self.time)
 
 
 QUICK = Params(spacing=0.2, finest=0.15, steps=5, time=0.5)

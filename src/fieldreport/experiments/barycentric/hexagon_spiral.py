@@ -120,7 +120,9 @@ def measure(steps: int, star: Star) -> dict[str, float]:
 
 def linear_error(w: np.ndarray, corners: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return the relative error of linear data at each query; 1 if there is no value."""
-    error = np.abs(w @ corners.sum(axis=1) - x.sum(axis=1)) / np.abs(corners.sum(axis=1)).max()
+    with np.errstate(invalid="ignore"):  # weights that are not finite
+        values = w @ corners.sum(axis=1)
+    error = np.abs(values - x.sum(axis=1)) / np.abs(corners.sum(axis=1)).max()
     return np.where(np.isfinite(error), error, 1.0)
 
 
@@ -368,7 +370,10 @@ def plot(result: Result) -> Figure:
         _draw_star(moved, "turned and moved", arrays, "moved")
         if np.abs(result.params.center).max() < BESIDE:
             moved.plot(*s.T, ".", color="#8a8a8a", markersize=3)
-            moved.annotate("without\n$x_i$", s[-1], (6, -8), textcoords="offset points", va="top")
+            above = result.params.center[1] > 1  # the hexagon, so the label goes there
+            away = {"va": "bottom"} if above else {"va": "top"}
+            shift = (6, 8 if above else -8)
+            moved.annotate("without\n$x_i$", s[-1], shift, textcoords="offset points", **away)
         _draw_star(space, "icosahedron", arrays, "space")
         page.colorbar(points, ax=list(axes.flat), shrink=0.6, label="value above that at $x_i$")
     return page

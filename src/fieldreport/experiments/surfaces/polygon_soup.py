@@ -243,6 +243,7 @@ def plot_bodies(result: Result) -> Figure:
     soup = MeshPicture(a["torn"], a["triangles"], VIEWER, 3 * params.pixels).image()
     titles = ("triangles", *(t.format(params.smoothing_in_space) for t in TITLES))
     seen = a["images"][..., 3].any(axis=0)
+    seen |= not seen.any()  # if too few triangles are left, the empty pictures whole
     rows, columns = (np.unique(index) for index in np.nonzero(seen))
     images = a["images"][:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     with figure(height=1.4, columns=4) as (page, axes):

@@ -39,7 +39,7 @@ from fieldreport.experiments.velocity.potential_flow import (
 )
 from fieldreport.framework.error_measures import order, order_of_magnitude, rms
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
-from fieldreport.framework.parameters import Parameters, parameter
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 HALVINGS = 60
 
@@ -67,7 +67,11 @@ class Params(Parameters):
         order="increasing",
     )
     outer: float = parameter(
-        8.0, "radius of the mesh of the plane, in radii of the cylinder", least=2, most=100
+        8.0,
+        "radius of the mesh of the plane, in radii of the cylinder",
+        least=5,
+        most=100,
+        because="streamlines begin 3.3 radii from the axis",
     )
     relaxations: int = parameter(
         30, "relaxation steps that push the vertices of the mesh apart", least=0
@@ -96,6 +100,11 @@ class Params(Parameters):
     )
     arc: float = parameter(0.02, "step along a streamline, in radii", least=1e-4, most=1)
     seed: int = parameter(0, "seed of the meshes", least=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        least = 1 + 3 * self.steps_3d[0]
+        require(self.outer_3d >= least, "outer_3d", f"{least:g} or more", self.outer_3d)
 
 
 QUICK = Params(
