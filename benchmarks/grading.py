@@ -96,12 +96,12 @@ class Bench:
         self.cpu_of_sandbox_start = _cpu_of_sandbox_start()
 
     def in_turn(self, track: Track) -> Mapping[str, list[Cost]]:
-        """Grade with each in turn; a first round is not counted.
+        """Grade with each in turn; the first round is not counted.
 
         Raises
         ------
         RuntimeError
-            A grader finds something else right than what is.
+            A grader accepts other answers than the correct ones.
         """
         costs: dict[str, list[Cost]] = {"1": [], "2": []} | {name: [] for name in self.peers}
         rounds = [*costs] * (self.repeats + 1)

@@ -90,8 +90,8 @@ def bodies(level: int) -> dict[str, Surface]:
     }
 
 
-def counted(audit: MeshAudit) -> dict[str, int]:
-    """What PyMeshLab tells too."""
+def comparable_findings(audit: MeshAudit) -> dict[str, int]:
+    """The findings of the audit that PyMeshLab also reports."""
     crossing = np.concatenate([audit.crossings.ravel(), audit.overlaps.ravel()])
     return {
         "free edges": sum(map(len, audit.boundary_loops)),
@@ -107,7 +107,7 @@ def _findings(audits: dict[str, MeshAudit], theirs: dict[str, dict[str, int]]) -
     rows = [
         (name, what, n, theirs[name][what] if name in theirs else "–")
         for name, audit in audits.items()
-        for what, n in counted(audit).items()
+        for what, n in comparable_findings(audit).items()
     ]
     return Table("Findings", ("mesh", "what", "fieldrecon", "PyMeshLab"), rows)
 

@@ -102,7 +102,7 @@ def polynomials_of_the_next_degree_are_not_reproduced(case: Case) -> None:
     m = case.method
     s = m.field(all_monomials(case.sites, m.degree + 1))
     error = np.abs(s(case.queries) - all_monomials(case.queries, m.degree + 1))
-    assert error.max() > VISIBLE, f"degree {m.degree + 1} comes back to {error.max():.1e}"
+    assert error.max() > VISIBLE, f"degree {m.degree + 1} is reproduced to {error.max():.1e}"
 
 
 @about(lambda case: case.method.degree >= 0)

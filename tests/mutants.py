@@ -128,7 +128,7 @@ class ConstraintForgotten(Reconstruction):
 
 
 class GradientInLocalCoordinates(Wrapped):
-    """Omits the factor 1/h of the derivative with respect to (x - a)/h, here with h = 1/2."""
+    """Omits the factor 1/h of the derivative with respect to (x - a)/h, as if h = 2."""
 
     def _gradient_rows(self, x, prepared):
         return 2 * super()._gradient_rows(x, prepared)

@@ -264,7 +264,7 @@ def split(corners, i, delta):
 def test_the_polar_dual_is_the_limit_of_split_corners(corners, i):
     """The slides perturb a corner of four faces to four corners of three faces.
 
-    The difference is of order one in the perturbation.
+    The difference of the weights is proportional to the perturbation.
     """
     x = 0.6 * inside(corners, 10, seed=5) + 0.4 * corners.mean(axis=0)
     exact = BarycentricCoordinates(corners).weights(x)

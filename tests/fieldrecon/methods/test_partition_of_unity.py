@@ -137,7 +137,7 @@ def test_a_weight_with_a_kink_is_not_twice_differentiable(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize(("power", "degree", "order"), [(3, 1, 1.8), (3, 3, 3.5), (5, 2, 2.8)])
 def test_the_error_converges_with_the_degree(power, degree, order):
-    """The order is at least almost degree + 1."""
+    """The order of convergence is nearly degree + 1 or higher."""
     q = 0.05 + 0.9 * halton(3000, 2, seed=1)
     sizes, errors = np.array([2000, 8000, 32000]), []
     for n in sizes:

@@ -174,7 +174,7 @@ def test_points_off_the_curve_are_accepted(offset):
     require(np.vstack([CIRCLE, [[0.0, 0.0]]]) + offset, 2)
 
 
-def test_the_message_for_one_variable_is_singular():
+def test_the_message_for_one_variable_uses_the_singular():
     with pytest.raises(np.linalg.LinAlgError, match=r"degree 1 in 1 variable: rank 1 of 2"):
         require([[1.0], [1.0]], 1)
 

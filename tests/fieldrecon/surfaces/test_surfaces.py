@@ -383,7 +383,7 @@ def test_tiny_components_are_removed(monkeypatch):
 
 
 def test_meshes_far_from_the_origin_are_clean():
-    """At 1e8 cells from the origin coordinates resolve about 1e-7 cells."""
+    """At 1e8 cells from the origin rounding moves vertices by about 2e-8 cells."""
     mesh = extract_surface(transform(TORUS, ROTATION, [1e7, -1e7, 1e7]), 0.1)
     assert mesh.audit.found == {}
     assert mesh.volume == pytest.approx(extract_surface(transform(TORUS, ROTATION), 0.1).volume)

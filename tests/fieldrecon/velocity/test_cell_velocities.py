@@ -154,7 +154,7 @@ def test_a_rotation_is_exact_at_the_circumcentre_only():
 def test_a_rotation_in_space_needs_the_circumcentres_of_the_faces():
     """In space the circumcentre of a face is not its centroid.
 
-    With data at circumcentres it is exact.
+    With data at the circumcentres of the faces the rotation is exact.
     """
     mesh = MESHES["jittered 3-D"]
     rotation = np.cross([0.3, -1.0, 0.7], mesh.face_circumcenters)
@@ -166,7 +166,7 @@ def test_a_rotation_in_space_needs_the_circumcentres_of_the_faces():
 
 
 def test_raviart_thomas_reproduces_expansions_and_rotations_at_the_circumcentre():
-    """The least-squares velocity has its exact value of an expansion at K instead."""
+    """For an expansion the least-squares velocity is exact at the symmedian point instead."""
     mesh = MESHES["jittered 2-D"]
     u = lambda x: 2.0 * x + x @ np.array([[0.0, 3.0], [-3.0, 0.0]])  # noqa: E731
     v = normal_velocities(mesh, u(mesh.points))
