@@ -1,5 +1,6 @@
 """Coupling of meshes: conservation laws, their conditions, and the loss otherwise."""
 
+import warnings
 from collections.abc import Callable
 from functools import partial
 from unittest import mock
@@ -237,7 +238,9 @@ def test_flat_structures_are_detected():
     for d in (2, 3):
         for unit, offset in ((1.0, 0.0), (1e-9, 0.0), (1e6, 3.0)):
             x = (flat(d) + offset) * unit
-            t = couple(x, (skin_points(d) + offset) * unit, cubics)
+            t = quietly(
+                couple, x, (skin_points(d) + offset) * unit, cubics
+            )  # beyond a line by its length
             assert isinstance(t, FlatCoupling)
             f = transfer_laws.loads_on(t)
             lost = net_force_and_moment(t.structure, t.loads(f)) - net_force_and_moment(
@@ -247,7 +250,57 @@ def test_flat_structures_are_detected():
             assert np.abs(lost[d:]).max() < 1e-8 * unit * (1 + offset)
         away = np.linalg.svd(flat(d) - flat(d).mean(axis=0))[2][-1]
         thick = flat(d) + 1e-3 * np.cos(np.arange(40))[:, None] * away
-        assert type(couple(thick, skin_points(d), cubics)) is Coupling
+        assert type(quietly(couple, thick, skin_points(d), cubics)) is Coupling
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_flatness_is_judged_for_the_digits_of_a_file(d):
+    """Rounded to `digits` in any unit: flat if and only if flatness admits it, and then right.
+
+    A bent plate, whose sagitta is ten times the flatness, is not flat.
+    """
+    exact = flat(d)
+    normal = np.linalg.svd(exact - exact.mean(axis=0))[2][-1]
+    y = exact[::3] + 0.05 * normal
+    u = np.sum((exact - exact.mean(axis=0)) ** 2, axis=1)[:, None] * normal
+    expected = FlatCoupling(exact, y, cubics).displacements(u)
+    for digits, unit in ((4, 1.0), (5, 1e6), (6, 1.0), (7, 1e-6), (8, 1e6)):
+        x, flatness = np.round(exact, digits) * unit, 10.0**-digits
+        for t in [couple(x, y * unit, cubics, flatness=flatness)] + (
+            [couple(x, y * unit, cubics)] if digits >= 6 else []
+        ):
+            assert type(t) is FlatCoupling
+            assert np.abs(t.displacements(u) - expected).max() < 30 * flatness
+        if digits < 6:
+            assert type(quietly(couple, x, y * unit, cubics)) is Coupling
+        bent = (exact + 10 * flatness * u / u.max()) * unit
+        assert type(quietly(couple, bent, y * unit, cubics, flatness=flatness)) is Coupling
+
+
+def quietly(make, *arguments, **options):
+    """Whatever it warns of."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return make(*arguments, **options)
+
+
+def test_weights_that_amplify_are_announced():
+    """Exactly those above the bound: almost flat nodes in space, and points far away."""
+    almost = np.round(flat(3), 4)
+    normal = np.linalg.svd(almost - almost.mean(axis=0))[2][-1]
+    with pytest.warns(RuntimeWarning, match=r"node \d+ of the surface sum to .*flatness=\de-05"):
+        couple(almost, flat(3) + 0.05 * normal, cubics)
+    with pytest.warns(RuntimeWarning, match=r"structural nodes nearer to it$"):
+        couple(flat(2), flat(2)[:3] * 1e3, cubics)
+    couple(nodes(3), skin_points(3), cubics)
+    for t in (couple(nodes(3), skin_points(3), cubics), couple(flat(3), skin_points(3), cubics)):
+        sums = np.abs(t.method.weights(t.projections)).sum(axis=1)
+        assert_close(t.row_norms(), sums, 1e-12)
+    with mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 1000):
+        t = Coupling(cubics(nodes(3)), skin_points(3))
+    sums = np.abs(cubics(nodes(3)).weights(skin_points(3))).sum(axis=1)
+    assert (t.row_norms() <= sums * (1 + 1e-9)).all()
+    assert (t.row_norms() >= sums / 10).all()
 
 
 def test_a_method_in_space_refuses_flat_nodes_or_loses_moments():
