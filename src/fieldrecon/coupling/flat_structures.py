@@ -172,7 +172,7 @@ def couple(
     flatness = valid.as_length(flatness, "flatness", zero_allowed=True)
     thinness = principal_axes(structure)[1]
     if structure.shape[1] > 1 and thinness[-1] <= flatness:
-        coupling: Transfer = FlatCoupling(structure, x, make, flatness)
+        coupling: Coupling | FlatCoupling = FlatCoupling(structure, x, make, flatness)
     else:
         coupling = Coupling(make(structure), x)
     refuse_lost_moments(coupling.method)
@@ -205,7 +205,7 @@ def refuse_lost_moments(method: Reconstruction) -> None:
         )
 
 
-def warn_of_large_weights(coupling: Transfer, thinness: float) -> None:
+def warn_of_large_weights(coupling: Coupling | FlatCoupling, thinness: float) -> None:
     """Warn of a node of the surface whose absolute weights have a large sum."""
     sums = coupling.row_norms()
     worst = int(sums.argmax())

@@ -174,16 +174,6 @@ class Transfer(ABC):
         )
 
     @abstractmethod
-    def row_norms(self) -> np.ndarray:
-        """Sums of the absolute weights of each node of the surface; lower bounds if H is not kept.
-
-        Returns
-        -------
-        (m,) ndarray
-            The factors by which displacements can grow in each component.
-        """
-
-    @abstractmethod
     def _displace(self, u: np.ndarray) -> np.ndarray:
         """C u of displacements (n, d, v)."""
 

@@ -4,11 +4,14 @@ import itertools
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
-from fieldrecon.triangles.repair import minimum_area_patches, repair_mesh
+from fieldrecon.triangles.holes import minimum_area_patches
+from fieldrecon.triangles.repair import repair_mesh
 from fieldreport.experiments.triangles.planted_errors import damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
     band,
@@ -158,6 +161,180 @@ def test_large_holes_are_filled_on_request_only():
     }
 
 
+def touching_holes():
+    """Spheres less triangles: two with a common corner, on the octahedron and elsewhere; five at
+    random, two of them at one vertex; and all around a rhombus, which hangs at two vertices."""
+    tops = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2]])
+    octahedron = (
+        np.concatenate([np.eye(3), -np.eye(3)]),
+        np.concatenate([tops, np.where(tops == 2, 5, tops)[:, ::-1]]),
+    )
+    yield octahedron, [0, 2]
+    points, triangles = sphere(1)
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        around = np.flatnonzero((triangles == rng.integers(len(points))).any(axis=1))
+        taken = [*rng.choice(around, 2, replace=False), *rng.choice(len(triangles), 3)]
+        yield (points, triangles), taken
+    near = np.isin(triangles, triangles[5, :2])
+    yield (points, triangles), np.flatnonzero(near.any(axis=1) & (near.sum(axis=1) < 2))
+
+
+def test_holes_that_touch_are_filled_one_at_a_time():
+    """The bodies are whole again, with about their volume."""
+    for (points, triangles), taken in touching_holes():
+        given = np.delete(triangles, taken, axis=0)
+        repaired = repair_mesh(points, given, largest_hole=1.0)
+        assert repaired.after.clean
+        assert "split_vertices" not in repaired.done
+        assert volume(*mesh_of(repaired)) == pytest.approx(volume(points, triangles), rel=0.06)
+
+
+def mesh_of(repaired):
+    return repaired.points, repaired.triangles
+
+
+def test_fans_of_two_bodies_with_a_common_corner_are_filled_each_alone():
+    """Two tetrahedra without a face at their common tip: two bodies that touch."""
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    one = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    both = (
+        np.concatenate([one, -one[1:]]),
+        np.concatenate([faces[1:], np.where(faces, faces + 3, 0)[1:, ::-1]]),
+    )
+    repaired = repair_mesh(*both, largest_hole=1.0)
+    assert repaired.done == {"split_vertices": 1, "filled_holes": 2, "filling_triangles": 2}
+    assert repaired.after.found == {"touching_vertices": 1}
+
+
+# --- the law: no repair adds an error -------------------------------------------------------------
+
+
+def take_at_a_vertex(rng, points, triangles):
+    around = np.flatnonzero((triangles == rng.integers(len(points))).any(axis=1))
+    taken = rng.choice(around, min(len(around), rng.integers(1, 4)), replace=False)
+    return points, np.delete(triangles, taken, axis=0)
+
+
+def take(rng, points, triangles):
+    return points, np.delete(triangles, rng.choice(len(triangles), 2), axis=0)
+
+
+def flip(rng, points, triangles):
+    turned = triangles.copy()
+    turned[rng.integers(len(triangles))] = triangles[rng.integers(len(triangles)), ::-1]
+    return points, turned
+
+
+def double(rng, points, triangles):
+    return points, np.concatenate([triangles, triangles[rng.choice(len(triangles), 1)]])
+
+
+def cut_on_one_side(rng, points, triangles, capped=False):
+    """Split a triangle at the midpoint of a side; if `capped`, close the seam without area."""
+    k, new = rng.integers(len(triangles)), len(points)
+    a, b, c = np.roll(triangles[k], rng.integers(3))
+    halves = [[a, new, c], [new, b, c], [a, b, new]][: 3 if capped else 2]
+    whole = np.concatenate([np.delete(triangles, k, axis=0), halves])
+    return np.concatenate([points, points[[a, b]].mean(axis=0)[None]]), whole
+
+
+def cut_and_cap(rng, points, triangles):
+    return cut_on_one_side(rng, points, triangles, capped=True)
+
+
+def copy_a_vertex(rng, points, triangles):
+    vertex, cut = rng.integers(len(points)), triangles.copy()
+    for t in np.flatnonzero((triangles == vertex).any(axis=1)):
+        if rng.random() < 0.5:
+            cut[t] = np.where(cut[t] == vertex, len(points), cut[t])
+    return np.concatenate([points, points[[vertex]]]), cut
+
+
+def join_two_vertices(rng, points, triangles):
+    one, other = rng.choice(len(points), 2, replace=False)
+    return points, np.where(triangles == one, other, triangles)
+
+
+DAMAGES = [
+    take_at_a_vertex,
+    take,
+    flip,
+    double,
+    cut_on_one_side,
+    cut_and_cap,
+    copy_a_vertex,
+    join_two_vertices,
+]
+BODIES = [sphere(0), sphere(1), torus(7, 5), cube(2), cube(1)]
+
+
+def damaged_mesh(seed, body, damages):
+    """A body with several damages, one after another."""
+    surface, rng = BODIES[body], np.random.default_rng(seed)
+    for k in damages:
+        surface = DAMAGES[k](rng, *surface)
+    return surface
+
+
+def no_repair_adds_a_kind_of_error(surface, largest_hole=1.0):
+    """But where a bow-tie was split, its fans still touch."""
+    repaired = repair_mesh(*surface, largest_hole=largest_hole)
+    found = {*audit_mesh(*mesh_of(repaired)).found}
+    if repaired.before.found.get("bow_tie_vertices"):
+        found -= {"touching_vertices"}
+    assert found <= {*repaired.before.found}
+
+
+def draw_of(seed):
+    rng = np.random.default_rng(seed)
+    return seed, rng.integers(5), rng.choice(len(DAMAGES), rng.integers(1, 5))
+
+
+def test_no_repair_adds_an_error():
+    """A few draws of the law below."""
+    for seed in range(4):
+        no_repair_adds_a_kind_of_error(damaged_mesh(*draw_of(seed)))
+
+
+@pytest.mark.slow
+@settings(max_examples=600, deadline=None)
+@given(
+    st.integers(0, 2**32 - 1),
+    st.integers(0, len(BODIES) - 1),
+    st.lists(st.integers(0, len(DAMAGES) - 1), min_size=1, max_size=5),
+    st.sampled_from([0.1, 0.3, 1.0]),
+)
+def test_no_repair_of_any_damage_adds_an_error(seed, body, damages, largest_hole):
+    """Over bodies with one to five damages."""
+    no_repair_adds_a_kind_of_error(damaged_mesh(seed, body, damages), largest_hole)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "mutants",
+    [
+        {"added_kinds": lambda before, after: set()},  # noqa: ARG005
+        {
+            "added_kinds": lambda before, after: set(),  # noqa: ARG005
+            "erroneous": lambda after, t, first: np.empty(0, dtype=int),  # noqa: ARG005
+        },
+    ],
+    ids=["stages are kept", "patches are kept"],
+)
+def test_a_repair_that_does_not_look_is_caught(mutants, monkeypatch):
+    """By one of these draws."""
+    for name, mutant in mutants.items():
+        monkeypatch.setattr(_mending, name, mutant)
+
+    def some_draws():
+        for seed in range(400):
+            no_repair_adds_a_kind_of_error(damaged_mesh(*draw_of(seed)))
+
+    with pytest.raises(AssertionError):
+        some_draws()
+
+
 def test_a_patch_that_would_intersect_the_mesh_is_not_inserted():
     """A tetrahedron in the hole prevents the patch."""
     points, triangles = PLANTED["hole"].surface
@@ -208,7 +385,7 @@ def test_patches_have_minimal_area():
     ("name", "mutant", "error"),
     [
         ("without_duplicates", lambda t, n: t, "duplicate triangle"),  # noqa: ARG005
-        ("without_flat", lambda p, t, tolerance: t, "degenerate triangle"),  # noqa: ARG005
+        ("without_flat", lambda p, t, *_: t, "degenerate triangle"),  # noqa: ARG005
         ("split_free_edges", lambda p, t, tolerance: t, "T-junction"),  # noqa: ARG005
         ("split_bow_ties", lambda p, t: (p, t), "bow-tie"),
         ("oriented", lambda p, t: t, "flipped triangle"),  # noqa: ARG005
