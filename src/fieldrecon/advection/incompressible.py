@@ -149,7 +149,7 @@ def divergence_free(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
     unit = _extent(mesh)
     outflow = _outflow(mesh, unit)
     inside = np.flatnonzero(mesh.face_cells[:, 1] >= 0)
-    kept = _independent_cells(mesh, outflow @ v, np.abs(outflow) @ np.abs(v))
+    kept = _independent_cells(mesh, outflow @ v, np.abs(outflow) @ np.abs(v), unit)
     result = v.copy()
     if len(inside):
         energy, balance = _energy(mesh, unit)[inside][:, inside], outflow[kept][:, inside]
@@ -192,7 +192,9 @@ def _outflow(mesh: SimplexMesh, unit: float) -> sparse.csr_array:
     return sparse.csr_array((entries.ravel(), where), shape=(len(mesh.cells), len(mesh.faces)))
 
 
-def _independent_cells(mesh: SimplexMesh, net: np.ndarray, all_flow: np.ndarray) -> np.ndarray:
+def _independent_cells(
+    mesh: SimplexMesh, net: np.ndarray, all_flow: np.ndarray, unit: float
+) -> np.ndarray:
     """All cells but one of each part of the mesh, whose balance follows from the others."""
     one, two = mesh.face_cells[mesh.face_cells[:, 1] >= 0].T
     c = len(mesh.cells)
@@ -200,8 +202,9 @@ def _independent_cells(mesh: SimplexMesh, net: np.ndarray, all_flow: np.ndarray)
     total, size = np.bincount(part, net, parts), np.bincount(part, all_flow, parts)
     wrong = np.flatnonzero(np.abs(total) > BALANCE * size)
     if len(wrong):
+        more = total[wrong[0]] * unit ** (mesh.points.shape[1] - 1)
         raise ValueError(
-            f"v must let in through the boundary as much as out; {total[wrong[0]]:.3g} more flows "
+            f"v must let in through the boundary as much as out; {more:.3g} more flows "
             "out, and no flow inside balances that"
         )
     return np.setdiff1d(np.arange(c), np.unique(part, return_index=True)[1])
