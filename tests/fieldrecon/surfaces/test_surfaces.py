@@ -181,6 +181,23 @@ def test_noise_is_estimated_and_smoothed():
     assert errors[0] < 0.1 * spacing
 
 
+def test_few_exact_points_of_a_sphere_give_the_sphere():
+    """Their curvature is not taken for noise, in any unit and for any method with points off it."""
+    for n, unit in ((8, 1.0), (10, 1e-6), (12, 1e6), (16, 1.0), (24, 1.0), (48, 1.0)):
+        points = spiral(n) @ ROTATION.T
+        body = implicit_surface(points * unit, points)
+        assert np.abs(body(points * unit)).max() < 0.003 * unit
+        assert body([0, 0, 0.0]) > 0.6 * unit
+        assert extract_surface(body, 0.15 * unit).volume == pytest.approx(
+            4 / 3 * np.pi * unit**3, rel=0.06
+        )
+        bounded = any("too few to tell noise from curvature" in w for w in body.warnings)
+        assert bounded == (n < 48)
+    rough = roughened(*cloud(Ball(1.0), 300), 0.1 * spacing_of(cloud(Ball(1.0), 300)[0]), seed=8)
+    body = implicit_surface(rough)
+    assert body.smoothing == 10 * np.sqrt(body.noise * body.spacing) > 0.5
+
+
 def test_smoothing_halves_waves_of_the_smoothing_length():
     """On a wavy plane nearly all of twice that wavelength is kept and little of half of it."""
     i = np.arange(-12, 13) / 12.0
