@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from checkout import ROOT
-from fieldcheck.questions.q07_voronoi_coordinates import on_edges, places_inside, star
+from fieldcheck.questions.q07_voronoi_coordinates import on_edges, points_inside, star
 from fieldgrade.authoring.sources import Source
 from fieldrecon import SimplexMesh, VoronoiCell
 from fieldreport.experiments.barycentric.hexagon_spiral import Star, from_areas, hexagon, spiral
@@ -49,7 +49,7 @@ def test_coordinates_agree_with_the_library(n, seed):
     center, rim, corners, mesh = made(n, seed)
     cell = VoronoiCell(mesh, 0)
     order = np.argsort([int(c[0]) for c in cell.cells])
-    x = places_inside(np.random.default_rng(9), center, corners, 30)
+    x = points_inside(np.random.default_rng(9), center, corners, 30)
     wanted = cell.weights(x)[:, order]
     omega = NOTEBOOK["coordinates"](center, rim, corners, x)
     np.testing.assert_allclose(omega, wanted, rtol=0, atol=ROUNDING)
@@ -63,7 +63,7 @@ def test_coordinates_agree_with_the_library(n, seed):
 def test_the_field_agrees_with_the_library(n, seed):
     center, rim, corners, mesh = made(n, seed)
     random = np.random.default_rng(seed)
-    values, x = random.normal(size=n), places_inside(random, center, corners, 20)
+    values, x = random.normal(size=n), points_inside(random, center, corners, 20)
     cell = VoronoiCell(mesh, 0)
     field = cell.field(values[[int(c[0]) for c in cell.cells]])
     mine = NOTEBOOK["interpolate"](center, rim, corners, values, x)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from checkout import ROOT
-from fieldcheck.questions.q08_weights_in_3d import places_inside, star
+from fieldcheck.questions.q08_weights_in_3d import points_inside, star
 from fieldgrade.authoring.sources import Source
 from fieldrecon import SimplexMesh, VoronoiCell
 from fieldreport.experiments.barycentric.hexagon_spiral import Star, icosahedron, quotients
@@ -67,7 +67,7 @@ def test_the_stars_of_the_questions_have_the_given_circumcentres():
 def test_coordinates_agree_with_the_library(case):
     """As quotients and as products, also at corners; linear fields are reproduced."""
     mesh, vertex, (center, neighbors, cells), corners = case
-    x = places_inside(np.random.default_rng(3), center, corners, 15)
+    x = points_inside(np.random.default_rng(3), center, corners, 15)
     w = np.array([NOTEBOOK["weights"](center, neighbors, cells, corners, place) for place in x])
     assert w.min() > 0
     omega = NOTEBOOK["coordinates"](center, neighbors, cells, x)

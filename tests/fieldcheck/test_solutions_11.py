@@ -10,14 +10,14 @@ from scipy.spatial import cKDTree
 from checkout import ROOT
 from fieldcheck.questions.q11_point_clouds import (
     OUTWARD,
-    any_sign,
     horseshoe,
     orient_inputs,
     outward,
     oval,
+    random_signs,
     torus,
 )
-from fieldcheck.questions.q11_zero_levels import about, body
+from fieldcheck.questions.q11_zero_levels import body, points_about_origin
 from fieldgrade.authoring.sources import Source
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, values_at
@@ -70,7 +70,7 @@ def test_orientations_agree_with_the_library(random):
     """Outward on a sphere and on a torus; the library uses another rule for the outside."""
     for points in (sphere(random, 150), torus(random, 9, 18)):
         estimate = estimate_normals(points, neighbors=9)
-        given = any_sign(random, estimate.vectors)
+        given = random_signs(random, estimate.vectors)
         mine = NOTEBOOK["orient"](points, given, NOTEBOOK["linked"](points, 9))
         np.testing.assert_array_equal(mine, orient_normals(points, given, estimate.neighbors))
 
@@ -78,7 +78,7 @@ def test_orientations_agree_with_the_library(random):
 def test_orientation_follows_the_minimum_spanning_tree(random):
     """Normals joined by an edge of SciPy's minimum spanning tree agree."""
     points = torus(random, 9, 18)
-    given = any_sign(random, outward(points))
+    given = random_signs(random, outward(points))
     graph = NOTEBOOK["linked"](points, 7)
     n = NOTEBOOK["orient"](points, given, graph)
     # SciPy treats a cost of zero as a missing edge
@@ -145,7 +145,7 @@ def test_hermite_data_give_nearly_the_same_curve(random):
 def test_newton_converges_quadratically(random):
     """The residual after a step is at most a multiple of the square of the residual before."""
     for d in (2, 3):
-        x, coefficients = about(random, 20, d), body(random, d, 5)
+        x, coefficients = points_about_origin(random, 20, d), body(random, d, 5)
         left = [
             np.abs(NOTEBOOK["field"](NOTEBOOK["to_surface"](x, *coefficients, k), *coefficients)[0])
             for k in range(4)

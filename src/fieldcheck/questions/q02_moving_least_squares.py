@@ -11,19 +11,19 @@ from fieldcheck.question import Question, law, law_of_each, relative
 
 EPS = float(np.finfo(float).eps)
 LOCAL = 1e-7
-"""What rounding explains in a law about local fits, whose systems are worse conditioned."""
+"""Rounding tolerance of laws about local fits, whose systems have larger condition numbers."""
 
 
 def affine(points: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Return the values of an affine field: the slopes, and 0.7 at the origin."""
+    """Return the values of an affine field with these slopes and the value 0.7 at the origin."""
     return points @ slopes + 0.7
 
 
 def rounding(points: np.ndarray, spread: float) -> float:
-    """Return what rounding does to the normal equations of weights that differ by this factor.
+    """Return the rounding error of the normal equations; `spread` is the ratio of the weights.
 
-    It is eps times the condition of WB squared, and that of WB is at most the spread of the weights
-    times the condition of B.
+    It is eps times the squared condition of WB, which is at most the spread times the condition of
+    B.
     """
     return (
         100
@@ -33,7 +33,7 @@ def rounding(points: np.ndarray, spread: float) -> float:
 
 
 def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
-    """Return the same for places x: no weight is further below the largest than 1 + (R/ε)²."""
+    """Return the same at evaluation points x: the ratio of weights is at most 1 + (R/ε)²."""
     reach = float(np.ptp(np.concatenate([points, np.atleast_2d(x)]), axis=0).max())
     return rounding(points, 1 + (reach / epsilon) ** 2)
 
@@ -42,7 +42,7 @@ def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a place among points, all that in another unit, space, and a place that is a point."""
+    """Return an evaluation point, the same in another unit, one in space, and one at a site."""
     random = np.random.default_rng(seed)
     plane, space, x = random.random((7, 2)), random.random((5, 3)), random.random(2)
     return calls_of(
@@ -79,7 +79,7 @@ def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def fit_inputs(seed: int) -> tuple[Call, ...]:
-    """Return scattered points and weights, space, and as many points as coefficients."""
+    """Return scattered points and weights, points in space, and as many points as coefficients."""
     random = np.random.default_rng(seed)
     corner = random.random((3, 2)) + np.array([[0, 0], [2, 0], [0, 2]])
     cases = (
@@ -109,7 +109,7 @@ def weighted_residual_is_orthogonal(call: Call, values: Values) -> float:
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values; with an affine field on top; all moved and stretched; space; a small ε."""
+    """Return values, with an affine field added, moved and scaled, in space, and with a small ε."""
     random = np.random.default_rng(seed)
     p, v, x = random.random((15, 2)), random.normal(size=15), random.random((5, 2))
     slopes, shift = np.array([1.5, -2.0]), np.array([1.0, -0.5])
@@ -153,7 +153,7 @@ def only_relative_positions_count(calls: Sequence[Call], values: Sequence[Values
 
 
 def objective_inputs(seed: int) -> tuple[Call, ...]:
-    """Return coefficients that are not the best; all doubled; an affine field added; space."""
+    """Return non-optimal coefficients, all doubled, with an affine field added, and in space."""
     random = np.random.default_rng(seed)
     p, v, x, c = (
         random.random((9, 2)),
@@ -195,7 +195,7 @@ def is_quadratic(calls: Sequence[Call], values: Sequence[Values]) -> float:
     "Only the difference of Bc and V counts: adding the same affine field to both "
     "must change nothing."
 )
-def sees_only_the_residual(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def depends_on_the_residual_only(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], values[0][0])
 
 
@@ -203,7 +203,7 @@ def sees_only_the_residual(calls: Sequence[Call], values: Sequence[Values]) -> f
 
 
 def gradient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places on a circle; the same with an affine field on top; space."""
+    """Return evaluation points on a circle, the same with an affine field added, and in space."""
     random = np.random.default_rng(seed)
     p, v = random.random((20, 2)), random.normal(size=20)
     circle = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
@@ -221,7 +221,7 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
 
 
 CIRCLE = 24
-"""So many places on the circle that the sum along it is as good as the integral."""
+"""The number of points on the circle for which the sum along it equals the integral."""
 
 
 @law(
@@ -229,8 +229,8 @@ CIRCLE = 24
     "add up to zero. Where they do not, no field has this gradient.",
     LOCAL,
 )
-def comes_back_to_the_same_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the sum of the slopes along the circle, as a part of what goes up on the way."""
+def has_zero_circulation(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the sum of the slopes along the circle, relative to that of their absolute values."""
     x, (g,) = calls[0].arguments[2], values[0]
     outward = x - 0.5
     along = g[:, 1] * outward[:, 0] - g[:, 0] * outward[:, 1]
@@ -248,7 +248,7 @@ def adds_the_slope_of_affine_fields(calls: Sequence[Call], values: Sequence[Valu
 
 
 def errors_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a hundred points and ten places; all twice as far apart; other powers and ε."""
+    """Return 100 sites and ten evaluation points, all at twice the distance, other powers and ε."""
     random = np.random.default_rng(seed)
     points, places = random.random((100, 2)), random.random((10, 2))
     return calls_of(
@@ -272,15 +272,15 @@ def grows_with_the_field(calls: Sequence[Call], values: Sequence[Values]) -> flo
 
 
 def nothing_for_rounding(call: Call, values: Values) -> Values:
-    """Return errors with those that are nothing but rounding set to zero."""
+    """Return errors in which pure rounding errors are set to zero."""
     return tuple(np.where(np.abs(v) < 1e-9, 0.0, v) for v in values)
 
 
-# 02.9 Leaving one out
+# 02.9 Leave-one-out
 
 
 def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values; one of them raised; an affine field on top; space."""
+    """Return values, the same with one value raised, with an affine field added, and in space."""
     random = np.random.default_rng(seed)
     p, v = random.random((12, 2)), random.normal(size=12)
     raised = v + (np.arange(12) == 4)
@@ -313,7 +313,7 @@ def affine_fields_leave_no_error(calls: Sequence[Call], values: Sequence[Values]
 
 
 def without_the_worst(call: Call) -> float:
-    """Return the rounding when a point is left out: that of the worst choice."""
+    """Return the rounding error with one point left out, for the worst choice of the point."""
     points, _, epsilon = call.arguments
     return max(
         local_rounding(np.delete(points, i, axis=0), p, epsilon) for i, p in enumerate(points)
@@ -355,7 +355,7 @@ QUESTIONS = (
         2,
         objective_inputs,
         lambda _: ((),),
-        (is_quadratic, sees_only_the_residual),
+        (is_quadratic, depends_on_the_residual_only),
     ),
     Question(
         "02.7",
@@ -363,7 +363,7 @@ QUESTIONS = (
         4,
         gradient_inputs,
         lambda call: (call.arguments[2].shape,),
-        (comes_back_to_the_same_value, adds_the_slope_of_affine_fields),
+        (has_zero_circulation, adds_the_slope_of_affine_fields),
         lambda call: 10 * local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
     Question(

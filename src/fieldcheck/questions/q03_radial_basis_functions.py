@@ -1,6 +1,6 @@
 """Questions of notebook 03, radial basis functions.
 
-The laws need the kernel. They take it as the derivative of s^t by t at t = 1, by a complex step.
+The laws need the kernel. They compute it as the derivative of s^t at t = 1, by a complex step.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Law, Question, law, law_of_each, relative
 
 STEP = 1e-30
-"""Of the complex step: its square vanishes."""
+"""The size of the complex step; its square underflows."""
 
 
 def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return n points of the unit square, or cube, no two close together: one each in cells of a
-    grid.
+    """Return n points of the unit square or cube, one in each of n cells of a grid, so that no two
+    are close together.
     """
     side = ceil(n ** (1 / d)) + 1
     cells = random.permutation(side**d)[:n]
@@ -28,18 +28,18 @@ def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
 
 
 def squares(x: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return the squared distances of places and points, coordinate by coordinate."""
+    """Return the squared distances of evaluation points and sites, coordinate by coordinate."""
     parts = (np.subtract.outer(a, b) ** 2 for a, b in zip(x.T, points.T, strict=True))
     return np.add.reduce(list(parts))
 
 
 def grown(s: np.ndarray) -> np.ndarray:
-    """Return the derivative of s^t by t at t = 1."""
+    """Return the derivative of s^t with respect to t at t = 1."""
     return np.asarray(np.imag(s ** (1 + 1j * STEP)) / STEP)
 
 
 def field(points: np.ndarray, lam: np.ndarray, c: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the field with given coefficients."""
+    """Return the values of the field with given coefficients."""
     return (
         sum(a * column for a, column in zip(c[1:], x.T, strict=True))
         + c[0]
@@ -51,7 +51,7 @@ def field(points: np.ndarray, lam: np.ndarray, c: np.ndarray, x: np.ndarray) -> 
 
 
 def kernel_inputs(seed: int) -> tuple[Call, ...]:
-    """Return vectors of several dimensions, short, long and zero, and a table of them."""
+    """Return short, long and zero vectors of several dimensions, and an array of vectors."""
     random = np.random.default_rng(seed)
     plane = random.normal(size=(7, 2))
     plane[2] = 0
@@ -68,7 +68,7 @@ def kernel_inputs(seed: int) -> tuple[Call, ...]:
 
 @law_of_each("By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.")
 def quotient_is_a_logarithm(call: Call, values: Values) -> float:
-    """Return how far exp(w / s) is from s, and w from zero where s is zero."""
+    """Return the deviation of exp(w / s) from s, and of w from zero where s is zero."""
     (w,) = values
     s = np.linalg.norm(call.arguments[0], axis=-1) ** 2
     there = s > 0
@@ -81,7 +81,7 @@ def quotient_is_a_logarithm(call: Call, values: Values) -> float:
 
 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in the plane, in space, and as few as there can be."""
+    """Return points in the plane, points in space, and the smallest possible number of points."""
     random = np.random.default_rng(seed)
     sizes = (
         (6, 2, "six points in the plane"),
@@ -106,7 +106,7 @@ def is_symmetric(_: Sequence[Call], values: Sequence[Values]) -> float:
     "below them the sums of (3.4)."
 )
 def maps_coefficients_to_data(call: Call, values: Values) -> float:
-    """Return how far H times some (λ, c) is from the values of that field, and the moments of λ."""
+    """Return the deviation of H (λ, c) from the values of the field and from the moments of λ."""
     (h,) = values
     (points,) = call.arguments
     n, d = points.shape
@@ -139,8 +139,8 @@ def coefficients_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 @law_of_each("With these coefficients the field must go through the values.")
-def goes_through_the_values(call: Call, values: Values) -> float:
-    """Return how far the field is from the values at the points."""
+def interpolates_the_values(call: Call, values: Values) -> float:
+    """Return the deviation of the field from the values at the points."""
     (lam, c) = values
     points, wanted = call.arguments
     return relative(field(points, lam, c, points) - wanted, wanted)
@@ -151,7 +151,7 @@ def goes_through_the_values(call: Call, values: Values) -> float:
     "weighted by a coordinate."
 )
 def has_no_moments(call: Call, values: Values) -> float:
-    """Return the largest sum of the λ_j, plain and weighted by coordinates."""
+    """Return the largest sum of the λ_j, unweighted and weighted by a coordinate."""
     (lam, _) = values
     size = max(np.abs(lam).max(), np.abs(call.arguments[1]).max())
     return relative([lam.sum(), *call.arguments[0].T.dot(lam)], size)
@@ -161,7 +161,7 @@ def has_no_moments(call: Call, values: Values) -> float:
 
 
 def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return coefficients, and places among which are points of the data."""
+    """Return coefficients and evaluation points, some of which are sites."""
     random = np.random.default_rng(seed)
     cases = (
         (8, 2, 5, "places in the plane, two of them data points"),
@@ -178,14 +178,14 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
 
 
 @law("The field is an affine function and one bump for each point.")
-def is_a_sum_of_bumps(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the values are from those of the field."""
+def is_a_sum_of_basis_functions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the values from those of the field."""
     return max(relative(v - field(*c.arguments), v) for c, (v,) in zip(calls, values, strict=True))
 
 
 @law("A gradient foretells how the field changes over a small step.", 1e-5)
-def foretells_small_steps(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest difference of the gradient from central differences."""
+def agrees_with_central_differences(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest difference between the gradient and central differences."""
     worst, h = 0.0, 1e-5
     for call, (g,) in zip(calls, values, strict=True):
         points, lam, c, x = call.arguments
@@ -199,8 +199,8 @@ def foretells_small_steps(calls: Sequence[Call], values: Sequence[Values]) -> fl
 
 
 def inertia_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, twice at one place; in a small and a large
-    box.
+    """Return points in general position, on a line, with a repeated point, in small and large
+    boxes.
     """
     random = np.random.default_rng(seed)
     plane, space, twice = cloud(random, 9, 2), cloud(random, 8, 3), cloud(random, 6, 2)
@@ -225,7 +225,7 @@ def inertia_inputs(seed: int) -> tuple[Call, ...]:
     "zero, so is the sum of the eigenvalues, and both signs occur."
 )
 def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many are missing from the sum, and one where a sign is missing."""
+    """Return the number of eigenvalues that are not counted, or one if a sign is missing."""
     lacking = (
         abs(sum(c.arguments[0].shape) + 1 - v[0].sum()) + (v[0][:2] < 1).sum()
         for c, v in zip(calls, values, strict=True)
@@ -238,9 +238,7 @@ def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -
     "each point that comes a second time: then the solution is not unique."
 )
 def is_singular_where_it_must(call: Call, values: Values) -> float:
-    """Return the largest difference of the zeros from the changes that the field at the points
-    does not show.
-    """
+    """Return the difference between the number of zeros and the dimension of the null space."""
     (counts,) = values
     (points,) = call.arguments
     repeated = len(points) - len(np.unique(points, axis=0))
@@ -252,7 +250,7 @@ def is_singular_where_it_must(call: Call, values: Values) -> float:
 
 
 def energy_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values; the same with an affine field added, tripled, on larger and turned points."""
+    """Return values, with an affine field added, tripled, and at scaled and rotated points."""
     random = np.random.default_rng(seed)
     points, values = cloud(random, 10, 2), random.normal(size=10)
     tilt = 2 - points[:, 0] + 3 * points[:, 1]
@@ -270,8 +268,8 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
     "An affine field does not bend, and adds nothing to the energy; three times the "
     "values have nine times the energy; a sheet twice as wide has a quarter of it."
 )
-def bends_as_a_sheet(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the energies are from e, e, 9e, e/4."""
+def has_the_bending_energy(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the energies from e, e, 9e and e/4."""
     e = np.array([v[0] for v in values])
     return max(relative(e - e[0] * np.array([1, 1, 9, 0.25]), e), float(e[0] <= 0))
 
@@ -299,7 +297,7 @@ QUESTIONS = (
         3,
         coefficients_inputs,
         coefficients_shapes,
-        (has_no_moments, goes_through_the_values),
+        (has_no_moments, interpolates_the_values),
     ),
     Question(
         "03.4",
@@ -307,7 +305,7 @@ QUESTIONS = (
         2,
         lambda seed: field_inputs("evaluate", seed),
         lambda call: ((len(call.arguments[3]),),),
-        (is_a_sum_of_bumps,),
+        (is_a_sum_of_basis_functions,),
     ),
     Question(
         "03.5",
@@ -323,7 +321,7 @@ QUESTIONS = (
         3,
         lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[3].shape,),
-        (foretells_small_steps,),
+        (agrees_with_central_differences,),
     ),
-    Question("03.7", "energy", 2, energy_inputs, lambda _: ((),), (bends_as_a_sheet,)),
+    Question("03.7", "energy", 2, energy_inputs, lambda _: ((),), (has_the_bending_energy,)),
 )

@@ -10,13 +10,13 @@ from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, law_of_each, relative
 
 FITTED = 1e-8
-"""What rounding explains where a system with a condition of some hundreds is solved."""
+"""Rounding tolerance of systems whose condition number is some hundreds."""
 
 
 def mesh(random: np.random.Generator, columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return points and triangles of squares, pushed about, cut one way or the other.
+    """Return points and triangles of a jittered grid of squares, cut along either diagonal.
 
-    One triangle has a point more inside. Points are numbered, and triangles turned, at random.
+    One triangle is split by an additional inner point. Numbering and orientation are random.
     """
     steps = np.stack(np.meshgrid(np.arange(columns + 1.0), np.arange(rows + 1.0)), axis=-1)
     points = (steps + random.uniform(-0.22, 0.22, steps.shape)).reshape(-1, 2) / max(columns, rows)
@@ -41,14 +41,14 @@ def mesh(random: np.random.Generator, columns: int, rows: int) -> tuple[np.ndarr
 
 
 def sides(triangles: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """Return the pairs of corners that occur, each once, in any order and direction."""
+    """Return the pairs of vertices that are edges, each once, in random order and direction."""
     pairs = {frozenset((t[k], t[k - 1])) for t in triangles.tolist() for k in range(3)}
     listed = np.array(sorted(tuple(pair) for pair in pairs))
     return random.permuted(listed, axis=1)[random.permutation(len(listed))]
 
 
 def directions(angle: np.ndarray) -> np.ndarray:
-    """Return unit vectors."""
+    """Return unit vectors with these angles."""
     turned = np.exp(1j * angle)
     return np.column_stack([turned.real, turned.imag])
 
@@ -68,12 +68,12 @@ def edges_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def number_of_edges(triangles: np.ndarray) -> int:
-    """Return it by Euler's formula: as many as vertices and triangles, less one."""
+    """Return their number by Euler's formula: vertices plus triangles minus one."""
     return int(triangles.max()) + len(triangles)
 
 
 def both_ends_known(_: Call, values: Values) -> Values:
-    """Return the edges with the lower end first, in lexicographic order."""
+    """Return the edges with the smaller number first, in lexicographic order."""
     low, high = values[0].min(axis=1), values[0].max(axis=1)
     order = np.lexsort([high, low])
     return (np.stack([low, high], axis=1)[order],)
@@ -87,7 +87,7 @@ def no_edge_twice(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 @law_of_each("The two ends of an edge must be different corners of one triangle.")
 def ends_share_a_triangle(call: Call, values: Values) -> float:
-    """Return the largest part of the edges whose two ends are not corners of one triangle."""
+    """Return the largest share of edges whose ends do not belong to a common triangle."""
     (e,) = values
     corners = [set(t) for t in call.arguments[0].tolist()]
     alone = [len(set(pair)) < 2 or not any(set(pair) <= t for t in corners) for pair in e.tolist()]
@@ -98,7 +98,7 @@ def ends_share_a_triangle(call: Call, values: Values) -> float:
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a mesh, two edges along the axes, and a long mesh in small units."""
+    """Return a mesh, two edges along the axes, and an elongated mesh in small units."""
     random = np.random.default_rng(seed)
     points, triangles = mesh(random, 3, 2)
     more, others = mesh(random, 2, 2)
@@ -113,13 +113,13 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def either_side(_: Call, values: Values) -> Values:
-    """Return normals that point to the side of a fixed direction."""
+    """Return normals oriented to the side of a fixed direction."""
     midpoints, normals = values
     back = (normals @ ACROSS < 0)[:, np.newaxis]
     return midpoints, np.where(back, -normals, normals)
 
 
-def of_the_edges(
+def edge_data(
     calls: Sequence[Call], values: Sequence[Values]
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
     """Yield both ends of the edges of a call, the midpoints and the normals."""
@@ -134,17 +134,17 @@ def of_the_edges(
     "there to the other end."
 )
 def halfway(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(relative((p - a) - (b - p), b - a) for a, b, p, _ in of_the_edges(calls, values))
+    return max(relative((p - a) - (b - p), b - a) for a, b, p, _ in edge_data(calls, values))
 
 
 @law("A unit normal must have length one.")
 def unit_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(relative(np.hypot(*n.T) - 1, 1) for *_, n in of_the_edges(calls, values))
+    return max(relative(np.hypot(*n.T) - 1, 1) for *_, n in edge_data(calls, values))
 
 
 @law("A normal must be perpendicular to its edge.")
 def across(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    found = of_the_edges(calls, values)
+    found = edge_data(calls, values)
     return max(relative(np.einsum("ek,ek->e", b - a, n), b - a) for a, b, _, n in found)
 
 
@@ -152,7 +152,7 @@ def across(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def rotation_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points of a mesh, the same moved, and a cloud that is denser on one side."""
+    """Return points of a mesh, the same translated, and points that are denser on one side."""
     random = np.random.default_rng(seed)
     points = mesh(random, 2, 2)[0]
     cloud = random.random((7, 2)) ** 2
@@ -184,7 +184,7 @@ def turns_about_the_mean(calls: Sequence[Call], values: Sequence[Values]) -> flo
 
 
 def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
-    """Return velocities; normals reversed; ends exchanged; the same velocity everywhere."""
+    """Return velocities, with reversed normals, with exchanged ends, and a constant velocity."""
     random = np.random.default_rng(seed)
     edges = sides(mesh(random, 2, 2)[1], random)
     normals = directions(random.uniform(0, 2 * np.pi, len(edges)))
@@ -220,12 +220,12 @@ def wind_along_the_first_axis(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def ring_inputs(seed: int) -> tuple[Call, ...]:
-    """Return one and two rings of the vertex with the most edges, and of one with the fewest."""
+    """Return one and two rings of the vertex with most edges and of one with the fewest edges."""
     random = np.random.default_rng(seed)
     triangles = mesh(random, 4, 4)[1]
     edges = sides(triangles, random)
     count = np.bincount(triangles.ravel())
-    new = neighbours_of_three(triangles)
+    new = neighbour_of_valence_three(triangles)
     lonely = int(count.argmin())
     return calls_of(
         "ring",
@@ -236,10 +236,8 @@ def ring_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-def neighbours_of_three(triangles: np.ndarray) -> int:
-    """Return a vertex beside one that has three triangles inside: two of its neighbours are
-    joined.
-    """
+def neighbour_of_valence_three(triangles: np.ndarray) -> int:
+    """Return a neighbour of a vertex with three triangles: two of its neighbours are joined."""
     for t in triangles:
         for middle in t:
             star = np.array([u for u in triangles if middle in u])
@@ -261,7 +259,7 @@ def holds_the_spokes(calls: Sequence[Call], values: Sequence[Values]) -> float:
     "The edges are those of whole triangles, so at each end of one of them another must end."
 )
 def made_of_triangles(call: Call, values: Values) -> float:
-    """Return the part of the ends of chosen edges at which no other chosen edge ends."""
+    """Return the share of ends of selected edges at which no other selected edge ends."""
     (near,) = values
     ends = np.bincount(call.arguments[1][near > 0.5].ravel())
     return float(np.mean(ends[ends > 0] < 2)) if ends.any() else 1.0
@@ -274,11 +272,11 @@ def grows(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(*lost, *(g == 0 for g in gained)))
 
 
-# 05.7 and 05.8 The system, and the velocity at one place
+# 05.7 and 05.8 The system, and the velocity at one point
 
 
 def samples(random: np.random.Generator, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return midpoints around a place, normals in all directions, and the place."""
+    """Return midpoints around a point, normals in all directions, and the point."""
     angle = 2 * np.pi * (np.arange(number) + random.uniform(-0.2, 0.2, number)) / number
     radius = np.where(np.arange(number) % 2, 1.0, 0.5) + random.uniform(-0.1, 0.1, number)
     turned = angle + 2 * np.pi * np.arange(number) / 3 + random.uniform(-0.2, 0.2, number)
@@ -287,7 +285,7 @@ def samples(random: np.random.Generator, number: int) -> tuple[np.ndarray, np.nd
 
 
 def system_inputs(seed: int) -> tuple[Call, ...]:
-    """Return samples, the same moved together with the place, and few samples."""
+    """Return samples, the same translated together with the point, and few samples."""
     random = np.random.default_rng(seed)
     p, n, x = samples(random, 9)
     few = samples(random, 4)
@@ -301,8 +299,8 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
 
 @law_of_each("Bʹ times the coefficients of a field must be its normal velocities at the midpoints.")
 def gives_normal_velocities(call: Call, values: Values) -> float:
-    """Return how far Bʹ of a field is from its normal velocities: the field (2 + 3 y₂, −1 + y₁ +
-    4 y₂).
+    """Return the deviation of B' c from the normal velocities of the field (2 + 3 y₂, −1 + y₁ + 4
+    y₂).
     """
     (b,) = values
     p, n, x = call.arguments
@@ -312,17 +310,19 @@ def gives_normal_velocities(call: Call, values: Values) -> float:
 
 
 @law("Moving the edges together with the vertex must change nothing.")
-def sees_only_differences(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def depends_on_differences_only(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
 def linear_flow(p: np.ndarray) -> np.ndarray:
-    """Return the velocities of a field that turns, stretches and drifts."""
+    """Return the velocities of a linear field with rotation, strain and translation."""
     return p @ np.array([[0.5, 2.0], [-1.0, 1.0]]) + np.array([1.0, -3.0])
 
 
 def velocity_inputs(seed: int) -> tuple[Call, ...]:
-    """Return data at random; with an affine field on top; moved; other normals and weights."""
+    """Return random data, with an affine field added, translated, and with other normals and
+    weights.
+    """
     random = np.random.default_rng(seed)
     p, n, x = samples(random, 12)
     v, w = random.normal(size=12), random.uniform(0.4, 2.5, 12)
@@ -345,7 +345,7 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
     "the data must add its value at the vertex.",
     FITTED,
 )
-def returns_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def reproduces_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     told = linear_flow(calls[0].arguments[3])
     return relative(values[1][0] - values[0][0] - told, np.abs(values[1][0]).max() + 1)
 
@@ -364,7 +364,7 @@ def side_of_the_normal(calls: Sequence[Call], values: Sequence[Values]) -> float
 
 
 def ranks_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a mesh with one ring and with two, far from the origin, and in small units."""
+    """Return a mesh with one and two rings, far from the origin, and in small units."""
     random = np.random.default_rng(seed)
     points, triangles = mesh(random, 4, 4)
     return calls_of(
@@ -398,7 +398,7 @@ def rank_grows(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 ACROSS = np.array([0.62, 0.78])
-"""A direction that no edge of a mesh at random runs along."""
+"""A direction to which no edge of a random mesh is parallel."""
 
 
 QUESTIONS = (
@@ -450,7 +450,7 @@ QUESTIONS = (
         3,
         system_inputs,
         lambda call: ((len(call.arguments[0]), 6),),
-        (gives_normal_velocities, sees_only_differences),
+        (gives_normal_velocities, depends_on_differences_only),
     ),
     Question(
         "05.8",
@@ -458,7 +458,7 @@ QUESTIONS = (
         4,
         velocity_inputs,
         lambda _: ((2,),),
-        (returns_affine_fields, moves_along, side_of_the_normal),
+        (reproduces_affine_fields, moves_along, side_of_the_normal),
         lambda _: FITTED,
     ),
     Question(

@@ -11,12 +11,12 @@ from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q05_vertex_velocities import directions, mesh
 
 FAR = 1e6
-"""So far from the origin, squared coordinates have few digits left for a triangle."""
+"""At this distance from the origin, squared coordinates have few digits left for a triangle."""
 DIGITS_FAR_AWAY = 1e-7
-"""What rounding of the corners explains there; squares of the coordinates are off by far more."""
+"""Tolerance for rounded corners at this distance; squared coordinates have far larger errors."""
 
 LEAST_DEFECT = 0.01
-"""Of normal velocities of size one; a smaller one would be known to fewer than twelve digits."""
+"""For normal velocities of size one; a smaller defect would have fewer than twelve digits."""
 
 
 def triangle(random: np.random.Generator, anticlockwise: bool, size: float = 1.0) -> np.ndarray:
@@ -33,7 +33,7 @@ def obtuse(random: np.random.Generator) -> np.ndarray:
 
 
 def cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return the areas of parallelograms, with the sense of rotation."""
+    """Return the signed areas of parallelograms."""
     return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
 
 
@@ -41,7 +41,7 @@ def cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return triangles in both senses of rotation, and an obtuse one."""
+    """Return triangles of both orientations, and an obtuse one."""
     random = np.random.default_rng(seed)
     return calls_of(
         "outward_normals",
@@ -58,8 +58,8 @@ def of_unit_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 @law("The normal in row a must be perpendicular to the side opposite to corner a.")
 def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the sum of the normals times the lengths of the opposite sides, and how far off they
-    are.
+    """Return the sum of the normals times the opposite side lengths, and the deviation from
+    perpendicular.
     """
     worst = 0.0
     for call, (n,) in zip(calls, values, strict=True):
@@ -74,7 +74,7 @@ def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
     "the corners are listed."
 )
 def leave_the_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return 1 if a normal points to the side of the opposite corner."""
+    """Return 1 if a normal points towards the opposite corner."""
     inwards = [
         np.any(np.sum(n * (q - q.mean(axis=0)), axis=1) > 0)
         for (q,), (n,) in ((c.arguments, v) for c, v in zip(calls, values, strict=True))
@@ -82,11 +82,11 @@ def leave_the_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float
     return float(max(inwards))
 
 
-# 06.2 and 06.3 The velocity of a cell, and what it does not explain
+# 06.2 and 06.3 The velocity of a cell, and its defect
 
 
 def normal_velocities(random: np.random.Generator, q: np.ndarray) -> np.ndarray:
-    """Return normal velocities that no constant velocity comes near: their defect has digits."""
+    """Return normal velocities far from those of any constant velocity."""
     lengths = np.hypot(*(np.roll(q, -1, axis=0) - np.roll(q, 1, axis=0)).T)
     while True:
         v = random.normal(size=3)
@@ -95,7 +95,7 @@ def normal_velocities(random: np.random.Generator, q: np.ndarray) -> np.ndarray:
 
 
 def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return data at random; with a wind on top; with all velocities doubled; obtuse; small."""
+    """Return random data, with a constant velocity added, doubled; obtuse and small triangles."""
     random = np.random.default_rng(seed)
     q = triangle(random, True)
     v = normal_velocities(random, q)
@@ -103,7 +103,7 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
     return calls_of(
         name,
         ((q, v), "normal velocities at random"),
-        ((q, v + shadows(q)), "the same plus those of the velocity (2, −1)"),
+        ((q, v + projections(q)), "the same plus those of the velocity (2, −1)"),
         ((q, -2 * v), "the same times minus two"),
         ((wide, normal_velocities(random, wide)), "an obtuse triangle"),
         ((small, normal_velocities(random, small)), "a small triangle, clockwise"),
@@ -113,8 +113,8 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
 WIND = np.array([2.0, -1.0])
 
 
-def shadows(q: np.ndarray) -> np.ndarray:
-    """Return what of the wind leaves through each side of an anticlockwise triangle."""
+def projections(q: np.ndarray) -> np.ndarray:
+    """Return the constant velocity's component normal to each side of an anticlockwise triangle."""
     along = np.array([q[2] - q[1], q[0] - q[2], q[1] - q[0]])
     return cross(WIND, along) / np.hypot(*along.T)
 
@@ -123,7 +123,7 @@ def shadows(q: np.ndarray) -> np.ndarray:
     "A constant velocity satisfies all three equations: adding its normal velocities "
     "to the data must add it to the result."
 )
-def wind_comes_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def constant_velocity_is_reproduced(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - values[0][0] - WIND, np.abs(values[1][0]).max() + 2)
 
 
@@ -136,7 +136,7 @@ def is_linear(calls: Sequence[Call], values: Sequence[Values]) -> float:
     "A constant velocity explains its own normal velocities: adding them must not "
     "change the defect."
 )
-def wind_leaves_no_defect(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def constant_velocity_has_no_defect(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(abs(values[1][0] - values[0][0]))
 
 
@@ -149,7 +149,7 @@ def grows_with_the_data(calls: Sequence[Call], values: Sequence[Values]) -> floa
 
 
 def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a triangle, an obtuse one, the first turned round and far away, and a small one."""
+    """Return a triangle, an obtuse one, the first one inverted and far away, and a small one."""
     random = np.random.default_rng(seed)
     q = triangle(random, True)
     return calls_of(
@@ -177,11 +177,11 @@ def moves_along(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0] - FAR, 1)
 
 
-# 06.5 The truth
+# 06.5 The exact velocity
 
 
 def truth_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places with and without expansion, all moved, and the centre itself."""
+    """Return points with and without expansion, all translated, and the centre itself."""
     random = np.random.default_rng(seed)
     x, m, shift = random.uniform(-1, 2, (6, 2)), random.random(2), np.array([3.0, -5.0])
     return calls_of(
@@ -204,14 +204,16 @@ def turns_rigidly(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 @law("With s the distance of two places must grow at the rate s.")
 def expands(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the part along the way is from s times the way squared."""
+    """Return the deviation of the radial component from s times the squared distance."""
     x, _, s = calls[0].arguments
     way, change = np.diff(x, axis=0), np.diff(values[0][0], axis=0)
     return relative(np.einsum("xk,xk->x", way, change - s * way), way**2)
 
 
 @law("Only the way from the centre counts: moving places and centre together must change nothing.")
-def knows_only_the_way_from_the_centre(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def depends_on_the_distance_from_the_centre_only(
+    calls: Sequence[Call], values: Sequence[Values]
+) -> float:
     return relative(values[2][0] - values[0][0], values[0][0])
 
 
@@ -219,7 +221,7 @@ def knows_only_the_way_from_the_centre(calls: Sequence[Call], values: Sequence[V
 
 
 def errors_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a mesh with a rotation, the same twice as large, and with expansion."""
+    """Return a mesh with a rotation, the same mesh at twice the size, and with expansion."""
     random = np.random.default_rng(seed)
     points, triangles = mesh(random, 3, 3)
     return calls_of(
@@ -241,11 +243,11 @@ def grows_with_the_mesh(calls: Sequence[Call], values: Sequence[Values]) -> floa
     return relative(values[1][0] - 2 * values[0][0], values[1][0])
 
 
-# 06.8 Raviart and Thomas
+# 06.8 The Raviart-Thomas field
 
 
 def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
-    """Return two places on one side, a place inside, and an obtuse and clockwise triangle."""
+    """Return two points on one side, a point inside, and an obtuse clockwise triangle."""
     random = np.random.default_rng(seed)
     q, v = triangle(random, True), random.normal(size=3)
     part = random.uniform(0.1, 0.9, 2)
@@ -286,7 +288,7 @@ QUESTIONS = (
         3,
         lambda seed: velocity_inputs("cell_velocity", seed),
         lambda _: ((2,),),
-        (wind_comes_back, is_linear),
+        (constant_velocity_is_reproduced, is_linear),
     ),
     Question(
         "06.3",
@@ -294,7 +296,7 @@ QUESTIONS = (
         2,
         lambda seed: velocity_inputs("defect", seed),
         lambda _: ((),),
-        (wind_leaves_no_defect, grows_with_the_data),
+        (constant_velocity_has_no_defect, grows_with_the_data),
     ),
     Question(
         "06.4",
@@ -310,7 +312,7 @@ QUESTIONS = (
         2,
         truth_inputs,
         lambda call: (call.arguments[0].shape,),
-        (turns_rigidly, expands, knows_only_the_way_from_the_centre),
+        (turns_rigidly, expands, depends_on_the_distance_from_the_centre_only),
     ),
     Question(
         "06.6",

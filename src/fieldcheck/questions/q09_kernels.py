@@ -12,15 +12,13 @@ from fieldcheck.questions.q03_radial_basis_functions import cloud, is_symmetric,
 
 
 def powers(s: np.ndarray, k: int) -> np.ndarray:
-    """Return r^k, or r^k log r for an even k, from squared distances, without a sign."""
+    """Return r^k, or r^k log r for even k, from squared distances, without the sign."""
     root = s ** (k / 2)
     return root if k % 2 else root * np.log(s + (s == 0)) / 2
 
 
 def ridges(points: np.ndarray, degree: int) -> np.ndarray:
-    """Return a basis of the polynomials that has no monomials: powers of 1 + a·p, for a along a
-    spiral.
-    """
+    """Return a basis of polynomials without monomials: powers of 1 + a·p, with a on a spiral."""
     j = np.arange((degree + 1) * (degree + 2) // 2)
     spiral = np.sqrt(j) / 2 * np.array([np.cos(2.4 * j), np.sin(2.4 * j)])
     return (1 + points.dot(spiral)) ** degree
@@ -30,7 +28,7 @@ def ridges(points: np.ndarray, degree: int) -> np.ndarray:
 
 
 def monomials_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points, one of them (1, 1), and the same stretched; degrees down to none."""
+    """Return points, one of them (1, 1), the same scaled, and degrees down to −1."""
     random = np.random.default_rng(seed)
     points = random.normal(size=(7, 2))
     points[4] = 1
@@ -50,7 +48,7 @@ def monomials_shape(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 def columns_in_order(_: Call, values: Values) -> Values:
-    """Return the columns sorted by their first entries: their order is left open."""
+    """Return the columns sorted by their first entries, since their order is arbitrary."""
     (p,) = values
     return (p[:, np.lexsort(np.round(p, 9)[::-1])] if p.size else p,)
 
@@ -60,7 +58,7 @@ def columns_in_order(_: Call, values: Values) -> Values:
     "product of twos and threes: 1, 2, 3, 4, 6 and 9 for the degree two."
 )
 def stretch_by_powers(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the columns of stretched points are from 1, 2, 3, 4, 6 and 9 times the
+    """Return the deviation of the columns of scaled points from 1, 2, 3, 4, 6 and 9 times the
     others.
     """
     with np.errstate(all="ignore"):
@@ -77,9 +75,10 @@ def are_one_at_one(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
-    """Return forms with the right conditions, with too few, with none, and with dependent ones.
+    """Return forms with sufficient, too few, no, and linearly dependent side conditions.
 
-    These are as many as points: an answer that counts columns is left without any vector.
+    The dependent ones are as many as points: an answer that counts columns would have no vectors
+    left.
     """
     random = np.random.default_rng(seed)
     plane, other, few = (3 * cloud(random, n, 2) for n in (9, 8, 6))
@@ -109,7 +108,7 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     "positive, and less a larger number it is not."
 )
 def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return one if the form, less the number, is not positive just below it, or is so just
+    """Return one if the form minus the number is not positive just below it, or is positive just
     above.
     """
     missed = 0
@@ -132,7 +131,9 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def vanishing_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, an ellipse, few, repeated, in a small box."""
+    """Return points in general position, on a line, on an ellipse, few, repeated, and in a small
+    box.
+    """
     random = np.random.default_rng(seed)
     turn = random.uniform(0.2, 1.3)
     line = np.outer(2 * cloud(random, 6, 1), [np.cos(turn), np.sin(turn)]) + random.normal(size=2)
@@ -161,8 +162,8 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of "
     "points, has a rank; the other polynomials vanish at the points."
 )
-def leaves_the_rank_of_another_matrix(call: Call, values: Values) -> float:
-    """Return the largest difference from Q less the rank of (1 + p·q)^n, which has that of P."""
+def agrees_with_the_rank_of_another_matrix(call: Call, values: Values) -> float:
+    """Return the difference from Q minus the rank of (1 + p·q)^n, which equals the rank of P."""
     (number,) = values
     points, degree = call.arguments
     points = points / np.abs(points).max()
@@ -175,7 +176,7 @@ def leaves_the_rank_of_another_matrix(call: Call, values: Values) -> float:
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values for several powers and degrees; places among which the points come last."""
+    """Return values for several powers and degrees; the last evaluation points are the sites."""
     random = np.random.default_rng(seed)
     cases = (
         (12, 3, 1, "twelve points, cubes and the degree 1"),
@@ -198,7 +199,7 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law("The field must go through the values.", 1e-8)
-def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def interpolates_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(
         relative(f[24:] - c.arguments[1], c.arguments[1])
         for c, (f,) in zip(calls, values, strict=True)
@@ -210,8 +211,10 @@ def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> 
     "for, and the factors of the bumps satisfy the side conditions.",
     1e-6,
 )
-def is_bumps_and_a_polynomial(call: Call, values: Values) -> float:
-    """Return how far the field is from the form, and its factors from the side conditions."""
+def is_kernels_and_a_polynomial(call: Call, values: Values) -> float:
+    """Return the deviation of the field from its form, and of the coefficients from the side
+    conditions.
+    """
     (f,) = values
     points, wanted, k, degree, place = call.arguments
     columns = np.column_stack([powers(squares(place, points), k), ridges(place, degree)])
@@ -225,7 +228,7 @@ def is_bumps_and_a_polynomial(call: Call, values: Values) -> float:
 
 
 def wendland_inputs(seed: int) -> tuple[Call, ...]:
-    """Return distances up to beyond the support, among them 0 and 1, for several dimensions."""
+    """Return distances beyond the support, with 0 and 1 among them, for several dimensions."""
     random = np.random.default_rng(seed)
     cases = ((3, 0), (3, 1), (1, 0), (2, 1), (5, 1), (4, 0))
     calls = []
@@ -241,8 +244,8 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
     "integral (9.9) of the one for two variables more."
 )
 def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the values for s = 1 are from the integral, by the rule of Gauss, and for
-    s = 0 from a power.
+    """Return the deviation from the integral by Gauss quadrature for s = 1, and from a power for s
+    = 0.
     """
     node, weight = np.polynomial.legendre.leggauss(8)
     worst = 0.0
@@ -258,11 +261,11 @@ def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
-# 09.6 Two points change places
+# 09.6 Two points exchange their positions
 
 
 def exchange_inputs(seed: int) -> tuple[Call, ...]:
-    """Return three points, the third on the left, on the right, far away, and nothing near the
+    """Return three points, the third on the left, on the right, and far away; all far from the
     origin.
     """
     random = np.random.default_rng(seed)
@@ -290,7 +293,7 @@ def exchange_inputs(seed: int) -> tuple[Call, ...]:
 
 @law_of_each("At that time, between 0 and 1, the triangle of the three points has no area.")
 def makes_a_flat_triangle(call: Call, values: Values) -> float:
-    """Return the area of the triangle at that time, and by how much the time is out of [0, 1]."""
+    """Return the area of the triangle at that time, and the distance of the time from [0, 1]."""
     (t,) = values
     z = call.arguments[0].dot([1, 1j])
     arm, third = (z[0] - z[1]) / 2, z[2] - (z[0] + z[1]) / 2
@@ -321,9 +324,7 @@ def slope_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     1e-6,
 )
 def maps_to_values_and_slopes(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far H times some unknowns is from values and central differences of that field,
-    and its moments.
-    """
+    """Return the deviation of H times unknowns from values, central differences and moments."""
     worst, h = 0.0, 1e-6
     for call, (matrix,) in zip(calls, values, strict=True):
         (x,) = call.arguments
@@ -367,7 +368,7 @@ QUESTIONS = (
         2,
         vanishing_inputs,
         lambda _: ((),),
-        (leaves_the_rank_of_another_matrix,),
+        (agrees_with_the_rank_of_another_matrix,),
     ),
     Question(
         "09.4",
@@ -375,7 +376,7 @@ QUESTIONS = (
         4,
         field_inputs,
         lambda call: ((len(call.arguments[4]),),),
-        (goes_through_the_values, is_bumps_and_a_polynomial),
+        (interpolates_the_values, is_kernels_and_a_polynomial),
         tolerance=lambda _: 1e-8,
     ),
     Question(

@@ -11,14 +11,14 @@ from fieldcheck.question import Question, law, law_of_each, relative
 
 
 def line(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return n ascending sites, no two close together, the steps between 0.4 and 1."""
+    """Return n ascending sites with steps between 0.4 and 1."""
     return random.uniform(-1, 1) + np.cumsum(random.uniform(0.4, 1, n))
 
 
 def cubes(
     sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray
 ) -> np.ndarray:
-    """Return the sum of cubes of distances, each with its factor, and a straight line."""
+    """Return the sum of cubed distances with their coefficients, and a straight line."""
     apart = np.subtract.outer(x, sites)
     return np.polyval(straight[::-1], x) + (apart**2 * abs(apart)).dot(factors)
 
@@ -26,28 +26,28 @@ def cubes(
 def half_cubes(
     sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray
 ) -> np.ndarray:
-    """Return the sum of truncated cubes, each with its factor, and a straight line."""
+    """Return the sum of truncated cubes with their coefficients, and a straight line."""
     apart = np.subtract.outer(x, sites).clip(min=0)
     return np.polyval(straight[::-1], x) + (apart**3).dot(factors)
 
 
 def around(sites: np.ndarray) -> np.ndarray:
-    """Return places inside and outside."""
+    """Return evaluation points inside and outside the interval of the sites."""
     return np.linspace(sites.min() - 1.3, sites.max() + 1.7, 40)
 
 
 def lacks_moments(sites: np.ndarray, factors: np.ndarray) -> float:
-    """Return the sums of the factors, plain and weighted by the sites."""
+    """Return the sums of the coefficients, unweighted and weighted by the sites."""
     return relative(
         [factors.sum(), factors.dot(sites)], abs(factors).max() * (1 + abs(sites).max())
     )
 
 
-# 10.1 From truncated powers to distances
+# 10.1 From truncated powers to cubed distances
 
 
 def conversion_inputs(seed: int) -> tuple[Call, ...]:
-    """Return sites and factors without moments: many, three, and far from the origin."""
+    """Return sites and coefficients without moments: many, three, and far from the origin."""
     random = np.random.default_rng(seed)
     calls = []
     for n, shift, case in (
@@ -80,7 +80,7 @@ def is_the_same_curve(call: Call, values: Values) -> float:
     return relative(cubes(sites, a, b, around(sites)) - wanted, wanted)
 
 
-# 10.2 The spline by distances
+# 10.2 The spline as cubed distances
 
 
 def radial_inputs(seed: int) -> tuple[Call, ...]:
@@ -96,9 +96,7 @@ def radial_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def nothing_for_rounding(call: Call, values: Values) -> Values:
-    """Return the coefficients with factors that are nothing but rounding set to zero: two sites
-    have a straight line.
-    """
+    """Return the coefficients, with pure rounding errors set to zero: two sites have a line."""
     a, b = values
     return np.where(np.abs(a) > 1e-12 * np.abs(call.arguments[1]).max(), a, 0.0), b
 
@@ -107,7 +105,7 @@ def nothing_for_rounding(call: Call, values: Values) -> Values:
     "The curve (10.4) must go through the values, and its factors sum to zero, plain "
     "and weighted by the sites."
 )
-def is_natural_and_hits(call: Call, values: Values) -> float:
+def is_natural_and_interpolates(call: Call, values: Values) -> float:
     (a, b) = values
     sites, wanted = call.arguments
     return max(
@@ -128,7 +126,7 @@ def moments_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the slopes of each piece at its left end and at its right one."""
+    """Return the slopes of each piece at its left and right end."""
     width = sites[1:] - sites[:-1]
     secant = (values[1:] - values[:-1]) / width
     mean, jump = (m[1:] + m[:-1]) / 2, m[1:] - m[:-1]
@@ -139,7 +137,7 @@ def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.nda
     "Neighbouring pieces must have the same slope where they meet, and both ends the moment zero."
 )
 def has_no_kink(call: Call, values: Values) -> float:
-    """Return the largest jump of the slope, and the moments of the two ends."""
+    """Return the largest jump of the slope, and the moments at the two ends."""
     (bends,) = values
     at_left, at_right = slopes(call.arguments[0], call.arguments[1], bends)
     return max(relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0))
@@ -149,7 +147,7 @@ def has_no_kink(call: Call, values: Values) -> float:
 
 
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places: three to the left, four in each interval with its ends, three to the right."""
+    """Return points: three on the left, four in each interval with its ends, three on the right."""
     random = np.random.default_rng(seed)
     calls = []
     for n, case in ((6, "six sites"), (4, "four sites")):
@@ -176,8 +174,8 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     "Each piece has the values and second derivatives of (10.6) at its ends; outside "
     "the curve goes on straight, with the slope that it has there."
 )
-def is_cubic_inside_and_straight_outside(call: Call, values: Values) -> float:
-    """Return how far ends, second derivatives and outer lines are from what was given."""
+def is_cubic_inside_and_linear_outside(call: Call, values: Values) -> float:
+    """Return the deviation of ends, second derivatives and outer lines from the given ones."""
     (s,) = values
     sites, heights, m, _ = call.arguments
     four, step = s[3:-3].reshape(-1, 4), (sites[1:] - sites[:-1])[:, None] / 3
@@ -211,9 +209,7 @@ def back_inputs(seed: int) -> tuple[Call, ...]:
 def _free_powers(
     sites: np.ndarray, bends: np.ndarray, straight: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return factors of truncated cubes whose second derivatives at the sites are these, and the
-    line.
-    """
+    """Return a line and coefficients of truncated cubes with these second derivatives."""
     apart = np.subtract.outer(sites[1:], sites[:-1]).clip(min=0)
     factors = np.linalg.solve(6 * apart, bends[1:])
     return np.append(factors, -factors.sum()), straight
@@ -224,7 +220,7 @@ def _free_powers(
     "and satisfy (10.2)."
 )
 def is_made_of_half_cubes(call: Call, values: Values) -> float:
-    """Return how far values, second derivatives and moments are from those given."""
+    """Return the deviation of values, second derivatives and moments from the given ones."""
     (alpha, beta) = values
     sites, heights, bends = call.arguments
     second = 6 * np.subtract.outer(sites, sites).clip(min=0).dot(alpha)
@@ -238,9 +234,7 @@ def is_made_of_half_cubes(call: Call, values: Values) -> float:
 
 
 def energy_inputs(seed: int) -> tuple[Call, ...]:
-    """Return moments, three times as large, on intervals cut in two, turned round, and constant
-    ones.
-    """
+    """Return moments, tripled, on bisected intervals, in reversed order, and constant moments."""
     random = np.random.default_rng(seed)
     sites, bends = line(random, 6), random.normal(size=6)
     bends[[0, -1]] = 0
@@ -270,7 +264,9 @@ def is_an_integral_of_a_square(calls: Sequence[Call], values: Sequence[Values]) 
 
 
 def b_spline_inputs(seed: int) -> tuple[Call, ...]:
-    """Return knots, some of them double, degrees 0 to 3, and places with knots among them."""
+    """Return knots, some of them double, degrees 0 to 3, and evaluation points with knots among
+    them.
+    """
     random = np.random.default_rng(seed)
     simple, double = line(random, 8), line(random, 10)
     double[5] = double[4]
@@ -296,8 +292,8 @@ def b_spline_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     "A B-spline is never negative, and zero outside the k + 1 intervals from its "
     "first knot to its last."
 )
-def lives_where_it_should(call: Call, values: Values) -> float:
-    """Return the largest value outside the support, and the most negative one."""
+def has_its_support_and_sign(call: Call, values: Values) -> float:
+    """Return the largest absolute value outside the support, and the most negative value."""
     (b,) = values
     t, k, x = call.arguments
     outside = (x[:, None] < t[: -k - 1]) | (x[:, None] > t[k + 1 :])
@@ -309,8 +305,8 @@ def lives_where_it_should(call: Call, values: Values) -> float:
     "(y - t) for the knots t inside each: Marsden's identity, which for the highest "
     "power of y says that their sum is one."
 )
-def gives_every_power(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far (y - x)^k is from its B-splines, by the identity of Marsden, for several y."""
+def satisfies_marsdens_identity(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of (y - x)^k from its B-splines by Marsden's identity, for several y."""
     worst = 0.0
     for call, (b,) in zip(calls, values, strict=True):
         t, k, x = call.arguments
@@ -332,7 +328,7 @@ QUESTIONS = (
         3,
         radial_inputs,
         coefficients_shape,
-        (is_natural_and_hits,),
+        (is_natural_and_interpolates,),
         tolerance=lambda _: 1e-8,
         normal_form=nothing_for_rounding,
     ),
@@ -350,7 +346,7 @@ QUESTIONS = (
         3,
         pieces_inputs,
         lambda call: (call.arguments[3].shape,),
-        (is_cubic_inside_and_straight_outside,),
+        (is_cubic_inside_and_linear_outside,),
     ),
     Question("10.5", "truncated", 3, back_inputs, coefficients_shape, (is_made_of_half_cubes,)),
     Question("10.6", "energy", 2, energy_inputs, lambda _: ((),), (is_an_integral_of_a_square,)),
@@ -360,6 +356,6 @@ QUESTIONS = (
         4,
         b_spline_inputs,
         b_spline_shape,
-        (lives_where_it_should, gives_every_power),
+        (has_its_support_and_sign, satisfies_marsdens_identity),
     ),
 )

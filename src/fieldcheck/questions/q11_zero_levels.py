@@ -1,4 +1,4 @@
-"""Questions of notebook 11, surfaces from point clouds: the function whose zero level they are."""
+"""Questions of notebook 11, surfaces from point clouds: the implicit function of a surface."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fieldcheck.questions.q11_point_clouds import horseshoe, outward, oval, toru
 
 
 def cubes(x: np.ndarray, sites: np.ndarray, weights: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    """Return weighted cubes of the distances from the sites, and a plane."""
+    """Return weighted cubed distances from the sites, and a linear polynomial."""
     gaps = x[:, None, :] - sites[None, :, :]
     return (gaps * gaps).sum(axis=2) ** 1.5 @ weights + x @ plane[1:] + plane[0]
 
@@ -49,7 +49,7 @@ def fit_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     "F takes the values at the sites, and the coefficients fulfil the side conditions.", 1e-7
 )
 def meets_values_and_side_conditions(call: Call, values: Values) -> float:
-    """Return the largest difference from the values, or what is left of the side conditions."""
+    """Return the largest difference from the values, and the residual of the side conditions."""
     (weights, plane) = values
     sites, wanted = call.arguments
     moments = weights @ np.insert(sites, 0, 1.0, axis=1)
@@ -58,13 +58,13 @@ def meets_values_and_side_conditions(call: Call, values: Values) -> float:
     )
 
 
-# 11.6 and 11.7 The field, its gradient, and the way to its zero level
+# 11.6 and 11.7 The field, its gradient, and projection onto its zero level
 
 
 def body(
     random: np.random.Generator, d: int, sites: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return sites and coefficients of a function that is positive in a body about the origin
+    """Return sites and coefficients of a function that is positive in a body around the origin
     only.
     """
     places = random.uniform(-0.3, 0.3, (sites, d))
@@ -72,37 +72,37 @@ def body(
     return places, weights, np.append(1.0, random.uniform(-0.1, 0.1, d))
 
 
-def about(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return places round the origin, none of them near it."""
+def points_about_origin(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return points around the origin, none of them near it."""
     return round_origin(random, random.normal(size=(n, d)))
 
 
 def near_diagonals(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return such places near the diagonals: no derivative vanishes there, by which a coordinate's
-    own step might be divided.
+    """Return such points near the diagonals, where no partial derivative vanishes. An answer may
+    divide the step of a coordinate by its derivative.
     """
     signs = random.choice([-1.0, 1.0], (n, d))
     return round_origin(random, signs * random.uniform(0.7, 1.3, (n, d)))
 
 
 def round_origin(random: np.random.Generator, x: np.ndarray) -> np.ndarray:
-    """Return places in the given directions from the origin, none of them near it."""
+    """Return points in the given directions from the origin, none of them near it."""
     return random.uniform(0.8, 1.1, (len(x), 1)) * x / np.sqrt((x * x).sum(axis=1))[:, None]
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places and coefficients in the plane and in space; one of the places is a site."""
+    """Return points and coefficients in the plane and in space; one of the points is a site."""
     random = np.random.default_rng(seed)
     plane, space, single = body(random, 2, 5), body(random, 3, 4), body(random, 2, 1)
     return (
-        Call("field", (about(random, 7, 2), *plane), "seven places in the plane"),
+        Call("field", (points_about_origin(random, 7, 2), *plane), "seven places in the plane"),
         Call(
             "field",
-            (np.vstack([about(random, 5, 3), space[0][:1]]), *space),
+            (np.vstack([points_about_origin(random, 5, 3), space[0][:1]]), *space),
             "places in space, one of them a site",
             exact=(0, 1),
         ),
-        Call("field", (about(random, 3, 2), *single), "one site"),
+        Call("field", (points_about_origin(random, 3, 2), *single), "one site"),
     )
 
 
@@ -113,9 +113,7 @@ def field_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
 
 @law("Values are those of (11.6), and gradients agree with differences of them.", 1e-6)
 def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the differences of values from (11.6), and of gradients from small steps to both
-    sides.
-    """
+    """Return the differences of values from (11.6), and of gradients from central differences."""
     worst = 0.0
     for call, (f, gradient) in zip(calls, values, strict=True):
         x, *rest = call.arguments
@@ -127,7 +125,7 @@ def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Value
 
 
 def newton_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places near a zero level, and one step, two, and enough."""
+    """Return points near a zero level, with one, two and enough steps."""
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
     x = near_diagonals(random, 6, 2)
@@ -141,7 +139,7 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
 
 @law("One step leads to the zero of the tangent, and five to the zero level.", 1e-8)
 def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return what is left after five steps, and how far one step is from the tangent's zero."""
+    """Return the residual after five steps, and the deviation of one step from a Newton step."""
     x, sites, weights, plane, _ = calls[0].arguments
     left = float(np.abs(cubes(values[0][0], sites, weights, plane)).max())
     step = values[1][0] - x
@@ -154,7 +152,7 @@ def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> f
 
 
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
-    """Return squares that one line crosses: all twelve kinds."""
+    """Return squares with one crossing line, in all twelve cases."""
     random = np.random.default_rng(seed)
     kinds = np.array(
         [[(c >> i) & 1 for i in range(4)] for c in (*range(1, 5), *range(6, 10), *range(11, 15))]
@@ -173,8 +171,8 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     "what is positive lies to the left."
 )
 def lie_on_the_border(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far ends are from the border, from a zero of the values on it, and pieces from
-    running with the positive side to the left.
+    """Return the deviation of ends from the border and from zeros on it, and of pieces from running
+    with the positive side on the left.
     """
     worst = 0.0
     for call, (ends,) in zip(calls, values, strict=True):

@@ -11,13 +11,13 @@ from fieldcheck.question import Question, law, law_of_each, relative, scale
 
 
 def grid(random: np.random.Generator, *counts: int) -> np.ndarray:
-    """Return the nodes of a grid with half a unit between them, each moved a little."""
+    """Return the nodes of a grid of spacing one half, each slightly displaced."""
     nodes = np.indices(counts).reshape(len(counts), -1).T / 2
     return nodes + random.uniform(-0.13, 0.13, nodes.shape)
 
 
 def transfer(random: np.random.Generator, m: int, n: int) -> np.ndarray:
-    """Return weights without any relation to a mesh: positive, rows that sum to one."""
+    """Return positive weights whose rows sum to one, without any relation to a mesh."""
     return random.dirichlet(np.ones(n), m)
 
 
@@ -25,7 +25,7 @@ def transfer(random: np.random.Generator, m: int, n: int) -> np.ndarray:
 
 
 def meshes(name: str, seed: int) -> tuple[Call, ...]:
-    """Return nodes and places in the plane, in space, on a line; a triangle; the nodes
+    """Return nodes and points in the plane, in space and on a line; a triangle; the nodes
     themselves.
     """
     random = np.random.default_rng(seed)
@@ -45,7 +45,7 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
 
 
 def slopes_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the same, and Gauss's two places between two nodes of the line."""
+    """Return the same, and the two Gauss points between two nodes of the line."""
     calls = meshes("slopes", seed)
     line = calls[3].arguments[0]
     middle, half = (line[1] + line[2]) / 2, (line[2] - line[1]) / 2
@@ -57,11 +57,10 @@ def slopes_inputs(seed: int) -> tuple[Call, ...]:
     "From one node to the next the slopes must add up to the change of the weights: "
     "the one's falls from one to zero, the other's rises from zero to one."
 )
-def adds_up(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the integral of slopes from one node to the next is from the change of the
-    weights.
+def integrates_to_the_change_of_weights(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the difference between the integral of slopes between nodes and the change of weights.
 
-    There they are polynomials of degree two, of which Gauss's rule is right.
+    Between the nodes the slopes are polynomials of degree two, for which Gauss quadrature is exact.
     """
     line, ((g,),) = calls[6].arguments[0][:, 0], values[6]
     change = (line[2] - line[1]) / 2 * g.sum(axis=0)
@@ -70,7 +69,7 @@ def adds_up(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 @law("If all nodes move alike, all places must move with them: the rows of H sum to one.")
 def rows_sum_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far a translation of all nodes is from moving all places alike."""
+    """Return the deviation of row sums from one: translations must be reproduced."""
     return max(float(np.abs(h.sum(axis=1) - 1).max()) for (h,) in values)
 
 
@@ -78,8 +77,8 @@ def rows_sum_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     "H applied to the coordinates of the nodes must give those of the places: linear "
     "displacements come back."
 )
-def brings_places_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the weighted means of the nodes are from the places."""
+def reproduces_positions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the weighted means of the nodes from the points."""
     return max(
         relative(np.einsum("ij,jk->ik", h, c.arguments[0]) - c.arguments[1], c.arguments[1])
         for c, (h,) in zip(calls, values, strict=True)
@@ -88,19 +87,19 @@ def brings_places_back(calls: Sequence[Call], values: Sequence[Values]) -> float
 
 @law("At a node its own displacement counts, and no other.")
 def is_one_at_its_node(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far weights at nodes are from one for it and zero for the others."""
+    """Return the deviation of the weights at nodes from one for the node and zero otherwise."""
     return float(np.abs(values[5][0] - np.eye(12)[[4, 0, 7]]).max())
 
 
 @law("Turning everything changes no weight.")
-def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much the weights change when all is turned."""
+def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the change of the weights under a rotation."""
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
 @law("Slopes turn along with everything else.")
-def slopes_turn_along(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far slopes after a quarter of a turn are from those before, turned."""
+def slopes_rotate_with_the_mesh(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of slopes after a quarter turn from the rotated slopes."""
     (before,), (after,) = values[:2]
     return relative([after[1] - before[0], after[0] + before[1]], before)
 
@@ -110,7 +109,7 @@ def slopes_turn_along(_: Sequence[Call], values: Sequence[Values]) -> float:
     "and none along others."
 )
 def slope_of_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far slopes of constants are from zero, those of coordinates from one and zero."""
+    """Return the deviation of slopes from zero for constants, from unit vectors for coordinates."""
     worst = 0.0
     for call, (g,) in zip(calls, values, strict=True):
         of_coordinates = np.einsum("kij,jl->ikl", g, call.arguments[0])
@@ -124,7 +123,7 @@ def slope_of_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> f
 
 
 def loads_inputs(seed: int) -> tuple[Call, ...]:
-    """Return weights that move the whole, such as do not, and as many places as nodes."""
+    """Return weights whose rows sum to one, others, and as many points as nodes."""
     random = np.random.default_rng(seed)
     return calls_of(
         "loads",
@@ -142,7 +141,7 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
     "at the places."
 )
 def does_the_same_work(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the work of the loads is from that of the forces, in a few displacements."""
+    """Return the difference between the work of the loads and that of the forces."""
     random, worst = np.random.default_rng(0), 0.0
     for call, (g,) in zip(calls, values, strict=True):
         h, f = call.arguments
@@ -157,7 +156,7 @@ def does_the_same_work(calls: Sequence[Call], values: Sequence[Values]) -> float
 
 
 def resultants_inputs(seed: int) -> tuple[Call, ...]:
-    """Return forces about two points, a couple about two points, and one force on an arm."""
+    """Return forces about two points, a couple about two points, and one force with a lever arm."""
     random = np.random.default_rng(seed)
     p, f = random.normal(size=(6, 3)), random.normal(size=(6, 3))
     a, b = random.normal(size=(2, 3))
@@ -179,9 +178,11 @@ def resultants_inputs(seed: int) -> tuple[Call, ...]:
     "the way between the points: nothing for a couple. And (12.5) can be done by hand "
     "for a couple and for one upward force."
 )
-def moves_by_the_total_force(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far moments about two points differ from that of the total force in one at the
-    other.
+def changes_by_the_moment_of_the_total_force(
+    calls: Sequence[Call], values: Sequence[Values]
+) -> float:
+    """Return the deviation of the difference of moments about two points from that of the total
+    force.
     """
     (one,), (two,), (couple,), (again,), (lever,) = values
     apart = calls[0].arguments[2] - calls[1].arguments[2]
@@ -203,7 +204,7 @@ def moves_by_the_total_force(calls: Sequence[Call], values: Sequence[Values]) ->
 
 
 def densities_inputs(seed: int) -> tuple[Call, ...]:
-    """Return pressures, a constant one, and areas that are all alike."""
+    """Return pressures, a constant pressure, and equal areas."""
     random = np.random.default_rng(seed)
     h, areas = transfer(random, 12, 4), random.uniform(0.5, 2, 12)
     return calls_of(
@@ -218,16 +219,14 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law("A constant pressure must arrive as the same constant.")
-def constant_comes_back(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far a constant pressure is from itself."""
+def reproduces_constants(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of a constant pressure from itself."""
     return float(np.abs(values[1][0] / 3 - 1).max())
 
 
 @law_of_each("Pressure times area must have the same sum on both sides.")
-def carries_the_whole(call: Call, values: Values) -> float:
-    """Return how far the pressure at the nodes, felt by the skin, differs from the given in
-    total.
-    """
+def conserves_the_total_force(call: Call, values: Values) -> float:
+    """Return the difference between the total forces of nodal and given pressures."""
     (g,) = values
     h, pressures, areas = call.arguments
     return relative(areas @ (np.einsum("ij,j->i", h, g) - pressures), areas)
@@ -237,7 +236,7 @@ def carries_the_whole(call: Call, values: Values) -> float:
 
 
 def flat_inputs(seed: int) -> tuple[Call, ...]:
-    """Return forces of all directions off a plate, forces in it, and one along it at a height."""
+    """Return forces of all directions above a plate, forces in it, and one along it at a height."""
     random = np.random.default_rng(seed)
     nodes = grid(random, 3, 3)
     places = np.column_stack([random.uniform(-0.1, 1.1, (5, 2)), random.uniform(0.2, 0.8, 5)])
@@ -256,7 +255,7 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
 
 @law("In every rigid motion, a rotation too, the loads must do the work of the forces.")
 def does_the_work_of_rigid_motions(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the work of the loads is from that of the forces in the six rigid motions."""
+    """Return the difference between the works of loads and forces in the six rigid motions."""
     worst = 0.0
     for call, (g,) in zip(calls, values, strict=True):
         nodes, places, f = call.arguments
@@ -272,9 +271,9 @@ def weights_shape(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 def section(random: np.random.Generator, share: float) -> tuple[np.ndarray, ...]:
-    """Return a section on a torsion spring at the middle of its chord.
+    """Return a rigid section on a torsion spring at the middle of its chord.
 
-    The centre of pressure is at that share of the chord from the nose; the displacement is the
+    The centre of pressure is at this share of the chord from the nose; the displacement is the
     angle.
     """
     chord, spring = random.uniform(1, 2), random.uniform(3, 4)
@@ -285,7 +284,7 @@ def section(random: np.random.Generator, share: float) -> tuple[np.ndarray, ...]
 
 
 def wing(random: np.random.Generator, n: int, m: int) -> tuple[np.ndarray, ...]:
-    """Return a chain of springs that is held at one end, in loads that depend on displacements."""
+    """Return a chain of springs clamped at one end, with loads that depend on displacements."""
     k = np.diag(np.full(n, 2.0)) - np.eye(n, k=1) - np.eye(n, k=-1)
     k[-1, -1] = 1.0
     slope = random.uniform(0.1, 1, (m, 1)) * random.normal(size=m) / m
@@ -293,7 +292,7 @@ def wing(random: np.random.Generator, n: int, m: int) -> tuple[np.ndarray, ...]:
 
 
 def iterates_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a section with and without relaxation, one with the centre far behind, and a wing."""
+    """Return a section with and without relaxation, with a rear centre of pressure, and a wing."""
     random = np.random.default_rng(seed)
     one, behind, chain = section(random, 0.25), section(random, 0.9), wing(random, 3, 5)
     name = "iterates"
@@ -312,9 +311,7 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
     "angle, divided by how much that of the spring does."
 )
 def settles_as_a_section(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far angles of a section are from the sums of a geometric series that begins at
-    rest.
-    """
+    """Return the deviation of the angles of a section from partial sums of a geometric series."""
     worst = 0.0
     for call, (u,) in zip(calls[:3], values[:3], strict=True):
         k, h, rest, slope, omega, _ = call.arguments
@@ -330,7 +327,7 @@ def settles_as_a_section(calls: Sequence[Call], values: Sequence[Values]) -> flo
 
 
 def divergence_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a section, two sections of which one turns back, and loads of two signs."""
+    """Return a section, two sections of which one untwists, and loads of two signs."""
     random = np.random.default_rng(seed)
     k, h, _, slope = section(random, 0.25)
     other = section(random, 0.95)
@@ -356,7 +353,7 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
 
 @law_of_each("There the matrix of structure and flow is singular, and at no smaller pressure.")
 def is_just_singular(call: Call, values: Values) -> float:
-    """Return how far the structure in the flow is from singular there, or whether it was so
+    """Return the deviation of the structure in the flow from singular, or whether it was singular
     before.
     """
     (q,) = values
@@ -378,7 +375,7 @@ QUESTIONS = (
         3,
         lambda seed: meshes("weights", seed),
         weights_shape,
-        (rows_sum_to_one, brings_places_back, is_one_at_its_node, turns_along),
+        (rows_sum_to_one, reproduces_positions, is_one_at_its_node, is_rotation_invariant),
     ),
     Question(
         "12.2",
@@ -389,7 +386,12 @@ QUESTIONS = (
         (does_the_same_work,),
     ),
     Question(
-        "12.4", "resultants", 2, resultants_inputs, lambda _: ((6,),), (moves_by_the_total_force,)
+        "12.4",
+        "resultants",
+        2,
+        resultants_inputs,
+        lambda _: ((6,),),
+        (changes_by_the_moment_of_the_total_force,),
     ),
     Question(
         "12.6",
@@ -397,7 +399,7 @@ QUESTIONS = (
         2,
         densities_inputs,
         lambda call: ((call.arguments[0].shape[1],),),
-        (constant_comes_back, carries_the_whole),
+        (reproduces_constants, conserves_the_total_force),
     ),
     Question(
         "12.7",
@@ -405,7 +407,7 @@ QUESTIONS = (
         2,
         slopes_inputs,
         lambda call: ((call.arguments[0].shape[1], *weights_shape(call)[0]),),
-        (slope_of_linear_fields, slopes_turn_along, adds_up),
+        (slope_of_linear_fields, slopes_rotate_with_the_mesh, integrates_to_the_change_of_weights),
     ),
     Question(
         "12.8",

@@ -1,4 +1,4 @@
-"""Questions of notebook 13, feet of characteristics, steps, bounds, mass and Burgers' equation."""
+"""Questions of notebook 13, departure points, steps, bounds, mass, and Burgers' equation."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 
 
 def in_disc(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return n places in the unit disc, away from its middle and from each other."""
+    """Return n points in the unit disc, away from its centre and from each other."""
     turns = np.pi * (1 + np.sqrt(5)) * (np.arange(n) + random.uniform(0.4, 0.6, n))
     radii = np.sqrt((np.arange(n) + random.uniform(0.6, 0.9, n)) / n)
     return np.column_stack([radii * np.cos(turns), radii * np.sin(turns)])
 
 
 def in_square(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return n² places in the square from −1 to 1, each in a cell of its own."""
+    """Return n² points in the square from −1 to 1, each in a cell of its own."""
     cells = np.indices((n, n)).reshape(2, -1).T
     return 2 * (cells + random.uniform(0.3, 0.7, cells.shape)) / n - 1
 
 
-# 13.1 to 13.3 Feet
+# 13.1 to 13.3 Departure points
 
 
 def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return places in the three flows, and in the vortex with half the step."""
+    """Return points in the three flows, and in the vortex with half the time step."""
     random = np.random.default_rng(seed)
     x, dt, t = in_disc(random, 8), random.uniform(0.03, 0.05), random.uniform(0.2, 0.4)
     return calls_of(
@@ -42,7 +42,7 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
 
 
 def vortex_error(call: Call, feet: np.ndarray) -> float:
-    """Return how far feet in the vortex are from the turned places, in the mean."""
+    """Return the mean distance of departure points in the vortex from the rotated points."""
     x, t, dt, _ = call.arguments
     angle = np.pi * (2 * dt + t**2 - (t - dt) ** 2) / (1 + 4 * np.hypot(*x.T) ** 2)
     turned = (x[:, 0] + 1j * x[:, 1]) * np.exp(-1j * angle)
@@ -50,8 +50,8 @@ def vortex_error(call: Call, feet: np.ndarray) -> float:
 
 
 def falls_with_order(order: int) -> Deviation:
-    """Return by how much the observed order of the error of one step is off, but for a fifth of
-    an order.
+    """Return the deviation of the observed order of the error of one step, minus a fifth of an
+    order.
     """
 
     def deviation(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -64,9 +64,7 @@ def falls_with_order(order: int) -> Deviation:
 
 
 def grows_by(square: Callable[[float], float]) -> Deviation:
-    """Return how far the squares of radii are from what a step of this scheme makes of them in a
-    solid rotation.
-    """
+    """Return the deviation of squared radii from those after one step in a rotation."""
 
     def deviation(calls: Sequence[Call], values: Sequence[Values]) -> float:
         x, _, dt, _ = calls[2].arguments
@@ -79,7 +77,7 @@ def grows_by(square: Callable[[float], float]) -> Deviation:
 def feet_question(
     number: int, scheme: str, points: int, order: int, square: Callable[[float], float]
 ) -> Question:
-    """Return the question for the feet by a scheme whose step has an error of that order."""
+    """Return the question on departure points by a scheme with this order of error per step."""
     return Question(
         f"13.{number}",
         scheme,
@@ -104,7 +102,7 @@ def feet_question(
 
 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
-    """Return feet among few and among all sites, feet that are sites, and sites on a line."""
+    """Return departure points among few and all sites, at sites, and sites on a line."""
     random = np.random.default_rng(seed)
     sites, few = in_square(random, 5), in_square(random, 3)
     line = np.arange(8)[:, None] / 7 + random.uniform(-0.04, 0.04, (8, 1))
@@ -119,8 +117,8 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law("Linear fields come back: rows sum to one, and the weighted mean of the sites is the foot.")
-def brings_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far rows are from the sum one, and weighted means of sites from the feet."""
+def reproduces_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of row sums from one, and of weighted means from departure points."""
     worst = 0.0
     for call, (h,) in zip(calls, values, strict=True):
         sites, feet, _ = call.arguments
@@ -130,8 +128,8 @@ def brings_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 @law("Only the k sites nearest to its foot have weights in a row.")
-def counts_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest weight of a site that has k sites nearer to the foot."""
+def uses_the_nearest_sites_only(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest weight of a site with at least k sites nearer to the departure point."""
     worst = 0.0
     for call, (h,) in zip(calls, values, strict=True):
         sites, feet, k = call.arguments
@@ -144,7 +142,7 @@ def counts_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float
 
 @law("At a site its own value counts, and no other.")
 def is_one_at_its_site(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the rows of feet that are sites are from one and zeros."""
+    """Return the deviation of rows for departure points at sites from unit vectors."""
     return float(np.abs(values[2][0] - np.eye(25)[[7, 0, 18]]).max())
 
 
@@ -152,8 +150,8 @@ def is_one_at_its_site(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def advect_inputs(seed: int) -> tuple[Call, ...]:
-    """Return an affine field that turns, a constant, and fields in the vortex and in the flow
-    that stretches.
+    """Return a rotated affine field, a constant, and fields in the vortex and in the straining
+    flow.
     """
     random = np.random.default_rng(seed)
     disc, square, dt = in_disc(random, 24), in_square(random, 4), random.uniform(0.04, 0.06)
@@ -173,9 +171,7 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
 
 @law("The first row is the field at the beginning, and a constant stays what it is.")
 def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far a constant is from itself, and the first row from the field at the
-    beginning.
-    """
+    """Return the deviation of a constant from itself, and of the first row from the start."""
     begins = max(
         relative(u[0] - c.arguments[1], u[0]) for c, (u,) in zip(calls, values, strict=True)
     )
@@ -186,8 +182,8 @@ def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
     "An affine field in a solid rotation only turns: there is no error in space, and "
     "in time that of the feet."
 )
-def affine_fields_turn(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far an affine field is from the one at the sites turned back step by step."""
+def affine_fields_rotate(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of an affine field from its values at the sites rotated step by step."""
     sites, u, dt, _, _, _ = calls[0].arguments
     w = -2j * np.pi * dt
     turn = 1 + w * (1 + w / 2 * (1 + w / 3 * (1 + w / 4)))
@@ -201,9 +197,7 @@ def affine_fields_turn(calls: Sequence[Call], values: Sequence[Values]) -> float
 
 
 def bounds_inputs(seed: int) -> tuple[Call, ...]:
-    """Return feet among scattered sites, the same with the opposite field, and feet that are
-    sites.
-    """
+    """Return departure points among scattered sites, with the negative field, and at sites."""
     random = np.random.default_rng(seed)
     sites, u = in_square(random, 4), random.normal(size=16)
     feet = random.uniform(-1, 1, (7, 2))
@@ -220,22 +214,22 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law("If the field changes its sign, the bounds do, and exchange their places.")
-def turns_over(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the bounds of the opposite field are from the opposite bounds, exchanged."""
+def changes_sign_with_the_field(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the negative field's bounds from the exchanged negative bounds."""
     (low, high), (below, above) = values[:2]
     return max(relative(below + high, high), relative(above + low, low))
 
 
 @law("A foot that is a site has the value there between its bounds.")
-def holds_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return by how much a value at a site lies outside of the bounds there."""
+def contains_the_nearest_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the distance of the value at a site from the bounds there."""
     u, (low, high) = calls[2].arguments[1], values[2]
     return max(0.0, float((low - u).max()), float((u - high).max()))
 
 
 @law("Four sites are asked, so that four values at least lie between the bounds.")
-def hold_four(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many of four different values are missing between bounds."""
+def contain_four_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the number of four different values that lie outside the bounds."""
     between = (
         (np.abs(c.arguments[1] - (low + high)[:, None] / 2) <= (high - low)[:, None] / 2 + 1e-9)
         .sum(axis=1)
@@ -247,7 +241,7 @@ def hold_four(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 @law("Bounds are values of the field.")
 def are_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the bounds are from the nearest values of the field."""
+    """Return the distance of the bounds from the nearest values of the field."""
     return max(
         float(np.abs(bound[:, None] - call.arguments[1]).min(axis=1).max())
         for call, both in zip(calls, values, strict=True)
@@ -259,7 +253,7 @@ def are_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def mass_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values that are free, values at their bounds, and a mass that is right already."""
+    """Return values between their bounds, values at their bounds, and a mass already right."""
     random = np.random.default_rng(seed)
     u, m = random.normal(size=8), random.uniform(0.5, 2, 8)
     low, high = u - random.uniform(0.1, 0.4, 8), u + random.uniform(0.1, 0.4, 8)
@@ -278,7 +272,7 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
 
 @law("The values must have the mass that is asked for, and lie within their bounds.")
 def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the mass is from the wanted one, and values from their bounds."""
+    """Return the deviation of the mass from the given mass, and of values from their bounds."""
     worst = 0.0
     for call, (v,) in zip(calls, values, strict=True):
         _, low, high, m, total = call.arguments
@@ -288,19 +282,19 @@ def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 @law_of_each("All values that are at neither bound are changed by the same number.")
-def changes_alike(call: Call, values: Values) -> float:
-    """Return how much the changes differ among values that are between their bounds."""
+def changes_by_a_constant(call: Call, values: Values) -> float:
+    """Return the variation of the changes among values strictly between their bounds."""
     (v,) = values
     u, low, high, _, _ = call.arguments
     free = (v > low + 1e-6) & (v < high - 1e-6)
     return float(np.ptp((v - u)[free])) if free.any() else 0.0
 
 
-# 13.11 Burgers
+# 13.11 Burgers' equation
 
 
 def burgers_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a linear field, the same after one round, a wave, and a constant."""
+    """Return a linear field, the same after one iteration, a wave, and a constant."""
     random = np.random.default_rng(seed)
     x = np.arange(9)[:, None] / 4 - 1 + random.uniform(-0.06, 0.06, (9, 1))
     wave = np.sin(2 * x[:, 0] + random.uniform(0, 1))
@@ -316,8 +310,8 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law("If the velocity is linear, each round adds a term of a geometric series.")
-def closes_in(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far feet of a linear field are from the sums of a geometric series."""
+def converges_as_a_geometric_series(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of departure points in a linear field from partial geometric sums."""
     worst = 0.0
     for call, (y,) in zip(calls[:2], values[:2], strict=True):
         x, u, dt, rounds, _ = call.arguments
@@ -329,7 +323,7 @@ def closes_in(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 @law("A constant velocity shifts all places alike.")
 def constant_shifts(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far feet in a constant flow are from places shifted alike."""
+    """Return the deviation of departure points in a constant flow from equally shifted points."""
     x, u, dt, _, _ = calls[3].arguments
     return relative(x - values[3][0] - dt * u[0], x)
 
@@ -344,7 +338,7 @@ QUESTIONS = (
         3,
         matrix_inputs,
         lambda call: ((len(call.arguments[1]), len(call.arguments[0])),),
-        (brings_linear_fields_back, counts_the_nearest, is_one_at_its_site),
+        (reproduces_linear_fields, uses_the_nearest_sites_only, is_one_at_its_site),
     ),
     Question(
         "13.6",
@@ -352,7 +346,7 @@ QUESTIONS = (
         3,
         advect_inputs,
         lambda call: ((call.arguments[3] + 1, len(call.arguments[0])),),
-        (constants_stay, affine_fields_turn),
+        (constants_stay, affine_fields_rotate),
     ),
     Question(
         "13.8",
@@ -360,7 +354,7 @@ QUESTIONS = (
         2,
         bounds_inputs,
         lambda call: ((len(call.arguments[2]),),) * 2,
-        (are_values, turns_over, hold_four, holds_the_nearest),
+        (are_values, changes_sign_with_the_field, contain_four_values, contains_the_nearest_value),
     ),
     Question(
         "13.9",
@@ -368,7 +362,7 @@ QUESTIONS = (
         3,
         mass_inputs,
         lambda call: (call.arguments[0].shape,),
-        (has_the_mass, changes_alike),
+        (has_the_mass, changes_by_a_constant),
     ),
     Question(
         "13.11",
@@ -376,6 +370,6 @@ QUESTIONS = (
         2,
         burgers_inputs,
         lambda call: (call.arguments[0].shape,),
-        (constant_shifts, closes_in),
+        (constant_shifts, converges_as_a_geometric_series),
     ),
 )
