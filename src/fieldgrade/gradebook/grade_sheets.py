@@ -211,7 +211,7 @@ def by_student(sheets: Iterable[GradeSheet]) -> list[list[GradeSheet]]:
 
 
 def said_of(line: GradeLine) -> tuple[str, str]:
-    """Return the feedback on an answer: a title, and a sentence that may be empty."""
+    """Return the feedback on an answer: a title, and a sentence, which may be empty."""
     if line.how == "open":
         return line.question, NOT_YET
     if line.grade is None:

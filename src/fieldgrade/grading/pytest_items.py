@@ -68,7 +68,7 @@ def answer_ids(task: GradingTask) -> Iterator[AnswerId]:
 
 
 def printable(text: str) -> str:
-    r"""Replace the characters of a text that are not printable, as in names of files.
+    r"""Replace the characters of a text, such as a file name, that are not printable.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Run a submission in the sandbox: its cells, then calls, with recovery when a process breaks.
+"""Run a submission in the sandbox: its cells, then calls, with recovery if a process fails.
 
 Deadlines are enforced here by killing the process, since code in the sandbox can refuse to be
 interrupted. A cell or call that hangs or crashes is left out; the others run again in a new
@@ -23,7 +23,7 @@ from fieldgrade.sandbox import frames
 
 SECONDS_TO_START = 20.0
 GRACE = 1.0
-"""Seconds between the limit of a call, which interrupts it inside, and the killing from outside."""
+"""Seconds between the limit of a call, which interrupts it inside, and killing its process."""
 MOST_STRAYS = 100
 """How many frames with a wrong number are ignored."""
 MOST_TEXT = 2000
@@ -262,7 +262,7 @@ def run(
     Raises
     ------
     NotStarted
-        Time and again no process starts, which is no submission's fault.
+        Several attempts to start a process failed, which is not the fault of the submission.
     """
     log, outcomes, skipped = SessionLog(), dict[str, tuple[Outcome, ...]](), set[int]()
     started, todo = time.monotonic(), list(tasks)
@@ -303,7 +303,7 @@ def _without(todo: Sequence[CallGroup], broken: CallGroup) -> list[CallGroup]:
 
 
 class _Attempt:
-    """One process of a submission; it knows the group of calls in which it broke."""
+    """One process of a submission, with the group of calls in which it failed."""
 
     def __init__(self, server: Server, log: SessionLog, last: float) -> None:
         self.process, self.log = Process(server, last), log
@@ -311,7 +311,7 @@ class _Attempt:
         self.done: list[Outcome] = []
 
     def run_cells(self, cells: Sequence[str], skipped: set[int]) -> None:
-        """Run the cells in order; a cell that breaks the process is added to the skipped ones."""
+        """Run the cells in order; a cell at which the process fails is added to `skipped`."""
         self.process.await_start()
         for number, code in enumerate(cells):
             if number in skipped:
@@ -336,7 +336,7 @@ class _Attempt:
         return _filled(self.done, len(task.calls))
 
     def salvaged(self, task: CallGroup, broken: ProcessFailed) -> tuple[Outcome, ...]:
-        """Return the outcomes of the group that broke the process."""
+        """Return the outcomes of the group in which the process failed."""
         last = Outcome("raised", error=str(broken))
         if broken.reason == "time":
             last = Outcome("timed out", seconds=task.seconds)

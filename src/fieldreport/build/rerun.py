@@ -115,7 +115,7 @@ def compute(jobs: list[ExperimentJob], steps: Steps, processes: int, progress: A
     processes : int
         The number of workers.
     progress : object
-        Has ``add(count)``, ``done(text)``.
+        An object with the methods ``add(count)`` and ``done(text)``.
     """
     with workers(processes) as pool:
         work: dict[Future, Callable[[Any], dict]] = {}
@@ -186,7 +186,7 @@ def _draw(folder: Path, figure: str) -> bytes:
 
 
 def _outcome(future: Future, what: str) -> Any:
-    """Return the result of a worker, or raise what failed, with its traceback."""
+    """Return the result of a worker, or raise its error with the traceback."""
     try:
         return future.result()
     except BrokenProcessPool as error:

@@ -28,7 +28,7 @@ class ExperimentError(ValueError):
 
 
 USER_ERRORS = (ValueError, ArithmeticError, MemoryError)
-"""What other parameters may cause; a LinAlgError is a ValueError."""
+"""Errors that other parameters may cause; a LinAlgError is a ValueError."""
 
 
 def in_checkout(name: str) -> Path:
@@ -183,12 +183,12 @@ def _frozen(name: str, a: Any) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Experiment:
-    """One experiment: a module that holds ``Params``, ``QUICK``, ``run`` and ``plot``.
+    """One experiment: a module with ``Params``, ``QUICK``, ``run`` and ``plot``.
 
     Parameters
     ----------
     name : str
-        The name of the module and of the folder that a run is written to.
+        The name of the module and of the folder to which a run is written.
     module : module
         Its docstring's first line is the title of the experiment.
     """
@@ -270,7 +270,7 @@ class Experiment:
                 found = self.module.run(params, each)
         except USER_ERRORS as error:
             if params == self.defaults:
-                raise  # an error of the program, whose origin is wanted
+                raise  # an error of the program, shown with its traceback
             raise ExperimentError(self._refusal(params, error)) from error
         facts = {name: round_to_digits(x, self.digits(name)) for name, x in found.facts.items()}
         return replace(found, facts=facts)

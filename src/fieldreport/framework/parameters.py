@@ -23,7 +23,7 @@ _WORDS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Domain:
-    """The values for which a parameter makes sense; of a list, those of its entries and its length.
+    """The valid values of a parameter; for a list, of its entries, and its valid lengths.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Domain:
         The smallest number of entries of a list; an order of convergence needs two sizes.
     order : {"increasing", "decreasing"}, optional
         A list with an order is a set of values. It is accepted in any order, without repetitions,
-        and stored in this one, so that the finest mesh is where ``run`` expects it.
+        and stored in this order, so that the finest mesh is where ``run`` expects it.
     because : str
         The reason of a bound that is not evident.
 
@@ -71,7 +71,7 @@ class Domain:
         Raises
         ------
         ValueError
-            Naming the parameter, what is wanted and what came.
+            The message names the parameter, the requirement and the value.
         """
         if not isinstance(value, tuple):
             return self._one(name, value)

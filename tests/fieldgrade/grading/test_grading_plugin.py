@@ -249,7 +249,7 @@ def test_option_k_writes_grades_of_completely_checked_questions_only(reported, t
 
 def test_an_empty_selection_is_refused(reported, tmp_path):
     _, todo = reported
-    with pytest.raises(ValueError, match="nothing was chosen"):
+    with pytest.raises(ValueError, match="no check was selected"):
         graded(replace(todo, out=tmp_path), options=["-k", "nobody", "-q"])
 
 

@@ -184,7 +184,7 @@ def test_links_pipes_and_devices_in_a_folder_are_refused(tmp_path):
         "ada/01.ipynb": "",
         "bob.ipynb": "it is a link",
         "cid": "it is a link",
-        "dan.ipynb": "it is no file",
+        "dan.ipynb": "it is not a regular file",
     }
 
 
