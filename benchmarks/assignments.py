@@ -112,6 +112,6 @@ def _written(argument: object) -> str:
 
 def _cell(kind: str, text: str, name: str, what: Mapping[str, object]) -> dict:
     identifier = name.replace(".", "-")
-    told = {"nbgrader": {"grade_id": identifier, **VERSION, **what}} if name else {}
+    metadata = {"nbgrader": {"grade_id": identifier, **VERSION, **what}} if name else {}
     code = {"outputs": [], "execution_count": None} if kind == "code" else {}
-    return {"cell_type": kind, "metadata": told, "source": text, **code}
+    return {"cell_type": kind, "metadata": metadata, "source": text, **code}

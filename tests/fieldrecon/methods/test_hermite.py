@@ -241,7 +241,7 @@ class GradientsOfTheFrame(HermiteRBF):
         (the_energy_is_positive_and_increases_with_the_data, SignOfTheSecondArgument),
     ],
 )
-def test_the_law_catches_the_mutant(law, mutant):
+def test_the_law_rejects_the_mutant(law, mutant):
     """A wrong method violates the law that it was written for."""
     with pytest.raises(AssertionError):
         law(mutant(mixed(), polyharmonic(5)))

@@ -118,7 +118,7 @@ class RootForgotten(MovingLeastSquares):
 
 
 @pytest.mark.parametrize("law", MOVING_LAWS, ids=lambda law: law.__name__)
-def test_the_law_catches_the_forgotten_root(law):
+def test_the_laws_reject_the_forgotten_root(law):
     """BᵀWB is another method than BᵀW²B, and each law rejects it."""
     right = case("MLS ε = 0.1, degree 1 in 2-D")
     mutant = Case("RootForgotten", lambda p, _: RootForgotten(p), 2, right.n)

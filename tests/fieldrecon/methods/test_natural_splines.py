@@ -154,7 +154,7 @@ class Halved(NaturalCubicSpline):
         (coefficients_equal_those_of_r_cubed, Halved),
     ],
 )
-def test_the_law_catches_the_mutant(law, mutant):
+def test_the_law_rejects_the_mutant(law, mutant):
     """Another spline violates the law that it was written for."""
     with pytest.raises(AssertionError):
         law(mutant(SITES))

@@ -115,7 +115,7 @@ class SideConditionsForgotten(RBF):
         (the_energy_equals_that_of_the_data, SideConditionsForgotten),
     ],
 )
-def test_the_law_catches_the_mutant(law, mutant):
+def test_the_law_rejects_the_mutant(law, mutant):
     """A wrong system violates the law that it was written for."""
     wrong = Case(mutant.__name__, lambda p, _: mutant(p, thin_plate_spline()), 2, SITES[2])
     with pytest.raises(AssertionError):
