@@ -1,5 +1,5 @@
-# Every target makes what it needs, the virtual environment included, and makes it once.
-# Plain enough for GNU Make 3.81, which macOS ships, and for any POSIX shell.
+# Every target first makes its prerequisites, including the virtual environment, and only once.
+# Compatible with GNU Make 3.81, which macOS ships, and with any POSIX shell.
 
 VENV   := .venv
 PYTHON ?=
@@ -18,7 +18,7 @@ help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-19s %s\n", $$1, $$2 }' Makefile
 
 
-# Set-up. The stamp holds the place it was made for: a moved or copied checkout is set up anew.
+# Set-up. The stamp contains the path of the checkout: a moved or copied checkout is set up anew.
 
 made_for := $(shell cat $(ready) 2>/dev/null)
 ifneq ($(made_for),$(CURDIR))
@@ -28,21 +28,21 @@ endif
 $(ready): $(python) requirements.lock requirements-setup.lock pyproject.toml src/pyproject.toml tools/setup.sh
 	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(VENV)"
 
-# When the interpreter is gone, so is the environment: setup.sh makes both.
+# If the interpreter is missing, setup.sh makes the whole environment anew.
 $(python): ;
 
-# What only one target needs comes on top: requirements-lab.lock, requirements-bench.lock.
+# Packages that only one target needs are added: requirements-lab.lock.
 $(VENV)/ready-%: requirements-%.lock | $(ready)
 	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(VENV)" -r $<
 	@touch $@
 
 
-# Checks. One BLAS thread per test process: the processes are what runs in parallel.
+# Checks. One BLAS thread per test process, since the processes run in parallel.
 
 one_thread := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 VECLIB_MAXIMUM_THREADS=1
 pytest     := $(one_thread) $(python) -m pytest --numprocesses=auto --maxprocesses=4 --dist=worksteal
 
-test: $(ready) ## run the tests, those marked slow left out
+test: $(ready) ## run the tests except those marked slow
 	@$(pytest) -m "not slow"
 
 test-slow: $(ready) ## run the tests marked slow
@@ -51,23 +51,23 @@ test-slow: $(ready) ## run the tests marked slow
 test-all: $(ready) ## run every test
 	@$(pytest)
 
-lint: $(ready) ## check the format, the style (ruff), the types (mypy) and which way imports point (import-linter)
+lint: $(ready) ## check format and style (ruff), types (mypy) and directions of imports (import-linter)
 	@$(python) -m ruff format --check
 	@$(python) -m ruff check
 	@$(python) -m mypy
 	@$(VENV)/bin/lint-imports --no-cache
 
 
-format: $(ready) ## write the code as ruff formats it
+format: $(ready) ## format the code with ruff
 	@$(python) -m ruff format
 
 architecture: $(ready) ## draw docs/images/architecture.svg from the imports
 	@$(python) tools/architecture.py
 
-# Report. The command looks at contents and redoes what changed; make only asks whether to start it.
-# Folders are among the sources, so that a removed file counts (report/. and not report, which is
-# the target). The manifest, written last, is dated to the start of the run: what was edited
-# meanwhile is newer, and is seen by the next call.
+# Report. The command compares contents and repeats outdated steps; make only decides whether to
+# start it. Folders are among the sources, so that a removed file triggers a build (report/. and
+# not report, which is the target). The manifest is written last and dated to the start of the run:
+# files edited during the run are newer and trigger the next build.
 
 build    := report/build
 manifest := $(build)/manifest.json
@@ -85,7 +85,7 @@ $(manifest): $(ready) $(sources) $(if $(missing),FORCE)
 check-reproducible: $(ready) ## build the report twice and compare the bytes; AGAINST=manifest.json of another machine
 	@$(VENV)/bin/fieldrecon report $(if $(AGAINST),--against "$(AGAINST)",--check-reproducible)
 
-# The peers live in an environment of their own, with the packages of the other one beside them.
+# The compared libraries have an environment of their own, which also has the locked packages.
 peers := $(VENV)-bench
 
 bench: $(peers)/ready-bench ## measure the speed; the results go to benchmarks/results/
@@ -95,7 +95,7 @@ $(peers)/ready-bench: requirements-bench.lock requirements.lock pyproject.toml
 	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(peers)" -r $<
 	@touch $@
 
-# The tool that makes mutants has an environment of its own, too.
+# The tool that makes mutants also has an environment of its own.
 mutation := $(VENV)-mutation
 
 check-tests: $(mutation)/ready-mutation ## test the tests with 200 mutants of the library, in an hour; SEED=1, COUNT=200
@@ -111,7 +111,7 @@ $(mutation)/ready-mutation: requirements-mutation.lock requirements.lock pyproje
 notebooks: $(ready) ## make exercises/ and the executed solutions from solutions/*.py
 	@$(VENV)/bin/fieldrecon course build
 
-check-graders: $(ready) ## test the graders with right answers, known mistakes and mutants; ONLY=02 for one notebook
+check-graders: $(ready) ## test the graders with right answers, misconceptions and mutants; ONLY=02 for one notebook
 	@$(VENV)/bin/fieldrecon course check $(if $(ONLY),--only $(ONLY))
 
 publish: $(ready) ## write the solved notebooks as HTML and PDF to dist/solutions/
@@ -126,7 +126,7 @@ grade: $(ready) ## grade the submissions of a class: SUBMISSIONS=dir; OUT=graded
 	  $(if $(CLASS),--class "$(CLASS)") $(if $(ONLY),--only $(ONLY)) $(if $(JOBS),--jobs $(JOBS)) \
 	  $(if $(DIFF),--diff)
 
-# Rest
+# Other targets
 
 lab: $(VENV)/ready-lab ## open JupyterLab on the exercises
 	@mkdir -p exercises
@@ -144,11 +144,11 @@ lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=-
 compile = $(python) -m uv pip compile --quiet --universal --generate-hashes --no-header \
   --python-version 3.11 $(UPGRADE) --output-file
 
-clean: ## remove what was built, and the caches
+clean: ## remove build outputs and caches
 	rm -rf $(build) build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find . -name '.?*' -prune -o -name __pycache__ -prune -exec rm -rf {} +
 
-distclean: clean ## remove the virtual environment too
+distclean: clean ## also remove the virtual environment
 	rm -rf src/*.egg-info
 	test ! -e $(VENV)/pyvenv.cfg || rm -rf $(VENV)
 

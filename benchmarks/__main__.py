@@ -66,7 +66,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def measured(name: str, size: str, track: Track) -> dict:
-    """Result of one benchmark, with its title and the machine."""
+    """The result of one benchmark, with its title and the machine."""
     from benchmarks import machine
 
     benchmark = importlib.import_module(f"benchmarks.{name}")

@@ -22,9 +22,9 @@ VERSION = {"schema_version": 3, "task": False}
 
 @dataclass(frozen=True)
 class BenchmarkAssignment:
-    """A notebook with a test after each question, in nbgrader's form; otter uses the same tests.
+    """A notebook with a test after each question in nbgrader's form; otter uses the same tests.
 
-    The tests compare with the right answers to the public cases, to 1e-6.
+    The tests compare with the correct answers to the public cases, to 1e-6.
     """
 
     name: str
@@ -36,7 +36,7 @@ class BenchmarkAssignment:
 
     @cached_property
     def cells(self) -> Sequence[Cell]:
-        """The whole notebook, or no more than is needed for its first three questions."""
+        """The whole notebook, or the cells that its first three questions need."""
         cells = [cell for cell in self.source.cells if not cell.rubric]
         if self.name == LARGE:
             return cells
@@ -49,7 +49,7 @@ class BenchmarkAssignment:
 
     @cached_property
     def tests(self) -> Mapping[str, str]:
-        """The test of each question, as Python: calls with their numbers, and what must come."""
+        """The test of each question as Python: calls, their arguments and the expected results."""
         functions = self.source.functions()
         return {name: test(name, functions) for name in self.answers}
 
@@ -69,9 +69,9 @@ class BenchmarkAssignment:
         return json.dumps(data | {"nbformat_minor": 4}).encode()
 
     def submission(self, number: int) -> tuple[bytes, set[str]]:
-        """A submission and its right questions: four of ten are right, six have different errors.
+        """A submission and its correct questions: of ten submissions, four have no error.
 
-        Three of the six lack an answer, the others return wrong values.
+        Of the other six, three lack an answer and three return wrong values.
         """
         names = list(self.answers)
         k = number % 10
@@ -81,13 +81,13 @@ class BenchmarkAssignment:
         cell = self.answers[wrong]
         head = cell.text.partition("\n")[0]
         text = stub(cell) if k < 7 else f"{head}\n    return np.zeros((2, 3))\n"
-        return self.notebook({wrong: text}), set(names) - self._hurt(wrong)
+        return self.notebook({wrong: text}), set(names) - self._affected(wrong)
 
-    def _hurt(self, wrong: str) -> set[str]:
-        """The questions whose answers call the one that is wrong, and it."""
+    def _affected(self, wrong: str) -> set[str]:
+        """The wrong question and all questions whose answers call its function."""
         function = questions()[wrong].function
         direct = {n for n, c in self.answers.items() if f"{function}(" in c.text} - {wrong}
-        return {wrong}.union(*map(self._hurt, direct))
+        return {wrong}.union(*map(self._affected, direct))
 
 
 def test(name: str, functions: Mapping[str, object]) -> str:
@@ -112,6 +112,6 @@ def _written(argument: object) -> str:
 
 def _cell(kind: str, text: str, name: str, what: Mapping[str, object]) -> dict:
     identifier = name.replace(".", "-")
-    told = {"nbgrader": {"grade_id": identifier, **VERSION, **what}} if name else {}
+    metadata = {"nbgrader": {"grade_id": identifier, **VERSION, **what}} if name else {}
     code = {"outputs": [], "execution_count": None} if kind == "code" else {}
-    return {"cell_type": kind, "metadata": told, "source": text, **code}
+    return {"cell_type": kind, "metadata": metadata, "source": text, **code}

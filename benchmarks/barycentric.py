@@ -1,7 +1,7 @@
 """Barycentric coordinates of a hexagon, compared with as many products of arrays.
 
-The weights of n corners are n products of heights, divided by their sum: n multiplications of
-arrays, out of place, are a floor that no program on arrays can go below.
+The weights of n corners are n products of heights, divided by their sum. Therefore the time of n
+multiplications of arrays is a lower bound for any program that works on arrays.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
 
 
 class Hexagon:
-    """A hexagon that is not regular, and points inside it."""
+    """An irregular hexagon and points inside it."""
 
     def __init__(self, queries: int) -> None:
         angle = np.pi / 3 * (np.arange(CORNERS) + uniform(CORNERS, 1, seed=1)[:, 0] / 2)
@@ -82,7 +82,7 @@ class Hexagon:
         }
 
     def checks(self) -> Table:
-        """Errors where theory allows none but rounding."""
+        """Errors that must be rounding errors."""
         w = self.method.weights(self.x)
         rows = {
             "sum of the weights, less one": w.sum(axis=1) - 1,

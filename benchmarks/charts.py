@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from fieldrecon.plotting.style import FULL_WIDTH, NO_CLOCK, figure
 
-# Colours for every kind of colour vision (Okabe and Ito 2008), and markers for grey print.
+# Colours for all kinds of colour vision (Okabe and Ito 2008), and markers for print in grey.
 _COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
 _MARKERS = "so^Dv*"
 _LOOKS = [
@@ -24,7 +24,7 @@ _LEGEND_ROW = 0.19  # inches
 
 
 def draw(result: Mapping, path: Path) -> None:
-    """Draw the charts of a result side by side; one legend below, or two where lines differ."""
+    """Draw the charts of a result side by side, with one legend, or two if the lines differ."""
     charts = result["charts"]
     shared = all([*chart["lines"]] == [*charts[0]["lines"]] for chart in charts)
     rows = 0 if shared else max(len(chart["lines"]) for chart in charts)
@@ -40,7 +40,7 @@ def draw(result: Mapping, path: Path) -> None:
 
 
 def mark(result: Mapping) -> str:
-    """The identifier in a chart of the numbers that it shows."""
+    """A digest of the numbers shown, stored in the file of the chart."""
     numbers = json.dumps(result["charts"], sort_keys=True)
     return f"charts of sha256:{hashlib.sha256(numbers.encode()).hexdigest()}"
 

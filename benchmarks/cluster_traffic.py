@@ -15,44 +15,44 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 
 @dataclass(frozen=True)
 class Traffic:
-    """Bytes for each site, or query: once to each worker, there and back with the chunks."""
+    """Bytes per site or query: sent once to each worker, and sent and received with the chunks."""
 
     held: float
     there: float
     back: float
 
     def gigabytes(self, n: int, workers: int) -> float:
-        """Of so many sites, or queries, in all."""
+        """Total for this number of sites or queries."""
         return n * (workers * self.held + self.there + self.back) / 1e9
 
 
 class Counting(Executor):
-    """Does all at once and here, and counts the bytes that a cluster would send and bring back."""
+    """An executor that computes in this process and counts the bytes that a cluster would send."""
 
     def __init__(self) -> None:
         self.held = self.there = self.back = 0
 
     @contextmanager
     def shared_work(self, work: Any) -> Iterator[Any]:
-        """The work, which each worker would get once."""
-        self.held += packed(work)
+        """The work, which every worker would receive once."""
+        self.held += pickled_size(work)
         yield work
 
     def submit(self, fn: Any, /, *args: Any, **_: Any) -> Future[Any]:
-        """Do it; what goes and what comes are arrays."""
+        """Run the function at once; its arguments and its result are arrays."""
         done: Future[Any] = Future()
         done.set_result(fn(*args))
-        self.there += packed(args)
-        self.back += packed(done.result())
+        self.there += pickled_size(args)
+        self.back += pickled_size(done.result())
         return done
 
 
-def packed(what: Any) -> int:
+def pickled_size(what: Any) -> int:
     return len(pickle.dumps(what, pickle.HIGHEST_PROTOCOL))
 
 
-def carried(n: int) -> dict[str, Traffic]:
-    """Of a fit to so many sites, and of an evaluation at as many queries."""
+def traffic_of(n: int) -> dict[str, Traffic]:
+    """The traffic of a fit to n sites and of an evaluation at n queries."""
     x = uniform(n, 2, seed=1)
     fit, evaluate = Counting(), Counting()
     s = PartitionOfUnityRBF(x).field(franke(x), executor=fit)

@@ -1,8 +1,8 @@
 """The methods that the comparison `peers` measures: of this library, and of other libraries.
 
-A method is a function of sites and values that returns a function of queries. A method of another
-library imports that library when it is called. Settings follow the manuals, with several where a
-choice matters; for noisy data those of the other libraries were tuned by hand.
+A method is a function of sites and values that returns a function of queries. Methods of other
+libraries import the library when they are called. Settings follow the manuals, with several
+variants where a choice matters; for noisy data the settings of other libraries were tuned by hand.
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ def patches_of(power: int, degree: int, patch_size: int) -> Fit:
 
 
 def patches_by_leave_one_out(points: np.ndarray, values: np.ndarray) -> Field:
-    """Kernel, degree and patch size of the smallest cross-validation error on a few blocks."""
+    """Kernel, degree and patch size with the least cross-validation error on a few blocks."""
     makers = [partial(_patches, *choice) for choice in CHOICES]
-    judge = CrossValidator.of(points, values)
-    if judge.blocks is not None:
-        judge = replace(judge, blocks=judge.blocks[:BLOCKS])
-    trial = judge.evaluate(Model("patches", "PU", "patches, blended", lambda _: makers))
-    return trial.maker(points).field(values)
+    validator = CrossValidator.of(points, values)
+    if validator.blocks is not None:
+        validator = replace(validator, blocks=validator.blocks[:BLOCKS])
+    score = validator.evaluate(Model("patches", "PU", "patches, blended", lambda _: makers))
+    return score.maker(points).field(values)
 
 
 def _patches(power: int, degree: int, size: int, points: np.ndarray) -> PartitionOfUnityRBF:
@@ -84,17 +84,17 @@ def smoothed_means(count: int) -> Fit:
     kernel = polyharmonic(5)
 
     def fit(points: np.ndarray, values: np.ndarray) -> Field:
-        places, means = block_means(points, values, min(count, len(points)))
+        centers, means = block_means(points, values, min(count, len(points)))
         unit = np.ptp(points, axis=0).max() ** 5
 
-        def missed(strength: float) -> float:
-            patches = PartitionOfUnityRBF(places, kernel, 3, TRIAL_PATCH, strength * unit)
+        def squared_error(strength: float) -> float:
+            patches = PartitionOfUnityRBF(centers, kernel, 3, TRIAL_PATCH, strength * unit)
             return float(np.mean(leave_one_out(patches, means) ** 2))
 
-        smoothing = min(STRENGTHS, key=missed) * unit
+        smoothing = min(STRENGTHS, key=squared_error) * unit
         if count <= MOST_AT_ONCE:
-            return RBF(places, kernel, 3, smoothing).field(means)
-        return PartitionOfUnityRBF(places, kernel, 3, LARGE_PATCH, smoothing).field(means)
+            return RBF(centers, kernel, 3, smoothing).field(means)
+        return PartitionOfUnityRBF(centers, kernel, 3, LARGE_PATCH, smoothing).field(means)
 
     return fit
 
@@ -124,7 +124,7 @@ def scipy_clough_tocher(points: np.ndarray, values: np.ndarray) -> Interpolant:
 
 
 def ferreus(kernel: str, nugget: float = 0.0) -> Fit:
-    """With linear polynomials and its default accuracy."""
+    """ferreus_rbf with linear polynomials and its default accuracy."""
 
     def fit(points: np.ndarray, values: np.ndarray) -> Interpolant:
         from ferreus_rbf import RBFInterpolator
@@ -139,7 +139,7 @@ def ferreus(kernel: str, nugget: float = 0.0) -> Fit:
 
 
 def wlsqm(degree: int, neighbors: int) -> Fit:
-    """Fits to the nearest sites of each query, found by SciPy's k-d tree, as in its manual."""
+    """Fits to the nearest sites of each query, found by SciPy's k-d tree as in the manual."""
 
     def fit(points: np.ndarray, values: np.ndarray) -> Interpolant:
         import wlsqm as peer
@@ -172,7 +172,7 @@ def wlsqm(degree: int, neighbors: int) -> Fit:
 
 
 def verde(means: int | None = None, damping: float | None = None) -> Fit:
-    """A biharmonic spline with a force under each datum, or under each mean of a square block."""
+    """A biharmonic spline with a force at each datum, or at the mean of each square block."""
 
     def fit(points: np.ndarray, values: np.ndarray) -> Interpolant:
         import verde as peer
@@ -188,7 +188,7 @@ def verde(means: int | None = None, damping: float | None = None) -> Fit:
 
 
 def gaussian_process(noise: bool = False) -> Fit:
-    """A Matérn kernel; its scale, and the noise level if any, maximize the likelihood."""
+    """A Matérn kernel; scale and noise level maximize the likelihood."""
 
     def fit(points: np.ndarray, values: np.ndarray) -> Interpolant:
         from sklearn.gaussian_process import GaussianProcessRegressor
@@ -234,7 +234,7 @@ class ComparedMethod:
     data: tuple[str, ...] = WITHOUT_NOISE + NOISE
 
     def takes(self, data: str, sites: int) -> bool:
-        """Whether it is measured on this number of sites of a data set."""
+        """Whether the method is measured on this number of sites of a data set."""
         d = 3 if data == "cube" else 2
         return sites <= self.most and d in self.dimensions and data in self.data
 

@@ -27,7 +27,7 @@ AT_MOST = {(SMALL, "nbgrader"): 1 / 15, (SMALL, "otter"): 1 / 30}
 PR_SET_CHILD_SUBREAPER = 36
 SECONDS_TO_END = 5.0
 MOST_CPU = 0.25
-"""Seconds of processor time for a submission of the small notebook."""
+"""Largest processor time in seconds for a submission of the small notebook."""
 CALLED = {
     "nbgrader": "nbgrader {} (autograde, one command for {})",
     "otter": "otter {} (run, a command each for {})",
@@ -50,7 +50,7 @@ TOY = Size(submissions=2, of_nbgrader=0, of_otter=0, assignments=(SMALL,), repea
 
 @dataclass(frozen=True)
 class Cost:
-    """What grading took, for one submission."""
+    """The cost of grading, per submission."""
 
     seconds: float
     cpu_seconds: float
@@ -58,7 +58,7 @@ class Cost:
 
 def run(size: Size, track: Track) -> BenchmarkResult:
     _adopt_orphans()
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # nobody compiles all modules for each command
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # as usual, commands share compiled modules
     comparisons, rows, tiers = [], [], set[str]()
     for name in size.assignments:
         with TemporaryDirectory() as folder:
@@ -93,15 +93,15 @@ class Bench:
             if number
         }
         self.repeats = size.repeats
-        self.cpu_of_walls = _cpu_of_walls()
+        self.cpu_of_sandbox_start = _cpu_of_sandbox_start()
 
     def in_turn(self, track: Track) -> Mapping[str, list[Cost]]:
-        """Grade with each in turn; a first round is not counted.
+        """Grade with each in turn; the first round is not counted.
 
         Raises
         ------
         RuntimeError
-            A grader finds something else right than what is.
+            A grader accepts other answers than the correct ones.
         """
         costs: dict[str, list[Cost]] = {"1": [], "2": []} | {name: [] for name in self.peers}
         rounds = [*costs] * (self.repeats + 1)
@@ -110,7 +110,7 @@ class Bench:
         return {name: found[1:] for name, found in costs.items()}
 
     def _ours(self, jobs: str) -> Cost:
-        """Grade all of the class by the command, from nothing."""
+        """Grade the whole class by the command, without a cache."""
         with TemporaryDirectory() as out:
             command = [
                 sys.executable,
@@ -132,7 +132,7 @@ class Bench:
             if done.returncode:
                 raise RuntimeError(f"fieldrecon grade: {done.stderr}")
             seconds, cpu = time.perf_counter() - start, _cpu_of_children() - before
-            cpu += _cpu_behind_walls(Path(out)) + int(jobs) * self.cpu_of_walls
+            cpu += _cpu_in_sandboxes(Path(out)) + int(jobs) * self.cpu_of_sandbox_start
             records = json.loads((Path(out) / "results.json").read_text())["records"]
         self.tiers |= {record["tier"] for record in records}
         found = [
@@ -161,13 +161,13 @@ def _files(assignment: BenchmarkAssignment, number: int) -> list[bytes]:
 
 
 def _adopt_orphans() -> None:
-    """Let processes whose parent ends first be children of this one, so that their time counts."""
+    """Become the parent of orphaned processes on Linux, so that their processor time counts."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def _cpu_of_children() -> float:
-    """Processor time of all processes that were started and have ended, theirs included."""
+    """Processor time of all terminated child processes, including their children."""
     last = time.monotonic() + SECONDS_TO_END
     with suppress(ChildProcessError):
         while time.monotonic() < last:
@@ -192,14 +192,14 @@ def _compared(name: str, costs: Mapping[str, list[Cost]], size: Size) -> list[Co
     ]
 
 
-def _cpu_behind_walls(out: Path) -> float:
-    """Processor time of what students wrote, which the grader notes as it ends each process."""
+def _cpu_in_sandboxes(out: Path) -> float:
+    """Processor time of the students' code, which the grader records for each process."""
     lines = (out / "ledger.jsonl").read_text().splitlines()
     return sum(json.loads(line)["cpu_seconds"] for line in lines)
 
 
-def _cpu_of_walls() -> float:
-    """A bound on the processor time of putting up walls, which one worker does once."""
+def _cpu_of_sandbox_start() -> float:
+    """An upper bound of the processor time for starting a sandbox, once per worker."""
     tier, _ = chosen_tier()
     start = time.perf_counter()
     with Server(tier).started():

@@ -1,7 +1,7 @@
 """Grading of three hundred submissions, a tenth of them hostile: the grader's memory.
 
-Every tenth is a case of the hostile suite, with its limits. The grader runs in a process of its
-own, and the largest memory so far of it and of its workers is read after each third of the class.
+Every tenth submission is a case of the hostile suite, with its limits. The grader runs in its own
+process. The peak memory of the grader and of its workers is read after each third of the class.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ TOY = Size(submissions=6, notebooks=1)
 
 
 def run(size: Size, track: Track) -> BenchmarkResult:
-    told = list(track(list(_told(size)), "grading_class"))
-    rows = [tuple(json.loads(line)) for line in told]
+    lines = list(track(list(printed_lines(size)), "grading_class"))
+    rows = [tuple(json.loads(line)) for line in lines]
     fair = rows.pop()
     return BenchmarkResult(
         tables=[Table("After each third of the class", COLUMNS, rows)],
@@ -56,7 +56,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
     )
 
 
-def _told(size: Size) -> Iterator[str]:
+def printed_lines(size: Size) -> Iterator[str]:
     command = [sys.executable, "-m", "benchmarks.grading_class", json.dumps(asdict(size))]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
         yield from process.stdout or ()
@@ -65,7 +65,7 @@ def _told(size: Size) -> Iterator[str]:
 
 
 def grade_class(size: Size) -> None:
-    """What the other process does: it prints a line after each third, and one on the grades."""
+    """Grade in this process; print a line after each third, and one about the grades."""
     sys.path.append(str(ROOT / "tests"))
     from fieldgrade.grading.batch import Batch
     from fieldgrade.grading.run import GradingRun, chosen_tier
@@ -99,15 +99,15 @@ def grade_class(size: Size) -> None:
 
 
 def _row(done: int, seconds: float, statuses: Counter[str]) -> tuple[int, float, float, str]:
-    told = ", ".join(f"{number} {status}" for status, number in sorted(statuses.items()))
+    counts = ", ".join(f"{number} {status}" for status, number in sorted(statuses.items()))
     peak = largest_memory() + sum(largest_memory(worker.pid) for worker in active_children())
-    return done, round(seconds, 1), round(peak / 2**20, 1), told
+    return done, round(seconds, 1), round(peak / 2**20, 1), counts
 
 
 def _class(
     folder: Path, size: Size, cases: list[Case]
 ) -> Iterable[tuple[str, tuple[dict[str, float], bool]]]:
-    """Hand in for everybody; yield each name, the fair points, and whether it is hostile."""
+    """Write all submissions; yield each name, the fair points, and whether it is hostile."""
     from fieldcheck.questions import questions
     from hostile.case import as_file, notebook
 
@@ -116,8 +116,8 @@ def _class(
         student.mkdir(parents=True)
         if k % 10 == 5:
             case = cases[(k // 10) * len(cases) // (size.submissions // 10 + 1)]
-            name, content = case.handed_in(dict.fromkeys(PLACES, str(folder / "nothing")))
-            wanted = case.fair()
+            name, content = case.submitted_file(dict.fromkeys(PLACES, str(folder / "nothing")))
+            wanted = case.fair_points()
         else:
             number = f"{k % size.notebooks + 1:02}"
             _, content = as_file(notebook(number))

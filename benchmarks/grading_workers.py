@@ -1,9 +1,9 @@
 """Speed-up of grading by a second worker.
 
-The batch alone is timed, once its workers have put up their walls: the command that `grading`
-times also starts, reads, and tells what it found, which no worker shares. Each worker has a core:
-with two cores to itself a single worker takes more than one, since the grader prepares and judges
-while a submission runs behind its walls.
+Only the batch is timed, after its workers have started their sandboxes. The command that `grading`
+times also starts, reads and reports, which workers do not share. Each worker has one core. With two
+cores a single worker would use more than one, because the grader prepares and checks while a
+submission runs in its sandbox.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from fieldgrade.isolation.server import Server
 
 COLUMNS = ("assignment", "workers", "cores", "seconds", "least", "most", "speed-up", "range of it")
 SHAPES = ((1, 1), (1, 2), (2, 2))
-"""Workers, and cores that they have together."""
+"""Numbers of workers and of cores for all of them."""
 WARM_UP = 10
-"""So many submissions at the start of each round are not counted."""
+"""Number of submissions at the start of each round that are not timed."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
 
 
 def _seconds(folder: Path, tier: str, workers: int, cores: int) -> float:
-    """Seconds for each submission of a class that is graded anew."""
+    """Seconds per submission of a class that is graded without a cache."""
     with TemporaryDirectory() as out:
         plan = GradingRun(folder / "in", Path(out), ROOT, tier=tier, jobs=workers)  # type: ignore[arg-type]
         with threads(cores), _batch(plan, workers) as batch:
@@ -78,7 +78,7 @@ def _seconds(folder: Path, tier: str, workers: int, cores: int) -> float:
 def _batch(plan: GradingRun, workers: int) -> Iterator[Batch]:
     kept = (plan.archive, plan.cache, plan.ledger)
     with worker_servers.serving(), worker_servers.worker_pool(workers) as executor:
-        _ = [*executor.map(time.sleep, [1.0] * workers)]  # all processes have started then
+        _ = [*executor.map(time.sleep, [1.0] * workers)]  # wait until all processes have started
         yield Batch(plan.course, Server(plan.tier), *kept, executor, workers)
 
 

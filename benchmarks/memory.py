@@ -1,8 +1,8 @@
 """Peak memory of an evaluation, relative to its inputs, its outputs and one stated chunk.
 
 The stated chunk is `CHUNK_BYTES` for each thread. Two processes read the same fitted field: one
-evaluates it, the other only makes room for the result. What the largest memory of the first, read
-at its end, exceeds that of the second by is the memory of evaluating.
+evaluates it, the other only allocates an array of the size of the result. The difference of their
+peaks is the memory of the evaluation.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from fieldrecon.methods.rbf import RBF
 from fieldrecon.reconstruction import Field
 
 AT_MOST = 1.5
-# Bytes held while measuring, so that now is the largest memory yet, whatever imports once took.
+# Bytes allocated during the measurement, so that the peak is not that of the imports.
 BALLAST = 2**28
 METHODS = {
     "MLS": lambda n: MovingLeastSquares(uniform(n, 2, seed=1), wendland(2, 1), 2, neighbors=20),
@@ -99,7 +99,7 @@ def row(method: str, what: str, m: int, fitted: bytes) -> tuple[str | int | floa
 
 
 def peak_of(fitted: bytes, *how: str | int) -> int:
-    """Largest memory of a process of its own, in bytes."""
+    """Peak memory of a separate process in bytes."""
     command = [sys.executable, "-m", "benchmarks.memory", *map(str, how)]
     root = Path(__file__).parents[1]
     done = subprocess.run(command, cwd=root, input=fitted, stdout=subprocess.PIPE, check=True)
@@ -107,7 +107,7 @@ def peak_of(fitted: bytes, *how: str | int) -> int:
 
 
 def evaluate_or_hold(what: str, m: str, doing: str) -> int:
-    """What the other process does: it reads a field, which leaves less garbage than fitting it."""
+    """The work of the separate process. It reads a field, which leaves less garbage than a fit."""
     field = pickle.load(sys.stdin.buffer)
     evaluate = field.gradient if what == "gradient" else field
     x = uniform(int(m), 2, seed=2)
@@ -122,9 +122,9 @@ def evaluate_or_hold(what: str, m: str, doing: str) -> int:
 
 
 def largest_memory(process: int | str = "self") -> int:
-    """The most memory that a process ever held, in bytes; only on Linux another than this one."""
+    """Peak memory of a process in bytes; processes other than this one on Linux only."""
     status = Path(f"/proc/{process}/status")
-    if status.exists():  # on Linux ru_maxrss would begin with what the parent once held
+    if status.exists():  # on Linux ru_maxrss starts with the peak of the parent
         return 1024 * int(re.search(r"VmHWM:\s*(\d+) kB", status.read_text())[1])
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 

@@ -1,7 +1,7 @@
 """Audit of a triangle mesh, compared with PyMeshLab's measures.
 
-PyMeshLab is asked for its topological measures and its selection of faces that cross others, in
-one go; the audit looks for all that it knows, and is to agree on what both look for.
+PyMeshLab computes its topological measures and its selection of intersecting faces. The audit
+searches for all its kinds of errors, and must agree with PyMeshLab on those that both find.
 """
 
 from __future__ import annotations
@@ -90,8 +90,8 @@ def bodies(level: int) -> dict[str, Surface]:
     }
 
 
-def counted(audit: MeshAudit) -> dict[str, int]:
-    """What PyMeshLab tells too."""
+def comparable_findings(audit: MeshAudit) -> dict[str, int]:
+    """The findings of the audit that PyMeshLab also reports."""
     crossing = np.concatenate([audit.crossings.ravel(), audit.overlaps.ravel()])
     return {
         "free edges": sum(map(len, audit.boundary_loops)),
@@ -107,7 +107,7 @@ def _findings(audits: dict[str, MeshAudit], theirs: dict[str, dict[str, int]]) -
     rows = [
         (name, what, n, theirs[name][what] if name in theirs else "–")
         for name, audit in audits.items()
-        for what, n in counted(audit).items()
+        for what, n in comparable_findings(audit).items()
     ]
     return Table("Findings", ("mesh", "what", "fieldrecon", "PyMeshLab"), rows)
 
@@ -118,7 +118,7 @@ def _times(seconds: dict[str, list[float]]) -> Table:
 
 
 def _in_pairs(candidates: dict[str, Callable[[], object]]) -> dict[str, Callable[[], object]]:
-    """Ours and theirs of each mesh next to each other, so that they see the same machine."""
+    """The candidates sorted by mesh, so that both programs run under the same load."""
     return dict(sorted(candidates.items(), key=lambda item: item[0].partition(", ")[2]))
 
 

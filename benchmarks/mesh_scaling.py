@@ -1,7 +1,7 @@
 """Time and memory of the methods on meshes, against the number of vertices.
 
-Each number comes from a process of its own, which reads points and triangles, makes the mesh and
-does one thing; so its largest memory is what that thing takes, with the mesh and the interpreter.
+Each number comes from a separate process, which reads points and triangles, creates the mesh and
+performs one operation. Its peak memory includes the mesh and the interpreter.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def voronoi_pairs(points: np.ndarray, triangles: np.ndarray) -> Work:
 
 
 def rotating(points: np.ndarray, triangles: np.ndarray) -> tuple[SimplexMesh, np.ndarray]:
-    """The mesh and the data of a rotation on it."""
+    """The mesh and the normal velocities of a rotation."""
     on = SimplexMesh(points, triangles)
     return on, normal_velocities(on, rotation(points))
 
@@ -152,7 +152,7 @@ def charts(vertices: tuple[int, ...], costs: dict[str, list[Cost]]) -> list[Char
 
 
 def exponent(vertices: tuple[int, ...], costs: list[Cost]) -> float:
-    """The p of the power law that fits the times of the larger meshes best."""
+    """The exponent p of the power law fitted to the times of the larger meshes."""
     half = (len(vertices) - 1) // 2
     times = [math.log(c.seconds) for c in costs[half:]]
     slope, _ = np.polyfit(np.log(vertices[half:]), times, 1)
@@ -165,7 +165,7 @@ def bytes_of_a_vertex(vertices: tuple[int, ...], costs: list[Cost]) -> int:
 
 
 def cost(what: str, file: Path, runs: int) -> Cost:
-    """Seconds and memory of a process of its own."""
+    """Seconds and memory of a separate process."""
     command = [sys.executable, "-m", "benchmarks.mesh_scaling", what, str(file), str(runs)]
     root = Path(__file__).parents[1]
     done = subprocess.run(command, cwd=root, stdout=subprocess.PIPE, check=True)
@@ -173,7 +173,7 @@ def cost(what: str, file: Path, runs: int) -> Cost:
 
 
 def measured(what: str, file: str, runs: str) -> Cost:
-    """What the other process does; the first run makes what the mesh keeps."""
+    """The work of the separate process; the first run fills the caches of the mesh."""
     with np.load(file) as stored:
         work = WORK[what](stored["points"], stored["triangles"])
     seconds = []

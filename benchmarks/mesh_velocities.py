@@ -1,6 +1,6 @@
 """Velocities and Voronoi weights on a mesh, compared with the triangulation of its points.
 
-Without a triangulation there is no mesh: what the methods cost is told in units of that.
+Every mesh needs a triangulation, so its time is the unit for the cost of the methods.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
 
 
 class Flow:
-    """A rotation on a random Delaunay mesh, seen through its faces, and what is made of it."""
+    """A rotation on a random Delaunay mesh, its normal velocities, and the timed operations."""
 
     def __init__(self, points: np.ndarray, pairs: int) -> None:
         self.points = points
@@ -78,8 +78,8 @@ class Flow:
         self.v = normal_velocities(self.mesh, rotation(points))
         self.vertex, self.x = pairs_within(self.mesh, pairs)
 
-    def anew(self) -> SimplexMesh:
-        """The mesh once more, with nothing computed yet."""
+    def fresh_mesh(self) -> SimplexMesh:
+        """A copy of the mesh without cached arrays."""
         return SimplexMesh(self.points, self.triangles)
 
     def work(self) -> dict[str, Callable[[], object]]:
@@ -90,9 +90,11 @@ class Flow:
             "velocities of all vertices": lambda: vertex_velocities(mesh, v),
             "velocities of all cells": lambda: cell_velocities(mesh, v),
             "Voronoi weights of all pairs": lambda: self.voronoi(),
-            "the mesh itself" + FROM_SCRATCH: lambda: self.anew().face_normals,
-            "velocities of all vertices" + FROM_SCRATCH: lambda: vertex_velocities(self.anew(), v),
-            "velocities of all cells" + FROM_SCRATCH: lambda: cell_velocities(self.anew(), v),
+            "the mesh itself" + FROM_SCRATCH: lambda: self.fresh_mesh().face_normals,
+            "velocities of all vertices" + FROM_SCRATCH: lambda: vertex_velocities(
+                self.fresh_mesh(), v
+            ),
+            "velocities of all cells" + FROM_SCRATCH: lambda: cell_velocities(self.fresh_mesh(), v),
             "matrices of the velocities of all vertices": lambda: velocity_weights(mesh),
             "velocities of all vertices, by their matrices": lambda: [w @ v for w in weights],
         }
@@ -101,11 +103,11 @@ class Flow:
         return voronoi_weights(self.mesh, self.vertex, self.x)
 
     def checks(self) -> Table:
-        """Errors where theory allows none but rounding."""
+        """Errors that must be rounding errors."""
         weights, centers = self.voronoi(), self.mesh.circumcenters
         at_vertices = vertex_velocities(self.mesh, self.v).values - rotation(self.points)
         at_centers = cell_velocities(self.mesh, self.v).values - rotation(centers)
-        at_centers /= 1 + np.abs(centers)  # some lie far outside, and turn as fast
+        at_centers /= 1 + np.abs(centers)  # far circumcentres have large velocities
         rows = {
             "velocities of vertices, of a rotation": at_vertices,
             "velocities of cells, of a rotation, at the circumcentres, relative": at_centers,
@@ -118,12 +120,12 @@ class Flow:
 
 
 def rotation(x: np.ndarray) -> np.ndarray:
-    """Velocity at points (..., 2) of the plane that turns about the middle of the unit square."""
+    """Velocity at points (..., 2) of a rotation about the centre of the unit square."""
     return (x - 0.5) @ [[0.0, 1.0], [-1.0, 0.0]]
 
 
 def pairs_within(mesh: SimplexMesh, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (count,) inside the mesh, and a point (count, 2) in the Voronoi cell of each."""
+    """Interior vertices (count,), and a point (count, 2) in the Voronoi cell of each."""
     x = uniform(2 * count, 2, seed=2)
     _, vertex = KDTree(mesh.points).query(x)
     inner = np.flatnonzero(~mesh.boundary_vertices[vertex])[:count]

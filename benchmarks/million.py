@@ -1,6 +1,6 @@
 """A million sites, compared with ferreus_rbf and SciPy on an idle machine.
 
-Only the largest sizes of `peers`: short enough to wait for an idle machine.
+These are the largest sizes of `peers` only, so that they can wait until the machine is idle.
 """
 
 from __future__ import annotations

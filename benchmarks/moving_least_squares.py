@@ -1,6 +1,6 @@
 """Moving least squares on nearest neighbours, compared with the search and with compiled fits.
 
-The floor is the k-d tree's query: no method on nearest neighbours can do without it.
+The lower bound is the query of the k-d tree, which every method on nearest neighbours needs.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def accuracy(problem: Problem, few: Problem) -> Table:
 
 
 class Problem:
-    """One set of sites, data and queries, and the ways to solve it."""
+    """Sites, data and queries, and the ways to solve the problem."""
 
     def __init__(self, points: np.ndarray, values: np.ndarray, x: np.ndarray, k: int) -> None:
         self.points, self.values, self.x, self.k = points, values, x, k
@@ -125,7 +125,7 @@ class Problem:
         return MovingLeastSquares(self.points, wendland(2, 1), degree, neighbors=self.k)
 
     def solve(self, degree: int) -> Callable[[], np.ndarray]:
-        """The fits alone: the method with the answers of its search already there."""
+        """The fits without the search, whose result is computed beforehand."""
         method = self.method(degree)
         found = method.search(self.x / method.unit)
 
@@ -145,7 +145,10 @@ class Problem:
         return solve
 
     def wlsqm(self, degree: int) -> Callable[[], np.ndarray]:
-        """Its fits, weighted towards the query; the first coefficient is the value there."""
+        """The fits of wlsqm, weighted towards the query.
+
+        The first coefficient is the value there.
+        """
         m = len(self.x)
         _, index = cKDTree(self.points).query(self.x, k=self.k, workers=THREADS)
         near, data = self.points[index], self.values[index]

@@ -1,8 +1,9 @@
 """Normals of a point cloud and their orientation, compared with Open3D.
 
-Both estimate normals by principal components of as many neighbours, and make them agree along a
-spanning tree. Open3D is told a global sign; ours point outward of themselves. Open3D triangulates
-the cloud first, which takes long where many points lie in a plane; it is stopped then.
+Both estimate normals by principal components of the same number of neighbours and orient them along
+a spanning tree. Open3D leaves the global sign open; fieldrecon chooses the outward direction.
+Open3D triangulates the cloud first, which takes long if many points lie in a plane, and is then
+stopped.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ OPEN3D = "open3d-cpu==0.20.0"
 NEIGHBORS, JOINED = 16, 16
 AT_MOST = 1 / 30
 PATIENCE = 60.0
-"""Seconds after which Open3D is stopped."""
+"""Time in seconds after which Open3D is stopped."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ QUICK = Size(points=10_000)
 TOY = Size(points=300, repeats=1, peer=False)
 
 Cloud = tuple[np.ndarray, np.ndarray]
-"""Points and true normals."""
+"""Points and exact normals."""
 
 
 def run(size: Size, track: Track) -> BenchmarkResult:
@@ -63,12 +64,12 @@ def run(size: Size, track: Track) -> BenchmarkResult:
         peer = _peer(clouds, Path(folder)) if size.peer else None
 
         def theirs(name: str) -> None:
-            told = peer.ask(name, PATIENCE)
-            if told is None:
+            answer = peer.ask(name, PATIENCE)
+            if answer is None:
                 stopped.add(name)
             else:
-                processor.append((name, "Open3D", told["processor"]))
-                alone[name] = told["normals"]
+                processor.append((name, "Open3D", answer["processor"]))
+                alone[name] = answer["normals"]
 
         for name in clouds:
             candidates[f"ours, {name}"] = partial(ours, name)
@@ -79,7 +80,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
             peer.close()
             for name in clouds.keys() - stopped:
                 found[name, "Open3D"] = np.load(Path(folder) / f"normals of {name}.npy")
-    rows = [(name, who, *judged(n, clouds[name][1])) for (name, who), n in sorted(found.items())]
+    rows = [(name, who, *accuracy(n, clouds[name][1])) for (name, who), n in sorted(found.items())]
     columns = ("cloud", "who", "wrong side, %", "median angle, degrees", "95 of 100 below")
     return BenchmarkResult(
         parameters={k: v for k, v in asdict(size).items() if k != "peer"}
@@ -131,12 +132,12 @@ def ring(n: int) -> Cloud:
 
 
 def can(n: int) -> Cloud:
-    """Points on a cylinder with a bottom and a lid."""
+    """Points on a cylinder with its bottom and its lid."""
     return sample_surface(Cylinder(0.7, 1.6), n, seed=1)
 
 
 def hills(n: int) -> Cloud:
-    """Points (n, 3) at r = 1 + q(u) in the directions u, and the normals of that surface."""
+    """Points (n, 3) on r = 1 + q(u) for directions u, and the normals of this surface."""
     u = np.random.default_rng(1).standard_normal((n, 3))
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     a, b, c = (u * [9, 8, 7]).T
@@ -161,8 +162,8 @@ CLOUDS: dict[str, Callable[[int], Cloud]] = {
 }
 
 
-def judged(normals: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]:
-    """Percentage on the wrong side, and angles in degrees whatever the side."""
+def accuracy(normals: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]:
+    """Percentage of normals on the wrong side, and angles in degrees up to the sign."""
     cosine = np.einsum("ij,ij->i", normals, truth)
     wrong = float(np.mean(cosine < 0))
     angle = np.degrees(np.arccos(np.clip(np.abs(cosine), 0, 1)))

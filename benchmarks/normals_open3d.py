@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-import open3d  # type: ignore[import-not-found] # only in the environment that is made for it
+import open3d  # type: ignore[import-not-found] # installed in its own environment only
 
 
 def main() -> None:

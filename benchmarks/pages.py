@@ -17,7 +17,7 @@ what they are, stands in [docs/performance.md](../../docs/performance.md).
 
 
 def write(name: str, result: Mapping, folder: Path) -> None:
-    """Write one result, and the page of all results in the folder."""
+    """Write one result, and the page with all results in the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{name}.json").write_text(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
     if result.get("charts"):
@@ -30,7 +30,7 @@ def write(name: str, result: Mapping, folder: Path) -> None:
 
 
 def with_tables(text: str, folder: Path) -> str:
-    """A text whose tables below <!-- table N of NAME --> are those of the results in the folder."""
+    """The text with each table below <!-- table N of NAME --> replaced by that of the results."""
 
     def marked(match: re.Match[str]) -> str:
         file = folder / f"{match['name']}.json"
@@ -45,7 +45,7 @@ def with_tables(text: str, folder: Path) -> str:
 
 
 def section(result: Mapping, figure: str | None = None) -> str:
-    """One benchmark in Markdown, with the file of its charts."""
+    """One benchmark in Markdown; `figure` is the file of its charts."""
     parts = [f"## {result['title']}", _listed(result["parameters"])]
     if result["comparisons"]:
         rows = [_compared(c) for c in result["comparisons"]]

@@ -1,9 +1,9 @@
 """Partition-of-unity RBF: error and time by kernel, degree, patch size and overlap; scaling.
 
-Choices are timed in turn in this process. Growth comes from a process for each number, which makes
-the patches, fits and evaluates at as many queries as there are sites; so its largest memory is what
-that takes, with the interpreter. The experiment `partition_of_unity` counts multiplications for the
-same choices, and has the terrain.
+The choices are timed in turn in this process. The growth is measured in one process per size, which
+sets up the patches, fits, and evaluates at as many queries as sites. Its peak memory includes the
+interpreter. The experiment `partition_of_unity` counts multiplications for the same choices, and
+also covers the terrain.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 
 STEPS = ("set-up", "fit", "evaluate")
 SUPPORT = 7.7
-"""Radius of Wendland's function, in distances 1 / sqrt(n) of neighbours."""
+"""Radius of Wendland's function in units of the spacing 1 / sqrt(n)."""
 WITHOUT_TIME = ("front", "noisy")
 USUAL = {2: 40, 3: 80}
-"""Sites of a patch by default, in the plane and in space."""
+"""Default number of sites per patch, in the plane and in space."""
 LARGER = 100_000
-"""Sites from which on exponents are fitted once more, where overhead no longer counts."""
+"""Number of sites beyond which a second exponent is fitted, because overhead is negligible."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Kernel, degree of the polynomials, and sites of each patch."""
+    """Kernel, degree of the polynomials, and number of sites per patch."""
 
     kernel: str
     degree: int
@@ -94,8 +94,11 @@ def run(size: Size, track: Track) -> BenchmarkResult:
     both = {f"{c}": c for c in (*choices, *overlaps)}
     of = partial(cost_and_errors, samples, runs=size.runs)
     costs = {name: of(both[name]) for name in track([*both], "choices")}
-    grown = [apart(int(n), "smooth", size.runs) for n in track([*map(str, size.growth)], "growth")]
-    space = apart(size.in_space, "cube", size.runs)
+    grown = [
+        in_own_processes(int(n), "smooth", size.runs)
+        for n in track([*map(str, size.growth)], "growth")
+    ]
+    space = in_own_processes(size.in_space, "cube", size.runs)
     return BenchmarkResult(
         parameters={"runs": size.runs, "sites": size.sites, "queries": "as many as sites"},
         tables=[
@@ -197,8 +200,8 @@ def growth_chart(size: Size, costs: list[dict[str, float]]) -> Chart:
 def exponent(
     sizes: Sequence[int], costs: Sequence[dict[str, float]], step: str, least: int = 0
 ) -> float:
-    told = [(n, cost[step]) for n, cost in zip(sizes, costs, strict=True) if n >= least]
-    return float(np.polyfit(*np.log(told).T, 1)[0])
+    points = [(n, cost[step]) for n, cost in zip(sizes, costs, strict=True) if n >= least]
+    return float(np.polyfit(*np.log(points).T, 1)[0])
 
 
 def total(cost: dict[str, float]) -> float:
@@ -206,7 +209,7 @@ def total(cost: dict[str, float]) -> float:
 
 
 def cost_and_errors(samples: dict[str, Scattered], choice: Choice, runs: int) -> dict[str, float]:
-    """The least seconds of each step on smooth data, and errors on the others, not timed."""
+    """The least seconds of each step on smooth data, and the errors on all data sets."""
     given = samples["smooth"]
     make = partial(
         PartitionOfUnityRBF,
@@ -216,9 +219,9 @@ def cost_and_errors(samples: dict[str, Scattered], choice: Choice, runs: int) ->
         choice.patch_size,
     )
     with boxes_of(choice.sites_per_box):
-        told = [steps(make, given) for _ in range(runs)]
+        costs = [steps(make, given) for _ in range(runs)]
         method = make()
-    cost = {key: min(t[key] for t in told) for key in told[0]}
+    cost = {key: min(t[key] for t in costs) for key in costs[0]}
     cost["smooth"] = cost.pop("error")
     for name in WITHOUT_TIME:
         cost[name] = rms(method.field(samples[name].values)(given.x) - samples[name].truth)
@@ -227,7 +230,7 @@ def cost_and_errors(samples: dict[str, Scattered], choice: Choice, runs: int) ->
 
 @contextmanager
 def boxes_of(part: float) -> Iterator[None]:
-    """Boxes that hold such a part of the sites of their patch."""
+    """Set the fraction of the sites of a patch that lie in its box."""
     usual, _blending.SITES_PER_BOX = _blending.SITES_PER_BOX, part
     try:
         yield
@@ -253,20 +256,20 @@ def rms(error: np.ndarray) -> float:
     return math.sqrt(np.mean(error**2))
 
 
-def apart(n: int, data: str, runs: int) -> dict[str, float]:
-    """The least seconds of each step, and the largest memory, of several processes."""
+def in_own_processes(n: int, data: str, runs: int) -> dict[str, float]:
+    """The least seconds of each step and the peak memory over several processes."""
     command = [sys.executable, "-m", "benchmarks.patch_sizes", str(n), data]
     root = Path(__file__).parents[1]
-    told = [
+    costs = [
         json.loads(subprocess.run(command, cwd=root, stdout=subprocess.PIPE, check=True).stdout)
         for _ in range(runs)
     ]
-    least = {key: min(t[key] for t in told) for key in told[0]}
-    return least | {"bytes": max(t["bytes"] for t in told)}
+    least = {key: min(t[key] for t in costs) for key in costs[0]}
+    return least | {"bytes": max(t["bytes"] for t in costs)}
 
 
 def measured(n: int, data: str) -> dict[str, float]:
-    """What the process of its own does."""
+    """The measurement of one process."""
     given = DATA[data](n)
     return steps(partial(PartitionOfUnityRBF, given.points), given) | {"bytes": largest_memory()}
 

@@ -17,16 +17,16 @@ from pathlib import Path
 
 
 class Peer:
-    """A worker script in an environment with some packages; it answers one request after the other.
+    """A worker script in an environment with the given packages; it answers requests one by one.
 
     Parameters
     ----------
     worker : Path
-        Prints a line when it is ready, and then one of JSON for each line it reads.
+        A script that prints a line when it is ready, and then one line of JSON per input line.
     packages : tuple of str
-        With their versions.
+        Requirements with versions.
     arguments : str
-        Of the worker.
+        Command-line arguments of the worker.
     """
 
     def __init__(self, worker: Path, packages: tuple[str, ...], *arguments: str) -> None:
@@ -48,7 +48,7 @@ class Peer:
         self.ready = self._started()
 
     def ask(self, what: str, patience: float | None = None) -> dict | None:
-        """The answer of the worker; after a timeout None, and a new worker is started."""
+        """The answer of the worker, or None after a timeout, when a new worker is started."""
         end = threading.Timer(patience or threading.TIMEOUT_MAX, self._end)
         end.start()
         self._process.stdin.write(what + "\n")
@@ -76,4 +76,4 @@ class Peer:
         return bool(self._process.stdout.readline())
 
     def _end(self) -> None:
-        os.killpg(self._process.pid, signal.SIGKILL)  # uv, and Python below it
+        os.killpg(self._process.pid, signal.SIGKILL)  # uv and the Python process that it started

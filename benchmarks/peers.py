@@ -1,8 +1,8 @@
 """Comparison with other libraries: error against time on the same data.
 
-Each run is a separate process on the same two cores: it imports its method, fits a few sites to
-warm up, then times the fit and the evaluation. So the memory belongs to one method, and a run that
-does not end can be stopped.
+Each run is a separate process on the same two cores. It imports its method, fits a few sites as a
+warm-up, and then times the fit and the evaluation. Therefore the memory belongs to one method, and
+a run that does not end can be stopped.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from benchmarks.scattered_data import DATA
 from benchmarks.timing import BenchmarkResult, Comparison, Table, Track
 
 PATIENCE = 400.0
-"""Seconds until a run is stopped."""
+"""Time in seconds after which a run is stopped."""
 ENOUGH = 60.0
-"""Seconds after which a run is not repeated."""
+"""Time in seconds after which a run is not repeated."""
 YIELDING = "Other programs ran beside, at the lowest priority: they got what these runs left."
 NOT_LARGER = ("front", "noisy", "clusters")
 COLUMNS = (
@@ -49,7 +49,10 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Size:
-    """Sites of each set of data; as many queries, but for the terrain."""
+    """Numbers of sites of each data set.
+
+    The number of queries is the same, except for the terrain.
+    """
 
     sites: tuple[tuple[str, tuple[int, ...]], ...] = (
         ("smooth", (10**3, 10**4, 10**5, 10**6)),
@@ -68,7 +71,7 @@ TOY = Size((("smooth", (60,)), ("terrain", (80,))), 1, (OURS, "SciPy LinearND"))
 
 @dataclass(frozen=True)
 class Run:
-    """The result of one method on one data set; seconds for each repetition."""
+    """The result of one method on one data set, with the seconds of each repetition."""
 
     data: str
     sites: int
@@ -115,7 +118,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
     names = {" ".join(map(str, a)): a for a in asked}
     runs, missing = [], []
     for name in track([*names], "peers"):
-        done = apart(*names[name], repeats=size.repeats)
+        done = in_own_process(*names[name], repeats=size.repeats)
         (runs if isinstance(done, Run) else missing).append(done)
     return BenchmarkResult(
         parameters={
@@ -140,15 +143,15 @@ def run(size: Size, track: Track) -> BenchmarkResult:
 
 
 def _ratios(runs: Sequence[Run], data: str, n: int) -> list[Comparison]:
-    here = {r.method: r for r in runs if (r.data, r.sites) == (data, n)}
-    if OURS not in here:
+    runs_here = {r.method: r for r in runs if (r.data, r.sites) == (data, n)}
+    if OURS not in runs_here:
         return []
-    ours = here[OURS].total
+    ours = runs_here[OURS].total
     return [
         Comparison(
             f"{data}, {n} sites: fit and evaluate", r.method, *_of_same_rounds(ours, r.total)
         )
-        for r in here.values()
+        for r in runs_here.values()
         if r.method != OURS
     ]
 
@@ -158,8 +161,8 @@ def _of_same_rounds(ours: list[float], theirs: list[float]) -> tuple[list[float]
     return ours[:rounds], theirs[:rounds]
 
 
-def apart(data: str, n: int, method: str, repeats: int) -> Run | str:
-    """Return the result of a separate process, or the reason why there is none."""
+def in_own_process(data: str, n: int, method: str, repeats: int) -> Run | str:
+    """The result of a separate process, or the reason why there is none."""
     command = [sys.executable, "-m", "benchmarks.peers", data, str(n), method, str(repeats)]
     root = Path(__file__).parents[1]
     about = f"{method} on {data}, {n} sites"
@@ -175,7 +178,7 @@ def apart(data: str, n: int, method: str, repeats: int) -> Run | str:
     return Run(**json.loads(done.stdout.splitlines()[-1]))
 
 
-def here(data: str, n: int, method: str, repeats: int) -> Run:
+def in_this_process(data: str, n: int, method: str, repeats: int) -> Run:
     """Time a method in this process."""
     fit, given = METHODS[method].fit, DATA[data](n)
     some = min(n, 500)
@@ -209,4 +212,4 @@ def here(data: str, n: int, method: str, repeats: int) -> Run:
 
 if __name__ == "__main__":
     data, n, method, repeats = sys.argv[1:]
-    print(json.dumps(asdict(here(data, int(n), method, int(repeats)))))
+    print(json.dumps(asdict(in_this_process(data, int(n), method, int(repeats)))))

@@ -1,6 +1,6 @@
 """Thin-plate splines through all sites, compared with SciPy's.
 
-ferreus_rbf, where it is installed, stands for the methods that are approximate and scale further.
+If ferreus_rbf is installed, it represents approximate methods that scale to more sites.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Interpolants:
         self.result: dict[str, np.ndarray] = {}
 
     def fit(self, name: str) -> None:
-        self.fitted.pop(name, None)  # its memory first
+        self.fitted.pop(name, None)  # release the memory of the last fit first
         self.fitted[name] = {OURS: self._ours, SCIPY: self._scipy, FAST: self._fast}[name]()
 
     def evaluate(self, name: str) -> None:

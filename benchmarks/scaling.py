@@ -59,7 +59,7 @@ def thin_plate(n: int) -> Reconstruction:
 def times(
     method: Callable[[int], Reconstruction], n: int, size: Size, track: Track, label: str
 ) -> dict[str, tuple[float, float]]:
-    """Medians of the seconds for fit and evaluation, with one thread and with two."""
+    """Median seconds of fit and evaluation, with one thread and with two."""
     x = uniform(size.queries, 2, seed=2)
     field = method(n).field(franke(uniform(n, 2, seed=1)))
     work = {"fit": partial(method, n), "evaluate": partial(Field.__call__, field, x)}

@@ -13,7 +13,7 @@ from fieldrecon.datasets.synthetic import clustered, franke, uniform
 
 @dataclass(frozen=True)
 class Scattered:
-    """Samples (n, d) with values (n,), and queries (m, d) with the truth (m,)."""
+    """Samples (n, d) with values (n,), and queries (m, d) with the exact values (m,)."""
 
     points: np.ndarray
     values: np.ndarray
@@ -32,14 +32,17 @@ def front(n: int) -> Scattered:
 
 
 def noisy(n: int) -> Scattered:
-    """Franke's function with noise of deviation 0.01; errors refer to the exact function."""
+    """Franke's function with noise of standard deviation 0.01.
+
+    Errors refer to the exact function.
+    """
     exact = smooth(n)
     errors = 0.01 * np.random.default_rng(3).standard_normal(n)
     return Scattered(exact.points, exact.values + errors, exact.x, exact.truth)
 
 
 def clusters(n: int) -> Scattered:
-    """Franke's function, half of the sites in twelve clusters."""
+    """Franke's function with half of the sites in twelve clusters."""
     crowd = clustered(n - n // 2, 2, clusters=12, spread=0.01, seed=1)
     return _sampled(
         franke, np.concatenate([crowd, uniform(n // 2, 2, seed=4)]), uniform(n, 2, seed=2)
@@ -47,12 +50,12 @@ def clusters(n: int) -> Scattered:
 
 
 def cube(n: int) -> Scattered:
-    """A wave in three variables."""
+    """A product of sines in three variables."""
     return _sampled(_wave, uniform(n, 3, seed=1), uniform(n, 3, seed=2))
 
 
 def land(n: int) -> Scattered:
-    """Real heights in metres: random nodes of a grid are the sites, all other nodes the queries."""
+    """Elevations in metres: random nodes of a grid are the sites, all other nodes the queries."""
     grid = terrain()
     points, height = grid.points, grid.height.ravel().astype(float)
     chosen = np.zeros(len(points), dtype=bool)

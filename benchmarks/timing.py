@@ -17,7 +17,7 @@ Track = Callable[[Sequence[str], str], Iterable[str]]
 
 @dataclass(frozen=True)
 class Comparison:
-    """Time of fieldrecon divided by that of a peer, one ratio for each repetition."""
+    """Time of fieldrecon divided by that of a peer, one ratio per repetition."""
 
     what: str
     peer: str
@@ -65,7 +65,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class BenchmarkResult:
-    """The result of one benchmark; `notes` are remarks for its readers."""
+    """The result of one benchmark; `notes` are remarks for readers."""
 
     comparisons: Sequence[Comparison] = ()
     tables: Sequence[Table] = ()
@@ -86,9 +86,9 @@ class BenchmarkResult:
 def in_turn(
     candidates: Mapping[str, Callable[[], object]], repeats: int, track: Track, what: str
 ) -> dict[str, list[float]]:
-    """Seconds of each candidate, run in turn A B C A B C ...; a first round is not counted.
+    """Seconds of each candidate, run in turn A B C A B C ...; the first round is not counted.
 
-    Runs that follow each other see the same load, so their ratio is meaningful on a shared machine.
+    Consecutive runs see the same load, so their ratio is meaningful on a shared machine.
     """
     seconds: dict[str, list[float]] = {name: [] for name in candidates}
     for name in track([*candidates] * (repeats + 1), what):
@@ -99,7 +99,7 @@ def in_turn(
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """The number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

@@ -37,7 +37,7 @@ FLAT = 1e-7
 
 SITES = {1: 24, 2: 45, 3: 70, 5: 120}
 EXTREME_UNITS = (1e-150, 3.0, 1e150)
-# A smoothing goes with a power of the unit, which must itself be a number.
+# A smoothing parameter scales with a power of the unit, which must not overflow.
 SMOOTHED_UNITS = (1e-40, 3.0, 1e40)
 
 
@@ -45,10 +45,10 @@ SMOOTHED_UNITS = (1e-40, 3.0, 1e40)
 class Case:
     """A method with its sites and queries.
 
-    `make(points, unit)` builds it: lengths are multiples of the unit, and `coefficients_power` is
-    that of the unit in its smoothing. `distinguishable` says whether the field of a method that
-    does not interpolate misses the data by more than rounding, `removable` whether the method makes
-    sense without one of its sites, and `argument` is the name under which it takes them.
+    `make(points, unit)` constructs it with lengths in multiples of the unit. `distinguishable` says
+    whether the residuals of a method that does not interpolate exceed rounding. `removable` says
+    whether the method is defined without one of its sites, and `argument` is the name of the
+    argument for the sites.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Case:
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """Sites (n, d) in the unit cube; on a line nearly equidistant."""
+        """Sites (n, d) in the unit cube, almost equidistant for d = 1."""
         x = np.random.default_rng(self.d).random((self.n, self.d))
         if self.d == 1:
             x = (np.arange(self.n)[:, None] + 0.2 + 0.6 * x) / self.n
@@ -71,24 +71,24 @@ class Case:
 
     @cached_property
     def queries(self) -> np.ndarray:
-        """Seven queries in the cube of the sites, and one outside."""
+        """Seven queries in the unit cube and one outside."""
         inside = np.random.default_rng(40 + self.d).random((7, self.d))
         outside = np.where(np.arange(self.d) == 0, -0.1, 0.5)
         return on_a_lattice(np.vstack([inside, outside]))
 
     @cached_property
     def method(self) -> Reconstruction:
-        """The method on the sites, in units of one."""
+        """The method on the sites, with unit 1."""
         return self.make(self.sites, 1.0)
 
     @cached_property
     def data(self) -> np.ndarray:
-        """Smooth data (n,) of size one, of no finite degree."""
+        """Smooth data (n,) of size one that are not polynomial."""
         return np.cos(self.sites @ np.linspace(1.0, 3.0, self.d)) + self.sites[:, 0] ** 4
 
     @property
     def turn(self) -> np.ndarray:
-        """An orthogonal matrix (d, d) with which points may be turned and nothing changes."""
+        """An orthogonal matrix (d, d) under which the method is equivariant."""
         return ortho_group.rvs(self.d, random_state=5) if self.d > 1 else -np.eye(1)
 
     def without(self, i: int) -> float:
@@ -107,31 +107,34 @@ class CornersCase(Case):
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """The corners, round the unit cube or across it."""
+        """The corners, near or in the unit cube."""
         return on_a_lattice(np.array(self.corners))
 
 
 @dataclass(frozen=True)
 class PatchesCase(Case):
-    """A method on patches, of clouds (n, d) of any shape; their boxes lie along the axes."""
+    """A method on patches with sites (n, d) of any distribution.
+
+    Its boxes are parallel to the axes.
+    """
 
     exact: float = FLAT
     cloud: Callable[[np.random.Generator, int, int], np.ndarray] | None = None
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """The cloud, in the unit cube."""
+        """The point set, in the unit cube."""
         if self.cloud is None:
             return super().sites
         return on_a_lattice(self.cloud(np.random.default_rng(self.d), self.n, self.d))
 
     @property
     def turn(self) -> np.ndarray:
-        """The axes in another order."""
+        """A permutation of the axes."""
         return np.roll(np.eye(self.d), 1, axis=0)
 
     def without(self, i: int) -> float:
-        """The mean of radial basis functions on the patches of site i, each made without it."""
+        """The blend of radial basis functions on the patches of site i, each fitted without it."""
         total = weights = 0.0
         level = self.method._levels[0]
         for j in range(len(level.patches)):
@@ -287,7 +290,7 @@ def rbf_cases() -> Iterator[Case]:
 
 
 def hermite_cases() -> Iterator[Case]:
-    """Of values alone, which are data at points as those of the others are."""
+    """Hermite interpolation of values only, which the laws can treat like any other method."""
     kernels = ("r³", "r⁴ log r", "gaussian", "Wendland 2")
     for name, d in product(kernels, (1, 2, 3)):
         spread = 0.4 if d == 1 else 1.0
@@ -304,7 +307,7 @@ def hermite_cases() -> Iterator[Case]:
 
 
 class SplineWithAxis(NaturalCubicSpline):
-    """The spline behind the doors of the other methods: points (n, 1), queries (..., 1)."""
+    """The spline with the interface of the other methods: points (n, 1), queries (..., 1)."""
 
     _queries = Reconstruction._queries
     field = Reconstruction.field
@@ -331,27 +334,27 @@ def polytope_cases() -> Iterator[Case]:
             argument="vertices",
             **shape,
         )
-        # circumcentres, which the coordinates do not need, lose a digit or two
+        # the computation of the circumcentres loses a digit or two
         yield CornersCase(
             f"Voronoi cell, a {name}", lambda p, _: voronoi_cell(p), exact=1e-9, **shape
         )
 
 
 def clusters(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Half of the sites are in a cube of a twentieth of the side."""
+    """Half of the sites lie in a cube of side 1/20."""
     x = rng.random((n, d))
     x[::2] = 0.3 + 0.05 * x[::2]
     return x
 
 
 def hole(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """No site within 0.3 of the middle."""
+    """No site lies within 0.3 of the centre."""
     x = 2 * rng.random((8 * n, d)) - 1
     return 0.5 + x[np.linalg.norm(x, axis=1) > 0.6][:n] / 2
 
 
 def line(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Along the diagonal, which twenty binary places can tell."""
+    """Sites on the diagonal of the cube."""
     t = on_a_lattice(((np.arange(n) + 0.2 + 0.6 * rng.random(n)) / n)[:, None])
     return np.repeat(t, d, axis=1)
 
@@ -363,13 +366,13 @@ def plane(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
 
 
 def sphere(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """About the middle of the cube, as good as the lattice can."""
+    """Sites on a sphere about the centre of the cube, rounded to the lattice."""
     x = rng.normal(size=(n, d))
     return 0.5 + x / np.linalg.norm(x, axis=1)[:, None] / 2
 
 
 def tracks(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Dense along lines of a scan that are far apart."""
+    """Dense sites along distant scan lines."""
     along = (np.arange(n // 8) + 0.5) / (n // 8)
     across = (np.arange(8) + 0.5) / 8
     x = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
@@ -439,5 +442,5 @@ CASES = [
 
 
 def case(name: str) -> Case:
-    """The case of that name."""
+    """The case with this name."""
     return next(c for c in CASES if c.name == name)

@@ -1,6 +1,6 @@
-"""Laws that every reconstruction must satisfy, each a plain function of a case.
+"""Laws that every reconstruction must obey, each a function of a case.
 
-A law fails by AssertionError. Methods and mutants are tested by the same functions.
+A law fails with an AssertionError. Methods and mutants are tested by the same functions.
 """
 
 import pickle
@@ -20,14 +20,14 @@ from fieldrecon._core import chunks as _chunks
 from fieldrecon.selection.leaving_one_out import leave_one_out
 
 VISIBLE = 1e-5
-"""Larger differences are not rounding errors."""
+"""Differences above this size are not rounding errors."""
 
-# Of the sixth-order difference quotient below, rounding of the field included.
+# Error of the sixth-order difference quotient below, including the rounding of the field.
 DIFFERENCE = 1e-5
 
 
 def assert_close(a: object, b: object, tolerance: float) -> None:
-    """The same shape, and no entry further apart than the tolerance."""
+    """Assert equal shapes and that no entries differ by more than the tolerance."""
     a, b = np.asarray(a), np.asarray(b)
     assert a.shape == b.shape, f"shape {a.shape}, not {b.shape}"
     deviation = float(np.abs(a - b).max(initial=0.0))
@@ -39,7 +39,7 @@ def dense(matrix: object) -> np.ndarray:
 
 
 def all_monomials(x: np.ndarray, degree: int) -> np.ndarray:
-    """Monomials of 2x - 1, (m, q), with those of the highest degree last."""
+    """Monomials of 2x - 1, (m, q), sorted by total degree."""
     y = 2 * x - 1
     powers = [a for a in product(range(degree + 1), repeat=x.shape[1]) if sum(a) <= degree]
     powers.sort(key=sum)
@@ -47,7 +47,7 @@ def all_monomials(x: np.ndarray, degree: int) -> np.ndarray:
 
 
 def difference_quotient(f, x: np.ndarray, step: float) -> np.ndarray:
-    """Gradient by central differences of order six, the derivative last."""
+    """Gradient by central differences of order six; the derivative is the last axis."""
     columns = []
     for axis in np.eye(x.shape[-1]):
         by = {k: f(x + k * step * axis) - f(x - k * step * axis) for k in (1, 2, 3)}
@@ -80,7 +80,7 @@ def broken(laws: Iterable[Callable[[T], None]], subject: T) -> Iterator[Exceptio
 
 
 def assert_obeyed(laws: Iterable[Callable[[T], None]], subject: T, name: str) -> None:
-    """Assert all laws in one test item, and show all errors."""
+    """Assert all laws in one test item and show all errors."""
     errors = list(broken(laws, subject))
     if errors:
         raise ExceptionGroup(f"{name} breaks {len(errors)} of the laws", errors)
@@ -90,24 +90,24 @@ def assert_obeyed(laws: Iterable[Callable[[T], None]], subject: T, name: str) ->
 
 
 @about(lambda case: case.method.degree >= 0)
-def polynomials_of_its_degree_are_reproduced(case: Case) -> None:
-    """Data of a polynomial of the declared degree give that polynomial, in and out of the cloud."""
+def polynomials_of_the_degree_are_reproduced(case: Case) -> None:
+    """Data of a polynomial of the declared degree must give it inside and outside the point set."""
     m = case.method
     s = m.field(all_monomials(case.sites, m.degree))
     assert_close(s(case.queries), all_monomials(case.queries, m.degree), case.exact)
 
 
 def polynomials_of_the_next_degree_are_not_reproduced(case: Case) -> None:
-    """The declared degree is the highest: some polynomial of the next degree is not reproduced."""
+    """The declared degree must be the highest: some polynomial of the next is not reproduced."""
     m = case.method
     s = m.field(all_monomials(case.sites, m.degree + 1))
     error = np.abs(s(case.queries) - all_monomials(case.queries, m.degree + 1))
-    assert error.max() > VISIBLE, f"degree {m.degree + 1} comes back to {error.max():.1e}"
+    assert error.max() > VISIBLE, f"degree {m.degree + 1} is reproduced to {error.max():.1e}"
 
 
 @about(lambda case: case.method.degree >= 0)
 def gradients_of_polynomials_are_reproduced(case: Case) -> None:
-    """Gradients of polynomials are reproduced: of powers of a plane by the chain rule."""
+    """Gradients of powers of a linear function must agree with the chain rule."""
     m, power = case.method, case.method.degree
     a = np.linspace(0.5, 1.0, case.d)
     s = m.field((case.sites @ a - 0.5) ** power)
@@ -120,7 +120,7 @@ def gradients_of_polynomials_are_reproduced(case: Case) -> None:
 
 @about(lambda case: case.method.interpolates or case.distinguishable)
 def data_are_interpolated_if_and_only_if_declared(case: Case) -> None:
-    """H(X) = I if and only if the method interpolates."""
+    """H(X) = I must hold if and only if the method declares that it interpolates."""
     deviation = np.abs(dense(case.method.weights(case.sites)) - np.eye(case.n)).max()
     if case.method.interpolates:
         assert deviation <= case.exact, f"H(X) deviates from I by {deviation:.1e}"
@@ -129,7 +129,7 @@ def data_are_interpolated_if_and_only_if_declared(case: Case) -> None:
 
 
 def the_field_is_linear_in_the_data(case: Case) -> None:
-    """The field of 2f - 3ig is 2 s_f - 3i s_g, and so is its gradient."""
+    """The field of 2f - 3ig must be 2 s_f - 3i s_g, and so must its gradient."""
     f, g = case.data, np.sin(5 * case.data)
     s = case.method.field
     assert_close(
@@ -145,7 +145,7 @@ def the_field_is_linear_in_the_data(case: Case) -> None:
 
 
 def components_do_not_mix(case: Case) -> None:
-    """Each component of vector or matrix data is reconstructed as if alone."""
+    """Each component of vector or matrix data must be reconstructed independently."""
     f = np.stack([case.data, case.data**2, -case.data, case.data**3], axis=1).reshape(-1, 2, 2)
     s = case.method.field(f)
     for i, j in product(range(2), range(2)):
@@ -155,18 +155,18 @@ def components_do_not_mix(case: Case) -> None:
         assert_close(gradient, alone.gradient(case.queries), 100 * case.exact)
 
 
-def no_components_are_no_trouble(case: Case) -> None:
-    """Data of the shape (n, 0) give values (m, 0) and gradients (m, 0, d)."""
+def data_without_components_give_empty_results(case: Case) -> None:
+    """Data of the shape (n, 0) must give values (m, 0) and gradients (m, 0, d)."""
     s = case.method.field(np.zeros((case.n, 0)))
     assert s(case.queries).shape == (len(case.queries), 0)
     assert s.gradient(case.queries).shape == (len(case.queries), 0, case.d)
 
 
-# --- routes -------------------------------------------------------------------------------------
+# --- weights, gradients, adjoint ----------------------------------------------------------------
 
 
 def the_field_is_weights_times_data(case: Case) -> None:
-    """s(x) = H f: the fast and the general route agree."""
+    """s(x) = H f must hold, although the field does not form H."""
     assert_close(
         case.method.field(case.data)(case.queries),
         case.method.weights(case.queries) @ case.data,
@@ -175,7 +175,7 @@ def the_field_is_weights_times_data(case: Case) -> None:
 
 
 def the_gradient_is_gradient_weights_times_data(case: Case) -> None:
-    """grad s(x) = (G_1 f, ..., G_d f)."""
+    """∇s(x) = (G_1 f, ..., G_d f) must hold."""
     g = case.method.gradient_weights(case.queries)
     assert len(g) == case.d
     assert_close(
@@ -186,14 +186,14 @@ def the_gradient_is_gradient_weights_times_data(case: Case) -> None:
 
 
 def the_gradient_is_the_derivative(case: Case) -> None:
-    """The gradient agrees with difference quotients of the field."""
+    """The gradient must agree with difference quotients of the field."""
     s = case.method.field(case.data)
     quotient = difference_quotient(s, case.queries, step=2e-5)
     assert_close(s.gradient(case.queries), quotient, DIFFERENCE)
 
 
 def the_adjoint_is_the_transpose(case: Case) -> None:
-    """H^T f, for vectors and complex values as well."""
+    """The adjoint must be Hᵀf, also for several components and complex values."""
     h = dense(case.method.weights(case.queries))
     f = np.cos(np.arange(len(h)))
     assert_close(case.method.adjoint(case.queries, f), h.T @ f, case.exact)
@@ -201,8 +201,8 @@ def the_adjoint_is_the_transpose(case: Case) -> None:
     assert_close(case.method.adjoint(case.queries, f), h.T @ f, case.exact)
 
 
-def work_is_the_same_on_both_sides(case: Case) -> None:
-    """(s(x), g) = (f, H^T g): the field and the adjoint are consistent."""
+def the_field_and_the_adjoint_are_consistent(case: Case) -> None:
+    """(s(x), g) = (f, Hᵀg) must hold for the field and the adjoint."""
     g = np.sin(np.arange(len(case.queries)) + 1.0)
     here = case.method.field(case.data)(case.queries) @ g
     there = case.data @ case.method.adjoint(case.queries, g)
@@ -212,8 +212,8 @@ def work_is_the_same_on_both_sides(case: Case) -> None:
 # --- queries ------------------------------------------------------------------------------------
 
 
-def leading_axes_stay(case: Case) -> None:
-    """Queries (..., d) give values (..., *v), gradients (..., *v, d), and m rows of weights."""
+def leading_axes_of_queries_are_kept(case: Case) -> None:
+    """Queries (..., d) must give values (..., *v), gradients (..., *v, d) and m rows of weights."""
     f = np.stack([case.data, -case.data], axis=1)
     s = case.method.field(f)
     x = case.queries.reshape(2, 1, 4, case.d)
@@ -226,8 +226,8 @@ def leading_axes_stay(case: Case) -> None:
     )
 
 
-def no_queries_give_no_answers(case: Case) -> None:
-    """Of the right shapes, and the adjoint of nothing is zero."""
+def empty_queries_give_empty_results(case: Case) -> None:
+    """Empty results must have the right shapes, and the adjoint of zero queries must be zero."""
     m, f = case.method, np.stack([case.data, -case.data], axis=1)
     none = np.zeros((0, 3, case.d))
     assert m.field(f)(none).shape == (0, 3, 2)
@@ -237,8 +237,8 @@ def no_queries_give_no_answers(case: Case) -> None:
     assert_close(m.adjoint(none, np.zeros((0, 2))), np.zeros((case.n, 2)), 0.0)
 
 
-def chunks_do_not_matter(case: Case) -> None:
-    """One query at a time or all at once."""
+def results_do_not_depend_on_the_chunks(case: Case) -> None:
+    """Single queries and all queries at once must give the same results."""
     m = case.method
     s, x = m.field(case.data), case.queries
     f = np.cos(np.arange(len(x)))
@@ -249,13 +249,13 @@ def chunks_do_not_matter(case: Case) -> None:
 
     together = everything()
     with mock.patch.object(_chunks, "CHUNK_BYTES", 1):
-        apart = everything()
-    for a, b in zip(together, apart, strict=True):
+        separately = everything()
+    for a, b in zip(together, separately, strict=True):
         assert_close(a, b, 100 * case.exact)
 
 
-def executors_do_not_matter(case: Case, executor: Executor | None = None) -> None:
-    """The same bits from the default threads, one thread, or any other executor."""
+def results_do_not_depend_on_the_executor(case: Case, executor: Executor | None = None) -> None:
+    """The default threads, one thread and any other executor must give the same bits."""
     s = case.method.field(case.data)
     with mock.patch.object(_chunks, "CHUNK_BYTES", 2**12), ThreadPoolExecutor(1) as single:
         for evaluate in (s, s.gradient):
@@ -263,8 +263,8 @@ def executors_do_not_matter(case: Case, executor: Executor | None = None) -> Non
             assert_close(evaluate(case.queries, executor=executor or single), default, 0.0)
 
 
-def progress_reaches_the_end(case: Case) -> None:
-    """progress(done, total) rises, and ends with done = total."""
+def progress_increases_to_the_total(case: Case) -> None:
+    """progress(done, total) must increase and end with done = total."""
     s = case.method.field(case.data)
     with mock.patch.object(_chunks, "CHUNK_BYTES", 2**12):
         for evaluate in (s, s.gradient):
@@ -278,19 +278,21 @@ def progress_reaches_the_end(case: Case) -> None:
 # --- invariance: origin, axes, units, order -------------------------------------------------
 
 
-def the_origin_does_not_matter(case: Case) -> None:
-    """Values, gradients and weights move with the points, a million away and without rounding."""
+def results_do_not_depend_on_the_origin(case: Case) -> None:
+    """Values, gradients and weights must not change under a translation by 2^20."""
     offset = 2.0**20
-    moved = case.make(case.sites + offset, 1.0)
-    here, there = case.method.field(case.data), moved.field(case.data)
+    translated = case.make(case.sites + offset, 1.0)
+    here, there = case.method.field(case.data), translated.field(case.data)
     x = case.queries
     assert_close(there(x + offset), here(x), 10 * case.exact)
     assert_close(there.gradient(x + offset), here.gradient(x), 1000 * case.exact)
-    assert_close(dense(moved.weights(x + offset)), dense(case.method.weights(x)), 10 * case.exact)
+    assert_close(
+        dense(translated.weights(x + offset)), dense(case.method.weights(x)), 10 * case.exact
+    )
 
 
-def the_axes_do_not_matter(case: Case) -> None:
-    """Values stay and gradients turn when the points are turned or mirrored."""
+def results_do_not_depend_on_the_axes(case: Case) -> None:
+    """Under rotations and reflections values must not change, and gradients must rotate."""
     q = case.turn
     here, x = case.method.field(case.data), case.queries
     there = case.make(case.sites @ q, 1.0).field(case.data)
@@ -298,8 +300,8 @@ def the_axes_do_not_matter(case: Case) -> None:
     assert_close(there.gradient(x @ q), here.gradient(x) @ q, 1000 * case.exact)
 
 
-def the_unit_does_not_matter(case: Case) -> None:
-    """Values stay and gradients go with 1/unit, even with units of 1e-150 and 1e150."""
+def results_do_not_depend_on_the_unit(case: Case) -> None:
+    """Values must not change with the unit, and gradients must scale with 1/unit, up to 1e±150."""
     here, x = case.method.field(case.data), case.queries
     for unit in case.units:
         there = case.make(case.sites * unit, unit).field(case.data)
@@ -307,8 +309,8 @@ def the_unit_does_not_matter(case: Case) -> None:
         assert_close(there.gradient(x * unit) * unit, here.gradient(x), 1000 * case.exact)
 
 
-def the_unit_of_the_data_does_not_matter(case: Case) -> None:
-    """Data of size 1e-200 or 1e200 give values and gradients of that size."""
+def results_scale_with_the_unit_of_the_data(case: Case) -> None:
+    """Data of size 1e-200 or 1e200 must give values and gradients of that size."""
     here, x = case.method.field(case.data), case.queries
     for unit in (2.0**-660, 2.0**660):
         there = case.method.field(case.data * unit)
@@ -316,8 +318,8 @@ def the_unit_of_the_data_does_not_matter(case: Case) -> None:
         assert_close(there.gradient(x) / unit, here.gradient(x), 100 * case.exact)
 
 
-def the_order_of_the_sites_does_not_matter(case: Case) -> None:
-    """Weights go with their sites."""
+def results_do_not_depend_on_the_order_of_the_sites(case: Case) -> None:
+    """The weights must be permuted with the sites."""
     order = np.random.default_rng(6).permutation(case.n)
     shuffled = case.make(case.sites[order], 1.0)
     assert_close(
@@ -327,11 +329,11 @@ def the_order_of_the_sites_does_not_matter(case: Case) -> None:
     )
 
 
-# --- inputs ------------------------------------------------------------------------------
+# --- input arrays ------------------------------------------------------------------------
 
 
-def inputs_stay_as_they_are(case: Case) -> None:
-    """Points, data and queries may be read-only, and are not written to when they are not."""
+def inputs_are_not_modified(case: Case) -> None:
+    """Points, data and queries may be read-only, and must not be modified if they are not."""
     for writeable in (True, False):
         p, f, x = case.sites.copy(), case.data.copy(), case.queries.copy()
         load = np.cos(np.arange(len(x)))
@@ -346,8 +348,8 @@ def inputs_stay_as_they_are(case: Case) -> None:
             assert_close(a, b, 0.0)
 
 
-def a_method_keeps_what_it_was_given(case: Case) -> None:
-    """Later changes of the caller's arrays change neither the method nor its field."""
+def a_method_copies_its_input(case: Case) -> None:
+    """Later changes of the caller's arrays must not change the method or its field."""
     p, f = case.sites.copy(), case.data.copy()
     m = case.make(p, 1.0)
     s = m.field(f)
@@ -357,8 +359,8 @@ def a_method_keeps_what_it_was_given(case: Case) -> None:
     assert not m.points.flags.writeable
 
 
-def the_form_of_the_arrays_does_not_matter(case: Case) -> None:
-    """Lists, Fortran order, strides and float32 of the same numbers give the same answers."""
+def results_do_not_depend_on_the_form_of_the_arrays(case: Case) -> None:
+    """Lists, Fortran order, strides and float32 of the same numbers must give the same results."""
     p, f, x = (a.astype(np.float32).astype(float) for a in (case.sites, case.data, case.queries))
     expected = case.make(p, 1.0).field(f)(x)
     forms = [
@@ -373,8 +375,8 @@ def the_form_of_the_arrays_does_not_matter(case: Case) -> None:
         assert_close(again, expected, 10 * case.exact)
 
 
-def integers_are_numbers(case: Case) -> None:
-    """Integer points, data and queries give what the same numbers as floats give."""
+def integers_are_accepted(case: Case) -> None:
+    """Integer points, data and queries must give the same results as floats."""
     p, x = (np.round(a * 2**12).astype(int) for a in (case.sites, case.queries))
     f = np.round(case.data * 100).astype(int)
     m = case.make(p, 2.0**12)
@@ -384,7 +386,7 @@ def integers_are_numbers(case: Case) -> None:
 
 
 def a_pickled_copy_gives_the_same_bits(case: Case) -> None:
-    """Pickling keeps all bits, so that processes can share the work."""
+    """Pickling must not change any bit, so that processes can share the work."""
     copy = pickle.loads(pickle.dumps(case.method))
     x = case.queries
     assert (copy.degree, copy.interpolates) == (case.method.degree, case.method.interpolates)
@@ -394,7 +396,7 @@ def a_pickled_copy_gives_the_same_bits(case: Case) -> None:
 
 
 def nan_and_infinity_are_refused(case: Case) -> None:
-    """NaN and infinity are refused in every argument, with its name and the position."""
+    """NaN and infinity must be refused in every argument, with its name and the position."""
     m, x = case.method, case.queries
     for bad in (np.nan, np.inf, -np.inf):
         f, p, q = case.data.copy(), case.sites.copy(), x.copy()
@@ -403,21 +405,26 @@ def nan_and_infinity_are_refused(case: Case) -> None:
             m.field(f)
         with refused(rf"{case.argument} must be finite; {case.argument}\[1, 0\] is "):
             case.make(p, 1.0)
-        for ask in (m.field(case.data), m.field(case.data).gradient, m.weights):
+        for evaluate in (m.field(case.data), m.field(case.data).gradient, m.weights):
             with refused(r"x must be finite; x\[3, 0\] is "):
-                ask(q)
+                evaluate(q)
         with refused(r"f must be finite; f\[1\] is "):
             m.adjoint(x[:2], [1.0, bad])
 
 
 def wrong_shapes_are_refused(case: Case) -> None:
-    """Wrong shapes are refused; the message gives the required and the actual shape."""
+    """Wrong shapes must be refused; the message has the required and the actual shape."""
     m, d, n = case.method, case.d, case.n
     with refused(rf"values must have one entry for each point, shape \({n}, ...\); got \(3,\)"):
         m.field([1.0, 2.0, 3.0])
-    for ask in (m.field(case.data), m.field(case.data).gradient, m.weights, m.gradient_weights):
+    for evaluate in (
+        m.field(case.data),
+        m.field(case.data).gradient,
+        m.weights,
+        m.gradient_weights,
+    ):
         with refused(rf"x must have {d} coordinates? per point, shape \(..., {d}\); got "):
-            ask(np.zeros((4, d + 1)))
+            evaluate(np.zeros((4, d + 1)))
     with refused(r"f must have one entry for each query, shape \(8, ...\); got \(2,\)"):
         m.adjoint(case.queries, [1.0, 2.0])
     with refused(rf"{case.argument} must have the shape \(n, d\); got \(2, 2, 2\)"):
@@ -427,20 +434,23 @@ def wrong_shapes_are_refused(case: Case) -> None:
 @contextmanager
 def refused(words: str, error: type[Exception] = ValueError) -> Iterator[None]:
     """A context whose body must raise an error with this message."""
-    said = None
+    message = None
     try:
         yield
     except error as refusal:
-        said = str(refusal)
-    assert said is not None, f"not refused: {words}"
-    assert re.search(words, said), f"refused in other words: {said}"
+        message = str(refusal)
+    assert message is not None, f"not refused: {words}"
+    assert re.search(words, message), f"refused in other words: {message}"
 
 
 # --- leave one out ------------------------------------------------------------------------------
 
 
-def leaving_one_out_is_fitting_without_it(case: Case) -> None:
-    """f_i - s_(-i)(p_i), with s_(-i) made anew from the other sites, patches where they were."""
+def leave_one_out_equals_refits(case: Case) -> None:
+    """The residual must be f_i - s_(-i)(p_i), with s_(-i) fitted to the other sites.
+
+    The patches of a partition of unity stay the same in the refit.
+    """
     if not case.removable:
         with refused("is not made from points", TypeError):
             leave_one_out(case.method, case.data)
@@ -455,36 +465,36 @@ def leaving_one_out_is_fitting_without_it(case: Case) -> None:
 
 
 LAWS: list[Law] = [
-    polynomials_of_its_degree_are_reproduced,
+    polynomials_of_the_degree_are_reproduced,
     polynomials_of_the_next_degree_are_not_reproduced,
     gradients_of_polynomials_are_reproduced,
     data_are_interpolated_if_and_only_if_declared,
     the_field_is_linear_in_the_data,
     components_do_not_mix,
-    no_components_are_no_trouble,
+    data_without_components_give_empty_results,
     the_field_is_weights_times_data,
     the_gradient_is_gradient_weights_times_data,
     the_gradient_is_the_derivative,
     the_adjoint_is_the_transpose,
-    work_is_the_same_on_both_sides,
-    leading_axes_stay,
-    no_queries_give_no_answers,
-    chunks_do_not_matter,
-    executors_do_not_matter,
-    progress_reaches_the_end,
-    the_origin_does_not_matter,
-    the_axes_do_not_matter,
-    the_unit_does_not_matter,
-    the_unit_of_the_data_does_not_matter,
-    the_order_of_the_sites_does_not_matter,
-    inputs_stay_as_they_are,
-    a_method_keeps_what_it_was_given,
-    the_form_of_the_arrays_does_not_matter,
-    integers_are_numbers,
+    the_field_and_the_adjoint_are_consistent,
+    leading_axes_of_queries_are_kept,
+    empty_queries_give_empty_results,
+    results_do_not_depend_on_the_chunks,
+    results_do_not_depend_on_the_executor,
+    progress_increases_to_the_total,
+    results_do_not_depend_on_the_origin,
+    results_do_not_depend_on_the_axes,
+    results_do_not_depend_on_the_unit,
+    results_scale_with_the_unit_of_the_data,
+    results_do_not_depend_on_the_order_of_the_sites,
+    inputs_are_not_modified,
+    a_method_copies_its_input,
+    results_do_not_depend_on_the_form_of_the_arrays,
+    integers_are_accepted,
     a_pickled_copy_gives_the_same_bits,
     nan_and_infinity_are_refused,
     wrong_shapes_are_refused,
-    leaving_one_out_is_fitting_without_it,
+    leave_one_out_equals_refits,
 ]
 
 

@@ -1,6 +1,6 @@
-"""Mutants: for every law, small wrong methods that it must detect.
+"""Mutants: for every law, wrong methods that it must reject.
 
-Each mutant is a case like those of the real methods, and is correct in all other respects.
+Each mutant is a case like those of the correct methods, and has only one error.
 """
 
 import threading
@@ -41,8 +41,8 @@ PATCHES = case("PU r³ on 16 sites, degree 1 in 2-D")
 SPHERE = case("PU, sphere in 3-D")
 
 
-class Spoiled(Reconstruction):
-    """A method that wraps another one; a mutant overrides one of its answers."""
+class Wrapped(Reconstruction):
+    """A method that wraps another one; a mutant overrides one of its operations."""
 
     def __init__(self, right: Reconstruction) -> None:
         self.right = right
@@ -70,36 +70,36 @@ class Spoiled(Reconstruction):
         return self.right._chunk_rows(columns)
 
 
-def spoiled(right: Case, mutant: type[Spoiled]) -> Case:
-    """The case with its method replaced by a mutant of it."""
+def wrapped(right: Case, mutant: type[Wrapped]) -> Case:
+    """The case with its method wrapped by a mutant."""
     return replace(right, name=mutant.__name__, make=lambda p, unit: mutant(right.make(p, unit)))
 
 
 def made(right: Case, name: str, make: Callable[..., Reconstruction]) -> Case:
-    """The case with another method in its place."""
+    """The case with another method."""
     return replace(right, name=name, make=make)
 
 
 # --- declarations ---------------------------------------------------------------------------------
 
 
-class BoastfulDegree(Spoiled):
-    """Declares one degree more than it reproduces."""
+class DegreeTooHigh(Wrapped):
+    """Declares a degree that is too high by one."""
 
     def __init__(self, right):
         super().__init__(right)
         self.degree += 1
 
 
-class ShyDegree(Spoiled):
-    """Declares one degree less."""
+class DegreeTooLow(Wrapped):
+    """Declares a degree that is too low by one."""
 
     def __init__(self, right):
         super().__init__(right)
         self.degree -= 1
 
 
-class WrongAboutInterpolation(Spoiled):
+class InterpolationMisdeclared(Wrapped):
     """Declares that it interpolates if it does not, and vice versa."""
 
     def __init__(self, right):
@@ -111,7 +111,7 @@ class WrongAboutInterpolation(Spoiled):
 
 
 class ConstraintForgotten(Reconstruction):
-    """Kernels alone interpolate; the polynomial and its side conditions are left out."""
+    """Interpolates with kernels only, without polynomial and side conditions."""
 
     def __init__(self, points):
         self.points, self.degree, self.interpolates = valid.as_points(points), 1, True
@@ -127,8 +127,8 @@ class ConstraintForgotten(Reconstruction):
         return tuple((slope * offset[..., k]) @ self.inverse for k in range(x.shape[1]))
 
 
-class GradientInTheFrame(Spoiled):
-    """Forgets that the derivative by x is that by (x - a)/h divided by h, here 1/2."""
+class GradientInLocalCoordinates(Wrapped):
+    """Omits the factor 1/h of the derivative with respect to (x - a)/h, as if h = 2."""
 
     def _gradient_rows(self, x, prepared):
         return 2 * super()._gradient_rows(x, prepared)
@@ -139,7 +139,7 @@ class GradientInTheFrame(Spoiled):
 
 @dataclass(frozen=True)
 class frozen_weight(inverse_square):
-    """The slope of the weight is taken as zero: the diffuse gradient, with c(x) fixed."""
+    """Treats the weight as constant, which gives the diffuse gradient, with c(x) fixed."""
 
     def slope_of_squared(self, s):
         return np.zeros_like(s)
@@ -150,7 +150,7 @@ class frozen_weight(inverse_square):
 
 @dataclass(frozen=True)
 class weight_not_squared(inverse_square):
-    """The slope of w where that of w² is wanted."""
+    """Uses the slope of w instead of that of w²."""
 
     def slope_of_squared(self, s):
         return super().slope_of_squared(s) / 2
@@ -160,7 +160,7 @@ class weight_not_squared(inverse_square):
 
 
 class ReachHeldFixed(MovingLeastSquares):
-    """The gradient of w(r/ρ) without that of ρ, the distance of the (k + 1)-th site."""
+    """The gradient of w(r/ρ) without the derivative of ρ, the distance of the (k + 1)-th site."""
 
     def _gradient_rows(self, x, prepared):
         return np.stack([self._at(y, prepared) for y in x])
@@ -175,17 +175,17 @@ class ReachHeldFixed(MovingLeastSquares):
 
 @dataclass(frozen=True)
 class no_limit_at_the_centre(thin_plate_spline):
-    """Takes φ'(r)/r at r = 1 in place of the limit at r = 0, and close to it as well."""
+    """Uses φ'(r)/r at r = 1 instead of the limit at r = 0, also close to zero."""
 
     def slope_of_squared(self, s):
         return np.where(s > 1e-2, super().slope_of_squared(s), 2.0)
 
 
-# --- routes ---------------------------------------------------------------------------------------
+# --- data, weights, adjoint -----------------------------------------------------------------------
 
 
-class ClippedToTheData(Spoiled):
-    """Never leaves the range of the data: sensible, and no longer linear."""
+class ClippedToTheData(Wrapped):
+    """Clips values to the range of the data, and is therefore not linear."""
 
     def _prepare(self, values):
         return super()._prepare(values), np.abs(values).max(axis=0) / 2
@@ -198,22 +198,22 @@ class ClippedToTheData(Spoiled):
         return super()._gradient_rows(x, prepared[0])
 
 
-class RealPartOnly(Spoiled):
-    """Complex data lose their imaginary part."""
+class RealPartOnly(Wrapped):
+    """Drops the imaginary part of complex data."""
 
     def _prepare(self, values):
         return super()._prepare(values.real.copy())
 
 
-class FirstComponentForAll(Spoiled):
-    """The coefficients of the first component serve them all."""
+class FirstComponentForAll(Wrapped):
+    """Uses the coefficients of the first component for all components."""
 
     def _value_rows(self, x, prepared):
         rows = super()._value_rows(x, prepared)
         return np.broadcast_to(rows[:, :1], rows.shape)
 
 
-class AtLeastOneComponent(Spoiled):
+class AtLeastOneComponent(Wrapped):
     """Requires at least one component."""
 
     def field(self, values):
@@ -221,29 +221,29 @@ class AtLeastOneComponent(Spoiled):
         return super().field(values if values.size else np.zeros((len(values), 1)))
 
 
-class WeightsWithoutConstant(Spoiled):
-    """H without the part of the polynomial's constant."""
+class WeightsWithoutConstant(Wrapped):
+    """Weights without the contribution of the constant polynomial."""
 
     def _weight_rows(self, x):
         return super()._weight_rows(x) - 1.0 / len(self.points)
 
 
-class GradientWeightsSwapped(Spoiled):
-    """The matrices of x and y exchanged."""
+class GradientWeightsSwapped(Wrapped):
+    """Exchanges the matrices of x and y."""
 
     def _gradient_weight_rows(self, x):
         return super()._gradient_weight_rows(x)[::-1]
 
 
-class AdjointByThePseudoInverse(Spoiled):
-    """H⁺ f in place of Hᵀ f."""
+class AdjointByThePseudoInverse(Wrapped):
+    """Computes H⁺f instead of Hᵀf."""
 
     def _adjoint(self, x, f):
         return np.linalg.pinv(laws.dense(self._weight_rows(x))) @ f
 
 
-class AdjointOfTheSymmetricPart(Spoiled):
-    """Right for one component, a half of it lost with two."""
+class AdjointDividedByTheComponents(Wrapped):
+    """Correct for one component, and divided by two for two."""
 
     def _adjoint(self, x, f):
         return super()._adjoint(x, f) / f.shape[1]
@@ -252,7 +252,7 @@ class AdjointOfTheSymmetricPart(Spoiled):
 # --- queries --------------------------------------------------------------------------------------
 
 
-class SpoiledField(Spoiled):
+class WrappedField(Wrapped):
     """A method whose fields are of another class."""
 
     Made: type[Field] = Field
@@ -261,18 +261,18 @@ class SpoiledField(Spoiled):
         return self.Made(self, valid.as_values(values, len(self.points)))
 
 
-class AxesMixed(SpoiledField):
-    """Queries are read in Fortran's order."""
+class AxesInFortranOrder(WrappedField):
+    """Reads queries in Fortran order."""
 
     class Made(Field):
         def _evaluate(self, rows_of_result, x, *others):
             x = np.asarray(x)
-            turned = np.reshape(x, x.shape, order="C").reshape(-1, x.shape[-1], order="F")
-            return super()._evaluate(rows_of_result, turned.reshape(x.shape), *others)
+            reordered = np.reshape(x, x.shape, order="C").reshape(-1, x.shape[-1], order="F")
+            return super()._evaluate(rows_of_result, reordered.reshape(x.shape), *others)
 
 
-class OneAnswerAtLeast(SpoiledField):
-    """Returns an answer for an empty set of queries."""
+class AtLeastOneResult(WrappedField):
+    """Returns one result for an empty set of queries."""
 
     class Made(Field):
         def __call__(self, x, **options):
@@ -280,15 +280,15 @@ class OneAnswerAtLeast(SpoiledField):
             return result if result.size else np.zeros((1, *result.shape[1:]))
 
 
-class CentredOnTheBatch(Spoiled):
-    """The frame depends on the batch of queries."""
+class DependsOnTheBatch(Wrapped):
+    """The result depends on the other queries of the batch."""
 
     def _value_rows(self, x, prepared):
         return super()._value_rows(x, prepared) + x.mean()
 
 
-class RememberingThread(Spoiled):
-    """The result depends on which thread computes it."""
+class DependsOnTheThread(Wrapped):
+    """The result depends on the thread that computes it."""
 
     def _value_rows(self, x, prepared):
         rows = super()._value_rows(x, prepared)
@@ -296,7 +296,7 @@ class RememberingThread(Spoiled):
         return rows if main else np.nextafter(rows, 9.0)
 
 
-class ProgressThatStops(SpoiledField):
+class ProgressWithoutTheLastChunk(WrappedField):
     """The last chunk is not reported."""
 
     class Made(Field):
@@ -308,11 +308,11 @@ class ProgressThatStops(SpoiledField):
             return super().__call__(x, executor=executor, progress=progress and all_but_last)
 
 
-# --- where the points lie -------------------------------------------------------------------------
+# --- invariance -----------------------------------------------------------------------------------
 
 
 class AbsoluteCoordinates(Reconstruction):
-    """The textbook form: normal equations in the monomials of the coordinates as they are."""
+    """The textbook form: normal equations in monomials of the original coordinates."""
 
     def __init__(self, points):
         self.points, self.degree, self.interpolates = valid.as_points(points), 1, False
@@ -330,7 +330,7 @@ class AbsoluteCoordinates(Reconstruction):
         return tuple(np.tile(row, (len(x), 1)) for row in slopes)
 
 
-class Stretched(Spoiled):
+class Stretched(Wrapped):
     """Distances in which one axis counts twice."""
 
     def __init__(self, right):
@@ -342,8 +342,8 @@ class Stretched(Spoiled):
         return super()._value_rows(x * [1.0, 2.0], prepared)
 
 
-class FirstSiteIsSpecial(Spoiled):
-    """Adds the missing weight to the first site."""
+class FirstSiteTakesTheRest(Wrapped):
+    """Adds 0.1 to the weight of the first site."""
 
     def _weight_rows(self, x):
         h = np.array(super()._weight_rows(x))
@@ -351,10 +351,10 @@ class FirstSiteIsSpecial(Spoiled):
         return h
 
 
-# --- what comes in --------------------------------------------------------------------------------
+# --- input arrays ---------------------------------------------------------------------------------
 
 
-class WritesToItsInput(Spoiled):
+class WritesToItsInput(Wrapped):
     """Subtracts the mean in place."""
 
     def field(self, values):
@@ -363,8 +363,8 @@ class WritesToItsInput(Spoiled):
         return super().field(values)
 
 
-class KeepsTheCallersArray(Spoiled):
-    """Holds the data by reference."""
+class KeepsTheCallersArray(Wrapped):
+    """Keeps a reference to the data."""
 
     def field(self, values):
         s = super().field(values)
@@ -372,8 +372,8 @@ class KeepsTheCallersArray(Spoiled):
         return s
 
 
-class SinglePrecisionData(Spoiled):
-    """Works in the precision of its input."""
+class SinglePrecisionData(Wrapped):
+    """Computes in the precision of its input."""
 
     def field(self, values):
         values = np.asarray(values)
@@ -383,8 +383,8 @@ class SinglePrecisionData(Spoiled):
         return s
 
 
-class IntegerAnswers(Spoiled):
-    """Integer data give integer answers."""
+class IntegerAnswers(Wrapped):
+    """Returns integers for integer data."""
 
     def field(self, values):
         values = np.asarray(values)
@@ -394,29 +394,29 @@ class IntegerAnswers(Spoiled):
         return s
 
 
-class ForgetsOnTheWay(Spoiled):
-    """A pickled copy comes back with the defaults."""
+class LosesStateWhenPickled(Wrapped):
+    """A pickled copy has default arguments."""
 
     def __reduce__(self):
         return LeastSquares, (self.points, 1)
 
 
-class NanMeansZero(Spoiled):
-    """Fills in what is missing."""
+class NanReplacedByZero(Wrapped):
+    """Replaces NaN by zero."""
 
     def field(self, values):
         return super().field(np.nan_to_num(np.asarray(values)))
 
 
-class AnyLength(Spoiled):
-    """Cuts or repeats data to the length that is needed."""
+class AnyLength(Wrapped):
+    """Truncates or repeats data to the required length."""
 
     def field(self, values):
         return super().field(np.resize(values, (len(self.points),)))
 
 
-class WorksInItsOwnUnit(Spoiled):
-    """Rounds with an absolute tolerance."""
+class AbsoluteTolerance(Wrapped):
+    """Rounds to zero with an absolute tolerance."""
 
     def _value_rows(self, x, prepared):
         rows = super()._value_rows(x, prepared)
@@ -427,7 +427,7 @@ class WorksInItsOwnUnit(Spoiled):
 
 
 class BallsTooLarge(PartitionOfUnityRBF):
-    """Balls contain a site that is not in their patch."""
+    """Balls contain sites that are not in their patches."""
 
     def __init__(self, *arguments):
         super().__init__(*arguments)
@@ -452,7 +452,7 @@ SHARES = partition_of_unity.shares
 
 
 class NotNormalised(OtherShares):
-    """The weights of the patches do not sum to one."""
+    """The blending weights do not sum to one."""
 
     @staticmethod
     def shares(levels, x, gradients):
@@ -463,7 +463,7 @@ class NotNormalised(OtherShares):
 
 
 class WeightsHeldFixed(OtherShares):
-    """The gradients of the patches are blended without the gradients of the weights."""
+    """Blends the gradients of the patches without the gradients of the weights."""
 
     @staticmethod
     def shares(levels, x, gradients):
@@ -471,8 +471,8 @@ class WeightsHeldFixed(OtherShares):
             yield share._replace(gradient=0 * share.gradient)
 
 
-class NothingOutside(OtherShares):
-    """Zero where no ball reaches."""
+class ZeroOutsideTheBalls(OtherShares):
+    """Returns zero outside all balls."""
 
     @staticmethod
     def shares(levels, x, gradients):
@@ -480,14 +480,14 @@ class NothingOutside(OtherShares):
 
 
 class InSamplePatches(PartitionOfUnityRBF):
-    """The residual of the fit with the datum itself."""
+    """Residuals of the fit that includes the datum."""
 
     def _leave_one_out(self, values, progress):  # noqa: ARG002
         return values - self.field(values)(self.points)
 
 
 def patches(mutant: type[PartitionOfUnityRBF], right: Case = PATCHES) -> Case:
-    """The case of small patches, by the mutant."""
+    """The case of small patches with a mutant."""
     return made(right, mutant.__name__, lambda p, _: mutant(p, polyharmonic(3), 1, 14))
 
 
@@ -495,21 +495,21 @@ def patches(mutant: type[PartitionOfUnityRBF], right: Case = PATCHES) -> Case:
 
 
 class InSamplePolynomial(LeastSquares):
-    """The leverages are taken as zero: the residual of the fit with the datum itself."""
+    """Treats leverages as zero: residuals of the fit that includes the datum."""
 
     def leverages(self):
         return np.zeros(len(self.points))
 
 
 class InSampleMoving(MovingLeastSquares):
-    """The same."""
+    """Treats own weights as zero: residuals of the fit that includes the datum."""
 
     def own_weights(self):
         return np.zeros(len(self.points))
 
 
-class WithoutTheNext(MovingLeastSquares):
-    """Leaves a site out of its neighbourhood and does not look for the next one."""
+class WithoutTheNextNeighbour(MovingLeastSquares):
+    """Removes a site from its neighbourhood without adding the next one."""
 
     def predictions_from_others(self, values, sites, progress=None):
         fewer = MovingLeastSquares(self.points, self.weight, self.degree, self.neighbors - 1)
@@ -517,49 +517,49 @@ class WithoutTheNext(MovingLeastSquares):
 
 
 class WrongDiagonal(RBF):
-    """Divides by the diagonal of A in place of that of the inverse."""
+    """Divides by ones instead of the diagonal of the inverse."""
 
     def inverse_diagonal(self):
         return np.ones(len(self.points))
 
 
 MUTANTS: dict[Callable[[Case], None], list[Case]] = {
-    laws.polynomials_of_its_degree_are_reproduced: [
-        spoiled(LINE, BoastfulDegree),
-        spoiled(PLATE, BoastfulDegree),
+    laws.polynomials_of_the_degree_are_reproduced: [
+        wrapped(LINE, DegreeTooHigh),
+        wrapped(PLATE, DegreeTooHigh),
         made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
         patches(NotNormalised),
-        patches(NothingOutside, SPHERE),
+        patches(ZeroOutsideTheBalls, SPHERE),
     ],
     laws.polynomials_of_the_next_degree_are_not_reproduced: [
-        spoiled(LINE, ShyDegree),
-        spoiled(PLATE, ShyDegree),
-        spoiled(MOVING, ShyDegree),
+        wrapped(LINE, DegreeTooLow),
+        wrapped(PLATE, DegreeTooLow),
+        wrapped(MOVING, DegreeTooLow),
     ],
     laws.gradients_of_polynomials_are_reproduced: [
-        spoiled(PARABOLA, GradientInTheFrame),
+        wrapped(PARABOLA, GradientInLocalCoordinates),
         made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
     ],
     laws.data_are_interpolated_if_and_only_if_declared: [
-        spoiled(PLATE, WrongAboutInterpolation),
-        spoiled(LINE, WrongAboutInterpolation),
-        spoiled(SMOOTHED, WrongAboutInterpolation),
-        spoiled(MOVING, WrongAboutInterpolation),
+        wrapped(PLATE, InterpolationMisdeclared),
+        wrapped(LINE, InterpolationMisdeclared),
+        wrapped(SMOOTHED, InterpolationMisdeclared),
+        wrapped(MOVING, InterpolationMisdeclared),
         patches(BallsTooLarge),
     ],
     laws.the_field_is_linear_in_the_data: [
-        spoiled(PLATE, ClippedToTheData),
-        spoiled(PLATE, RealPartOnly),
+        wrapped(PLATE, ClippedToTheData),
+        wrapped(PLATE, RealPartOnly),
     ],
-    laws.components_do_not_mix: [spoiled(MOVING, FirstComponentForAll)],
-    laws.no_components_are_no_trouble: [spoiled(LINE, AtLeastOneComponent)],
+    laws.components_do_not_mix: [wrapped(MOVING, FirstComponentForAll)],
+    laws.data_without_components_give_empty_results: [wrapped(LINE, AtLeastOneComponent)],
     laws.the_field_is_weights_times_data: [
-        spoiled(LINE, WeightsWithoutConstant),
-        patches(NothingOutside, SPHERE),
+        wrapped(LINE, WeightsWithoutConstant),
+        patches(ZeroOutsideTheBalls, SPHERE),
     ],
-    laws.the_gradient_is_gradient_weights_times_data: [spoiled(PLATE, GradientWeightsSwapped)],
+    laws.the_gradient_is_gradient_weights_times_data: [wrapped(PLATE, GradientWeightsSwapped)],
     laws.the_gradient_is_the_derivative: [
-        spoiled(PARABOLA, GradientInTheFrame),
+        wrapped(PARABOLA, GradientInLocalCoordinates),
         made(MOVING, "DiffuseGradient", lambda p, u: MovingLeastSquares(p, frozen_weight(u / 10))),
         made(MOVING, "NotSquared", lambda p, u: MovingLeastSquares(p, weight_not_squared(u / 10))),
         made(NEAREST, "ReachHeldFixed", lambda p, _: ReachHeldFixed(p, wendland(3, 2), 1, 8)),
@@ -567,36 +567,40 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         patches(WeightsHeldFixed),
     ],
     laws.the_adjoint_is_the_transpose: [
-        spoiled(LINE, AdjointByThePseudoInverse),
-        spoiled(PLATE, AdjointOfTheSymmetricPart),
+        wrapped(LINE, AdjointByThePseudoInverse),
+        wrapped(PLATE, AdjointDividedByTheComponents),
     ],
-    laws.work_is_the_same_on_both_sides: [spoiled(PLATE, AdjointByThePseudoInverse)],
-    laws.leading_axes_stay: [spoiled(MOVING, AxesMixed)],
-    laws.no_queries_give_no_answers: [spoiled(LINE, OneAnswerAtLeast)],
-    laws.chunks_do_not_matter: [spoiled(PLATE, CentredOnTheBatch)],
-    laws.executors_do_not_matter: [spoiled(LINE, RememberingThread)],
-    laws.progress_reaches_the_end: [spoiled(PLATE, ProgressThatStops)],
-    laws.the_origin_does_not_matter: [
+    laws.the_field_and_the_adjoint_are_consistent: [wrapped(PLATE, AdjointByThePseudoInverse)],
+    laws.leading_axes_of_queries_are_kept: [wrapped(MOVING, AxesInFortranOrder)],
+    laws.empty_queries_give_empty_results: [wrapped(LINE, AtLeastOneResult)],
+    laws.results_do_not_depend_on_the_chunks: [wrapped(PLATE, DependsOnTheBatch)],
+    laws.results_do_not_depend_on_the_executor: [wrapped(LINE, DependsOnTheThread)],
+    laws.progress_increases_to_the_total: [wrapped(PLATE, ProgressWithoutTheLastChunk)],
+    laws.results_do_not_depend_on_the_origin: [
         made(LINE, "AbsoluteCoordinates", lambda p, _: AbsoluteCoordinates(p))
     ],
-    laws.the_axes_do_not_matter: [spoiled(MOVING, Stretched)],
-    laws.the_unit_does_not_matter: [
+    laws.results_do_not_depend_on_the_axes: [wrapped(MOVING, Stretched)],
+    laws.results_do_not_depend_on_the_unit: [
         made(MOVING, "EpsilonIsNoLength", lambda p, _: MovingLeastSquares(p, inverse_square(0.1))),
         made(FARTHER, "ScaleIsNoLength", lambda p, _: RBF(p, gaussian(0.2))),
     ],
-    laws.the_unit_of_the_data_does_not_matter: [spoiled(LINE, WorksInItsOwnUnit)],
-    laws.the_order_of_the_sites_does_not_matter: [spoiled(PLATE, FirstSiteIsSpecial)],
-    laws.inputs_stay_as_they_are: [spoiled(LINE, WritesToItsInput)],
-    laws.a_method_keeps_what_it_was_given: [spoiled(MOVING, KeepsTheCallersArray)],
-    laws.the_form_of_the_arrays_does_not_matter: [spoiled(PLATE, SinglePrecisionData)],
-    laws.integers_are_numbers: [spoiled(LINE, IntegerAnswers)],
-    laws.a_pickled_copy_gives_the_same_bits: [spoiled(PARABOLA, ForgetsOnTheWay)],
-    laws.nan_and_infinity_are_refused: [spoiled(LINE, NanMeansZero)],
-    laws.wrong_shapes_are_refused: [spoiled(LINE, AnyLength)],
-    laws.leaving_one_out_is_fitting_without_it: [
+    laws.results_scale_with_the_unit_of_the_data: [wrapped(LINE, AbsoluteTolerance)],
+    laws.results_do_not_depend_on_the_order_of_the_sites: [wrapped(PLATE, FirstSiteTakesTheRest)],
+    laws.inputs_are_not_modified: [wrapped(LINE, WritesToItsInput)],
+    laws.a_method_copies_its_input: [wrapped(MOVING, KeepsTheCallersArray)],
+    laws.results_do_not_depend_on_the_form_of_the_arrays: [wrapped(PLATE, SinglePrecisionData)],
+    laws.integers_are_accepted: [wrapped(LINE, IntegerAnswers)],
+    laws.a_pickled_copy_gives_the_same_bits: [wrapped(PARABOLA, LosesStateWhenPickled)],
+    laws.nan_and_infinity_are_refused: [wrapped(LINE, NanReplacedByZero)],
+    laws.wrong_shapes_are_refused: [wrapped(LINE, AnyLength)],
+    laws.leave_one_out_equals_refits: [
         made(LINE, "InSamplePolynomial", lambda p, _: InSamplePolynomial(p)),
         made(MOVING, "InSampleMoving", lambda p, u: InSampleMoving(p, inverse_square(u / 10))),
-        made(NEAREST, "WithoutTheNext", lambda p, _: WithoutTheNext(p, wendland(3, 2), 1, 8)),
+        made(
+            NEAREST,
+            "WithoutTheNextNeighbour",
+            lambda p, _: WithoutTheNextNeighbour(p, wendland(3, 2), 1, 8),
+        ),
         made(PLATE, "WrongDiagonal", lambda p, _: WrongDiagonal(p, thin_plate_spline())),
         patches(InSamplePatches),
     ],

@@ -1,4 +1,4 @@
-"""Every method satisfies every law, every law detects its mutants, and no method is missing."""
+"""Every method obeys every law, every law rejects its mutants, and every method has a case."""
 
 import importlib
 import multiprocessing
@@ -27,7 +27,7 @@ MORE_WEIGHTS = ("MLS ε = 1e-8", "MLS ε = 1,", "MLS inverse multiquadric")
 
 
 def is_long(case: Case) -> bool:
-    """More variables than three, or another weight where a like one has all degrees."""
+    """Whether the case has over three variables, or repeats all degrees with another weight."""
     return case.d > 3 or (case.name.startswith(MORE_WEIGHTS) and "degree 1 in 2-D" not in case.name)
 
 
@@ -39,25 +39,24 @@ METHODS = [
 
 @pytest.mark.parametrize("case", METHODS)
 def test_every_method_obeys_the_laws(case: Case):
-    """All that are about the case hold for the method as it is declared."""
     laws.assert_obeyed(laws.laws_about(case), case, case.name)
 
 
 @pytest.mark.parametrize(("law", "mutant"), PAIRS)
-def test_the_law_catches_the_mutant(law, mutant: Case):
-    """A wrong method breaks the law that is about its mistake."""
+def test_the_law_rejects_the_mutant(law, mutant: Case):
+    """A wrong method violates the law that it was written for."""
     with pytest.raises(AssertionError):
         law(mutant)
 
 
-def test_every_law_has_been_seen_to_fail():
-    """A law without a mutant may be a check that cannot fail."""
+def test_every_law_has_a_mutant():
+    """A law without a mutant might be a check that cannot fail."""
     assert set(MUTANTS) == set(laws.LAWS)
     assert all(MUTANTS.values())
 
 
 def test_every_law_is_applied():
-    """A function that returns nothing about a case is in the list, and is about some of them."""
+    """Every function of a case is in the list of laws, and applies to at least one case."""
     functions = [f for f in vars(laws).values() if is_law(f)]
     assert functions == laws.LAWS
     assert {law for case in CASES for law in laws.laws_about(case)} == set(laws.LAWS)
@@ -68,11 +67,13 @@ def is_law(function) -> bool:
     return kinds.get("case") is Case and kinds["return"] is None
 
 
-def test_a_broken_law_is_named():
-    """With every other law that the case breaks, and what was seen."""
+def test_broken_laws_are_named():
+    """All laws that the case breaks are reported with their errors."""
     mutants = {mutant.name: mutant for each in MUTANTS.values() for mutant in each}
-    wrong = mutants["GradientInTheFrame"]
-    with pytest.raises(ExceptionGroup, match="GradientInTheFrame breaks 2 of the laws") as broken:
+    wrong = mutants["GradientInLocalCoordinates"]
+    with pytest.raises(
+        ExceptionGroup, match="GradientInLocalCoordinates breaks 2 of the laws"
+    ) as broken:
         laws.assert_obeyed(laws.LAWS[:15], wrong, wrong.name)
     errors = broken.value.exceptions
     assert all("deviates by" in str(error) for error in errors)
@@ -83,7 +84,7 @@ def test_a_broken_law_is_named():
 
 
 def concrete(base: type) -> set[type]:
-    """Subclasses of the library, at any depth, that are not abstract."""
+    """Concrete subclasses in the library, at any depth."""
     for module in pkgutil.walk_packages(fieldrecon.__path__, "fieldrecon."):
         importlib.import_module(module.name)
     found, new = set(), {base}
@@ -93,28 +94,27 @@ def concrete(base: type) -> set[type]:
     return {c for c in found if c.__module__.startswith("fieldrecon.") and not isabstract(c)}
 
 
-def test_every_method_is_among_the_cases():
-    """A new method is judged, or this fails; the globe has laws of its own, in test_globe."""
-    judged = concrete(Reconstruction) - {OnGlobe}
+def test_every_method_has_a_case():
+    """OnGlobe has laws of its own, in test_globe."""
+    tested = concrete(Reconstruction) - {OnGlobe}
     bases = {c for case in CASES for c in type(case.method).__mro__ if not isabstract(c)}
-    missing = sorted(c.__name__ for c in judged - bases)
+    missing = sorted(c.__name__ for c in tested - bases)
     assert not missing, f"add a case of {', '.join(missing)} to tests/cases.py"
 
 
-def test_every_radial_function_is_among_the_cases():
-    """As a kernel or as a weight."""
+def test_every_radial_function_has_a_case():
+    """It is used as a kernel or as a weight."""
     methods = [case.method for case in CASES]
     used = {type(getattr(m, "kernel", getattr(m, "weight", None))) for m in methods}
     assert used - {type(None)} == concrete(Radial) - {Scaled}
 
 
-def test_cases_have_names_of_their_own():
-    """So that a failure says which it was."""
+def test_names_of_cases_are_unique():
     assert len({case.name for case in CASES}) == len(CASES)
 
 
-def test_processes_give_the_bits_of_threads():
-    """A method and its field travel to other processes, and their answers back."""
+def test_processes_and_threads_give_the_same_bits():
+    """Methods and fields are pickled for other processes."""
     names = (
         "LS degree 2 in 3-D",
         "MLS ε = 0.1, degree 2 in 2-D",
@@ -124,4 +124,4 @@ def test_processes_give_the_bits_of_threads():
     )
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as processes:
         for name in names:
-            laws.executors_do_not_matter(case(name), processes)
+            laws.results_do_not_depend_on_the_executor(case(name), processes)

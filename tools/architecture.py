@@ -1,6 +1,6 @@
-"""Draw the house from its imports: docs/images/architecture.svg (make architecture).
+"""Draw the architecture from the imports: docs/images/architecture.svg (make architecture).
 
-A room stands one level above the highest room that it imports from. An arrow is an import that no
+A room is one level above the highest room from which it imports. An arrow is an import that no
 chain of other arrows implies.
 """
 
@@ -24,11 +24,11 @@ COLORS = {
 WHOLE = ("fieldcheck", "fieldreport.experiments")
 STYLE = {"svg.hashsalt": "architecture", "font.size": 8}
 WIDTH, LEVEL = 9.0, 0.52
-"""Of the picture, and of a level, in inches."""
+"""Width of the picture and height of a level, in inches."""
 
 
 def rooms_and_imports() -> dict[str, set[str]]:
-    """Return for each room the rooms that its modules import from."""
+    """Return for each room the rooms from which its modules import."""
     graph = grimp.build_graph(*COLORS, exclude_type_checking_imports=True)
     found: dict[str, set[str]] = {}
     for module in graph.modules:
@@ -40,7 +40,7 @@ def rooms_and_imports() -> dict[str, set[str]]:
 
 
 def room_of(module: str) -> str:
-    """Return the room of a module; what only gathers names belongs to none."""
+    """Return the room of a module; modules that only collect names belong to no room."""
     parts = module.split(".")
     if parts[0] in WHOLE:
         return parts[0]
@@ -50,7 +50,7 @@ def room_of(module: str) -> str:
 
 
 def levels(imports: dict[str, set[str]]) -> dict[str, int]:
-    """Return the length of the longest chain of imports that starts at each room."""
+    """Return for each room the length of the longest chain of imports that starts there."""
 
     @cache
     def level(room: str) -> int:
@@ -60,7 +60,7 @@ def levels(imports: dict[str, set[str]]) -> dict[str, int]:
 
 
 def without_detours(imports: dict[str, set[str]]) -> set[tuple[str, str]]:
-    """Return the imports that no chain of others implies."""
+    """Return the imports that no chain of other imports implies (transitive reduction)."""
 
     @cache
     def reached(room: str) -> frozenset[str]:
@@ -75,7 +75,7 @@ def without_detours(imports: dict[str, set[str]]) -> set[tuple[str, str]]:
 
 
 def positions(level: dict[str, int], arrows: set[tuple[str, str]]) -> dict[str, float]:
-    """Place each room in its row, from 0 to 1, near the rooms that it imports from."""
+    """Place each room in its row, from 0 to 1, near the rooms from which it imports."""
     x: dict[str, float] = {}
     for height in range(max(level.values()) + 1):
         row = sorted(room for room in level if level[room] == height)
@@ -87,7 +87,7 @@ def positions(level: dict[str, int], arrows: set[tuple[str, str]]) -> dict[str, 
 
 
 def in_words(imports: dict[str, set[str]]) -> str:
-    """Return the arrows as text, by which a test finds out whether the picture is up to date."""
+    """Return the arrows as text, with which a test checks that the picture is up to date."""
     return "; ".join(
         f"{above} imports {below}" for above, below in sorted(without_detours(imports))
     )

@@ -1,14 +1,14 @@
 #!/bin/sh
-# Make the virtual environment in which everything runs; make calls this when it is needed.
+# Make the virtual environment of the project. The Makefile calls this script when necessary.
 #
 #   sh tools/setup.sh VENV [-r LOCK ...]
 #
-# A Python that is new enough makes the environment; pip brings uv, at the version that
-# requirements-setup.lock pins; uv installs what requirements.lock names (and each further LOCK)
-# and then this project. PYTHON=... in the environment chooses the Python.
+# A sufficiently new Python makes the environment; pip installs uv in the version of
+# requirements-setup.lock; uv installs the packages of requirements.lock and of each further LOCK,
+# and then this project. The environment variable PYTHON chooses the Python.
 #
-# VENV/ready is written last and holds the place the environment was made for: an environment
-# without it was interrupted, one with another place in it was moved, and both are made anew.
+# VENV/ready is written last and contains the path of the checkout. An environment without this
+# file was interrupted, one with another path was moved; both are made anew.
 set -eu
 cd "$(dirname "$0")/.."
 home=$(pwd -P)
@@ -28,9 +28,9 @@ has_ensurepip() { "$1" -c 'import ensurepip, venv' 2>/dev/null; }
 has_pip() { "$1" -m pip --python "$(command -v "$1")" --version >/dev/null 2>&1; }
 
 # python: can make a complete environment.
-# bare:   new enough, but without ensurepip, which Debian and Ubuntu package apart.
+# bare:   new enough, but without ensurepip, which Debian and Ubuntu package separately.
 # old:    too old.
-# Each is run before it is believed, since a name on the PATH may be a shim with nothing behind.
+# Each candidate is run, since a name on the PATH may be a shim without a Python.
 find_python() {
     python='' bare='' old=''
     if [ -n "${PYTHON:-}" ]; then
@@ -52,7 +52,7 @@ find_python() {
     done
 }
 
-# The line to type; $1 names Debian's package.
+# The command that installs Python; $1 is the name of Debian's package.
 how_to_install() {
     if command -v brew >/dev/null; then
         echo "brew install python@3.13"
@@ -74,7 +74,7 @@ remove_environment() {
 
 bring_uv() { "$@" install --quiet --require-hashes -r requirements-setup.lock; }
 
-# Three ways to an environment with uv in it, the last two for a Python without ensurepip.
+# Three ways to make an environment with uv; the last two are for a Python without ensurepip.
 make_environment() {
     remove_environment
     find_python
@@ -108,21 +108,21 @@ what_is_missing() {
 }
 
 install() {
-    # Compiled here, once, and not by every process that finds them uncompiled.
+    # Compiled once here instead of by every process that imports the packages first.
     "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --require-hashes \
         --compile-bytecode -r requirements-setup.lock -r requirements.lock "$@"
     "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --quiet \
         --no-deps --no-build-isolation --reinstall-package fieldrecon \
         --reinstall-package fieldrecon-course --editable . --editable ./src
-    # So that the first import makes no folder: make takes a newer folder for a changed source.
+    # The first import must not make a folder, which make would take for a changed source.
     "$venv/bin/python" -m compileall -q src
 }
 
 intact() { [ "$(cat "$ready" 2>/dev/null)" = "$home" ] && new_enough "$venv/bin/python"; }
 locks_changed() { [ -n "$(find requirements*.lock pyproject.toml src/pyproject.toml tools/setup.sh -newer "$ready")" ]; }
 
-# One set-up at a time. The lock is a link to the number of the process that holds it: made in one
-# step, and recognised when its process has died.
+# One set-up at a time. The lock is a link to the id of the process that holds it: it is made
+# atomically, and recognised as stale if the process has ended.
 until ln -s $$ "$lock" 2>/dev/null; do
     holder=$(readlink "$lock") || stop "$home cannot be written to."
     kill -0 "$holder" 2>/dev/null || rm -f "$lock"
@@ -131,7 +131,7 @@ done
 trap 'rm -f "$lock"' EXIT
 trap 'exit 1' HUP INT TERM
 
-# While this one waited, another may have done the work.
+# While this process waited, another one may have done the work.
 if intact && ! locks_changed && [ $# -eq 0 ]; then
     exit
 fi

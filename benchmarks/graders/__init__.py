@@ -16,7 +16,7 @@ VENV = ROOT / ".venv" / "graders"
 
 
 def environment(name: str) -> Path:
-    """The folder of the programs of a peer, made when it is asked for first."""
+    """The folder of the programs of a peer; the environment is created on first use."""
     home, lock = VENV / name, HERE / f"{name}.lock"
     ready = home / "ready"
     if not ready.is_file() or ready.read_text() != lock.read_text():
@@ -31,15 +31,18 @@ def environment(name: str) -> Path:
 
 
 def version(name: str) -> str:
-    """The version of a peer, as its lock file pins it."""
+    """The version of a peer that its lock file pins."""
     package = {"otter": "otter-grader"}.get(name, name)
     lines = (HERE / f"{name}.lock").read_text().splitlines()
     pinned = next(line.split()[0] for line in lines if line.startswith(f"{package}=="))
     return pinned.partition("==")[2]
 
 
-def started(name: str, *arguments: object, folder: Path) -> str:
-    """What a program of a peer prints; the notebooks find the self-checks, and one thread each."""
+def output_of(name: str, *arguments: object, folder: Path) -> str:
+    """The output of a program of a peer.
+
+    Notebooks can import the self-checks and use one thread.
+    """
     programs = environment(name)
     own = {
         "HOME": str(folder),
@@ -59,7 +62,7 @@ def started(name: str, *arguments: object, folder: Path) -> str:
 
 
 class Nbgrader:
-    """`nbgrader autograde`, one command for all."""
+    """`nbgrader autograde`, one command for all submissions."""
 
     def __init__(
         self, folder: Path, assignment: BenchmarkAssignment, files: Sequence[bytes]
@@ -70,17 +73,17 @@ class Nbgrader:
         source.write_bytes(assignment.notebook({}))
         config = "c = get_config()\nc.CourseDirectory.course_id = 'course'\n"
         (folder / "nbgrader_config.py").write_text(config + "c.ExecutePreprocessor.timeout = 120\n")
-        started("nbgrader", "nbgrader", "generate_assignment", "ps", "--create", folder=folder)
+        output_of("nbgrader", "nbgrader", "generate_assignment", "ps", "--create", folder=folder)
         for number, content in enumerate(files):
             file = folder / "submitted" / f"s{number:03}" / "ps" / "work.ipynb"
             file.parent.mkdir(parents=True)
             file.write_bytes(content)
 
     def grade(self) -> list[set[str]]:
-        """Grade, and return the questions that it found right, student by student."""
+        """Grade, and return the correct questions of each student."""
         command = ("nbgrader", "autograde", "ps", "--create", "--force")
-        started("nbgrader", *command, folder=self.folder)
-        told = started("nbgrader", "python", "-c", SCORES, folder=self.folder)
+        output_of("nbgrader", *command, folder=self.folder)
+        told = output_of("nbgrader", "python", "-c", SCORES, folder=self.folder)
         scores = json.loads(told)
         return [set(scores[f"s{number:03}"]) for number in range(len(self.files))]
 
@@ -100,7 +103,7 @@ with Gradebook("sqlite:///gradebook.db") as book:
 
 
 class Otter:
-    """`otter run`, a command for each."""
+    """`otter run`, one command per submission."""
 
     def __init__(
         self, folder: Path, assignment: BenchmarkAssignment, files: Sequence[bytes]
@@ -114,17 +117,19 @@ class Otter:
             (tests / f"q{name.replace('.', '_')}.py").write_text(text)
         for number, content in enumerate(files):
             (folder / f"s{number:03}.ipynb").write_bytes(content)
-        started("otter", "otter", "generate", "-t", "tests", "-o", "autograder.zip", folder=folder)
+        output_of(
+            "otter", "otter", "generate", "-t", "tests", "-o", "autograder.zip", folder=folder
+        )
 
     def grade(self) -> list[set[str]]:
-        """Grade, and return the questions that it found right, student by student."""
+        """Grade, and return the correct questions of each student."""
         return [self._one(f"s{number:03}") for number in range(len(self.files))]
 
     def _one(self, student: str) -> set[str]:
         out = self.folder / f"{student}-out"
         out.mkdir(exist_ok=True)
         command = ("otter", "run", "-a", "autograder.zip", "-o", out, f"{student}.ipynb")
-        started("otter", *command, folder=self.folder)
+        output_of("otter", *command, folder=self.folder)
         found = json.loads((out / "results.json").read_text())["tests"]
         return {t["name"] for t in found if t.get("max_score") and t["score"] == t["max_score"]}
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q03_radial_basis_functions import cloud
-from fieldcheck.questions.q04_rank_of_normals import directions, flow, hiding
+from fieldcheck.questions.q04_rank_of_normals import directions, flow, perpendicular_vectors
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -29,7 +29,7 @@ def in_four_dimensions(seed):
 def hidden_flows(seed):
     random = np.random.default_rng(seed + 2)
     points = cloud(random, 20, 2)
-    blind, name = hiding(points, flow(random)), "velocity_rank"
+    blind, name = perpendicular_vectors(points, flow(random)), "velocity_rank"
     return (
         Call(name, (points, blind), "twenty samples that hide a flow", exact=(0, 1)),
         Call(name, (50 + 1e3 * points, blind), "the same in millimetres", exact=(0, 1)),
@@ -40,7 +40,11 @@ def hidden_flows(seed):
 def many_samples(seed):
     random = np.random.default_rng(seed + 3)
     points = cloud(random, 40, 2)
-    return (Call("tangent_field", (points, hiding(points, flow(random))), "forty samples"),)
+    return (
+        Call(
+            "tangent_field", (points, perpendicular_vectors(points, flow(random))), "forty samples"
+        ),
+    )
 
 
 @hidden("04.5", "The directions may be any, and the normals of either sign.")

@@ -5,12 +5,12 @@ import numpy as np
 from fieldcheck.calls import Call
 from fieldcheck.questions.q07_voronoi_coordinates import (
     mirror_images,
+    octagon,
     on_edges,
-    place_for_weights,
-    places_inside,
+    point_for_weights,
+    points_inside,
     star,
 )
-from fieldcheck.questions.q07_without_division import octagon
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -29,7 +29,7 @@ def few_and_many(seed):
     calls = []
     for n in (3, 10):
         center, rim, corners = star(random, n)
-        x = place_for_weights(random, center, rim, corners)
+        x = point_for_weights(random, center, rim, corners)
         calls.append(Call("weights", (center, rim, corners, x), f"{n} neighbours"))
     return tuple(calls)
 
@@ -38,7 +38,7 @@ def few_and_many(seed):
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, rim, corners = star(random, 5)
-    x = places_inside(random, center, corners, 1)
+    x = points_inside(random, center, corners, 1)
     return (Call("coordinates", (center, rim, corners, x), "one place among five neighbours"),)
 
 

@@ -3,9 +3,8 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q07_voronoi_coordinates import mirror_images
-from fieldcheck.questions.q07_without_division import octagon
-from fieldcheck.questions.q08_weights_in_3d import places_inside, star
+from fieldcheck.questions.q07_voronoi_coordinates import mirror_images, octagon
+from fieldcheck.questions.q08_weights_in_3d import points_inside, star
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -22,7 +21,7 @@ def few_and_many(seed):
     calls = []
     for n in (3, 9):
         center, neighbors, cells, corners = star(random, n)
-        (x,) = places_inside(random, center, corners, 1)
+        (x,) = points_inside(random, center, corners, 1)
         calls.append(Call("weights", (center, neighbors, cells, corners, x), f"{n + 2} neighbours"))
     return tuple(calls)
 
@@ -31,7 +30,7 @@ def few_and_many(seed):
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, neighbors, _, corners = star(random, 5)
-    x = places_inside(random, center, corners, 1)
+    x = points_inside(random, center, corners, 1)
     return (Call("heights", (center, neighbors, x), "one place among seven neighbours"),)
 
 

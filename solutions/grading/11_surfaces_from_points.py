@@ -4,15 +4,15 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q11_point_clouds import (
-    any_sign,
     drop,
     horseshoe,
     near,
     outward,
     outward_of_drop,
+    random_signs,
     torus,
 )
-from fieldcheck.questions.q11_zero_levels import about, body, near_diagonals
+from fieldcheck.questions.q11_zero_levels import body, near_diagonals, points_about_origin
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -42,12 +42,12 @@ def three_bodies(seed):
     points = np.vstack([one, two + [5, -3], three + [-5, 2]])
     n = np.vstack([outward(one), outward_of_drop(two), outward(three)])
     order = random.permutation(len(points))
-    given = any_sign(random, n[order])
+    given = random_signs(random, n[order])
     sheet = random.uniform(-1, 1, (20, 3)) @ [[1, 0, 0], [0, 0.6, 0.8], [0, 0, 0]]
     up = np.tile([0.0, -0.8, 0.6], (20, 1))
     return (
         Call("orient", (points[order], given, near(points[order], 4)), "three bodies"),
-        Call("orient", (sheet, any_sign(random, up), near(sheet, 5)), "a sheet in space"),
+        Call("orient", (sheet, random_signs(random, up), near(sheet, 5)), "a sheet in space"),
     )
 
 
@@ -77,7 +77,9 @@ def other_dimensions(seed):
 @hidden("11.6", "It must hold in every dimension.")
 def in_four_dimensions(seed):
     random = np.random.default_rng(seed + 6)
-    return (Call("field", (about(random, 4, 4), *body(random, 4, 6)), "four dimensions"),)
+    return (
+        Call("field", (points_about_origin(random, 4, 4), *body(random, 4, 6)), "four dimensions"),
+    )
 
 
 @hidden("11.7", "It must hold in every dimension, and for no steps at all.")

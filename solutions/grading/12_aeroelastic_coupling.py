@@ -3,8 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q12_aeroelastic_coupling import grid, transfer
-from fieldcheck.questions.q12_steady_state import section, wing
+from fieldcheck.questions.q12_aeroelastic_coupling import grid, section, transfer, wing
 from fieldgrade.authoring.hidden_cases import hidden
 
 

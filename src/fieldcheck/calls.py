@@ -48,6 +48,17 @@ class Call:
     exact: tuple[int, ...] = ()
 
 
+def calls_of(function: str, *cases: tuple[tuple[Any, ...], str]) -> tuple[Call, ...]:
+    """Return the calls of one function, from the arguments and the words of each case.
+
+    Examples
+    --------
+    >>> [call.arguments for call in calls_of("area", ((2, 3), "a rectangle"), ((1, 1), "a square"))]
+    [(2, 3), (1, 1)]
+    """
+    return tuple(Call(function, arguments, case) for arguments, case in cases)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """The outcome of a call.

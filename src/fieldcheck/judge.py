@@ -11,10 +11,9 @@ import numpy as np
 
 from fieldcheck.answers import Answers
 from fieldcheck.calls import Call, Outcome, Values
-from fieldcheck.ladder import LADDER, Rung
 from fieldcheck.question import LEAST_TOLERANCE, Question, scale
 from fieldcheck.shapes import fitted, in_words, shape_in_words
-from fieldcheck.verdict import Verdict
+from fieldcheck.verdict import LADDER, Rung, Verdict
 
 TIMEOUT_FACTOR = 4.0
 """A call is stopped after this multiple of its time limit."""

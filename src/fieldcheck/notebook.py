@@ -12,12 +12,11 @@ from typing import Any
 from fieldcheck.answers import public_answers
 from fieldcheck.calls import perform
 from fieldcheck.judge import TIMEOUT_FACTOR, judge
-from fieldcheck.ladder import CREDIT
 from fieldcheck.pictures import picture_of_difference
 from fieldcheck.question import Question
 from fieldcheck.questions import get, questions
 from fieldcheck.seeds import EVERYBODY, seed, student
-from fieldcheck.verdict import Verdict
+from fieldcheck.verdict import CREDIT, Verdict
 
 RECORD = ".progress.json"
 """The file beside the notebooks that stores the verdicts."""

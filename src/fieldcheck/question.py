@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ LEAST_TOLERANCE = 1e-9
 """Smallest tolerance: known answers are stored with twelve digits."""
 
 Shape = tuple[int, ...]
+Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,28 @@ class Law:
     """
 
     sentence: str
-    deviation: Callable[[Sequence[Call], Sequence[Values]], float]
+    deviation: Deviation
     tolerance: float = LEAST_TOLERANCE
+
+
+def law(sentence: str, tolerance: float = LEAST_TOLERANCE) -> Callable[[Deviation], Law]:
+    """Declare the function below as the deviation from the law of this sentence."""
+    return lambda deviation: Law(sentence, deviation, tolerance)
+
+
+def law_of_each(
+    sentence: str, tolerance: float = LEAST_TOLERANCE
+) -> Callable[[Callable[[Call, Values], float]], Law]:
+    """Declare the function below as the deviation of one call; the largest, or NaN, counts."""
+
+    def declare(deviation: Callable[[Call, Values], float]) -> Law:
+        @wraps(deviation)
+        def largest(calls: Sequence[Call], values: Sequence[Values]) -> float:
+            return float(np.max([deviation(*each) for each in zip(calls, values, strict=True)]))
+
+        return Law(sentence, largest, tolerance)
+
+    return declare
 
 
 def unchanged(_: Call, values: Values) -> Values:

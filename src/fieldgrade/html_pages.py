@@ -17,7 +17,7 @@ from fieldreport.build.typesetting import pandoc
 TEMPLATE = Path(__file__).parent / "page.html"
 FORMULA = re.compile(r"(\$\$[^$]{1,2000}\$\$|\$(?!\s)[^$\n]{1,500}(?<!\s)\$)")
 HARD, HARD_BREAK = "\u2028", re.compile(r"\n(?=[ \t]*(?:[-*+|>#]|\d+[.)]|\n))|(?<=\n)\n")
-"""Line ends that are kept: before what looks like a list, and around empty lines."""
+"""Line breaks that are kept: before lines that look like list items, and around empty lines."""
 BREAKS = {"\n": {"t": "SoftBreak"}, HARD: {"t": "LineBreak"}}
 API = [1, 23]
 """The version of pandoc's syntax tree."""

@@ -15,48 +15,20 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fieldrecon import (
-        advection as advection,
-    )
-    from fieldrecon import (
-        barycentric as barycentric,
-    )
-    from fieldrecon import (
-        coupling as coupling,
-    )
-    from fieldrecon import (
-        datasets as datasets,
-    )
-    from fieldrecon import (
-        io as io,
-    )
-    from fieldrecon import (
-        kernels as kernels,
-    )
-    from fieldrecon import (
-        meshes as meshes,
-    )
-    from fieldrecon import (
-        methods as methods,
-    )
-    from fieldrecon import (
-        pipelines as pipelines,
-    )
-    from fieldrecon import (
-        selection as selection,
-    )
-    from fieldrecon import (
-        solids as solids,
-    )
-    from fieldrecon import (
-        surfaces as surfaces,
-    )
-    from fieldrecon import (
-        triangles as triangles,
-    )
-    from fieldrecon import (
-        velocity as velocity,
-    )
+    from fieldrecon import advection as advection
+    from fieldrecon import barycentric as barycentric
+    from fieldrecon import coupling as coupling
+    from fieldrecon import datasets as datasets
+    from fieldrecon import io as io
+    from fieldrecon import kernels as kernels
+    from fieldrecon import meshes as meshes
+    from fieldrecon import methods as methods
+    from fieldrecon import pipelines as pipelines
+    from fieldrecon import selection as selection
+    from fieldrecon import solids as solids
+    from fieldrecon import surfaces as surfaces
+    from fieldrecon import triangles as triangles
+    from fieldrecon import velocity as velocity
     from fieldrecon._public import *  # noqa: F403
 
 

@@ -1,4 +1,4 @@
-"""The point dragged about a cell: what is embedded is what the function says."""
+"""The draggable point in a cell: the embedded table agrees with the student's function."""
 
 import base64
 import json
@@ -21,8 +21,8 @@ CELLS = {"hexagon": HEXAGON, "uneven": UNEVEN, "clockwise": UNEVEN[::-1], "trian
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def in_products(corners):
-    """Weights of a convex polygon as products of distances to its walls, written without a mesh."""
+def product_weights(corners):
+    """Weights of a convex polygon as products of the distances to its edges, without a mesh."""
     a, b, c = walls(corners).T
 
     def weights(x):
@@ -36,12 +36,12 @@ def in_products(corners):
 
 
 def embedded(picture):
-    """The data that the script holds."""
+    """The data embedded in the script."""
     return json.loads(re.search(r"const d = (\{.*\});", picture.html)[1])
 
 
-def looked_up(data, place):
-    """What the script does between four nodes."""
+def interpolated(data, place):
+    """Bilinear interpolation in the embedded table, as the script does it."""
     (i, j), (u, v) = np.divmod((place - np.array(data["origin"])) / data["step"], 1)
     rows = [data["table"][int(j + b) * data["across"] + int(i + a)] for a, b in np.ndindex(2, 2)]
     shares = [abs(1 - a - u) * abs(1 - b - v) for a, b in np.ndindex(2, 2)]
@@ -53,9 +53,9 @@ def cell(request):
     return request.param
 
 
-def test_the_table_is_what_the_function_says(cell):
-    """Node by node, to half of the unit that numbers are kept in."""
-    weights = in_products(cell)
+def test_the_embedded_table_agrees_with_the_function(cell):
+    """At every node, up to half the unit in which numbers are stored."""
+    weights = product_weights(cell)
     data = lattice(weights, cell)
     used = [k for k, row in enumerate(data["table"]) if row]
     up, along = np.divmod(used, data["across"])
@@ -65,19 +65,19 @@ def test_the_table_is_what_the_function_says(cell):
     assert abs(UNIT * table - weights(nodes)).max() <= UNIT / 2 + 1e-12
 
 
-def test_between_the_nodes_the_look_up_is_close(cell):
-    """All over the cell all four nodes are there, and three digits of the weights are right."""
-    weights = in_products(cell)
+def test_interpolation_between_nodes_has_a_small_error(cell):
+    """All four nodes exist everywhere in the cell, and the weights have three correct digits."""
+    weights = product_weights(cell)
     data = embedded(dragged(weights, cell, np.zeros(len(cell)), cell.mean(axis=0)))
     x = np.random.default_rng(1).dirichlet(np.full(len(cell), 0.5), 400) @ cell
-    found = np.array([looked_up(data, place) for place in x])
+    found = np.array([interpolated(data, place) for place in x])
     assert abs(found - weights(x)).max() < 4e-3
     assert abs(found.sum(axis=1) - 1).max() < 1e-3
 
 
 def test_no_node_is_on_an_edge(cell):
-    """There a quotient has no value, or a wrong one that nobody notices."""
-    data = lattice(in_products(cell), cell)
+    """On an edge a quotient has no value, or a wrong value that nobody notices."""
+    data = lattice(product_weights(cell), cell)
     count = len(data["table"])
     up, along = np.divmod(np.arange(count), data["across"])
     nodes = np.array(data["origin"]) + data["step"] * np.stack([along, up], axis=1)
@@ -86,8 +86,8 @@ def test_no_node_is_on_an_edge(cell):
 
 
 def test_the_static_picture_shows_the_start():
-    """Bars, dots, the sum and the value at the start, without any script."""
-    weights, start = in_products(HEXAGON), (0.3, -0.2)
+    """Bars, dots, the sum and the value are drawn without a script."""
+    weights, start = product_weights(HEXAGON), (0.3, -0.2)
     values = np.arange(6.0)
     picture = dragged(weights, HEXAGON, values, start)
     (w,) = weights(np.array([start]))
@@ -105,9 +105,9 @@ def test_the_static_picture_shows_the_start():
         assert parts["mean"].get(side) == parts["point"].get(side)
 
 
-def test_what_the_script_moves_is_in_the_picture():
-    """Every name that the script asks for has an element, and nothing comes from a network."""
-    picture = dragged(in_products(UNEVEN), UNEVEN, np.ones(5), (0.5, 0.2))
+def test_every_element_used_by_the_script_is_in_the_picture():
+    """Nothing is loaded from the network."""
+    picture = dragged(product_weights(UNEVEN), UNEVEN, np.ones(5), (0.5, 0.2))
     names = {e.get("data-part") for e in ElementTree.fromstring(picture.svg).iter()}
     script = picture.html[picture.html.index("<script>") :]
     fixed = set(re.findall(r'(?:set|part)\("(\w+)"[,)]', script))
@@ -118,27 +118,28 @@ def test_what_the_script_moves_is_in_the_picture():
     assert not re.search(r"https?://(?!www\.w3\.org)|import\(|fetch\(", picture.html)
 
 
-def test_it_has_the_same_bytes_each_time():
-    """And is a mime bundle, so that every front end takes what it can show."""
-    once, again = (dragged(in_products(UNEVEN), UNEVEN, np.ones(5), (0.5, 0.2)) for _ in range(2))
+def test_the_picture_is_reproducible():
+    """The picture is a MIME bundle, so that each front end shows the format it supports."""
+    once, again = (
+        dragged(product_weights(UNEVEN), UNEVEN, np.ones(5), (0.5, 0.2)) for _ in range(2)
+    )
     assert once == again
     assert once.svg.isascii()
     assert set(once._repr_mimebundle_()) == {"text/html", "image/svg+xml", "text/plain"}
 
 
-def test_values_that_are_not_finite_leave_holes():
-    """A function that has no value at some nodes is shown where it has one."""
+def test_values_that_are_not_finite_are_left_out_of_the_table():
+    """The function is shown where it has a value."""
 
     def weights(x):
-        return np.where(x[:, :1] < 0, np.nan, in_products(HEXAGON)(x))
+        return np.where(x[:, :1] < 0, np.nan, product_weights(HEXAGON)(x))
 
     table = lattice(weights, HEXAGON)["table"]
-    full = lattice(in_products(HEXAGON), HEXAGON)["table"]
+    full = lattice(product_weights(HEXAGON), HEXAGON)["table"]
     assert 0 < sum(map(bool, table)) < sum(map(bool, full))
 
 
-def test_what_is_not_written_yet_is_waited_for(monkeypatch):
-    """A sentence stands for the picture, and nothing crashes."""
+def test_an_unwritten_function_gives_a_sentence_instead_of_a_picture(monkeypatch):
     shown = []
     monkeypatch.setattr(sys.modules[drag.__module__], "display", shown.append)
 
@@ -149,14 +150,14 @@ def test_what_is_not_written_yet_is_waited_for(monkeypatch):
         return coordinates(x)
 
     assert drag(HEXAGON, np.ones(6), (0, 0))(weights) is weights
-    drag(HEXAGON, np.ones(6), (0, 0))(in_products(HEXAGON))
+    drag(HEXAGON, np.ones(6), (0, 0))(product_weights(HEXAGON))
     assert isinstance(shown[0], figures.Sentence)
     assert repr(shown[0]) == "The picture waits for coordinates, not written yet."
     assert isinstance(shown[1], Dragged)
 
 
-def test_walls_hold_the_cell(cell):
-    """Corners lie on two walls each, the middle inside all; normals have length one."""
+def test_walls_bound_the_cell(cell):
+    """Each corner is on two walls, the mean is inside all of them, and normals are unit vectors."""
     a, b, c = walls(cell).T
     depth = c - cell @ np.stack([a, b])
     assert ((abs(depth) < 1e-12).sum(axis=1) == 2).all()
@@ -165,8 +166,7 @@ def test_walls_hold_the_cell(cell):
     assert np.allclose(a**2 + b**2, 1)
 
 
-def test_the_script_is_told_all_that_it_asks_for():
-    """Each key of its data is written, and each that is written is read."""
+def test_the_script_uses_exactly_the_embedded_keys():
     script = (Path(drag.__code__.co_filename).with_name("drag.js")).read_text(encoding="utf-8")
-    data = embedded(dragged(in_products(TRIANGLE), TRIANGLE, np.ones(3), (1.2, 0.7)))
+    data = embedded(dragged(product_weights(TRIANGLE), TRIANGLE, np.ones(3), (1.2, 0.7)))
     assert set(re.findall(r"\bd\.(\w+)", script)) == set(data)

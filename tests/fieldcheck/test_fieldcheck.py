@@ -1,4 +1,4 @@
-"""The ladder stops at the first rung that fails, and says what is wrong in words."""
+"""The ladder of checks stops at the first failed rung and reports a sentence."""
 
 import json
 import re
@@ -14,12 +14,11 @@ from fieldcheck import answers, calls, figures, notebook, seeds
 from fieldcheck.answers import Answers, Mistake
 from fieldcheck.calls import Call, Outcome, perform
 from fieldcheck.judge import judge
-from fieldcheck.ladder import LADDER, TITLES
 from fieldcheck.question import Law, Question, relative
 from fieldcheck.questions import get, questions
 from fieldcheck.seeds import seed
 from fieldcheck.shapes import fitted
-from fieldcheck.verdict import Verdict
+from fieldcheck.verdict import LADDER, TITLES, Verdict
 
 
 def inputs(seed):
@@ -45,7 +44,7 @@ CALLS = inputs(0)
 
 
 def known():
-    """The right numbers, and those of one mistake."""
+    """The right numbers, and the numbers of one misconception."""
     squares = perform({"twice": lambda x: x**2}, CALLS, 1)
     return Answers(
         tuple((2 * call.arguments[0],) for call in CALLS),
@@ -98,16 +97,16 @@ def last_wrong(x):
         (lambda x: 2 * x + 0j, "right", ""),
     ],
 )
-def test_the_ladder(function, rung, words):
-    """Each kind of answer stops at its rung, and is told so."""
+def test_each_answer_stops_at_its_rung(function, rung, words):
+    """Each rung has its own sentence and credit."""
     verdict = verdict_of(function, known())
     assert verdict.rung == rung
     assert re.search(words, verdict.sentence) if words else not verdict.sentence
     assert verdict.credit == (1.0 if rung == "right" else 0.0)
 
 
-def test_slow_and_endless_answers():
-    """A slow answer loses half, one that does not end loses all, and waiting for it has an end."""
+def test_slow_and_endless_answers_lose_points():
+    """The time spent on an endless answer is limited."""
 
     def slow(x):
         time.sleep(0.02)
@@ -130,8 +129,7 @@ def test_slow_and_endless_answers():
     assert within(0.1, endless).rung == "endless"
 
 
-def test_laws_judge_where_no_answer_is_known():
-    """Without known answers a law is what an answer is held against."""
+def test_without_known_answers_the_laws_decide():
     assert verdict_of(lambda x: 2 * x).right
     verdict = verdict_of(lambda x: 2.001 * x)
     assert verdict.rung == "wrong"
@@ -139,22 +137,22 @@ def test_laws_judge_where_no_answer_is_known():
     assert verdict_of(lambda x: x**2).rung == "wrong"
 
 
-def test_a_mistake_is_its_own_and_no_other():
-    """Numbers near a known mistake, but not its, are not taken for it."""
+def test_only_the_numbers_of_a_misconception_are_recognised():
+    """Numbers that are merely near those of a misconception are wrong."""
     assert verdict_of(lambda x: x**2 * (1 + 1e-6), known()).rung == "wrong"
     assert verdict_of(lambda x: x**2 * (1 + 1e-12), known()).mistake == "squared"
 
 
-def test_a_mistake_that_gives_zero_gives_the_rounding_errors_of_zero():
-    """They are small compared with the right numbers, which set the unit of differences."""
+def test_a_misconception_that_gives_zero_matches_rounding_errors_of_zero():
+    """The unit of differences is the size of the right numbers."""
     nothing = Mistake("nothing", "It is zero.", perform({"twice": lambda x: 1e-16 * x}, CALLS, 1))
     zero = replace(known(), mistakes=(nothing,))
     assert verdict_of(lambda x: -3e-13 * x, zero).mistake == "nothing"
     assert verdict_of(lambda x: 1e-7 * x, zero).rung == "wrong"
 
 
-def test_a_fingerprint_is_a_part_of_the_numbers():
-    """Here their sizes; an answer is right only with its signs."""
+def test_a_fingerprint_identifies_a_misconception():
+    """Here the fingerprint is the absolute values; a right answer must have the right signs too."""
     sizes = replace(TWICE, fingerprint=lambda _, values: tuple(np.abs(v) for v in values))
 
     def judged(function):
@@ -164,8 +162,8 @@ def test_a_fingerprint_is_a_part_of_the_numbers():
     assert judged(lambda x: -2 * x).rung == "wrong"
 
 
-def test_a_mistake_of_another_shape_is_recognised():
-    """A mistake may have a shape of its own, and is still told its own sentence."""
+def test_a_misconception_with_another_shape_is_recognised():
+    """The student reads the sentence of the misconception instead of the shapes."""
     columns = perform({"twice": lambda x: 3 * x[:, None]}, CALLS, 1)
     transposed = Mistake("columns", "These are columns.", columns)
     both = replace(known(), mistakes=(*known().mistakes, transposed))
@@ -173,22 +171,22 @@ def test_a_mistake_of_another_shape_is_recognised():
     assert verdict_of(lambda x: 4 * x[:, None], both).rung == "shape"
 
 
-def test_an_error_alone_is_no_fingerprint():
-    """Two functions that stop with the same kind of error need not share a mistake."""
+def test_an_exception_alone_does_not_identify_a_misconception():
+    """Two functions that raise the same error need not have the same misconception."""
     stops = Mistake("stops", "It stops.", perform({"twice": raises}, CALLS, 1))
     assert verdict_of(raises, replace(known(), mistakes=(stops,))).rung == "exception"
 
 
 def test_the_arguments_are_copies():
-    """What a call changes does not reach the next call, nor the inputs."""
+    """Changes made by one call reach neither the next call nor the inputs."""
     before = [call.arguments[0].copy() for call in CALLS]
     verdict_of(in_place)
     for call, was in zip(CALLS, before, strict=True):
         assert np.array_equal(call.arguments[0], was)
 
 
-def test_the_line_of_the_student():
-    """An error inside NumPy is told with the student's own line, not NumPy's."""
+def test_an_error_is_reported_with_the_students_own_line():
+    """The error arises inside NumPy."""
 
     def solve(x):
         return np.linalg.solve(np.zeros((2, 2)), np.ones(2)) + x
@@ -199,29 +197,29 @@ def test_the_line_of_the_student():
     assert "np.linalg.solve(np.zeros" in outcome.line
 
 
-def test_system_exit_is_an_error():
-    """A function that ends the program is told so, and the program goes on."""
+def test_system_exit_is_reported_as_an_exception():
+    """The program continues."""
     verdict = verdict_of(lambda _: sys.exit(3))
     assert verdict.rung == "exception"
     assert "SystemExit" in verdict.sentence
 
 
 @pytest.mark.filterwarnings("error")
-def test_warnings_change_nothing():
-    """A division by zero that is put right again is no fault."""
+def test_warnings_do_not_affect_the_verdict():
+    """A division by zero whose result is replaced is not an error."""
     verdict = verdict_of(lambda x: np.where(x == x, 2 * x, x / 0), known())
     assert verdict.right
 
 
-def test_what_is_packed_otherwise_is_the_same():
-    """Rows as a tuple, several arrays as one, a number in an array: the packing does not count."""
+def test_equivalent_containers_are_accepted():
+    """Rows as a tuple, several arrays as one, and a number in an array."""
     assert fitted((np.array([[1, 2], [3, 4]]),), [(2,), (2,)])[1].tolist() == [3, 4]
     assert fitted((np.array([7]),), [()])[0] == 7
     assert [v.shape for v in fitted((np.ones((3, 1)),), [(3,)])] == [(3, 1)]
 
 
-def test_known_answers_survive_the_file():
-    """Numbers, shapes, errors and values that are not finite come back from JSON."""
+def test_known_answers_are_reproduced_from_json():
+    """Numbers, shapes, errors and values that are not finite."""
     strange = (
         Outcome("returned", values=(np.array([[1 / 3, np.nan]]), np.array(np.inf))),
         Outcome("raised", error="ValueError: long story"),
@@ -236,15 +234,15 @@ def test_known_answers_survive_the_file():
     assert error.error == "ValueError"
 
 
-def test_every_rung_has_its_title():
-    """And the ladder names each rung once."""
+def test_every_rung_has_a_title():
+    """No rung occurs twice in the ladder."""
     assert set(TITLES) == set(LADDER)
     assert len(set(LADDER)) == len(LADDER)
 
 
 @pytest.mark.parametrize("name", questions())
 def test_inputs_depend_on_the_seed_alone(name):
-    """The same seed gives the same calls, another seed other numbers in the same cases."""
+    """Another seed gives other numbers in the same cases."""
     question = get(name)
     one, again, other = question.inputs(5), question.inputs(5), question.inputs(6)
     assert [c.case for c in one] == [c.case for c in other]
@@ -257,14 +255,14 @@ def test_inputs_depend_on_the_seed_alone(name):
     assert changed, "nobody has inputs of their own"
 
 
-def test_there_is_no_such_question():
-    """The message names those that there are."""
+def test_an_unknown_question_is_refused():
+    """The message lists the existing questions."""
     with pytest.raises(ValueError, match=r"in question '77.1'; there are 01.1, 01.2"):
         get("77.1")
 
 
-def test_seeds_differ_by_student_question_and_salt():
-    """And do not by the case of letters, or spaces around the name."""
+def test_seeds_depend_on_student_question_and_salt():
+    """Case and surrounding spaces of the name do not matter."""
     numbers = {
         seeds.seed(student, question, salt)
         for student in ("ada", "bob")
@@ -275,8 +273,8 @@ def test_seeds_differ_by_student_question_and_salt():
     assert seeds.seed(" Ada ", "01.1") == seeds.seed("ada", "01.1")
 
 
-def test_the_student_is_whom_the_file_names(tmp_path, monkeypatch):
-    """The file beside the notebooks decides; comments and empty lines do not count."""
+def test_the_student_is_read_from_student_txt(tmp_path, monkeypatch):
+    """Comments and empty lines in the file are skipped."""
     monkeypatch.chdir(tmp_path)
     assert seeds.student() == seeds.EVERYBODY
     (tmp_path / "student.txt").write_text("# your number\n\n  s1234 \n")
@@ -288,13 +286,13 @@ def test_the_student_is_whom_the_file_names(tmp_path, monkeypatch):
 
 @pytest.fixture
 def first_notebook(tmp_path, monkeypatch):
-    """A folder to work in, and a right answer to a question."""
+    """A right answer to one question, in a new working folder."""
     monkeypatch.chdir(tmp_path)
     return {"basis_matrix": lambda points: np.insert(points, 0, 1.0, axis=1)}
 
 
-def test_progress_remembers(first_notebook):
-    """What was checked is shown, also after the kernel was restarted; the points add up."""
+def test_progress_is_kept_after_a_restart(first_notebook):
+    """The points of checked questions add up."""
     assert fieldcheck.check("01.1", first_notebook).right
     assert fieldcheck.check("01.2", first_notebook).rung == "missing"
     shown = fieldcheck.progress()
@@ -305,8 +303,8 @@ def test_progress_remembers(first_notebook):
     assert shown.possible == sum(question.points for question in begun)
 
 
-def test_a_check_draws_the_difference(first_notebook):
-    """Where numbers differ, a picture shows yours beside the right ones; without, there is none."""
+def test_a_wrong_answer_is_drawn_beside_the_right_one(first_notebook):
+    """A right answer gets no picture."""
     wrong = {"basis_matrix": lambda points: np.insert(points, 0, 1.5, axis=1)}
     verdict = fieldcheck.check("01.1", wrong)
     assert verdict.picture.startswith("<svg")
@@ -314,22 +312,21 @@ def test_a_check_draws_the_difference(first_notebook):
     assert not fieldcheck.check("01.1", first_notebook).picture
 
 
-def test_a_damaged_record_only_forgets(tmp_path, monkeypatch):
-    """Progress starts anew where its file cannot be read."""
+def test_a_damaged_progress_file_is_ignored(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / notebook.RECORD).write_text("{")
     assert fieldcheck.progress().earned == 0
 
 
 @pytest.mark.parametrize("name", ["02.3", "2.5", 2.5])
-def test_a_name_that_is_none_is_answered_with_those_of_its_notebook(name):
-    """Questions in words have no check, and a zero is soon forgotten."""
+def test_an_unknown_question_is_refused_with_those_of_its_notebook(name):
+    """Written questions have no check, and a trailing zero is easily forgotten."""
     with pytest.raises(ValueError, match=rf"in question {name!r}; there are 02.1, .*02.9$"):
         fieldcheck.check(name)
 
 
-def test_whole_numbers_are_not_compared_with_rounding():
-    """A rank that is one too large is not "off by 1, where rounding explains 1e-09"."""
+def test_whole_numbers_are_compared_without_rounding():
+    """A wrong rank is not reported as "off by 1, where rounding explains 1e-09"."""
     question = questions()["01.4"]
     calls = question.inputs(seed("", "01.4"))
     right = answers.public_answers("01")["01.4"].right
@@ -341,22 +338,19 @@ def test_whole_numbers_are_not_compared_with_rounding():
     assert "off by 7; all values here are whole numbers" in verdict.sentence
 
 
-def test_start_over_gives_the_stub_back(capsys):
-    """Outside a notebook it is printed."""
+def test_start_over_prints_the_stub_outside_a_notebook(capsys):
     fieldcheck.start_over("01.1")
     printed = capsys.readouterr().out
     assert "def basis_matrix(points):" in printed
     assert "NotImplementedError" in printed
 
 
-def test_html_is_escaped():
-    """What an exception says cannot become part of the page."""
+def test_html_in_an_exception_is_escaped():
     shown = Verdict("01.1", "exception", "<script>alert(1)</script>")._repr_html_()
     assert "<script>" not in shown
 
 
-def test_pictures_have_the_same_bytes():
-    """A picture drawn twice is the same file."""
+def test_pictures_are_reproducible():
 
     def drawn():
         with figures.figure(3, 2) as page:
@@ -373,13 +367,12 @@ def test_pictures_have_the_same_bytes():
         (lambda: raises(1), "The picture cannot be drawn: ValueError: no such thing."),
     ],
 )
-def test_a_picture_that_cannot_be_drawn_says_why(picture, words):
-    """Nothing crashes where a function is missing or wrong."""
+def test_a_picture_that_cannot_be_drawn_is_replaced_by_the_reason(picture, words):
     assert repr(figures._drawn(picture, {})) == words
 
 
-def test_sliders_move(monkeypatch):
-    """With ipywidgets a picture is drawn again as the slider moves; the value is the slider's."""
+def test_a_moved_slider_redraws_the_picture(monkeypatch):
+    """The picture function receives the value of the slider."""
     shown, seen = [], []
     monkeypatch.setattr("IPython.display.display", shown.append)
 
@@ -398,8 +391,7 @@ def test_sliders_move(monkeypatch):
     assert "waits for unwritten" in controls[2].value
 
 
-def test_without_a_notebook_nothing_is_shown():
-    """Drawing outside of a notebook runs, and shows nothing."""
+def test_drawing_outside_a_notebook_shows_nothing():
 
     @figures.draw()
     def nothing():
@@ -410,8 +402,7 @@ def test_without_a_notebook_nothing_is_shown():
     assert callable(nothing)
 
 
-def test_performing_stops_at_what_is_not_there():
-    """One call is enough to see that there is nothing to call."""
+def test_a_missing_function_is_reported_for_every_call():
     made = perform({}, CALLS, 1)
     assert [outcome.status for outcome in made] == ["missing", "missing"]
     assert calls.as_arrays(()) is None

@@ -1,4 +1,4 @@
-"""Notebook 01 and the library are two routes to one answer."""
+"""The solutions of notebook 01 agree with the library."""
 
 import numpy as np
 import pytest
@@ -15,14 +15,14 @@ each_cloud = pytest.mark.parametrize("points", CLOUDS, ids=["1-D", "2-D", "3-D",
 
 
 @each_cloud
-def test_the_matrix_is_that_of_the_library(points):
-    """B of the notebook is the matrix of monomials of degree one."""
+def test_the_matrix_agrees_with_the_library(points):
+    """B of the notebook is the matrix of the monomials of degree at most one."""
     np.testing.assert_array_equal(NOTEBOOK["basis_matrix"](points), monomial_matrix(points, 1))
 
 
 @each_cloud
-def test_the_fit_is_that_of_the_library(points):
-    """The normal equations of the notebook, of the library, and its factorization agree."""
+def test_the_fit_agrees_with_the_library(points):
+    """The library solves the problem by normal equations and by a factorization."""
     values = np.sin(3 * points).sum(axis=1)
     c = NOTEBOOK["fit"](points, values)
     np.testing.assert_allclose(c, normal_equations(points, values), rtol=0, atol=ROUNDING)
@@ -30,8 +30,7 @@ def test_the_fit_is_that_of_the_library(points):
 
 
 @each_cloud
-def test_field_gradient_and_objective_are_those_of_the_library(points):
-    """So are value, gradient and the objective at the best fit."""
+def test_field_gradient_and_objective_agree_with_the_library(points):
     values = np.cos(2 * points).sum(axis=1)
     method = LeastSquares(points)
     field, c, x = method.field(values), method.coefficients(values), points[:3] + 0.1
@@ -43,8 +42,8 @@ def test_field_gradient_and_objective_are_those_of_the_library(points):
 
 
 @each_cloud
-def test_the_rank_decides_whether_the_library_accepts_the_points(points):
-    """Full rank is what the library asks for; points in a hyperplane have one less."""
+def test_the_library_accepts_points_of_full_rank_only(points):
+    """Points in a hyperplane have a rank of one less."""
     d = points.shape[1]
     assert NOTEBOOK["rank"](points) == d + 1
     flat = points.copy()

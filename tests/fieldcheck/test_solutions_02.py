@@ -1,4 +1,4 @@
-"""The answers to notebook 02 against the library: two ways to the same numbers."""
+"""The solutions of notebook 02 agree with the library."""
 
 from types import SimpleNamespace
 
@@ -35,46 +35,43 @@ def close(a, b, tolerance=1e-8):
     np.testing.assert_allclose(a, b, rtol=tolerance, atol=tolerance * np.abs(b).max())
 
 
-def test_the_weights_are_those_of_the_library(case):
-    """w(r) of the notebook is the radial function of the same name."""
+def test_the_weights_agree_with_the_library(case):
+    """w(r) of the notebook is the kernel `inverse_square`."""
     for x in case.x:
         r = np.linalg.norm(case.points - x, axis=1)
         close(STUDENT.weights(case.points, x, case.epsilon), inverse_square(case.epsilon)(r))
 
 
-def test_equal_weights_are_least_squares(case):
-    """With all weights one the coefficients are those of least squares."""
+def test_equal_weights_give_least_squares(case):
     c = STUDENT.weighted_fit(case.points, case.values, np.ones(25))
     close(c, LeastSquares(case.points).coefficients(case.values))
 
 
-def test_the_field_and_its_gradient(case):
-    """The notebook's formulas, around the origin, and the library's, around each place, agree."""
+def test_the_field_and_its_gradient_agree_with_the_library(case):
+    """The notebook uses the origin, the library the evaluation point as its local origin."""
     given = case.points, case.values, case.x, case.epsilon
     field = case.library.field(case.values)
     close(STUDENT.field(*given), field(case.x))
     close(STUDENT.gradient(*given), field.gradient(case.x), 1e-7)
 
 
-def test_the_least_objective(case):
-    """ψ at the coefficients of the notebook is the least value that the library finds."""
+def test_the_minimum_of_the_objective_agrees_with_the_library(case):
     for x in case.x:
         c = STUDENT.weighted_fit(
             case.points, case.values, STUDENT.weights(case.points, x, case.epsilon)
         )
-        told = STUDENT.objective(case.points, case.values, x, case.epsilon, c)
-        close(told, case.library.objective(case.values, x))
+        found = STUDENT.objective(case.points, case.values, x, case.epsilon, c)
+        close(found, case.library.objective(case.values, x))
 
 
-def test_leaving_one_out(case):
-    """Dropping each point and the closed form of the library give the same residuals."""
-    told = STUDENT.leave_one_out(case.points, case.values, case.epsilon)
-    close(told, leave_one_out(case.library, case.values), 1e-7)
+def test_leave_one_out_residuals_agree_with_the_library(case):
+    """The notebook drops each point, the library uses a closed form."""
+    found = STUDENT.leave_one_out(case.points, case.values, case.epsilon)
+    close(found, leave_one_out(case.library, case.values), 1e-7)
 
 
 @pytest.mark.parametrize("n", [2, 3, 6])
-def test_the_errors_of_both_methods(n):
-    """The comparison of the notebook, made with the library."""
+def test_the_errors_of_both_methods_agree_with_the_library(n):
     random = np.random.default_rng(n)
     points, places = random.random((100, 2)), random.random((10, 2))
     values, truth = points.sum(axis=1) ** n, places.sum(axis=1) ** n
@@ -83,8 +80,8 @@ def test_the_errors_of_both_methods(n):
     close(STUDENT.errors(points, places, n, 0.05), np.array(rms))
 
 
-def test_what_the_notebook_says_of_epsilon():
-    """The least ψ falls for all data; leaving one out finds an ε that is nearly the best."""
+def test_the_choice_of_epsilon_is_as_the_notebook_states():
+    """The minimum of ψ always decreases with ε; leave-one-out selects a nearly optimal ε."""
     random = np.random.default_rng(5)
     points, places = random.random((100, 2)), random.random((200, 2))
     values = points.sum(axis=1) ** 3 + 0.3 * random.normal(size=100)

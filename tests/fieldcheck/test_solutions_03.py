@@ -1,4 +1,4 @@
-"""Notebook 03 and the library are two routes to one answer."""
+"""The solutions of notebook 03 agree with the library."""
 
 import numpy as np
 import pytest
@@ -19,8 +19,8 @@ def random():
 
 
 @each_dimension
-def test_kernel_and_matrix_are_those_of_the_library(random, d):
-    """The kernel of a vector is that of its length; the matrix is bordered in the same order."""
+def test_kernel_and_matrix_agree_with_the_library(random, d):
+    """The notebook's kernel takes a vector; both matrices have the same order of the borders."""
     points = cloud(random, 12, d)
     y = points - points[3]
     np.testing.assert_allclose(NOTEBOOK["kernel"](y), PLATE(np.linalg.norm(y, axis=1)), atol=1e-13)
@@ -29,8 +29,8 @@ def test_kernel_and_matrix_are_those_of_the_library(random, d):
 
 
 @each_dimension
-def test_coefficients_are_those_of_the_library(random, d):
-    """The library finds them on the null space of the constraints, by Cholesky."""
+def test_coefficients_agree_with_the_library(random, d):
+    """The library solves by Cholesky on the null space of the constraints."""
     points, values = cloud(random, 15, d), random.normal(size=15)
     lam, c = NOTEBOOK["coefficients"](points, values)
     theirs, polynomial = RBF(points, PLATE).coefficients(values)
@@ -39,8 +39,8 @@ def test_coefficients_are_those_of_the_library(random, d):
 
 
 @each_dimension
-def test_field_and_gradient_are_those_of_the_library(random, d):
-    """At any place, and at the points of the data, where the logarithm has no value."""
+def test_field_and_gradient_agree_with_the_library(random, d):
+    """At arbitrary points, and at the sites, where the logarithm has no value."""
     points, values = cloud(random, 15, d), random.normal(size=15)
     x = np.concatenate([random.normal(size=(20, d)), points])
     given = points, *NOTEBOOK["coefficients"](points, values), x
@@ -50,8 +50,8 @@ def test_field_and_gradient_are_those_of_the_library(random, d):
 
 
 @each_dimension
-def test_the_signs_are_those_of_the_theorem(random, d):
-    """N positive and D + 1 negative eigenvalues, if no hyperplane holds the points."""
+def test_the_matrix_has_the_inertia_of_the_theorem(random, d):
+    """N positive and d + 1 negative eigenvalues, unless the points lie in a hyperplane."""
     points = cloud(random, 11, d)
     assert NOTEBOOK["inertia"](points) == (11, d + 1, 0)
     raised = np.column_stack([points, np.ones(11)])
@@ -59,18 +59,18 @@ def test_the_signs_are_those_of_the_theorem(random, d):
 
 
 def test_the_energy_is_the_integral_of_the_squared_second_derivatives(random):
-    """By differences of the library's gradient on a grid, and the far field by its decay."""
+    """Differences of the library's gradient on a grid, with an extrapolation of the far field."""
     points, values = cloud(random, 6, 2), random.normal(size=6)
     field, h = RBF(points, PLATE).field(values), 1e-4
 
     def integral(reach: float) -> float:
-        """Over the square |x - 1/2| < reach, by the midpoint rule."""
+        """The integral over the square |x - 1/2| < reach, by the midpoint rule."""
         cell = 2 * reach / 240
         side = 0.5 - reach + cell * (np.arange(240) + 0.5)
         x = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
         second = [field.gradient(x + e) - field.gradient(x - e) for e in h * np.eye(2)]
         return float(np.sum(np.square(second)) / (2 * h) ** 2 * cell**2)
 
-    # What lies outside falls like 1 / reach²: one step of Richardson's extrapolation.
+    # The part outside falls like 1 / reach²: one step of Richardson extrapolation.
     extrapolated = integral(6.0) + (integral(6.0) - integral(3.0)) / 3
     assert NOTEBOOK["energy"](points, values) == pytest.approx(extrapolated, rel=0.03)

@@ -1,4 +1,4 @@
-"""Notebook 04 and the library are two routes to one answer."""
+"""The solutions of notebook 04 agree with the library."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from fieldreport.experiments.velocity.normal_matrix_rank import (
     rank,
     vertices_around,
 )
-from fieldreport.experiments.velocity.rank_deficient_normals import configurations
+from fieldreport.experiments.velocity.rank_of_normals import configurations
 
 NOTEBOOK = Source(ROOT / "solutions/04_rank_of_normals.py").functions()
 
@@ -27,30 +27,30 @@ def random():
 
 
 def ring_about(center: np.ndarray, k: int, random: np.random.Generator) -> np.ndarray:
-    """Return k neighbours in order round a vertex."""
+    """Return k neighbours of a vertex in order around it."""
     angle = 2 * np.pi * (np.arange(k) + random.uniform(-0.2, 0.2, k)) / k
     return center + random.uniform(0.7, 1.3, (k, 1)) * np.stack([np.cos(angle), np.sin(angle)], 1)
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_the_matrix_is_that_of_the_library(random, d):
-    """In the plane and in space, with the columns in the same order."""
+def test_the_matrix_agrees_with_the_report(random, d):
+    """In the plane and in space, with the same order of columns."""
     points, normals = random.normal(size=(9, d)), random.normal(size=(9, d))
     mine = NOTEBOOK["velocity_matrix"](points, normals)
     np.testing.assert_allclose(mine, normal_matrix(points, normals), atol=1e-15)
 
 
 @pytest.mark.parametrize("case", configurations(12, 3), ids=lambda case: case.name)
-def test_the_rank_is_the_known_one(case):
-    """In all configurations of the report; and where they lie does not matter."""
+def test_the_rank_agrees_with_the_known_rank(case):
+    """For all configurations of the report, at any position."""
     points, normals = case.at(0.0)
     assert NOTEBOOK["velocity_rank"](points, normals) == case.rank
     assert NOTEBOOK["velocity_rank"](1e-5 * points + 3, normals) == case.rank
     assert NOTEBOOK["velocity_rank"](*case.at(0.1)) == points.shape[1] * (points.shape[1] + 1)
 
 
-def test_a_flow_is_found_from_the_normals_that_hide_it(random):
-    """Up to a factor: `tangent_field` and `crossing_normals` are inverse to each other."""
+def test_the_flow_is_recovered_from_normals_perpendicular_to_it(random):
+    """Up to a factor, `tangent_field` and `crossing_normals` are inverse to each other."""
     for _ in range(20):
         points, c = cloud(random, 12, 2), flow(random)
         normals = NOTEBOOK["crossing_normals"](points, c)
@@ -60,8 +60,8 @@ def test_a_flow_is_found_from_the_normals_that_hide_it(random):
 
 
 def test_full_rank_implies_the_obvious_conditions(random):
-    """And a rotation shows that they do not imply it."""
-    told = set()
+    """The converse is false: the normals of a rotation satisfy them."""
+    found = set()
     for _ in range(150):
         points = random.integers(0, 3, (7, 2)).astype(float)
         angle = random.integers(0, 4, 7) * np.pi / 4
@@ -69,8 +69,8 @@ def test_full_rank_implies_the_obvious_conditions(random):
         full = rank(normal_matrix(points, normals)) == 6
         obvious = NOTEBOOK["obvious"](points, normals)
         assert obvious or not full
-        told.add((full, obvious))
-    assert {(True, True), (False, False)} <= told
+        found.add((full, obvious))
+    assert {(True, True), (False, False)} <= found
     points = cloud(random, 7, 2)
     about = points - 0.5
     normals = about / np.linalg.norm(about, axis=1)[:, None]
@@ -79,8 +79,8 @@ def test_full_rank_implies_the_obvious_conditions(random):
 
 
 @pytest.mark.parametrize("k", [3, 4, 5, 6, 8])
-def test_a_star_has_the_samples_of_a_mesh(random, k):
-    """The same matrix but for the order and the signs of its rows; and the conic theorem."""
+def test_the_samples_of_a_star_are_those_of_its_mesh(random, k):
+    """The matrices agree up to order and signs of the rows; the conic theorem gives the rank."""
     center = random.normal(size=2)
     ring = ring_about(center, k, random)
     cells = [[0, 1 + i, 1 + (i + 1) % k] for i in range(k)]

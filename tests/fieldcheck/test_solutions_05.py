@@ -1,4 +1,4 @@
-"""Notebook 05 and the library are two routes to one answer."""
+"""The solutions of notebook 05 agree with the library."""
 
 import numpy as np
 import pytest
@@ -21,14 +21,14 @@ each_mesh = pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES.keys())
 
 
 def edges_with_normals(mesh):
-    """Edges, midpoints and normals of the notebook, turned as those of the library are."""
+    """Edges, midpoints and normals of the notebook, with the signs of the library's normals."""
     edges = NOTEBOOK["edges_of"](mesh.cells)
     p, n = NOTEBOOK["midpoints_and_normals"](mesh.points, edges)
     return edges, p, n * np.sign(np.sum(n * mesh.face_normals, axis=1))[:, None]
 
 
 def velocity_at(mesh, v, vertex, rings):
-    """The velocity by the notebook, from the edges in so many rings."""
+    """The velocity at a vertex by the notebook, from the edges in so many rings."""
     edges, p, n = edges_with_normals(mesh)
     near = NOTEBOOK["ring"](mesh.cells, edges, vertex, rings)
     x = mesh.points[vertex]
@@ -37,8 +37,8 @@ def velocity_at(mesh, v, vertex, rings):
 
 
 @each_mesh
-def test_edges_midpoints_and_normals_are_those_of_the_library(mesh):
-    """Faces of the library are the edges of the notebook, in the same order."""
+def test_edges_midpoints_and_normals_agree_with_the_library(mesh):
+    """The faces of the library are the edges of the notebook, in the same order."""
     edges, p, n = edges_with_normals(mesh)
     np.testing.assert_array_equal(edges, mesh.faces)
     np.testing.assert_allclose(p, mesh.points[mesh.faces].mean(axis=1), rtol=0, atol=1e-15)
@@ -46,8 +46,8 @@ def test_edges_midpoints_and_normals_are_those_of_the_library(mesh):
 
 
 @each_mesh
-def test_normal_velocities_are_those_of_the_library(mesh):
-    """Of the rotation, whose mean of ends is exact, and of a curved field alike."""
+def test_normal_velocities_agree_with_the_library(mesh):
+    """For a rotation and for a field that is not linear."""
     edges, _, n = edges_with_normals(mesh)
     for u in (NOTEBOOK["rotation"](mesh.points), taylor_green(mesh.points)):
         v = NOTEBOOK["normal_velocities"](edges, n, u)
@@ -55,8 +55,8 @@ def test_normal_velocities_are_those_of_the_library(mesh):
 
 
 @each_mesh
-def test_the_rotation_has_no_divergence_and_no_strain(mesh):
-    """Its derivative is antisymmetric with entries of one: a rigid rotation about the mean."""
+def test_the_rotation_is_a_rigid_rotation_about_the_mean(mesh):
+    """Its derivative is antisymmetric with entries ±1, so divergence and strain vanish."""
     u = NOTEBOOK["rotation"](mesh.points)
     c = np.linalg.lstsq(monomial_matrix(mesh.points, 1), u)[0]
     np.testing.assert_allclose(c[1:], [[0, 1], [-1, 0]], rtol=0, atol=1e-12)
@@ -64,8 +64,8 @@ def test_the_rotation_has_no_divergence_and_no_strain(mesh):
 
 
 @pytest.mark.parametrize("name", ["random", "jittered"])
-def test_the_velocity_is_that_of_the_library_from_as_many_rings(name):
-    """Where the ring of the notebook has rank six both fits have one solution."""
+def test_the_velocity_agrees_with_the_library_for_equal_rings(name):
+    """Where the notebook's ring has rank six, both fits have the same unique solution."""
     mesh = MESHES[name]
     v = normal_velocities(mesh, taylor_green(mesh.points))
     found = vertex_velocities(mesh, v, inverse_square(EPSILON))
@@ -79,8 +79,8 @@ def test_the_velocity_is_that_of_the_library_from_as_many_rings(name):
 
 @each_mesh
 @pytest.mark.parametrize("rings", [1, 2])
-def test_the_rank_is_that_of_the_conics_through_the_ring(mesh, rings):
-    """It is the rank of the quadratic monomials at the vertices, which know of no normals."""
+def test_the_rank_is_that_of_the_quadratic_monomials_of_the_ring(mesh, rings):
+    """The monomials are evaluated at the vertices and do not involve any normals."""
     ranks = NOTEBOOK["ranks"](mesh.points, mesh.cells, rings)
     edges = NOTEBOOK["edges_of"](mesh.cells)
     for i, x in enumerate(mesh.points):

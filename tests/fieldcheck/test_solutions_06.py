@@ -1,4 +1,4 @@
-"""Notebook 06 and the library are two routes to one answer."""
+"""The solutions of notebook 06 agree with the library."""
 
 import numpy as np
 import pytest
@@ -15,12 +15,12 @@ each_mesh = pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES.keys())
 
 
 def cells(mesh, v):
-    """Corners of each cell and the velocities out of it, side a opposite corner a."""
+    """Corners of each cell and its outward normal velocities, side a opposite corner a."""
     return zip(mesh.points[mesh.cells], mesh.cell_face_signs * v[mesh.cell_faces], strict=True)
 
 
 def data_of(mesh):
-    """Normal velocities of a curved field, and others that no field has."""
+    """Normal velocities of a field that is not linear, and random normal velocities."""
     return (
         normal_velocities(mesh, taylor_green(mesh.points)),
         np.random.default_rng(3).normal(size=len(mesh.faces)),
@@ -32,7 +32,7 @@ def affine(matrix, m):
     return lambda x: (x - m) @ np.transpose(matrix)
 
 
-def found_and_true(mesh, field):
+def computed_and_exact(mesh, field):
     """Velocities of the cells by the notebook, and the field at the circumcentres."""
     v = normal_velocities(mesh, field(mesh.points))
     found = [NOTEBOOK["cell_velocity"](q, out) for q, out in cells(mesh, v)]
@@ -41,8 +41,8 @@ def found_and_true(mesh, field):
 
 
 @each_mesh
-def test_normals_are_those_of_the_library_turned_outward(mesh):
-    """Whichever way the corners are listed."""
+def test_outward_normals_agree_with_the_library(mesh):
+    """The order of the corners does not matter."""
     normals = mesh.cell_face_signs[:, :, None] * mesh.face_normals[mesh.cell_faces]
     for q, n in zip(mesh.points[mesh.cells], normals, strict=True):
         np.testing.assert_allclose(NOTEBOOK["outward_normals"](q), n, rtol=0, atol=1e-11)
@@ -51,8 +51,8 @@ def test_normals_are_those_of_the_library_turned_outward(mesh):
 
 
 @each_mesh
-def test_velocity_and_defect_are_those_of_the_library(mesh):
-    """The library forms no matrix: it takes the Raviart–Thomas field at the symmedian point."""
+def test_velocity_and_defect_agree_with_the_library(mesh):
+    """The library evaluates the Raviart–Thomas field at the symmedian point instead."""
     for v in data_of(mesh):
         by_library = cell_velocities(mesh, v)
         for k, (q, out) in enumerate(cells(mesh, v)):
@@ -62,16 +62,16 @@ def test_velocity_and_defect_are_those_of_the_library(mesh):
 
 
 @each_mesh
-def test_circumcentres_are_those_of_the_library(mesh):
-    """Flat cells have theirs far away, so the distance counts from the cell."""
+def test_circumcentres_agree_with_the_library(mesh):
+    """The error is relative to the circumradius, since circumcentres of flat cells are far away."""
     for q, o in zip(mesh.points[mesh.cells], mesh.circumcenters, strict=True):
         radius = np.linalg.norm(o - q[0])
         assert np.linalg.norm(NOTEBOOK["circumcentre"](q) - o) < 1e-9 * max(radius, 1)
 
 
 @each_mesh
-def test_the_field_of_raviart_and_thomas_is_that_of_the_library(mesh):
-    """At the centroids, and at the corner of each cell."""
+def test_the_raviart_thomas_field_agrees_with_the_library(mesh):
+    """At the centroid and at a corner of each cell."""
     for v in data_of(mesh):
         for where in (mesh.points[mesh.cells].mean(axis=1), mesh.points[mesh.cells[:, 1]]):
             by_library = raviart_thomas(mesh, v, where)
@@ -82,17 +82,17 @@ def test_the_field_of_raviart_and_thomas_is_that_of_the_library(mesh):
 
 @each_mesh
 def test_a_rotation_is_exact_at_the_circumcentres_and_a_strain_is_not(mesh):
-    """What the first question in words proves, and what it warns of."""
+    """The first written question proves this, and warns of the strain."""
     m = mesh.points.mean(axis=0)
-    found, true = found_and_true(mesh, affine([[0, -1], [1, 0]], m))
+    found, true = computed_and_exact(mesh, affine([[0, -1], [1, 0]], m))
     np.testing.assert_allclose(found, true, rtol=0, atol=1e-8)
-    found, true = found_and_true(mesh, affine([[1, 0], [0, -1]], m))
+    found, true = computed_and_exact(mesh, affine([[1, 0], [0, -1]], m))
     assert np.linalg.norm(found - true, axis=1).mean() > 0.05
 
 
 @each_mesh
 @pytest.mark.parametrize("s", [0.0, 0.7])
-def test_the_errors_are_those_of_the_velocities_of_the_library(mesh, s):
+def test_the_errors_agree_with_the_library(mesh, s):
     """At circumcentres, centroids and vertices."""
     m = mesh.points.mean(axis=0)
     field = affine([[s, -1], [1, s]], m)
@@ -105,8 +105,8 @@ def test_the_errors_are_those_of_the_velocities_of_the_library(mesh, s):
     np.testing.assert_allclose(found, wanted, rtol=1e-8, atol=1e-8)
 
 
-def test_taking_the_ends_of_the_sides_in_turn_changes_no_velocity():
-    """The data are off by a multiple of the lengths, which least squares ignores."""
+def test_sampling_sides_at_their_ends_does_not_change_the_velocity():
+    """The change of the data is a multiple of the side lengths, which least squares ignores."""
     q = np.array([[0.1, 0.9], [-0.8, -0.5], [0.8, -0.4]])
     n = NOTEBOOK["outward_normals"](q)
     truth = NOTEBOOK["truth"](q, np.array([0.3, 0.2]), 0.6)

@@ -1,13 +1,13 @@
-"""Notebook 07 and the library are two routes to one answer."""
+"""The solutions of notebook 07 agree with the library."""
 
 import numpy as np
 import pytest
 
 from checkout import ROOT
-from fieldcheck.questions.q07_voronoi_coordinates import on_edges, places_inside, star
+from fieldcheck.questions.q07_voronoi_coordinates import on_edges, points_inside, star
 from fieldgrade.authoring.sources import Source
 from fieldrecon import SimplexMesh, VoronoiCell
-from fieldreport.experiments.barycentric.vertex_stars import Star, from_areas, hexagon, spiral
+from fieldreport.experiments.barycentric.hexagon_spiral import Star, from_areas, hexagon, spiral
 
 NOTEBOOK = Source(ROOT / "solutions/07_voronoi_coordinates.py").functions()
 ROUNDING = 1e-11
@@ -15,7 +15,7 @@ each_star = pytest.mark.parametrize(("n", "seed"), [(3, 0), (5, 1), (6, 2), (9, 
 
 
 def made(n, seed):
-    """A star, its mesh, and the library's cell with corners in the order of the notebook."""
+    """A star, its mesh, and the corners of the library's cell in the order of the notebook."""
     center, rim, corners = star(np.random.default_rng(seed), n, clockwise=seed % 2 == 1)
     triangles = [[0, 1 + a, 1 + (a + 1) % n] for a in range(n)]
     mesh = SimplexMesh(np.vstack([center, rim]), triangles)
@@ -23,8 +23,7 @@ def made(n, seed):
 
 
 @pytest.mark.parametrize(("turn", "center"), [(0.0, (0.0, 0.0)), (20.0, (3.0, -2.0))])
-def test_the_hexagon_is_a_delaunay_mesh(turn, center):
-    """Its triangles round the centre are those that Delaunay's condition chooses."""
+def test_the_hexagon_is_a_delaunay_triangulation(turn, center):
     library = hexagon(turn, center)
     rim = NOTEBOOK["hexagon"](np.array(center), 1.0, np.deg2rad(turn))
     np.testing.assert_allclose(rim, library.mesh.points[1:], rtol=0, atol=ROUNDING)
@@ -34,8 +33,8 @@ def test_the_hexagon_is_a_delaunay_mesh(turn, center):
 
 
 @each_star
-def test_circumcentres_and_areas_are_those_of_the_library(n, seed):
-    """And the circumcentres are the corners that the star was made from."""
+def test_circumcentres_and_areas_agree_with_the_library(n, seed):
+    """The circumcentres are the corners from which the star was made."""
     _, _, corners, mesh = made(n, seed)
     p = [NOTEBOOK["circumcenter"](*mesh.points[cell]) for cell in mesh.cells]
     np.testing.assert_allclose(p, mesh.circumcenters, rtol=0, atol=ROUNDING)
@@ -45,12 +44,12 @@ def test_circumcentres_and_areas_are_those_of_the_library(n, seed):
 
 
 @each_star
-def test_coordinates_are_those_of_the_library(n, seed):
-    """As quotients inside the cell, as products on its edges and corners as well."""
+def test_coordinates_agree_with_the_library(n, seed):
+    """As quotients inside the cell, and as products also on its edges and corners."""
     center, rim, corners, mesh = made(n, seed)
     cell = VoronoiCell(mesh, 0)
     order = np.argsort([int(c[0]) for c in cell.cells])
-    x = places_inside(np.random.default_rng(9), center, corners, 30)
+    x = points_inside(np.random.default_rng(9), center, corners, 30)
     wanted = cell.weights(x)[:, order]
     omega = NOTEBOOK["coordinates"](center, rim, corners, x)
     np.testing.assert_allclose(omega, wanted, rtol=0, atol=ROUNDING)
@@ -61,27 +60,26 @@ def test_coordinates_are_those_of_the_library(n, seed):
 
 
 @each_star
-def test_the_field_is_that_of_the_library(n, seed):
-    """For values at random."""
+def test_the_field_agrees_with_the_library(n, seed):
     center, rim, corners, mesh = made(n, seed)
     random = np.random.default_rng(seed)
-    values, x = random.normal(size=n), places_inside(random, center, corners, 20)
+    values, x = random.normal(size=n), points_inside(random, center, corners, 20)
     cell = VoronoiCell(mesh, 0)
     field = cell.field(values[[int(c[0]) for c in cell.cells]])
     mine = NOTEBOOK["interpolate"](center, rim, corners, values, x)
     np.testing.assert_allclose(mine, field(x), rtol=0, atol=ROUNDING)
 
 
-def test_weights_have_the_size_of_the_slides():
-    """In the middle of a regular hexagon of radius one: 2A over the square of a half."""
+def test_weights_agree_with_the_formula_of_the_slides():
+    """At the centre of a regular hexagon of radius one each weight is 2A / (1/2)²."""
     rim = NOTEBOOK["hexagon"](np.zeros(2), 1.0, 0.0)
     corners = (rim + np.roll(rim, -1, axis=0)) / 3
     w = NOTEBOOK["weights"](np.zeros(2), rim, corners, np.zeros(2))
     np.testing.assert_allclose(w, np.full(6, 2 * np.sqrt(3)), rtol=1e-12)
 
 
-def test_the_spiral_is_that_of_the_experiment_and_what_comes_back_on_it():
-    """Constants and linear fields to rounding; a square is off by R²/3 in the middle."""
+def test_fields_on_the_spiral_have_the_errors_of_the_experiment():
+    """Constants and linear fields are exact; a square has an error of R²/3 at the centre."""
     library = hexagon(20.0, (3.0, -2.0))
     center, rim = library.center, library.mesh.points[1:]
     corners = np.array([NOTEBOOK["circumcenter"](center, *rim[[a, (a + 1) % 6]]) for a in range(6)])

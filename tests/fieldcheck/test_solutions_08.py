@@ -1,13 +1,13 @@
-"""Notebook 08 and the library are two routes to one answer."""
+"""The solutions of notebook 08 agree with the library."""
 
 import numpy as np
 import pytest
 
 from checkout import ROOT
-from fieldcheck.questions.q08_weights_in_3d import places_inside, star
+from fieldcheck.questions.q08_weights_in_3d import points_inside, star
 from fieldgrade.authoring.sources import Source
 from fieldrecon import SimplexMesh, VoronoiCell
-from fieldreport.experiments.barycentric.vertex_stars import Star, icosahedron, quotients
+from fieldreport.experiments.barycentric.hexagon_spiral import Star, icosahedron, quotients
 
 NOTEBOOK = Source(ROOT / "solutions/08_weights_in_3d.py").functions()
 ROUNDING = 1e-10
@@ -22,14 +22,14 @@ def of_mesh(mesh, vertex):
 
 
 def made(n):
-    """A star of the questions as a mesh, its vertex first."""
+    """A star of the questions as a mesh whose vertex 0 is the centre."""
     center, neighbors, cells, corners = star(np.random.default_rng(n), n)
     whole = np.column_stack([np.zeros(len(cells), int), cells + 1])
     return SimplexMesh(np.vstack([center, neighbors]), whole), 0, corners
 
 
 def stars():
-    """Stars made from their cells, the icosahedron, and one in a mesh of points at random."""
+    """Stars made from their cells, the icosahedron, and a star in a random mesh."""
     for n in (3, 4, 6):
         yield made(n)[:2]
     yield icosahedron()
@@ -43,8 +43,8 @@ def case(request):
     return mesh, vertex, of_mesh(mesh, vertex), mesh.circumcenters[mesh.vertex_cells(vertex)]
 
 
-def test_circumcentres_and_volumes_are_those_of_the_library(case):
-    """And so is six times the volume over the lengths the volume of the normals."""
+def test_circumcentres_and_volumes_agree_with_the_library(case):
+    """Six times the volume divided by the edge lengths is the volume of the normals."""
     mesh, vertex, (center, neighbors, cells), corners = case
     sizes = mesh.cell_measures[mesh.vertex_cells(vertex)]
     for cell, corner, size in zip(cells, corners, sizes, strict=True):
@@ -57,17 +57,17 @@ def test_circumcentres_and_volumes_are_those_of_the_library(case):
         assert normals == pytest.approx(6 * size / lengths, rel=1e-9)
 
 
-def test_the_stars_of_the_questions_have_the_corners_they_were_made_from():
-    """So the checks know the circumcentres without computing any."""
+def test_the_stars_of_the_questions_have_the_given_circumcentres():
+    """The checks therefore know the circumcentres without computing them."""
     for n in (3, 4, 6):
         mesh, _, corners = made(n)
         np.testing.assert_allclose(mesh.circumcenters, corners, rtol=0, atol=ROUNDING)
 
 
-def test_coordinates_are_those_of_the_library(case):
-    """As quotients and as products, on corners too; linear fields come back."""
+def test_coordinates_agree_with_the_library(case):
+    """As quotients and as products, also at corners; linear fields are reproduced."""
     mesh, vertex, (center, neighbors, cells), corners = case
-    x = places_inside(np.random.default_rng(3), center, corners, 15)
+    x = points_inside(np.random.default_rng(3), center, corners, 15)
     w = np.array([NOTEBOOK["weights"](center, neighbors, cells, corners, place) for place in x])
     assert w.min() > 0
     omega = NOTEBOOK["coordinates"](center, neighbors, cells, x)
@@ -81,8 +81,8 @@ def test_coordinates_are_those_of_the_library(case):
     np.testing.assert_allclose(mine, cell.weights(border), rtol=0, atol=1e-7)
 
 
-def test_heights_are_the_factors_below_from_every_corner(case):
-    """(x_b − x_i)ᵀ(p_a − x) = h_b(x) for every corner a of the face b, and every x."""
+def test_heights_are_equal_from_every_corner_of_a_face(case):
+    """(x_b − x_i)ᵀ(p_a − x) = h_b(x) for every corner a of face b and every x."""
     _, _, (center, neighbors, cells), corners = case
     x = center + np.random.default_rng(4).normal(size=(5, 3))
     h = NOTEBOOK["heights"](center, neighbors, x)

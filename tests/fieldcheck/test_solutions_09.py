@@ -1,4 +1,4 @@
-"""Notebook 09 and the library are two routes to one answer."""
+"""The solutions of notebook 09 agree with the library."""
 
 import numpy as np
 import pytest
@@ -20,22 +20,22 @@ def random():
     return np.random.default_rng(909)
 
 
-def form(points, k, degree):
-    """The least eigenvalue of the form of a kernel on the side conditions of a degree."""
+def least_eigenvalue(points, k, degree):
+    """The least eigenvalue of the kernel's quadratic form under the side conditions of a degree."""
     a = NOTEBOOK["kernel"](NOTEBOOK["distances"](points, points), k)
     return NOTEBOOK["least_eigenvalue"](a, NOTEBOOK["monomials"](points, degree))
 
 
 @each_power
-def test_the_kernels_are_those_of_the_library(random, k):
+def test_the_kernels_agree_with_the_library(random, k):
     """With the same signs, and zero at zero."""
     r = np.append(random.uniform(0, 3, 20), 0.0)
     np.testing.assert_allclose(NOTEBOOK["kernel"](r, k), polyharmonic(k)(r), rtol=1e-13, atol=1e-13)
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2, 3, 4])
-def test_the_monomials_are_those_of_the_library(random, degree):
-    """The same columns, in whichever order."""
+def test_the_monomials_agree_with_the_library(random, degree):
+    """The order of the columns does not matter."""
     points = random.normal(size=(9, 2))
     theirs = monomials(points, degree).T
     mine = NOTEBOOK["monomials"](points, degree).T
@@ -43,18 +43,18 @@ def test_the_monomials_are_those_of_the_library(random, degree):
 
 
 @each_power
-def test_the_order_is_sharp(random, k):
-    """Positive with the degree that the library asks for, not with one less: two sides of (9.7)."""
+def test_the_order_of_conditional_positive_definiteness_is_sharp(random, k):
+    """The form is positive with the required degree and not with one less, see (9.7)."""
     points = 3 * cloud(random, 25, 2)
     needed = polyharmonic(k).order - 1
     assert needed == k // 2
-    assert form(points, k, needed) > 0
-    assert form(points, k, needed + 1) > 0
-    assert form(points, k, needed - 1) < -1
+    assert least_eigenvalue(points, k, needed) > 0
+    assert least_eigenvalue(points, k, needed + 1) > 0
+    assert least_eigenvalue(points, k, needed - 1) < -1
 
 
 @each_power
-def test_the_field_is_that_of_the_library(random, k):
+def test_the_field_agrees_with_the_library(random, k):
     """With the least degree and one more."""
     points, values, x = cloud(random, 18, 2), random.normal(size=18), random.uniform(-1, 2, (30, 2))
     for degree in (k // 2, k // 2 + 1):
@@ -63,8 +63,8 @@ def test_the_field_is_that_of_the_library(random, k):
         np.testing.assert_allclose(mine, theirs, atol=1e-8 * np.abs(theirs).max())
 
 
-def test_cubes_with_a_constant_alone_fail_for_a_triangle():
-    """The model answer's example: the determinant changes its sign at the sides 1, 1, 2^(2/3)."""
+def test_the_cubic_kernel_with_constants_is_singular_for_a_triangle():
+    """Model answer: the determinant changes its sign at the side lengths 1, 1, 2^(2/3)."""
 
     def determinant(base):
         sides = np.array([[0, 1, 1], [1, 0, base], [1, base, 0]])
@@ -76,8 +76,8 @@ def test_cubes_with_a_constant_alone_fail_for_a_triangle():
     assert determinant(singular - 0.1) * determinant(singular + 0.1) < -1e-3
 
 
-def test_the_library_refuses_where_polynomials_vanish(random):
-    """Where the count is not zero, and only there."""
+def test_the_library_refuses_points_on_which_a_polynomial_vanishes(random):
+    """It accepts all other points."""
     turn = np.linalg.qr(random.normal(size=(2, 2)))[0]
     angle = np.linspace(0, 6, 9)
     circle = np.stack([np.cos(angle), 0.5 * np.sin(angle)], axis=1) @ turn
@@ -94,15 +94,15 @@ def test_the_library_refuses_where_polynomials_vanish(random):
 
 @pytest.mark.parametrize("d", [1, 2, 3, 4, 5])
 @pytest.mark.parametrize("s", [0, 1])
-def test_the_compact_functions_are_those_of_the_library(random, d, s):
-    """Of the table in the book, which the library continues to all dimensions."""
+def test_the_wendland_functions_agree_with_the_library(random, d, s):
+    """The book has a table of them, and the library continues it to all dimensions."""
     r = random.uniform(0, 1.5, 30)
     np.testing.assert_allclose(NOTEBOOK["wendland"](r, d, s), wendland(d, s)(r), atol=1e-14)
 
 
-def test_a_function_for_the_line_fails_in_the_plane():
-    """What the text says of ψ₁₁: on 48² lattice points a checkerboard under a smooth hood has a
-    negative form, and the function for three variables has none.
+def test_a_wendland_function_for_dimension_one_fails_in_the_plane():
+    """Statement of the text on ψ₁₁: a smoothly damped checkerboard on 48² lattice points has a
+    negative quadratic form; with the function for three variables the form is positive.
     """
     n, step = 48, 0.28
     hood = np.sin(np.pi * np.arange(1, n + 1) / (n + 1)) * (-1.0) ** np.arange(n)
@@ -115,8 +115,8 @@ def test_a_function_for_the_line_fails_in_the_plane():
     assert waves @ NOTEBOOK["wendland"](r, 3, 1) @ waves > 0
 
 
-def test_the_time_is_where_the_determinant_changes_its_sign(random):
-    """Just before and just after it the triangle is turned differently."""
+def test_the_exchange_time_is_where_the_orientation_changes(random):
+    """The orientation of the triangle just before differs from the one just after."""
     for _ in range(20):
         points = random.normal(size=(3, 2))
         t = NOTEBOOK["exchange_time"](points)
@@ -130,8 +130,8 @@ def test_the_time_is_where_the_determinant_changes_its_sign(random):
         assert 0 <= t <= 1
 
 
-def test_values_and_slopes_make_the_piecewise_cubic(random):
-    """The field of (9.12) is SciPy's between the points, and the library's everywhere."""
+def test_values_and_slopes_give_the_piecewise_cubic(random):
+    """The field of (9.12) agrees with SciPy between the points, and with the library everywhere."""
     x = np.sort(cloud(random, 6, 1)[:, 0])
     v, g = random.normal(size=(2, 6))
     found = np.linalg.solve(NOTEBOOK["slope_matrix"](x), np.concatenate([v, g, [0, 0]]))

@@ -1,4 +1,4 @@
-"""Notebook 10 and the library are two routes to one answer."""
+"""The solutions of notebook 10 agree with the library."""
 
 import numpy as np
 import pytest
@@ -21,8 +21,8 @@ def random():
 
 
 @each_number
-def test_the_factors_of_distances_are_those_of_the_library(random, n):
-    """By the tridiagonal system and its jumps, and by the general kernel method."""
+def test_the_coefficients_of_cubed_distances_agree_with_the_library(random, n):
+    """The library has two routes: the tridiagonal system, and the general RBF method."""
     sites, values = line(random, n), random.normal(size=n)
     a, b = NOTEBOOK["radial_spline"](sites, values)
     method = NaturalCubicSpline(sites)
@@ -35,8 +35,8 @@ def test_the_factors_of_distances_are_those_of_the_library(random, n):
 
 
 @each_number
-def test_the_conversion_is_that_of_the_library(random, n):
-    """Truncated powers become distances, and the round trip ends at the direct solution."""
+def test_the_conversion_to_cubed_distances_agrees_with_the_library(random, n):
+    """Truncated powers are converted, and the route by moments gives the direct solution."""
     sites, values = line(random, n), random.normal(size=n)
     alpha, beta = NaturalCubicSpline(sites).truncated_powers(values)
     mine = NOTEBOOK["from_truncated"](sites, alpha, beta)
@@ -47,8 +47,8 @@ def test_the_conversion_is_that_of_the_library(random, n):
 
 
 @each_number
-def test_the_pieces_are_the_spline_of_the_library(random, n):
-    """Inside, outside, and at the sites; the moments are SciPy's second derivatives."""
+def test_the_piecewise_spline_agrees_with_the_library(random, n):
+    """Inside, outside, and at the sites; SciPy's second derivatives agree with the moments."""
     sites, values = line(random, n), random.normal(size=n)
     bends = NOTEBOOK["moments"](sites, values)
     x = np.append(random.uniform(sites[0] - 3, sites[-1] + 3, 50), sites)
@@ -59,8 +59,8 @@ def test_the_pieces_are_the_spline_of_the_library(random, n):
         np.testing.assert_allclose(bends, theirs, atol=1e-11 * np.abs(theirs).max())
 
 
-def test_the_spline_is_straight_outside_and_the_program_of_others_is_not(random):
-    """What the text says of programs that only make s'' vanish at the ends."""
+def test_the_spline_is_linear_outside_and_scipys_is_not(random):
+    """The text warns of programs that only require s'' = 0 at the ends."""
     sites, values = line(random, 7), random.normal(size=7)
     bends = NOTEBOOK["moments"](sites, values)
     x = sites[-1] + np.arange(1.0, 5.0)
@@ -71,8 +71,8 @@ def test_the_spline_is_straight_outside_and_the_program_of_others_is_not(random)
 
 
 @each_number
-def test_the_energy_is_that_of_the_library_and_the_least(random, n):
-    """Three routes to one number; a curve with a wave more has the energy of the wave more."""
+def test_the_energy_agrees_with_the_library_and_is_minimal(random, n):
+    """Three routes agree; the energy of another interpolant is larger by that of the difference."""
     sites, values = line(random, n), random.normal(size=n)
     mine = NOTEBOOK["energy"](sites, NOTEBOOK["moments"](sites, values))
     a, _ = NOTEBOOK["radial_spline"](sites, values)
@@ -87,8 +87,8 @@ def test_the_energy_is_that_of_the_library_and_the_least(random, n):
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2, 3, 4])
-def test_the_b_splines_are_those_of_the_library(random, degree):
-    """By its recursion, and by divided differences of truncated powers; a knot is double."""
+def test_the_b_splines_agree_with_the_library(random, degree):
+    """By recursion, and by divided differences of truncated powers; one knot is double."""
     knots = line(random, 12)
     knots[5] = knots[6]
     x = np.append(random.uniform(knots[0] - 1, knots[-1] + 1, 60), knots)
@@ -98,8 +98,8 @@ def test_the_b_splines_are_those_of_the_library(random, degree):
     np.testing.assert_allclose(mine, theirs, atol=1e-8)
 
 
-def test_influence_decays_by_the_root_of_a_recurrence():
-    """On equal steps by 2 - √3 from one interval to the next."""
+def test_the_influence_of_a_value_decays_by_two_minus_root_three():
+    """The factor per interval of equal length is −(2 − √3), a root of the recurrence."""
     sites = np.arange(41.0)
     one = (sites == 20).astype(float)
     at = NOTEBOOK["piecewise"](sites, one, NOTEBOOK["moments"](sites, one), 24.5 + np.arange(4))

@@ -1,4 +1,4 @@
-"""Notebook 11 and the library are two routes to one answer."""
+"""The solutions of notebook 11 agree with the library."""
 
 from itertools import pairwise
 
@@ -10,14 +10,14 @@ from scipy.spatial import cKDTree
 from checkout import ROOT
 from fieldcheck.questions.q11_point_clouds import (
     OUTWARD,
-    any_sign,
     horseshoe,
     orient_inputs,
     outward,
     oval,
+    random_signs,
     torus,
 )
-from fieldcheck.questions.q11_zero_levels import about, body
+from fieldcheck.questions.q11_zero_levels import body, points_about_origin
 from fieldgrade.authoring.sources import Source
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, values_at
@@ -35,8 +35,8 @@ def random():
 
 
 @pytest.fixture
-def body_of_points(random):
-    """Points of a torus, their outward normals, and the coefficients that the notebook finds."""
+def torus_surface(random):
+    """Points of a torus, their outward normals, and the notebook's coefficients."""
     points = torus(random, 9, 20)
     n = outward(points)
     sites, values = NOTEBOOK["augmented"](points, n, NOTEBOOK["off_surface"](points, n, 0.2))
@@ -48,8 +48,8 @@ def sphere(random, n):
     return x / np.linalg.norm(x, axis=1)[:, None]
 
 
-def test_normals_are_those_of_the_library(random):
-    """Up to the sign, and the planarity; near the origin and far from it."""
+def test_normals_and_planarity_agree_with_the_library(random):
+    """Up to the signs of the normals; near the origin and far from it."""
     for points in (torus(random, 8, 14), 1e5 + sphere(random, 80), random.normal(size=(30, 3))):
         n, planarity = NOTEBOOK["normals"](points, 9)
         theirs = estimate_normals(points, neighbors=9)
@@ -57,8 +57,8 @@ def test_normals_are_those_of_the_library(random):
         np.testing.assert_allclose(planarity, theirs.planarity, atol=1e-6)
 
 
-def test_links_are_those_of_a_tree_of_points(random):
-    """The nearest by another search, either way."""
+def test_neighbours_agree_with_a_kd_tree(random):
+    """The neighbour graph is symmetrised."""
     points = random.normal(size=(60, 3))
     nearest = cKDTree(points).query(points, 6)[1][:, 1:]
     graph = np.zeros((60, 60))
@@ -66,37 +66,37 @@ def test_links_are_those_of_a_tree_of_points(random):
     np.testing.assert_array_equal(NOTEBOOK["linked"](points, 6), np.maximum(graph, graph.T))
 
 
-def test_signs_are_those_of_the_library_on_bodies(random):
-    """Outward on a sphere and on a torus, by another rule for the outside."""
+def test_orientations_agree_with_the_library(random):
+    """Outward on a sphere and on a torus; the library uses another rule for the outside."""
     for points in (sphere(random, 150), torus(random, 9, 18)):
         estimate = estimate_normals(points, neighbors=9)
-        given = any_sign(random, estimate.vectors)
+        given = random_signs(random, estimate.vectors)
         mine = NOTEBOOK["orient"](points, given, NOTEBOOK["linked"](points, 9))
         np.testing.assert_array_equal(mine, orient_normals(points, given, estimate.neighbors))
 
 
-def test_signs_go_along_the_minimum_spanning_tree(random):
-    """Every link of the tree that SciPy finds joins normals that agree."""
+def test_orientation_follows_the_minimum_spanning_tree(random):
+    """Normals joined by an edge of SciPy's minimum spanning tree agree."""
     points = torus(random, 9, 18)
-    given = any_sign(random, outward(points))
+    given = random_signs(random, outward(points))
     graph = NOTEBOOK["linked"](points, 7)
     n = NOTEBOOK["orient"](points, given, graph)
-    # a cost of zero would be no link to SciPy
+    # SciPy treats a cost of zero as a missing edge
     i, j = minimum_spanning_tree(graph * (2 - np.abs(given @ given.T))).nonzero()
     assert len(i) == len(points) - 1
     assert ((n[i] * n[j]).sum(axis=1) > 0).all()
 
 
-def test_every_student_gets_clouds_that_can_be_oriented():
-    """The tree leads to the outward normals whatever the seed, as the law of 11.3 promises."""
+def test_the_point_clouds_of_every_student_can_be_oriented():
+    """For every seed the tree gives the outward normals, as the law of 11.3 requires."""
     for seed in range(30):
         for call in orient_inputs(seed):
             n = NOTEBOOK["orient"](*call.arguments)
             assert ((n * OUTWARD[call.case](call.arguments[0])).sum(axis=1) > 0).all()
 
 
-def test_points_beside_pass_the_test_of_carr(random):
-    """Each is nearest to its own site, by another search, and twice as far would not be."""
+def test_off_surface_points_are_nearest_to_their_own_sites(random):
+    """The criterion of Carr et al., by another search; at twice the distance it fails."""
     points = horseshoe(random, 60)
     lengths = NOTEBOOK["off_surface"](points, outward(points), 1.0)
     tree, own = cKDTree(points), np.arange(60)
@@ -107,9 +107,9 @@ def test_points_beside_pass_the_test_of_carr(random):
     assert lengths.min() < 0.5 < lengths.max()
 
 
-def test_the_function_is_the_interpolant_of_the_library(random, body_of_points):
-    """The same values and gradients from the kernel r³ with a linear function."""
-    _, _, sites, values, lam, c = body_of_points
+def test_the_implicit_function_agrees_with_the_library(random, torus_surface):
+    """Values and gradients of the interpolant with the kernel r³ and a linear polynomial."""
+    _, _, sites, values, lam, c = torus_surface
     s = RBF(sites, polyharmonic(3), degree=1).field(values)
     x = random.uniform(-1.3, 1.3, (80, 3))
     f, gradient = NOTEBOOK["field"](x, sites, lam, c)
@@ -117,20 +117,20 @@ def test_the_function_is_the_interpolant_of_the_library(random, body_of_points):
     np.testing.assert_allclose(gradient, s.gradient(x), atol=1e-6)
 
 
-def test_gradients_on_the_level_are_the_normals(random, body_of_points):
-    """Newton leads onto the level, the level is near the torus, and its slope points outward."""
-    points, n, sites, _, lam, c = body_of_points
+def test_gradients_on_the_zero_level_are_the_normals(random, torus_surface):
+    """Newton's method reaches the zero level, and the gradients there point outward."""
+    points, n, sites, _, lam, c = torus_surface
     start = points + random.uniform(-0.1, 0.1, (len(points), 1)) * n
     x = NOTEBOOK["to_surface"](start, sites, lam, c, 5)
     f, gradient = NOTEBOOK["field"](x, sites, lam, c)
     terms = np.linalg.norm(x[:, None] - sites, axis=2) ** 3 @ np.abs(lam)
-    assert (np.abs(f) < 1e-14 * terms).all()  # what rounding leaves of their sum
+    assert (np.abs(f) < 1e-14 * terms).all()  # the rounding error of the sum
     normal = -gradient / np.linalg.norm(gradient, axis=1)[:, None]
     assert ((normal * outward(x)).sum(axis=1) > 0.95).all()
 
 
-def test_normals_as_data_lead_to_nearly_the_same_curve(random):
-    """Without points beside: values and derivatives by the library, as the notebook proposes."""
+def test_hermite_data_give_nearly_the_same_curve(random):
+    """The library interpolates values and normal derivatives without off-surface points."""
     points = oval(random, 40)
     n = points / [1.44, 0.64]
     n /= np.linalg.norm(n, axis=1)[:, None]
@@ -143,9 +143,9 @@ def test_normals_as_data_lead_to_nearly_the_same_curve(random):
 
 
 def test_newton_converges_quadratically(random):
-    """What is left after a step is about the square of what was before."""
+    """The residual after a step is at most a multiple of the square of the residual before."""
     for d in (2, 3):
-        x, coefficients = about(random, 20, d), body(random, d, 5)
+        x, coefficients = points_about_origin(random, 20, d), body(random, d, 5)
         left = [
             np.abs(NOTEBOOK["field"](NOTEBOOK["to_surface"](x, *coefficients, k), *coefficients)[0])
             for k in range(4)
@@ -154,8 +154,8 @@ def test_newton_converges_quadratically(random):
             assert (after <= 2 * before**2 + 1e-14).all()
 
 
-def test_pieces_close_to_a_circle_round_the_positive_part():
-    """Each piece begins where another ends, and together they run to the left round the body."""
+def test_the_pieces_of_the_zero_level_close_to_a_circle():
+    """Each piece begins where another ends, counter-clockwise about the positive part."""
     side = np.linspace(-1.5, 1.5, 32)
     x, y = np.meshgrid(side, side)
     f = 1 - np.hypot(x, y)

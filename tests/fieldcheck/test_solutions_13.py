@@ -1,4 +1,4 @@
-"""Notebook 13 and the library are two routes to one answer."""
+"""The solutions of notebook 13 agree with the library."""
 
 import numpy as np
 import pytest
@@ -18,13 +18,13 @@ NOTEBOOK = SOURCE.functions()
 ROUNDING = 1e-9
 
 
-def ruler(points):
-    """The method of the notebook: cubes of distances, linear polynomials."""
+def cubic_rbf(points):
+    """The method of the notebook: kernel r³ with linear polynomials."""
     return RBF(points, polyharmonic(3), degree=1)
 
 
-def drawn(name):
-    """A function of a cell that draws, which may call those of the cells before."""
+def drawing_function(name):
+    """A function of a drawing cell, which may call functions of earlier cells."""
     namespace = dict(NOTEBOOK)
     for cell in SOURCE.cells:
         if "@draw" in cell.text and cell.kind == "code" and not cell.is_setup:
@@ -34,8 +34,8 @@ def drawn(name):
 
 @pytest.mark.parametrize("scheme", ["euler", "midpoint", "rk4"])
 @pytest.mark.parametrize("flow", [0, 1, 2])
-def test_feet_are_those_of_the_library(scheme, flow):
-    """In flows that turn, that get faster, and that stretch; forward as well."""
+def test_departure_points_agree_with_the_library(scheme, flow):
+    """In flows with rotation, acceleration and strain, also forward in time."""
     x = 0.9 * in_square(np.random.default_rng(1), 4)
     for dt in (0.15, -0.1):
         wanted = departure_points(
@@ -44,15 +44,15 @@ def test_feet_are_those_of_the_library(scheme, flow):
         np.testing.assert_allclose(NOTEBOOK[scheme](x, 0.4, dt, flow), wanted, atol=ROUNDING)
 
 
-def test_the_flows_are_what_the_text_says():
-    """One turn in the time one, the closed form of the vortex, and a flow that comes back."""
+def test_the_flows_have_the_properties_stated_in_the_text():
+    """One revolution per unit of time, the closed form of the vortex, and a reversing flow."""
     x = in_disc(np.random.default_rng(2), 20)
     for flow, steps in ((0, 300), (2, 300)):
         y = 0.7 * x
         for n in range(steps):
             y = NOTEBOOK["rk4"](y, 1 - n / steps, 1 / steps, flow)
         np.testing.assert_allclose(y, 0.7 * x, atol=1e-7)
-    exact = drawn("exact_feet")(x, 0.6, 0.05)
+    exact = drawing_function("exact_feet")(x, 0.6, 0.05)
     np.testing.assert_allclose(NOTEBOOK["rk4"](x, 0.6, 0.05, 1), exact, atol=1e-4)
     edge = np.array([[1.0, 0.3], [-0.2, -1.0]])
     leaving = NOTEBOOK["velocity"](edge, 0.0, 2)[[0, 1], [0, 1]]
@@ -60,31 +60,31 @@ def test_the_flows_are_what_the_text_says():
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_a_row_holds_the_weights_of_the_nearest_sites(d):
-    """Those of the library on these sites alone, and zeros."""
+def test_a_row_contains_the_weights_of_the_nearest_sites(d):
+    """The library's weights for these sites alone; all other entries are zero."""
     random = np.random.default_rng(d)
     sites, feet = random.random((30, d)), random.random((6, d))
     h = NOTEBOOK["step_matrix"](sites, feet, 9)
     for row, y in zip(h, feet, strict=True):
         _, near = cKDTree(sites).query(y, 9)
         wanted = np.zeros(30)
-        wanted[near] = ruler(sites[near]).weights(y)
+        wanted[near] = cubic_rbf(sites[near]).weights(y)
         np.testing.assert_allclose(row, wanted, atol=1e-7)
 
 
-def test_many_steps_are_those_of_the_library_where_all_sites_count():
-    """With a velocity that depends on time."""
+def test_many_steps_agree_with_the_library_when_all_sites_are_used():
+    """The velocity depends on time."""
     sites = in_disc(np.random.default_rng(4), 40)
     u = np.cos(3 * sites[:, 0]) + sites[:, 1]
     states = semi_lagrangian(
-        ruler(sites), u, lambda y, t: NOTEBOOK["velocity"](y, t, 1), np.linspace(0, 0.2, 5)
+        cubic_rbf(sites), u, lambda y, t: NOTEBOOK["velocity"](y, t, 1), np.linspace(0, 0.2, 5)
     )
     found = NOTEBOOK["advect"](sites, u, 0.05, 4, 1, 40)
     np.testing.assert_allclose(found, [s.values for s in states], atol=1e-8)
 
 
-def test_bounds_are_those_of_four_neighbours_by_a_tree():
-    """The library asks a tree, the notebook sorts distances."""
+def test_bounds_agree_with_a_kd_tree_search():
+    """The bounds are the extremes of the four nearest values."""
     random = np.random.default_rng(5)
     sites, u, feet = random.random((50, 2)), random.normal(size=50), random.random((20, 2))
     around = u[cKDTree(sites).query(feet, 4)[1]]
@@ -93,8 +93,8 @@ def test_bounds_are_those_of_four_neighbours_by_a_tree():
     np.testing.assert_array_equal(high, around.max(axis=1))
 
 
-def test_mass_is_kept_as_in_the_library_and_the_change_is_the_least():
-    """Any other field with these bounds and this mass is farther away."""
+def test_the_mass_correction_agrees_with_the_library_and_is_minimal():
+    """Every other field with these bounds and this mass is farther from the given field."""
     random = np.random.default_rng(6)
     u, m = random.normal(size=30), random.uniform(0.5, 2, 30)
     low, high = u - random.uniform(0.1, 1, 30), u + random.uniform(0.1, 1, 30)
@@ -108,21 +108,21 @@ def test_mass_is_kept_as_in_the_library_and_the_change_is_the_least():
         assert m @ (v - u) ** 2 <= m @ (other - u) ** 2
 
 
-def test_feet_of_burgers_are_roots():
-    """y + Δt s(y) = x, by bisection; before the wave breaks there is one."""
+def test_departure_points_of_burgers_equation_are_roots():
+    """The equation y + Δt s(y) = x has one root before the wave breaks; SciPy finds it."""
     x = np.linspace(-1, 1, 30)[:, None]
     u = 0.3 + np.sin(3 * x[:, 0]) / 3
-    field = ruler(x).field(u)
+    field = cubic_rbf(x).field(u)
     found = NOTEBOOK["burgers_feet"](x, u, 0.6, 60, 30)
     for place, foot in zip(x[5:-5, 0], found[5:-5, 0], strict=True):
         root = brentq(lambda y, p=place: y + 0.6 * float(field([y])) - p, -3, 3, xtol=1e-14)
         assert foot == pytest.approx(root, abs=1e-8)
 
 
-def test_what_the_text_says_of_the_number_of_steps_is_so():
-    """Runge and Kutta: the error falls, and rises again; Euler: it falls throughout."""
-    sites = drawn("scattered_in_disc")(250)
-    u = drawn("hill")(sites)
+def test_the_error_depends_on_the_number_of_steps_as_stated():
+    """With Runge–Kutta the error falls and rises again; with Euler it falls throughout."""
+    sites = drawing_function("scattered_in_disc")(250)
+    u = drawing_function("hill")(sites)
 
     def error(scheme, steps):
         h = NOTEBOOK["step_matrix"](sites, NOTEBOOK[scheme](sites, 0, 1 / steps, 0), 21)
@@ -135,14 +135,14 @@ def test_what_the_text_says_of_the_number_of_steps_is_so():
     assert errors == sorted(errors, reverse=True)
 
 
-def test_what_the_text_says_of_bounds_and_mass_is_so():
-    """Unbounded values leave the range, the mass wanders; both are kept, and the hill is cut."""
-    sites = drawn("scattered_in_disc")(300)
-    u = drawn("slotted")(sites)
+def test_bounds_and_mass_behave_as_stated():
+    """Without limits values leave the range and the mass drifts; with limits the maximum drops."""
+    sites = drawing_function("scattered_in_disc")(300)
+    u = drawing_function("slotted")(sites)
     feet = NOTEBOOK["rk4"](sites, 0, 1 / 24, 0)
     h = NOTEBOOK["step_matrix"](sites, feet, 21)
     free, bounded, both = (
-        drawn("keeping")(sites, u, h, feet, *kept)
+        drawing_function("keeping")(sites, u, h, feet, *kept)
         for kept in ((False, False), (True, False), (True, True))
     )
     assert free.max() > 1.1

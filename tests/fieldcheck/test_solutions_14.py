@@ -1,4 +1,4 @@
-"""Notebook 14 and the library are two routes to one answer."""
+"""The solutions of notebook 14 agree with the library."""
 
 import numpy as np
 import pytest
@@ -41,8 +41,8 @@ def random():
     return np.random.default_rng(1414)
 
 
-def test_points_are_welded_as_in_the_library(random):
-    """Clusters that are narrower than the tolerance, and far from one another."""
+def test_merged_vertices_agree_with_the_library(random):
+    """The clusters are narrower than the tolerance and far apart."""
     for _ in range(20):
         place = random.integers(0, 40, (12, 3)).astype(float)
         points = np.repeat(place, 3, axis=0) + random.uniform(-0.05, 0.05, (36, 3))
@@ -51,8 +51,8 @@ def test_points_are_welded_as_in_the_library(random):
 
 
 @every_surface
-def test_edges_are_counted_as_in_the_library(random, surface):
-    """Edges of one triangle, of more than two, and Euler's count."""
+def test_edge_counts_agree_with_the_library(random, surface):
+    """Edges of one triangle, edges of more than two, and the Euler characteristic."""
     points, triangles = shuffled(random, flipped(random, surface), 4)
     half_edges = HalfEdges(triangles, len(points))
     count = NOTEBOOK["triangles_at_sides"](triangles)
@@ -65,8 +65,8 @@ def test_edges_are_counted_as_in_the_library(random, surface):
 
 
 @every_surface
-def test_loops_and_fans_are_those_of_the_audit(random, surface):
-    """Where the boundary is made of loops, and at every vertex."""
+def test_boundary_loops_and_fans_agree_with_the_audit(random, surface):
+    """Loops are compared if the boundary consists of loops."""
     points, triangles = shuffled(random, flipped(random, surface), 4)
     audit = audit_mesh(points, triangles)
     fans = NOTEBOOK["fans"](len(points), triangles)
@@ -79,8 +79,8 @@ def test_loops_and_fans_are_those_of_the_audit(random, surface):
 
 
 @every_surface
-def test_triangles_are_turned_until_the_audit_is_content(random, surface):
-    """What it calls one-sided gets zeros; after the turns nothing is flipped, and before it was."""
+def test_oriented_triangles_pass_the_audit(random, surface):
+    """Triangles of a one-sided part have the sign zero."""
     points, triangles = shuffled(random, flipped(random, surface))
     audit = audit_mesh(points, triangles)
     if len(audit.nonmanifold_edges):
@@ -93,8 +93,8 @@ def test_triangles_are_turned_until_the_audit_is_content(random, surface):
         assert len(audit.flipped_triangles) > 0
 
 
-def test_the_characteristic_counts_handles(random):
-    """The genus of what the library has repaired: a soup of a torus with errors."""
+def test_the_euler_characteristic_of_a_repaired_torus_is_zero(random):
+    """The library repairs a polygon soup of a torus with errors."""
     points, triangles = shuffled(random, flipped(random, ring(5, 8)))
     soup = points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
     assert NOTEBOOK["euler_characteristic"](soup[1]) == len(triangles)
@@ -103,8 +103,8 @@ def test_the_characteristic_counts_handles(random):
     assert NOTEBOOK["euler_characteristic"](repair_mesh(*soup).triangles) == 0
 
 
-def test_flat_triangles_are_those_of_the_audit(random):
-    """Needles, caps and equal corners, far below the tolerance; others far above it."""
+def test_degenerate_triangles_agree_with_the_audit(random):
+    """Needles, caps and repeated vertices are far below the tolerance, others far above it."""
     points = random.normal(size=(60, 3))
     triangles = np.arange(60).reshape(-1, 3)
     for t in (0, 5, 9):
@@ -119,8 +119,8 @@ def test_flat_triangles_are_those_of_the_audit(random):
     np.testing.assert_array_equal(np.flatnonzero(flat), audit.degenerate_triangles)
 
 
-def test_triangles_cross_where_an_edge_of_one_pierces_the_other(random):
-    """Random pairs, against the exact signs of the audit."""
+def test_intersecting_triangles_agree_with_the_audit(random):
+    """Random pairs are compared with the exact predicates of the audit."""
     crossings = 0
     for _ in range(60):
         points = random.normal(size=(6, 3))
@@ -132,8 +132,8 @@ def test_triangles_cross_where_an_edge_of_one_pierces_the_other(random):
     assert 10 < crossings < 50
 
 
-def test_parts_are_connected_by_links(random):
-    """The helper that students are given, against what the library uses."""
+def test_connected_parts_agree_with_powers_of_the_graph(random):
+    """`connected` is a helper given to students."""
     for _ in range(20):
         links = random.integers(0, 30, (18, 2))
         least = NOTEBOOK["connected"](30, links)

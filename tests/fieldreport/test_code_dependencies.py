@@ -1,4 +1,4 @@
-"""Code dependencies: the cached result equals that of reading every module again."""
+"""Code dependencies: the cached digests equal those from reading every module again."""
 
 import ast
 import sys
@@ -34,7 +34,7 @@ def used(statement):
 
 
 def imported(statement, module):
-    """Full names of what a statement imports, at any depth."""
+    """Full names of the imports of a statement, at any depth."""
     spec = find_spec(module)
     for node in ast.walk(statement):
         if isinstance(node, ast.Import):
@@ -58,8 +58,8 @@ def digest(text):
     return sha256(text.encode()).hexdigest()
 
 
-def literally(module, names):
-    """What the build wants to know, by its definition: each module parsed wherever it occurs."""
+def digests_by_definition(module, names):
+    """The digests by their definition: each module is parsed wherever it occurs."""
     statements = parsed(module)
     needed, before = set(names), None
     while needed != before:
@@ -88,14 +88,14 @@ def literally(module, names):
 @pytest.mark.parametrize("name", ["power_sampling", "terrain", "variational_implicits"])
 @pytest.mark.parametrize("names", [RUN_NAMES, ("plot",)], ids=["run", "plot"])
 @pytest.mark.parametrize("kept", [False, True], ids=["parsed", "kept"])
-def test_the_code_found_is_that_of_the_definition(name, names, kept, tmp_path):
-    """The same modules, each in the same form, and the versions of the same packages."""
+def test_the_code_digests_agree_with_their_definition(name, names, kept, tmp_path):
+    """The modules, their digests, and the versions of packages are the same."""
     module = experiments.module_of(name)
     if kept:
         with code_dependencies.statement_cache(tmp_path / "code.json"):
             code_digests(module, names)
     with code_dependencies.statement_cache(tmp_path / "code.json"):
-        fast, slow = code_digests(module, names), literally(module, names)
+        fast, slow = code_digests(module, names), digests_by_definition(module, names)
     assert set(fast) == set(slow)
     assert {m: fast[m] for m, form in slow.items() if form} == {m: f for m, f in slow.items() if f}
     assert fast["numpy"] == version("numpy")
@@ -103,7 +103,7 @@ def test_the_code_found_is_that_of_the_definition(name, names, kept, tmp_path):
 
 
 def test_each_module_is_parsed_once(monkeypatch):
-    """However many results depend on it."""
+    """The number of results that depend on the module does not matter."""
     parsed_trees = []
 
     def parse(*arguments, whole=ast.parse, **options):
@@ -121,8 +121,7 @@ def test_each_module_is_parsed_once(monkeypatch):
     assert len(parsed_trees) == len([name for name in found if name.startswith(PACKAGES)])
 
 
-def test_a_module_that_was_kept_is_parsed_when_it_changed(tmp_path, monkeypatch):
-    """And only then."""
+def test_a_cached_module_is_parsed_again_only_when_it_changed(tmp_path, monkeypatch):
     monkeypatch.setattr(experiments, "__path__", [str(tmp_path), *experiments.__path__])
     module, file, kept = f"{experiments.__name__}.fake_c", tmp_path / "fake_c.py", tmp_path / "kept"
     parsed_texts = []

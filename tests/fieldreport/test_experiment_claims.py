@@ -1,4 +1,4 @@
-"""Claims of the experiments, compared with values that are known independently of the library."""
+"""Claims of the experiments, compared with values known independently of the library."""
 
 import numpy as np
 import pytest
@@ -44,8 +44,8 @@ def kernels():
 
 
 @pytest.mark.parametrize("n", range(1, 9))
-def test_the_best_linear_fit_in_closed_form(n):
-    """The closed form is what least squares leaves on a fine tensor grid of Gauss points."""
+def test_the_closed_form_of_the_best_linear_fit_agrees_with_quadrature(n):
+    """It is the least-squares residual on a tensor grid of Gauss points."""
     nodes, weights = np.polynomial.legendre.leggauss(12)
     x = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) / 2 + 0.5
     root = np.sqrt(np.outer(weights, weights).ravel() / 4)
@@ -57,20 +57,20 @@ def test_the_best_linear_fit_in_closed_form(n):
     assert power_sampling.best_linear_rms(n) == pytest.approx(np.linalg.norm(residual), abs=1e-12)
 
 
-def test_least_squares_is_near_the_best_linear_fit(powers):
-    """With 100 points, least squares is worse than the best linear fit by a few per cent."""
+def test_least_squares_is_close_to_the_best_linear_fit(powers):
+    """With 100 points its error is larger by a few per cent only."""
     assert 0 < powers.facts["largest_excess_percent"] < 8
 
 
-def test_moving_least_squares_wins_by_ten(powers):
-    """On every draw it is better where the field is curved, by ten times and more in the mean."""
+def test_moving_least_squares_is_ten_times_more_accurate(powers):
+    """The ratio of the errors is about ten for curved fields, and nearly every draw agrees."""
     assert powers.facts["mls_better_percent"] > 99
     assert 8 < powers.facts["smallest_ratio"] <= powers.facts["largest_ratio"] < 16
     assert powers.facts["rms_where_both_exact"] < ROUNDING
 
 
-def test_moving_least_squares_agrees_with_lapack(powers, monkeypatch):
-    """A weighted fit by numpy gives the same; with the weight not squared it would not."""
+def test_moving_least_squares_agrees_with_a_weighted_fit_by_numpy(powers, monkeypatch):
+    """The test detects weights that are not squared."""
     assert powers.facts["difference_from_lapack"] < ROUNDING
     params = power_sampling.QUICK
 
@@ -85,15 +85,15 @@ def test_moving_least_squares_agrees_with_lapack(powers, monkeypatch):
     assert power_sampling._difference_from_lapack(params) > 1e-3
 
 
-def test_raw_psi_always_falls(sweep):
-    """ψ falls with every step of ε on every draw, to the residual of least squares by ε⁴."""
+def test_raw_psi_decreases_with_epsilon(sweep):
+    """It decreases for every draw; scaled by ε⁴ it tends to the residual of least squares."""
     assert sweep.facts["psi_falls_percent"] == 100
     assert sweep.facts["scaled_psi_difference_percent"] < 0.1
     assert np.all(sweep.arrays["chosen_psi"] == sweep.params.largest)
 
 
-def test_only_leaving_one_out_works_with_noise(sweep):
-    """Its regret stays near one; those of raw and normalized ψ do not."""
+def test_only_leave_one_out_selects_epsilon_with_noise(sweep):
+    """The regret is the error with the selected ε relative to the least error."""
     regret = {
         key: sweep.arrays[f"regret_{key}"] for key in ("psi", "normalized_psi", "leave_one_out")
     }
@@ -104,33 +104,33 @@ def test_only_leaving_one_out_works_with_noise(sweep):
     assert sweep.facts["regret_leave_one_out_noisy"] < 1.15
 
 
-def test_the_best_epsilon_of_exact_data_is_small(sweep):
-    """The error is flat below a tenth of the spacing; the gradient is best near the spacing."""
+def test_the_best_epsilon_for_exact_data_is_small(sweep):
+    """The error is constant below a tenth of the spacing; the gradient is best near the spacing."""
     assert sweep.facts["largest_epsilon_within_1_percent"] >= 0.1 * sweep.facts["spacing"] * 0.99
     assert sweep.facts["best_epsilon_gradient_exact"] == pytest.approx(0.1, rel=0.9)
 
 
-def test_constants_flatten_at_every_site(shapes):
-    """Their slope has the size of its leading term, ε⁴; that of linear polynomials stays."""
+def test_mls_of_degree_zero_is_flat_at_every_site(shapes):
+    """The remaining slope agrees with its leading term of order ε⁴; degree 1 keeps the slope."""
     assert shapes.facts["slope_difference_percent"] < 1
     assert shapes.facts["slope_kept_constant_smallest"] < 1e-6
     assert shapes.facts["slope_kept_linear_smallest"] > 0.5
 
 
-def test_a_large_epsilon_does_not_help_linear_polynomials(shapes):
-    """Their error is least at the smallest ε and grows from there."""
+def test_a_large_epsilon_does_not_improve_mls_of_degree_one(shapes):
+    """The error is smallest at the smallest ε and grows with ε."""
     error = shapes.arrays["error"][1]
     assert np.all(np.diff(error) > -1e-6)
     assert error[-1] > 5 * error[0]
 
 
 def test_kernels_agree_with_scipy(kernels):
-    """Four kernels interpolate as those of scipy.interpolate.RBFInterpolator."""
+    """Four kernels are compared with scipy.interpolate.RBFInterpolator."""
     assert kernels.facts["difference_from_scipy"] < 1e-10
 
 
-def test_the_bordered_matrix_is_that_of_the_library():
-    """The matrix whose condition is measured is the one that is solved."""
+def test_the_interpolation_matrix_agrees_with_the_library():
+    """Its condition number is measured in the experiment."""
     x = halton(20, 2)
     for kernel in kernel_comparison.QUICK.kernels.values():
         np.testing.assert_allclose(
@@ -138,15 +138,15 @@ def test_the_bordered_matrix_is_that_of_the_library():
         )
 
 
-def test_a_plane_is_exact_only_with_the_plane(kernels):
-    """With polynomials of degree one affine data come back; without them they do not."""
+def test_affine_data_are_reproduced_only_with_polynomials_of_degree_one(kernels):
+    """Thin-plate spline and cubic kernel contain them by default, other kernels do not."""
     for _, order, _, error, with_plane in kernels.tables["affine"].rows:
         assert with_plane < ROUNDING * 10
         assert (error < ROUNDING * 10) == (order == 2)
 
 
-def test_the_plane_holds_the_thin_plate_down(kernels):
-    """Far away it grows as a plane; without the side conditions as its kernel, r² log r²."""
+def test_the_thin_plate_spline_grows_linearly_far_away(kernels):
+    """Without the side conditions it grows like its kernel r² log r²."""
     assert kernels.facts["far_plate_growth"] < 1.2
     assert kernels.facts["far_plate_loose_growth"] > 2
     assert kernels.arrays["far_gaussian"][-1] == 0
@@ -165,16 +165,16 @@ def test_orders_depend_on_the_sequence_of_points():
     assert min(kernels.facts[f"corner_gain_{k}"] for k in ("cubic", "multiquadric")) > 2
 
 
-def test_smoother_kernels_pay_in_condition(kernels):
-    """Among the polyharmonic kernels a higher power means less error and a worse condition."""
+def test_smoother_kernels_have_worse_condition(kernels):
+    """Among polyharmonic kernels a higher power has a smaller error and a larger condition."""
     errors = [kernels.facts[f"error_{k}"] for k in ("linear", "thin_plate", "cubic")]
     conditions = [kernels.facts[f"condition_{k}"] for k in ("linear", "thin_plate", "cubic")]
     assert errors == sorted(errors, reverse=True)
     assert conditions == sorted(conditions)
 
 
-def test_normal_equations_that_rounding_makes_singular(monkeypatch):
-    """Whether they are singular far away depends on rounding; either way there is a result."""
+def test_singular_normal_equations_are_reported_in_the_table(monkeypatch):
+    """Far from the origin, rounding decides whether they are singular; both cases have a result."""
 
     def far_is_singular(points, values, solve=normal_equations.normal_equations):
         if points.min() > 1e7:

@@ -1,4 +1,4 @@
-"""Results, parameters and files: values survive writing and reading, and errors are reported."""
+"""Results, parameters and files: values are reproduced from files, and errors are reported."""
 
 import json
 from dataclasses import dataclass
@@ -41,8 +41,8 @@ def result(**changes):
 
 
 @given(rows=st.lists(st.tuples(CELLS, CELLS), max_size=5))
-def test_a_table_comes_back_from_its_file(tmp_path_factory, rows):
-    """Numbers keep their kind and texts their commas, quotes and line breaks."""
+def test_a_table_is_reproduced_from_its_file(tmp_path_factory, rows):
+    """Numbers keep their types, and texts keep commas, quotes and line breaks."""
     table = ResultTable(("first, with a comma", "second"), tuple(rows))
     path = tmp_path_factory.mktemp("table") / "table.csv"
     path.write_bytes(csv_bytes(table.columns, table.rows))
@@ -54,8 +54,8 @@ def test_a_table_comes_back_from_its_file(tmp_path_factory, rows):
 
 
 @given(x=FINITE)
-def test_a_fact_is_kept_to_nine_digits(x):
-    """The fact is the number to nine digits, and one that is already so is kept as it is."""
+def test_a_fact_is_rounded_to_nine_digits(x):
+    """Rounding a rounded fact again does not change it."""
     fact = result(facts={"x": x}).facts["x"]
     assert fact == pytest.approx(x, rel=1e-8, abs=0)
     assert result(facts={"x": fact}).facts["x"] == fact
@@ -79,14 +79,13 @@ def test_a_fact_is_kept_to_nine_digits(x):
         (lambda: ResultTable(("n",), ((1,),)).column("m"), "no column 'm'; the table has n"),
     ],
 )
-def test_what_cannot_be_told_is_refused(make, words):
-    """Facts and cells are finite numbers or texts; arrays hold no objects."""
+def test_invalid_facts_arrays_and_cells_are_refused(make, words):
+    """Facts and cells are finite numbers or texts; arrays contain no objects."""
     with pytest.raises(ValueError, match=words):
         make()
 
 
-def test_results_differ_in_any_bit():
-    """Results are equal if all their parts are, and a single bit tells them apart."""
+def test_results_are_equal_only_if_all_bits_are_equal():
     base = result(facts={"a": 1}, arrays={"x": np.arange(3.0)})
     assert base == result(facts={"a": 1}, arrays={"x": np.arange(3.0)})
     assert base != result(facts={"a": 1}, arrays={"x": np.nextafter(np.arange(3.0), 9)})
@@ -94,8 +93,8 @@ def test_results_differ_in_any_bit():
     assert base != result(facts={"a": 2}, arrays={"x": np.arange(3.0)})
 
 
-def test_a_result_cannot_be_changed():
-    """Neither its mappings nor its arrays."""
+def test_a_result_is_immutable():
+    """Neither its mappings nor its arrays can be changed."""
     base = result(facts={"a": 1}, arrays={"x": np.arange(3.0)})
     with pytest.raises(TypeError, match="does not support item assignment"):
         base.facts["a"] = 2
@@ -109,8 +108,8 @@ def test_an_order_of_magnitude_is_the_nearest_power_of_ten(exponent, factor, sig
     assert order_of_magnitude(sign * factor * float(f"1e{exponent}")) == float(f"1e{exponent}")
 
 
-def test_cells_read_as_what_they_are():
-    """A whole number, a decimal number, a text."""
+def test_cells_are_read_with_their_types():
+    """An integer, a decimal number, an order of magnitude, and a text."""
     texts = ("12", "12.0", "1e-3", "~1e-03", "12 m")
     assert [cell_from_text(t) for t in texts] == [12, 12.0, 0.001, 0.001, "12 m"]
     assert [type(cell_from_text(t)) for t in texts] == [int, float, float, OrderOfMagnitude, str]
@@ -144,8 +143,8 @@ def test_an_order_of_magnitude_stays_one(tmp_path):
         ({"powers": [3, 4]}, Params(powers=(3, 4))),
     ],
 )
-def test_settings_are_read_by_the_type_of_their_field(settings, wanted):
-    """Typed texts and values of a settings file give the same parameters, of the same types."""
+def test_settings_are_converted_to_the_types_of_their_fields(settings, wanted):
+    """Command-line texts and values of a settings file give the same parameters."""
     params = replace_parameters(Params(), settings)
     assert params == wanted
     assert all(type(getattr(params, n)) is type(getattr(Params(), n)) for n in settings)
@@ -166,14 +165,14 @@ def test_settings_are_read_by_the_type_of_their_field(settings, wanted):
         ({"powers": "1,b"}, "parameter powers must be a whole number; got 'b'"),
     ],
 )
-def test_a_wrong_setting_is_told_in_words(settings, words):
-    """The message names the parameter, what came and what was wanted."""
+def test_an_invalid_setting_is_refused(settings, words):
+    """The message names the parameter, the value and the requirement."""
     with pytest.raises(ValueError, match=words):
         replace_parameters(Params(), settings)
 
 
-def test_files_are_whole_or_absent(tmp_path, monkeypatch):
-    """Writing that fails leaves the old file and nothing beside it."""
+def test_a_failed_write_keeps_the_old_file(tmp_path, monkeypatch):
+    """No other file is left."""
     path = write_atomically(tmp_path / "deep" / "file.txt", b"old")
 
     def broken(_):
@@ -186,16 +185,15 @@ def test_files_are_whole_or_absent(tmp_path, monkeypatch):
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_a_table_that_is_gone_is_not_read_back(tmp_path):
-    """The tables in a folder are those of its last run."""
+def test_a_removed_table_is_deleted_from_the_folder(tmp_path):
+    """The folder contains the tables of its last run only."""
     table = ResultTable(("n",), ((1,),))
     files.write_result(result(tables={"old": table, "kept": table}), tmp_path)
     files.write_result(result(tables={"kept": table}), tmp_path)
     assert [path.name for path in tmp_path.glob("*.csv")] == ["kept.csv"]
 
 
-def test_facts_are_flat_and_legible(tmp_path):
-    """facts.json is one object of names and numbers."""
+def test_facts_are_written_as_one_json_object(tmp_path):
     files.write_result(result(facts={"ratio": 1 / 3, "n": 4, "winner": "RBF"}), tmp_path)
     facts = json.loads((tmp_path / "facts.json").read_text())
     assert facts == {"ratio": 0.333333333, "n": 4, "winner": "RBF"}

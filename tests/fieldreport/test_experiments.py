@@ -31,15 +31,15 @@ def result(experiment):
 
 
 def numbers(result):
-    """Yield every number that a reader may see, with its name."""
+    """Yield every number that a reader can see, with its name."""
     yield from result.facts.items()
     for name, table in result.tables.items():
         for column in table.columns:
             yield from ((f"{name}: {column}", cell) for cell in table.column(column))
 
 
-def test_it_has_a_title_and_tells_what_its_parameters_are(experiment):
-    """A title, a description, a meaning for each parameter, and a small variant that differs."""
+def test_it_has_a_title_and_describes_its_parameters(experiment):
+    """It has a title, a description, a meaning for each parameter, and a smaller variant."""
     assert re.fullmatch(r"[A-Z].{9,99}[^.]", experiment.title)
     assert experiment.description
     assert all(experiment.meanings.values())
@@ -48,8 +48,8 @@ def test_it_has_a_title_and_tells_what_its_parameters_are(experiment):
         experiment.defaults.seed = 1
 
 
-def test_it_finds_something(experiment, result):
-    """A run has its own parameters, a table and facts; numbers are finite and plain."""
+def test_its_result_has_tables_and_facts_with_finite_numbers(experiment, result):
+    """The result contains its parameters, and its numbers are plain Python numbers."""
     assert result.params == experiment.quick
     assert result.tables
     assert result.facts
@@ -61,8 +61,8 @@ def test_it_finds_something(experiment, result):
     assert all(re.fullmatch(r"[a-z][a-z0-9_]*", name) for name in (*result.facts, *result.tables))
 
 
-def test_its_facts_have_the_digits_that_it_states(experiment, result):
-    """What it states digits of are facts; a float has no more digits than are stated."""
+def test_its_facts_are_rounded_to_the_stated_digits(experiment, result):
+    """DIGITS names facts only, and a float has no more digits than stated."""
     stated = getattr(experiment.module, "DIGITS", {})
     assert stated.keys() <= result.facts.keys()
     for name, x in result.facts.items():
@@ -74,23 +74,23 @@ def test_its_facts_have_the_digits_that_it_states(experiment, result):
 
 
 @pytest.mark.slow
-def test_it_says_the_same_each_time(experiment, result):
-    """The same parameters give the same result, also when sub-runs go to a pool of workers."""
+def test_it_is_reproducible(experiment, result):
+    """The result is the same when sub-runs are executed by a pool of workers."""
     with ThreadPoolExecutor(2) as pool:
         assert experiment.run(experiment.quick, pool.map) == result
 
 
 @pytest.mark.slow
-def test_its_seed_counts(experiment, result):
-    """Another seed gives another result, unless nothing is drawn."""
+def test_its_result_depends_on_its_seed(experiment, result):
+    """This applies to experiments with a seed."""
     if "seed" not in {f.name for f in fields(experiment.quick)}:
         return
     other = experiment.run(replace(experiment.quick, seed=experiment.quick.seed + 1))
     assert replace(other, params=result.params) != result
 
 
-def test_it_survives_writing_and_reading(experiment, result, tmp_path):
-    """What is read back is what was written, and writing it again gives the same bytes."""
+def test_its_result_is_reproduced_from_its_files(experiment, result, tmp_path):
+    """Writing the result again gives the same bytes."""
     folder = tmp_path / experiment.name
     written = files.write_result(result, folder)
     before = {path: path.read_bytes() for path in written}
@@ -102,8 +102,8 @@ def test_it_survives_writing_and_reading(experiment, result, tmp_path):
 
 
 @pytest.mark.slow
-def test_its_figures_need_nothing_but_the_result(experiment, result, tmp_path):
-    """Every plot draws from a result that was read back, and twice the same bytes."""
+def test_its_figures_depend_on_its_result_only(experiment, result, tmp_path):
+    """Figures from a result read from files have the same bytes as from the original result."""
     folder = tmp_path / experiment.name
     files.write_result(result, folder)
     back = files.read_result(folder, experiment)
@@ -115,13 +115,13 @@ def test_its_figures_need_nothing_but_the_result(experiment, result, tmp_path):
         assert figure_bytes(page, "svg") == figure_bytes(plot(result), "svg"), name
 
 
-def test_the_title_in_the_source_is_that_of_the_module(experiment):
-    """The list reads what an import would give."""
+def test_the_title_read_from_the_source_agrees_with_the_import(experiment):
+    """The list of experiments is made without importing them."""
     assert experiments.titles()[experiment.name] == experiment.title
 
 
-def test_names_are_found_without_importing_anything():
-    """Listing the experiments imports neither them nor matplotlib."""
+def test_names_are_found_without_importing_experiments():
+    """Listing the experiments does not import matplotlib either."""
     code = (
         "import sys; from fieldreport.experiments import names; print(*names()); "
         "assert 'matplotlib' not in sys.modules"
@@ -132,8 +132,8 @@ def test_names_are_found_without_importing_anything():
     assert "files" not in NAMES
 
 
-def test_there_is_no_other_experiment():
-    """An unknown name is told with the names that exist."""
+def test_an_unknown_experiment_is_refused():
+    """The message lists the existing experiments."""
     with pytest.raises(ValueError, match=r"no experiment 'power'; there are .*power_sampling"):
         experiments.get("power")
     assert importlib.util.find_spec("fieldreport.experiments.power") is None
@@ -143,8 +143,8 @@ CHAPTERS = ROOT / "report" / "chapters"
 QUOTED = re.compile(r"\{\{(?P<experiment>\w+)\.(?P<params>params\.)?(?P<name>\w+)(:[^}]*)?\}\}")
 
 
-def test_what_the_text_quotes_exists(experiment, result):
-    """Each fact and parameter that a chapter quotes from an experiment is one that it has."""
+def test_quoted_facts_and_parameters_exist(experiment, result):
+    """Every fact and parameter that a chapter quotes is in the result."""
     text = "".join(path.read_text(encoding="utf-8") for path in sorted(CHAPTERS.glob("*.md")))
     for quote in QUOTED.finditer(text):
         if quote["experiment"] == experiment.name:

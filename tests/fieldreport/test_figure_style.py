@@ -1,4 +1,4 @@
-"""The style of figures: methods are distinguishable with any colour vision and in grey."""
+"""Figure style: methods are distinguishable with any colour vision and in grey."""
 
 import io
 import itertools
@@ -18,7 +18,7 @@ METHODS = ("LS", "MLS", "PU", "RBF")
 
 # Machado, Oliveira and Fernandes, A physiologically-based model for simulation of color vision
 # deficiency (2009), severity 1; rows of the matrices act on linear RGB.
-EYES = {
+VISIONS = {
     "all cones": np.eye(3),
     "no red cones": [
         [0.152286, 1.052583, -0.204868],
@@ -58,52 +58,51 @@ def lab(rgb):
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
 
 
-def closest(colors, eye):
-    """Return the smallest distance in L*a*b* between two colours as an eye sees them."""
-    seen = [lab(np.clip(np.array(EYES[eye]) @ linear(c), 0, 1)) for c in colors]
+def closest(colors, vision):
+    """Return the smallest distance in L*a*b* between two colours for a type of colour vision."""
+    seen = [lab(np.clip(np.array(VISIONS[vision]) @ linear(c), 0, 1)) for c in colors]
     return min(np.linalg.norm(a - b) for a, b in itertools.combinations(seen, 2))
 
 
-@pytest.mark.parametrize("eye", EYES)
-def test_methods_are_told_apart_by_every_eye(eye):
-    """Colours of methods are at least 18 apart in L*a*b* for each kind of colour vision."""
-    assert closest([style.METHOD_COLORS[m] for m in (*METHODS, "truth")], eye) > 18
+@pytest.mark.parametrize("vision", VISIONS)
+def test_methods_are_distinguishable_for_every_colour_vision(vision):
+    """The colours of methods differ by at least 18 in L*a*b* for each type of colour vision."""
+    assert closest([style.METHOD_COLORS[m] for m in (*METHODS, "truth")], vision) > 18
 
 
-def test_red_and_green_of_equal_lightness_would_be_refused():
-    """The measure fails on a pair that is known to be bad."""
+def test_red_and_green_of_equal_lightness_fail_the_criterion():
+    """These colours are known to be confused."""
     assert closest(["#d62728", "#2ca02c"], "all cones") > 18
     assert closest(["#b3591f", "#7a7a1f"], "no green cones") < 18
 
 
-def test_methods_are_told_apart_in_grey():
-    """Lightness falls by ten and more from method to method; lines differ in dashes and marker."""
+def test_methods_are_distinguishable_in_grey():
+    """Lightness falls by at least 10 between methods; line styles and markers differ, too."""
     lightness = [lab(linear(style.METHOD_COLORS[m]))[0] for m in METHODS]
     assert (np.diff(lightness) < -10).all()
     for look in (style.METHOD_LINESTYLES, style.METHOD_MARKERS):
         assert len({look[m] for m in METHODS}) == len(METHODS)
 
 
-def test_lines_stand_out_from_paper():
-    """Every colour has a contrast of three and more against white (WCAG 1.4.11)."""
+def test_line_colours_have_enough_contrast_to_white():
+    """The contrast is at least three (WCAG 1.4.11)."""
     for color in style.METHOD_COLORS.values():
         assert 1.05 / ((TO_XYZ @ linear(color))[1] + 0.05) > 3
 
 
-def test_looks_are_complete():
-    """Colour, dashes and marker are given for the same methods."""
+def test_every_method_has_colour_line_style_and_marker():
     assert style.METHOD_COLORS.keys() == style.METHOD_LINESTYLES.keys()
     assert style.METHOD_COLORS.keys() == style.METHOD_MARKERS.keys()
 
 
-def test_variants_of_a_method_get_lighter():
-    """Shades rise in lightness, so that their order is seen in grey."""
+def test_shades_of_a_method_increase_in_lightness():
+    """The order of variants is therefore visible in grey."""
     lightness = [lab(linear(look["color"]))[0] for look in style.shades("RBF", 5)]
     assert (np.diff(lightness) > 5).all()
 
 
 def test_sequential_map_rises_and_diverging_map_is_lightest_at_zero():
-    """Both colour maps can be read in grey."""
+    """Both colour maps are legible in grey."""
     steps = np.linspace(0, 1, 33)
     rising = [lab(linear(c))[0] for c in mpl.colormaps[style.SEQUENTIAL](steps)[:, :3]]
     assert (np.diff(rising) > 0).all()
@@ -112,14 +111,14 @@ def test_sequential_map_rises_and_diverging_map_is_lightest_at_zero():
 
 
 def test_full_width_is_the_text_width_of_the_pdf():
-    """A4 less both margins of the template, and the width that the passes count with."""
+    """The width is A4 minus both margins of the template, also in the filter for pictures."""
     margin = int(re.search(r"margin: \(x: (\d+)mm", (REPORT / "template.typ").read_text()).group(1))
     assert 210 - 2 * margin == pytest.approx(style.FULL_WIDTH * 25.4)
     passes = (REPORT / "filters" / "pictures.lua").read_text()
     assert int(re.search(r"text_width = (\d+)", passes).group(1)) == 210 - 2 * margin
 
 
-def drawn():
+def draw_figure():
     with style.figure(columns=2, width=style.FULL_WIDTH) as (page, axes):
         axes[0].plot([1, 2], [1e-3, 1], **style.line("MLS"))
         axes[0].set(yscale="log", xlabel=r"$\varepsilon / h$", title="error")
@@ -128,7 +127,7 @@ def drawn():
     return page
 
 
-def saved(page, kind):
+def save_figure(page, kind):
     buffer = io.BytesIO()
     page.savefig(buffer, format=kind)
     return buffer.getvalue()
@@ -136,25 +135,24 @@ def saved(page, kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
-def test_a_figure_is_the_same_bytes_whatever_the_reader_has_set(kind):
-    """Neither a second saving, nor a second drawing, nor the user's settings change a byte."""
-    first, again = drawn(), drawn()
-    bytes_ = saved(first, kind)
+def test_a_figure_does_not_depend_on_user_settings(kind):
+    """Saving twice, drawing twice and user settings give the same bytes."""
+    first, again = draw_figure(), draw_figure()
+    bytes_ = save_figure(first, kind)
     with mpl.rc_context({"font.family": "serif", "svg.fonttype": "none", "lines.linewidth": 9}):
-        assert saved(first, kind) == bytes_
-        assert saved(again, kind) == bytes_
-        assert saved(drawn(), kind) == bytes_
+        assert save_figure(first, kind) == bytes_
+        assert save_figure(again, kind) == bytes_
+        assert save_figure(draw_figure(), kind) == bytes_
 
 
-def test_style_is_left_behind_outside():
-    """Drawing a figure does not change the settings of others."""
+def test_drawing_a_figure_restores_the_settings():
     before = dict(mpl.rcParams)
-    drawn()
+    draw_figure()
     assert dict(mpl.rcParams) == before
 
 
-def test_hillshade_is_bright_towards_the_light():
-    """A slope that faces north-west is brighter than flat ground, its opposite darker."""
+def test_hillshade_is_brighter_on_slopes_facing_the_light():
+    """The light comes from the north-west."""
     y, x = np.mgrid[0:20.0, 0:20.0]
     faces_north_west, faces_south_east = x - y, y - x
     flat = hillshade(0 * x, 1, 1).mean()
@@ -163,8 +161,8 @@ def test_hillshade_is_bright_towards_the_light():
     )
 
 
-def test_a_font_that_typst_lacks_is_told():
-    """The error names the font and lists those that there are."""
+def test_a_font_that_typst_lacks_is_refused():
+    """The message names the font and lists the available fonts."""
     with pytest.raises(LookupError, match=r"the font Comic is not in the Typst wheel .*NewCMMath"):
         font_bytes("Comic")
     assert font_bytes(MATH).startswith(b"OTTO")

@@ -1,4 +1,4 @@
-"""Pinned kernels: the workers compute the same bytes in every environment of the caller."""
+"""Pinned kernels: workers compute the same bytes in every environment of the caller."""
 
 import os
 
@@ -7,15 +7,15 @@ import pytest
 from fieldreport import experiments
 from fieldreport.build import pinned_kernels, reproducibility, rerun
 from fieldreport.build.errors import BuildError
-from fieldreport.build.workers import workers
+from fieldreport.build.rerun import workers
 from fieldreport.framework.result_files import npz_bytes
 
 NAME = "normal_equations"
 FIRST, SECOND = reproducibility.callers()
 
 
-def in_a_worker(work, *arguments, caller):
-    """Call a function in a worker that a caller with such an environment starts."""
+def run_in_worker(work, *arguments, caller):
+    """Call a function in a worker that is started in the given environment."""
     with pytest.MonkeyPatch.context() as environment:
         for name, value in caller.items():
             environment.setenv(name, value)
@@ -24,29 +24,29 @@ def in_a_worker(work, *arguments, caller):
 
 
 def results(caller):
-    """All bits of a small experiment."""
-    tables, facts, arrays = in_a_worker(
+    """The results of a small experiment, with all bits."""
+    tables, facts, arrays = run_in_worker(
         rerun._run, NAME, experiments.get(NAME).quick, caller=caller
     )
     return tables, facts, npz_bytes(arrays)
 
 
 @pytest.mark.slow
-def test_two_callers_get_the_same_bytes():
-    """The two settings of ``make check-reproducible`` give the same bits."""
+def test_two_environments_give_the_same_bytes():
+    """The environments are those of ``make check-reproducible``."""
     assert results(FIRST) == results(SECOND)
 
 
 @pytest.mark.slow
-def test_the_pins_are_what_makes_them_equal(monkeypatch):
-    """With the pins taken out the two settings give other bits, where there are pinned_kernels."""
+def test_without_pins_two_environments_give_different_bytes(monkeypatch):
+    """This holds on machines for which kernels are pinned."""
     pinned = pinned_kernels.pins()
     monkeypatch.setattr(pinned_kernels, "pins", dict)
     assert (results(FIRST) != results(SECOND)) == bool(pinned)
 
 
-def test_a_pin_without_effect_stops_the_build(monkeypatch):
-    """OpenBLAS ignores a core it does not know; the worker does not."""
+def test_a_pinned_kernel_that_has_no_effect_stops_the_build(monkeypatch):
+    """OpenBLAS ignores an unknown core name, and the worker reports it."""
     monkeypatch.setattr(
         pinned_kernels,
         "pins",
@@ -55,11 +55,11 @@ def test_a_pin_without_effect_stops_the_build(monkeypatch):
     with pytest.raises(
         BuildError, match=r"OPENBLAS_CORETYPE=Hasvell.* had no effect \(NumPy's OpenBLAS: "
     ):
-        in_a_worker(len, (), caller={})
+        run_in_worker(len, (), caller={})
 
 
-def test_a_feature_that_stayed_on_stops_the_build(monkeypatch):
-    """NumPy only warns of a feature that it cannot switch off."""
+def test_a_simd_feature_that_is_still_enabled_stops_the_build(monkeypatch):
+    """NumPy only warns about a feature that it cannot disable."""
     monkeypatch.setattr(pinned_kernels, "blas_cores", dict)
     monkeypatch.setattr(pinned_kernels, "dispatched", lambda: ("X86_V3", "X86_V4"))
     wanted = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "AVX512_SPR X86_V4"}
@@ -67,8 +67,8 @@ def test_a_feature_that_stayed_on_stops_the_build(monkeypatch):
         pinned_kernels.require(wanted)
 
 
-def test_the_environment_is_the_callers_again(monkeypatch):
-    """Inside, the pins and nothing else that changes a number; afterwards what was there before."""
+def test_the_environment_of_the_caller_is_restored(monkeypatch):
+    """Inside, the pins are the only numerical settings; afterwards the environment is as before."""
     monkeypatch.setenv("OPENBLAS_BLOCK_FACTOR", "4")
     monkeypatch.setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA")
     monkeypatch.setenv("OPENBLAS_CORETYPE", "Prescott")
@@ -84,8 +84,8 @@ def test_the_environment_is_the_callers_again(monkeypatch):
     assert dict(os.environ) == before
 
 
-def test_where_nothing_is_pinned_the_environment_stays(monkeypatch):
-    """On other machines the caller's settings count."""
+def test_without_pins_the_environment_is_unchanged(monkeypatch):
+    """On machines without pinned kernels the settings of the caller count."""
     monkeypatch.setenv("OPENBLAS_CORETYPE", "POWER9")
     with pinned_kernels.environment({}):
         assert os.environ["OPENBLAS_CORETYPE"] == "POWER9"
@@ -100,8 +100,10 @@ def test_where_nothing_is_pinned_the_environment_stays(monkeypatch):
         ("darwin", "x86_64", "avx avx2 bmi1 bmi2 f16c fma abm movbe", False),
     ],
 )
-def test_only_linux_with_avx2_is_pinned(monkeypatch, tmp_path, system, processor, flags, pinned):
-    """The kernel's list of the processor's features decides."""
+def test_kernels_are_pinned_on_linux_with_avx2_only(
+    monkeypatch, tmp_path, system, processor, flags, pinned
+):
+    """The processor flags listed by the Linux kernel decide."""
     (tmp_path / "cpuinfo").write_text(f"processor\t: 0\nflags\t\t: {flags}\n")
     monkeypatch.setattr(pinned_kernels.sys, "platform", system)
     monkeypatch.setattr(pinned_kernels.platform, "machine", lambda: processor)
@@ -115,8 +117,8 @@ def test_only_linux_with_avx2_is_pinned(monkeypatch, tmp_path, system, processor
         (["SSE42", "AVX", "F16C", "FMA3", "AVX2", "AVX512F", "AVX512_SKX"], "AVX512F AVX512_SKX"),
     ],
 )
-def test_numpy_keeps_what_avx2_can_run(monkeypatch, dispatch, off):
-    """Both ways in which releases of NumPy name what they dispatch."""
+def test_simd_features_beyond_avx2_are_disabled(monkeypatch, dispatch, off):
+    """NumPy releases have two ways of naming these features."""
     monkeypatch.setattr(pinned_kernels, "dispatch", lambda: dispatch)
     monkeypatch.setattr(pinned_kernels, "has_x86_64_v3", lambda: True)
     assert pinned_kernels.pins()["NPY_DISABLE_CPU_FEATURES"] == off

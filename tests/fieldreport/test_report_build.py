@@ -1,4 +1,4 @@
-"""The build: it repeats only what is out of date, and can be interrupted at any moment."""
+"""The build of the report: it repeats outdated steps only, and can be interrupted at any time."""
 
 import errno
 import hashlib
@@ -27,7 +27,7 @@ from fieldreport.framework import result_files as files
 from report_fixtures import SmallReport
 
 
-def set_no_text(self, values, metadata):  # noqa: ARG001
+def skip_typesetting(self, values, metadata):  # noqa: ARG001
     """Stand in for the typesetting, which takes seconds."""
     return [
         files.write_atomically(self.out / f"report.{kind}", json.dumps(values).encode())
@@ -37,7 +37,7 @@ def set_no_text(self, values, metadata):  # noqa: ARG001
 
 @pytest.fixture
 def report(tmp_path, monkeypatch):
-    monkeypatch.setattr(typesetting.Document, "compile", set_no_text)
+    monkeypatch.setattr(typesetting.Document, "compile", skip_typesetting)
     return SmallReport(tmp_path, monkeypatch)
 
 
@@ -58,20 +58,20 @@ def whole(tmp_path_factory):
         yield report
 
 
-def test_manifest_tells_versions_pins_parameters_seeds_and_every_output(whole):
-    """The manifest holds what went in, and the SHA-256 of every file that came out."""
-    told = json.loads((whole.out / "manifest.json").read_text())
+def test_the_manifest_records_inputs_and_outputs(whole):
+    """It contains versions, pins, parameters, seeds, and the SHA-256 of every output."""
+    reported = json.loads((whole.out / "manifest.json").read_text())
     outputs = whole.outputs()
     del outputs["manifest.json"]
-    assert told["sha256"] == {n: hashlib.sha256(b).hexdigest() for n, b in outputs.items()}
-    assert told["experiments"]["fake_a"]["params"]["points"] == 1000
-    assert told["experiments"]["fake_a"]["seeds"] == {"seed": 7}
-    assert told["pins"] == pinned_kernels.pins()
-    assert set(told["versions"]) >= {"python", "numpy", "scipy", "typst", "pypandoc_binary"}
+    assert reported["sha256"] == {n: hashlib.sha256(b).hexdigest() for n, b in outputs.items()}
+    assert reported["experiments"]["fake_a"]["params"]["points"] == 1000
+    assert reported["experiments"]["fake_a"]["seeds"] == {"seed": 7}
+    assert reported["pins"] == pinned_kernels.pins()
+    assert set(reported["versions"]) >= {"python", "numpy", "scipy", "typst", "pypandoc_binary"}
 
 
-def test_nothing_is_done_twice(whole):
-    """A second build runs, draws and writes nothing."""
+def test_a_second_build_does_nothing(whole):
+    """It runs, draws and writes nothing."""
     times = {path: path.stat().st_mtime_ns for path in whole.out.rglob("*.*") if path.is_file()}
     assert whole.build() == 0
     assert whole.did() == []
@@ -79,8 +79,8 @@ def test_nothing_is_done_twice(whole):
 
 
 @pytest.mark.slow
-def test_two_folders_get_the_same_bytes(whole, tmp_path, monkeypatch):
-    """Nothing of folder, time zone or chance is in the outputs; one changed byte is seen."""
+def test_builds_in_two_folders_have_the_same_bytes(whole, tmp_path, monkeypatch):
+    """Folder and time zone do not matter; a single changed byte is detected."""
     monkeypatch.setenv("TZ", "Pacific/Kiritimati")
     other = tmp_path / "another folder" / "out"
     assert whole.build(f"--out={other}") == 0
@@ -90,47 +90,42 @@ def test_two_folders_get_the_same_bytes(whole, tmp_path, monkeypatch):
     assert reproducibility.different(whole.out, other) == ["report.pdf"]
 
 
-class TestOnlyWhatDepends:
-    """One change redoes what depends on it and no more."""
+class TestOutdatedSteps:
+    """A change repeats the steps that depend on it, and no others."""
 
-    def test_a_parameter(self, built):
-        """A parameter runs and draws its own experiment."""
+    def test_a_changed_parameter_runs_and_draws_its_experiment(self, built):
         (built.source / "experiments.toml").write_text("[fake_b]\nepsilon = 0.5\n")
         assert built.build() == 0
         assert built.did() == ["run fake_b", "draw fake_b"]
 
     @pytest.mark.slow
-    def test_a_parameter_set_to_its_default(self, built):
-        """Settings that say what holds anyhow change nothing."""
+    def test_a_parameter_set_to_its_default_changes_nothing(self, built):
         (built.source / "experiments.toml").write_text("[fake_a]\npoints = 1000\n")
         assert built.build() == 0
         assert built.did() == []
 
     @pytest.mark.slow
-    def test_a_plot(self, built):
-        """A change in drawing draws, and does not run."""
+    def test_a_changed_plot_is_drawn_without_a_run(self, built):
         built.write_experiment("fake_a", 'line("MLS")', 'line("LS")')
         assert built.build() == 0
         assert built.did() == ["draw fake_a"]
 
     @pytest.mark.slow
-    def test_a_comment(self, built):
-        """Comments, docstrings and layout change nothing."""
+    def test_comments_docstrings_and_layout_change_nothing(self, built):
         built.write_experiment("fake_a", "SCALE = 1.0", "\n\n# a comment\nSCALE = (\n    1.0)")
         built.write_experiment("fake_b", "Draw the line.", "Draw the curve.")
         assert built.build() == 0
         assert built.did() == []
 
-    def test_a_constant_that_the_run_reaches(self, built):
-        """What `run` uses is part of it."""
+    def test_a_changed_constant_used_by_run_repeats_the_run(self, built):
         built.write_experiment("fake_a", "SCALE = 1.0", "SCALE = 2.0")
         assert built.build() == 0
         assert built.did() == ["run fake_a", "draw fake_a"]
 
     @pytest.mark.slow
     @pytest.mark.parametrize("name", ["fake_a.svg", "facts.json", "errors.csv"])
-    def test_a_lost_or_damaged_file(self, built, name):
-        """A file that is gone, or not what was written, is made again, the same as before."""
+    def test_a_missing_or_damaged_output_is_restored(self, built, name):
+        """The restored file has the same bytes."""
         before = built.outputs()
         path = built.out / "experiments" / "fake_a" / name
         path.write_bytes(b"damaged")
@@ -140,14 +135,13 @@ class TestOnlyWhatDepends:
         assert built.outputs() == before
 
     @pytest.mark.slow
-    def test_an_experiment_that_is_gone(self, built):
-        """Its results go too."""
+    def test_the_results_of_a_removed_experiment_are_removed(self, built):
         (built.code / "fake_b.py").unlink()
         assert built.build() == 0
         assert not (built.out / "experiments" / "fake_b").exists()
 
-    def test_only_one_experiment(self, report):
-        """With --only the others and the text are left alone."""
+    def test_option_only_builds_one_experiment(self, report):
+        """Other experiments and the text are not built."""
         assert report.build("--only", "fake_b") == 0
         assert report.did() == ["run fake_b", "draw fake_b"]
         assert not (report.out / "report.html").exists()
@@ -174,9 +168,9 @@ CHANGES = {
 
 @pytest.fixture(scope="module")
 def once(tmp_path_factory):
-    """A report of which an experiment reads a file, built once."""
+    """A report in which an experiment reads a file, built once."""
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr(typesetting.Document, "compile", set_no_text)
+        monkeypatch.setattr(typesetting.Document, "compile", skip_typesetting)
         report = SmallReport(tmp_path_factory.mktemp("unchanged"), monkeypatch)
         (report.source / "data.json").write_text("measured")
         read = f'field(default="{report.source / "data.json"}", metadata={{"file": True}})'
@@ -189,46 +183,45 @@ def once(tmp_path_factory):
         yield report
 
 
-def nothing_changed(report):
+def is_up_to_date(report):
     return up_to_date.is_up_to_date(report.options())
 
 
-class TestNothingChanged:
-    """Told from files alone; whatever may change the report has the steps looked at."""
+class TestUpToDate:
+    """Files alone decide whether the report is up to date; any relevant change is detected."""
 
     @pytest.fixture
     def report(self, once):
-        """Give that report, and put it back as it was."""
+        """The report, which is restored after the test."""
         before = {p: p.read_bytes() for p in once.folder.rglob("*") if p.is_file()}
-        assert nothing_changed(once)
+        assert is_up_to_date(once)
         yield once
         for path in once.folder.rglob("*"):
             if path.is_file() and path not in before:
                 path.unlink()
         for path, content in before.items():
             path.write_bytes(content)
-        assert nothing_changed(once)
+        assert is_up_to_date(once)
 
     @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
-    def test_a_change_is_seen(self, report, change):
-        """Of the code, the text, the parameters, the inputs and the outputs."""
+    def test_a_change_is_detected(self, report, change):
+        """Changes of code, text, parameters, inputs and outputs."""
         change(report)
-        assert not nothing_changed(report)
+        assert not is_up_to_date(report)
 
-    def test_another_version_of_a_package_is_seen(self, report, tmp_path, monkeypatch):
-        """Whatever package it is."""
+    def test_another_package_version_is_detected(self, report, tmp_path, monkeypatch):
         (tmp_path / "site" / "numpy-99.0.dist-info").mkdir(parents=True)
         monkeypatch.syspath_prepend(tmp_path / "site")
-        assert not nothing_changed(report)
+        assert not is_up_to_date(report)
 
-    def test_another_python_is_seen(self, report, monkeypatch):
-        """Its version and its build."""
+    def test_another_python_is_detected(self, report, monkeypatch):
+        """Version and build of Python are compared."""
         other = SimpleNamespace(version="4.0", path=sys.path, stderr=sys.stderr)
         monkeypatch.setattr(up_to_date, "sys", other)
-        assert not nothing_changed(report)
+        assert not is_up_to_date(report)
 
-    def test_a_build_is_begun_only_after_a_change(self, report, monkeypatch):
-        """And the next has nothing to do again."""
+    def test_a_build_starts_only_after_a_change(self, report, monkeypatch):
+        """The following build has nothing to do."""
         begun = []
 
         def begin(arguments, whole=build.build):
@@ -236,7 +229,7 @@ class TestNothingChanged:
             whole(arguments)
 
         monkeypatch.setattr(build, "build", begin)
-        monkeypatch.setattr(typesetting.Document, "compile", set_no_text)
+        monkeypatch.setattr(typesetting.Document, "compile", skip_typesetting)
         assert report.build() == 0
         assert begun == []
         (report.source / "data.json").write_text("measured again")
@@ -246,8 +239,8 @@ class TestNothingChanged:
         assert report.build() == 0
         assert len(begun) == 1
 
-    def test_it_is_told_without_what_computes(self):
-        """Neither NumPy nor matplotlib is imported to find out."""
+    def test_the_check_imports_no_numerical_packages(self):
+        """The check also avoids matplotlib."""
         code = (
             "import sys, fieldreport.commands.report; "
             "print([n for n in ('numpy', 'matplotlib', 'fontTools', 'rich') if n in sys.modules])"
@@ -257,14 +250,14 @@ class TestNothingChanged:
         )
         assert done.stdout == "[]\n"
 
-    def test_no_folder_is_made_to_find_out(self, report):
-        """Called in the wrong place it leaves nothing there."""
+    def test_the_check_creates_no_folder(self, report):
+        """A call with a wrong source folder leaves nothing there."""
         assert report.build("--source", str(report.source / "nowhere")) == 1
         assert not (report.source / "nowhere").exists()
 
 
 class Killed(BaseException):
-    """Stands for the end of the process: nothing may catch it."""
+    """Represents the end of the process, which no code may catch."""
 
 
 LATER = [pytest.param(moment, marks=pytest.mark.slow) for moment in (2, 4, 6, 13, 16, 17)]
@@ -272,8 +265,8 @@ LATER = [pytest.param(moment, marks=pytest.mark.slow) for moment in (2, 4, 6, 13
 
 @pytest.mark.slow
 @pytest.mark.parametrize("moment", [0, 5, 14, *LATER])
-def test_a_build_killed_at_any_write_is_completed_by_the_next(report, monkeypatch, moment):
-    """Whichever write was the last, the next build gives the files of an undisturbed one."""
+def test_a_build_killed_during_a_write_is_completed_by_the_next(report, monkeypatch, moment):
+    """Whichever write was interrupted, the next build gives the files of an undisturbed build."""
     written = []
 
     def write(path, content, whole=files.write_atomically):
@@ -296,21 +289,21 @@ def test_a_build_killed_at_any_write_is_completed_by_the_next(report, monkeypatc
     assert report.outputs() == report.outputs(clean)
 
 
-def test_the_second_of_two_builds_waits_and_says_so(tmp_path):
-    """While one holds the folder the other waits; then it goes on."""
-    said, entered = [], threading.Event()
+def test_a_second_build_waits_and_reports_it(tmp_path):
+    """It continues when the first build ends."""
+    messages, entered = [], threading.Event()
 
     def second():
-        with only_build_in(tmp_path, said.append):
+        with only_build_in(tmp_path, messages.append):
             entered.set()
 
-    with only_build_in(tmp_path, said.append):
+    with only_build_in(tmp_path, messages.append):
         waiting = threading.Thread(target=second)
         waiting.start()
         assert not entered.wait(0.3)
     waiting.join(5)
     assert entered.is_set()
-    assert said == [f"another build is at work in {tmp_path}; waiting for it to end"]
+    assert messages == [f"another build is at work in {tmp_path}; waiting for it to end"]
 
 
 @pytest.mark.parametrize(
@@ -321,37 +314,36 @@ def test_the_second_of_two_builds_waits_and_says_so(tmp_path):
         (errno.EACCES, "permission is denied"),
     ],
 )
-def test_a_disk_that_takes_nothing_is_told_in_a_sentence(report, monkeypatch, capfd, number, words):
-    """One line with the reason, exit status 1, no traceback."""
+def test_a_write_error_is_reported_in_one_line(report, monkeypatch, capfd, number, words):
+    """The exit status is 1, and there is no traceback."""
 
     def write(path, content):  # noqa: ARG001
         raise OSError(number, "told by the system", str(path))
 
     monkeypatch.setattr(files, "write_atomically", write)
     assert report.build() == 1
-    told = capfd.readouterr().err
-    assert re.search(rf"cannot write .*fake_a/params.json: {words}$", told.strip())
-    assert "Traceback" not in told
+    reported = capfd.readouterr().err
+    assert re.search(rf"cannot write .*fake_a/params.json: {words}$", reported.strip())
+    assert "Traceback" not in reported
 
 
-def test_a_file_where_the_folder_should_be(report, capfd):
-    """The build folder's name taken by a file is told in a sentence."""
+def test_a_file_in_place_of_the_build_folder_is_reported(report, capfd):
     (report.source / "taken").write_text("")
     assert report.build(f"--out={report.source / 'taken'}") == 1
     assert "a file stands where a folder is wanted" in capfd.readouterr().err
 
 
-def test_interruption_ends_quietly(report, monkeypatch, capfd):
-    """Ctrl-C gives its own exit status and a sentence."""
+def test_an_interrupted_build_is_reported_without_a_traceback(report, monkeypatch, capfd):
+    """Ctrl-C gives an exit status of its own."""
 
     def interrupted(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(rerun, "write_result", interrupted)
     assert report.build() == command.INTERRUPTED
-    told = capfd.readouterr().err
-    assert "interrupted" in told
-    assert "Traceback" not in told
+    reported = capfd.readouterr().err
+    assert "interrupted" in reported
+    assert "Traceback" not in reported
 
 
 @pytest.mark.parametrize(
@@ -364,23 +356,33 @@ def test_interruption_ends_quietly(report, monkeypatch, capfd):
         ("[fake_a\n", "experiments.toml"),
     ],
 )
-def test_wrong_settings_are_told(report, capfd, settings, words):
-    """A wrong name or value in experiments.toml stops the build before anything runs."""
+def test_invalid_settings_stop_the_build(report, capfd, settings, words):
+    """A wrong name or value in experiments.toml is reported before anything runs."""
     (report.source / "experiments.toml").write_text(settings)
     assert report.build() == 1
     assert re.search(words, capfd.readouterr().err)
     assert report.did() == []
 
 
-def test_an_experiment_that_fails_is_named(report, capfd):
-    """The error of an experiment comes with its name and where it arose."""
+def test_a_failed_experiment_is_reported(report, capfd):
+    """The message contains the name of the experiment and the location of the error."""
     report.write_experiment("fake_b", "x = np.linspace", "x = np.no_such_function")
     assert report.build() == 1
     assert re.search(r"experiment fake_b failed(.|\n)*no_such_function", capfd.readouterr().err)
 
 
-def test_facts_agree_to_the_digits_stated():
-    """Another machine may differ by a unit of the last digit, in nothing else."""
+def test_an_experiment_that_fails_with_other_parameters_is_reported(report, capfd):
+    """The message names the experiment and the changed parameter, without a traceback."""
+    report.write_experiment("fake_b", "x = np.linspace", "x = 10.0 ** params.points, np.linspace")
+    (report.source / "experiments.toml").write_text("[fake_b]\npoints = 1001\n")
+    assert report.build() == 1
+    reported = capfd.readouterr().err
+    assert "experiment fake_b fails with points = 1001: " in reported
+    assert "Traceback" not in reported
+
+
+def test_facts_are_compared_to_their_stated_digits():
+    """Another machine may differ by one unit of the last digit, and in nothing else."""
     facts = {"x": 1.0, "rough": 1.0, "order": 0.01, "k": 3, "e": 1e-15}
 
     def digits_of(experiment):
@@ -401,12 +403,12 @@ def test_facts_agree_to_the_digits_stated():
     ):
         assert len(deviations(**far)) == 1, far
     other = {"experiments": {"a": {"params": {"n": 2}, "facts": {}}}}
-    told = list(reproducibility.deviations(manifest(), other, digits_of))
-    assert ["parameters" in text for text in told] == [True]
+    reported = list(reproducibility.deviations(manifest(), other, digits_of))
+    assert ["parameters" in text for text in reported] == [True]
 
 
-def test_other_pins_do_all_again(built, monkeypatch):
-    """A folder that was built with other pins, or none, is not up to date."""
+def test_other_pins_repeat_all_steps(built, monkeypatch):
+    """Results computed with other pinned kernels are outdated."""
     for module in (rerun, up_to_date):
         monkeypatch.setattr(module, "pins", lambda: {"OPENBLAS_CORETYPE": "another"})
     assert built.build() == 0

@@ -1,4 +1,4 @@
-"""Rules for chapters: no computed result is typed, every cited work is in the bibliography."""
+"""Rules for chapters: no computed result is typed, and the bibliography is complete."""
 
 import re
 
@@ -6,11 +6,11 @@ from report_fixtures import REPORT
 
 CHAPTERS = sorted((REPORT / "chapters").glob("*.md"))
 ALLOWED: set[str] = set()
-"""Decimals in prose that are no results, such as the version of a standard."""
+"""Decimals in prose that are not results, such as the version of a standard."""
 
 
 def decimals_in_prose(text):
-    """Return decimals outside quotations of facts, mathematics, code and attributes."""
+    """Return the decimals outside quoted facts, mathematics, code and attributes."""
     for hidden in (
         r"```.*?```",
         r"`[^`]*`",
@@ -24,20 +24,20 @@ def decimals_in_prose(text):
     return re.findall(r"(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?", text)
 
 
-def test_no_result_is_typed():
-    """A decimal in prose is quoted from an experiment, or on the short list of those allowed."""
+def test_chapters_contain_no_typed_results():
+    """A decimal in prose is quoted from an experiment or listed in ALLOWED."""
     typed = {p.name: set(decimals_in_prose(p.read_text("utf-8"))) - ALLOWED for p in CHAPTERS}
     assert {name: found for name, found in typed.items() if found} == {}
 
 
 def test_a_typed_result_is_found():
-    """The search sees a decimal in prose, in a caption and in a cell, and nothing else."""
+    """The search finds a decimal in prose, in a caption and in a table cell, and nothing else."""
     text = 'It is 0.25, $x = 1.5$, {{a.b:.2f}}, `1.5`.\n\n![Of 3.5 m.](a.svg){#fig:a alt="0.1"}\n\n'
     assert decimals_in_prose(text + "| 1e3 | 7.5e-3 |\n\n$$ 2.5 $$\n") == ["0.25", "3.5", "7.5e-3"]
 
 
 def test_every_chapter_begins_with_its_heading():
-    """One first-level heading per file, with a label."""
+    """Each file has one first-level heading, with a label."""
     for path in CHAPTERS:
         text = re.sub(r"```.*?```", "", path.read_text("utf-8"), flags=re.S)
         headings = re.findall(r"^# .*", text, re.M)
@@ -46,8 +46,8 @@ def test_every_chapter_begins_with_its_heading():
         assert text.startswith("# "), path.name
 
 
-def test_every_entry_of_the_bibliography_is_complete_and_known_once():
-    """Author, title and a key that says whose and when; no key twice."""
+def test_the_bibliography_is_complete_sorted_and_without_duplicates():
+    """Each entry has an author, a title, and a key that ends with the year."""
     entries = re.findall(
         r"^@\w+\{(\w+),(.*?)^\}", (REPORT / "references.bib").read_text(), re.S | re.M
     )

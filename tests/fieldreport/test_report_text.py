@@ -1,4 +1,4 @@
-"""The text: equal numbers in both outputs, well-formatted facts, errors that stop the build."""
+"""The text of the report: numbering in both outputs, quoted facts, and reported errors."""
 
 import html
 import re
@@ -186,7 +186,7 @@ DAMAGE = {
 
 
 class Text:
-    """Converts chapters with made-up values."""
+    """Chapters with made-up values, and their conversion."""
 
     def __init__(self, folder):
         source, drawn = folder / "text", folder / "out" / "experiments" / "bumps"
@@ -226,7 +226,7 @@ def typ(outputs):
 
 @pytest.fixture(scope="module")
 def problems(text):
-    """Everything that is wrong with a text in which all is damaged."""
+    """All errors reported for a text with every kind of damage."""
     damaged = WHOLE + "\n\n".join(damage for damage, _ in DAMAGE.values()) + "\n"
     with pytest.raises(BuildError) as caught:
         text.convert(damaged)
@@ -239,8 +239,8 @@ def words(markup):
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", "", markup)))
 
 
-def test_references_carry_the_same_numbers_in_both_outputs(page, typ):
-    """Every reference reads alike in HTML and PDF, and there are all kinds."""
+def test_references_have_the_same_numbers_in_html_and_pdf(page, typ):
+    """All kinds of references are tested."""
     in_page = re.findall(r'<a\s+href="#([\w:]+)"\s+class="xref">(.*?)</a>', page, re.S)
     in_print = re.findall(r"#link\(<(\w+:\w+)>\)\[(.*?)\]", typ)
     read = [(label, words(t).replace("\xa0", " ")) for label, t in in_page]
@@ -262,8 +262,8 @@ def test_references_carry_the_same_numbers_in_both_outputs(page, typ):
     }
 
 
-def test_what_is_numbered_shows_the_number_that_references_carry(page, typ):
-    """Captions, equations and headings show their number in both outputs."""
+def test_numbered_elements_show_the_number_of_their_references(page, typ):
+    """Captions, equations and headings show their numbers in both outputs."""
     for shown in ("Figure 1.1.", "Figure 1.2.", "Table 1.1.", "Table 1.2.", "Theorem 1.1"):
         assert shown in words(page).replace("\xa0", " ")
         assert shown in typ.replace("~", " ").replace("\xa0", " ")
@@ -273,25 +273,24 @@ def test_what_is_numbered_shows_the_number_that_references_carry(page, typ):
     assert re.findall(r'<span class="secno">(.*?)</span>', page) == ["1", "1.1", "A"] * 2
 
 
-def test_links_lead_somewhere(page, typ):
-    """Every link within the text has its target."""
+def test_internal_links_have_targets(page, typ):
     ids = set(re.findall(r'\bid="([^"]+)"', page))
     assert set(re.findall(r'href="#([^"]+)"', page)) <= ids
     labels = set(re.findall(r"<([\w:.-]+)>", re.sub(r"#link\(<[^>]+>\)", "", typ)))
     assert set(re.findall(r"#link\(<([^>]+)>\)", typ)) <= labels
 
 
-def test_numbers_read_well_in_prose(page):
-    """Minus signs, thousands and percents are set as in print; tuples as lists."""
-    told = words(page)
+def test_numbers_in_prose_are_formatted(page):
+    """Minus signs, thousands separators and percentages; tuples are shown as lists."""
+    shown = words(page)
     for text_ in ("−2.5, 12,345,", ", 1, 2, 3, 4, 5, 6, 7, 8, 123,456.8, −250%"):
-        assert text_ in told
-    assert "{{bumps.small:.1e}}" in told  # in code
-    assert told.count("{{") == 1
+        assert text_ in shown
+    assert "{{bumps.small:.1e}}" in shown  # in code
+    assert shown.count("{{") == 1
 
 
-def test_powers_of_ten_are_mathematics_in_both_outputs(page, typ):
-    """0.0012 as .1e reads 1.2 × 10⁻³, one digit 1 × 10⁻⁴; an order of magnitude is a bare power."""
+def test_powers_of_ten_are_set_as_mathematics(page, typ):
+    """0.0012 as .1e reads 1.2 × 10⁻³; one digit 1 × 10⁻⁴, an order of magnitude 10⁻⁴."""
     tex = re.findall(r'<annotation encoding="application/x-tex">(.*?)</annotation>', page)
     assert tex.count(r"1.2 \times 10^{-3}") == 3  # in prose and in two tables
     assert {"a = 1.2 \\times 10^{-3}", "b = 12{,}345", "c = 10^{-16}", "10^{-16}"} <= set(tex)
@@ -299,8 +298,8 @@ def test_powers_of_ten_are_mathematics_in_both_outputs(page, typ):
     assert "1.2 times 10^(- 3)" in typ
 
 
-def test_figures_have_words_and_tell_where_they_come_from(page, typ):
-    """Alternative texts with facts in plain letters; the experiment and its parameters below."""
+def test_figures_have_alternative_texts_and_their_origin(page, typ):
+    """Alternative texts contain facts as plain text; the origin names experiment and parameters."""
     alt = 'Bumps at 1.2 × 10⁻³ < 1 and "so" on the left.'
     assert alt in [html.unescape(a) for a in re.findall(r'<img [^>]*alt="([^"]*)"', page)]
     assert 'alt: "{}"'.format(alt.replace('"', r"\"")) in typ
@@ -310,8 +309,8 @@ def test_figures_have_words_and_tell_where_they_come_from(page, typ):
     assert "Experiments bumps and other." in words(page)
 
 
-def test_tables_come_from_results(page):
-    """Columns, rows and formats are those asked for."""
+def test_tables_are_made_from_results(page):
+    """They have the requested columns, rows and formats."""
     table = re.search(r'<table[^>]*class="result".*?</table>', page, re.S).group(0)
     rows = re.findall(r"<tr.*?</tr>", table, re.S)
     assert len(rows) == 3
@@ -320,29 +319,28 @@ def test_tables_come_from_results(page):
     assert "yes" in rows[1]
 
 
-def test_no_tex_is_left_over(page, typ):
-    """Neither output shows TeX or Markdown to the reader."""
+def test_no_markup_is_shown_to_the_reader(page, typ):
+    """Neither output contains TeX or Markdown."""
     assert not re.search(r"\\[a-zA-Z]{2,}|\$\$|:::|\{#", words(page))
     assert not re.search(r"\\\$|:::|\{\\#", typ)
 
 
-def test_nothing_is_fetched(page):
-    """The page holds all it needs."""
+def test_the_page_loads_nothing(page):
     assert not re.search(r'<(?:script|img|link|iframe|source)\b[^>]*(?:src|href)="(?!data:)', page)
     css = (REPORT / "style.css").read_text()
     assert not re.search(r"@import|url\(", css)
 
 
-def test_repairs_of_what_pandoc_writes_for_typst(typ):
-    """Names that Typst no longer has do not occur; formulas carry their TeX as words."""
+def test_typst_code_from_pandoc_is_corrected(typ):
+    """Names that Typst has removed do not occur; formulas have their TeX as alternative text."""
     assert "sect" not in re.sub(
         r'"[^"]*"', "", re.search(r"#math.equation\(block.*bigcap.*", typ).group(0)
     )
     assert 'alt: "\\\\mathbf{B} \\\\mathbf{c} = \\\\nabla \\\\phi"' in typ
 
 
-def means_something(name):
-    """Tell whether a name stands for something in a formula of Typst; one with a hyphen cannot."""
+def is_typst_symbol(name):
+    """Whether a name has a meaning in a Typst formula; a name with a hyphen cannot have one."""
     try:
         typst.compile(f"$ {name} $".encode())
     except typst.TypstError as error:
@@ -350,27 +348,25 @@ def means_something(name):
     return "-" not in name
 
 
-def test_the_template_takes_no_name_that_formulas_use():
-    """A colour named as an accent would stand in every formula with a wide hat."""
-    assert means_something("accent")
+def test_the_template_defines_no_name_of_a_typst_symbol():
+    """A colour called `hat` would replace the accent in every formula."""
+    assert is_typst_symbol("accent")
     names = re.findall(r"^#let ([\w-]+)", (REPORT / "template.typ").read_text(), re.M)
     assert len(names) > 3
-    assert [name for name in names if means_something(name)] == []
+    assert [name for name in names if is_typst_symbol(name)] == []
 
 
-def test_document_as_a_whole_is_sound(problems):
-    """The undamaged text has no problem; all the damaged one's are told at once."""
+def test_every_damaged_part_is_reported_at_once(problems):
+    """The undamaged text is converted without an error."""
     assert len(problems.splitlines()) >= len(DAMAGE)
 
 
 @pytest.mark.parametrize("what", DAMAGE)
-def test_damage_stops_the_build(problems, what):
-    """Each kind of damage is told in words."""
+def test_each_kind_of_damage_is_reported(problems, what):
     assert re.search(DAMAGE[what][1], problems)
 
 
-def test_problems_are_told_with_file_and_line(text, problems):
-    """The author is led to the line."""
+def test_errors_are_reported_with_file_and_line(text, problems):
     line = next(k for k, t in enumerate(text_lines(text), 1) if "{{bumps.gone:.1f}}" in t)
     assert f"text/chapters/01-all.md:{line}: bumps has no fact gone" in problems
 
@@ -383,19 +379,19 @@ def text_lines(text):
 
 
 def test_unquoted_facts_are_listed(text):
-    """Facts that no chapter quotes are told by name."""
+    """Facts that no chapter quotes are listed by name."""
     (text.document.source / "chapters" / "01-all.md").write_text(WHOLE)
     assert unquoted_facts(text.document.chapters, VALUES) == {"bumps": ["unquoted"]}
 
 
 def test_an_unknown_citation_stops_the_build(text):
-    """A key that the bibliography lacks is an error."""
+    """The bibliography lacks this key."""
     with pytest.raises(BuildError, match="nobody1900"):
         text.convert("# A {#sec:a}\n\nAs in @nobody1900.\n")
 
 
-def test_fonts_hold_what_the_page_shows(page):
-    """The subsets are made for the characters of the page; one in no font is refused by name."""
+def test_embedded_fonts_contain_the_characters_of_the_page(page):
+    """A character that no font contains is refused by name."""
     mathematics, letters = code_points(page)
     assert {ord("∇"), ord("𝑥"), ord("𝐁")} <= mathematics
     assert ord("ψ") not in letters
@@ -403,8 +399,8 @@ def test_fonts_hold_what_the_page_shows(page):
         font_faces("<p>🦆</p>")
 
 
-def test_fonts_hold_the_sign_of_a_root():
-    """The browser draws it for an element; no character of the page says so."""
+def test_embedded_fonts_contain_the_root_sign():
+    """The browser draws it for an element, although it is not a character of the page."""
     root = "<math><msqrt><mn>3</mn></msqrt></math>"
     assert ord("√") in code_points(root)[0]
     assert ord("√") not in code_points("<math><mn>3</mn></math>")[0]

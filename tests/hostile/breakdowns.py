@@ -1,20 +1,20 @@
-"""Loops, crashes, memory, depth and floods: what breaks is lost, and what else is right counts."""
+"""Loops, crashes, memory, depth and floods: a failing answer is lost, right answers count."""
 
 from dataclasses import replace
 
-from hostile.case import COUNTED, EVERYTHING, WALLS, Case
+from hostile.case import COUNTED, EVERYTHING, SANDBOXED, Case
 
 LOST = ("01.2",)
 
 
 def fit(body, name, **more):
-    """A case in which only `fit` is lost, whose body this is."""
+    """A case in which only `fit` is lost; `body` is its code."""
     code = "def fit(points, values):\n" + "\n".join("    " + line for line in body.split("\n"))
     return Case(name, lost=LOST, answers={"fit": code}, **more)
 
 
 def cell(code, name, **more):
-    """A case in which nothing is lost: what breaks is a cell at the end."""
+    """A case in which nothing is lost; a cell at the end fails."""
     return Case(name, after=code, **more)
 
 
@@ -165,7 +165,7 @@ FLOODS = [
         "import os\nfor _ in range(3000):\n    os.mkdir('d' * 100); os.chdir('d' * 100)\n"
         "import time; time.sleep(60)",
         "folders in folders",
-        tiers=WALLS,
+        tiers=SANDBOXED,
     ),
     fit(
         "import os\nos.mkdir('closed'); open('closed/x', 'w').close(); os.chmod('closed', 0)\n"

@@ -1,4 +1,4 @@
-"""A case: a file that is handed in, the grade that is fair, and where that is promised."""
+"""A hostile case: a submitted file, its fair grade, and the tiers that guarantee it."""
 
 import json
 import sys
@@ -13,12 +13,12 @@ from fieldgrade.isolation.server import tiers
 
 ROOT = Path(__file__).parent.parent.parent
 ALL = frozenset({"bubblewrap", "landlock", "none"})
-WALLS = frozenset({"bubblewrap", "landlock"})
-"""Tiers that keep a program that means harm away from files, network and other processes."""
+SANDBOXED = frozenset({"bubblewrap", "landlock"})
+"""Tiers that keep harmful programs away from files, network and other processes."""
 HERE = tiers()
-"""The tiers of this machine."""
-COUNTED = ALL if sys.platform == "linux" else WALLS
-"""Tiers that hold memory to its limit and find every process that was left; macOS does neither."""
+"""The tiers available on this machine."""
+COUNTED = ALL if sys.platform == "linux" else SANDBOXED
+"""Tiers that enforce the memory limit and find every leftover process; macOS does neither."""
 POINTS = {
     number: {q.name: float(q.points) for q in questions().values() if q.notebook == number}
     for number in ("01", "02")
@@ -33,24 +33,24 @@ class Case:
     Parameters
     ----------
     name : str
-        What it is, in a few words.
+        A short description.
     lost : tuple of str
-        The questions for which a fair grader gives nothing; all others are answered rightly.
+        The questions that earn no points from a fair grader; all others are answered rightly.
     before, after : str
-        Cells put after the first one, or at the end.
+        Cells inserted after the first cell, or at the end.
     answers : mapping
-        Code in the place of the cell that defines a function.
+        Code that replaces the cell that defines a function.
     make : callable, optional
-        Makes the file instead: from the text of the notebook to its name and its bytes.
+        Makes the file instead, from the notebook to its name and its bytes.
     tiers : frozenset
-        On which tiers the grade, and that nobody is harmed, is promised. On the others it is not
-        run, since it would do what it tries.
+        The tiers that guarantee the grade and the safety of everything else. On other tiers the
+        case is not run, since its attempts would succeed.
     status : str
-        The status of the record, where the case is about it.
+        The expected status of the record, if the case tests it.
     notes : str
-        What a note says, where there is to be one.
+        Text expected in the notes, if any.
     number : str
-        The notebook that it starts from.
+        The notebook from which the file is made.
     """
 
     name: str
@@ -64,12 +64,12 @@ class Case:
     notes: str = ""
     number: str = "01"
 
-    def fair(self) -> dict[str, float]:
+    def fair_points(self) -> dict[str, float]:
         """The points of each question that a fair grader gives."""
         return {q: 0.0 if q in self.lost else p for q, p in POINTS[self.number].items()}
 
-    def handed_in(self, places: Mapping[str, str]) -> tuple[str, bytes]:
-        """The name and the bytes of the file; ``@NAME@`` in code stands for a place."""
+    def submitted_file(self, places: Mapping[str, str]) -> tuple[str, bytes]:
+        """The name and the bytes of the file; ``@NAME@`` in code stands for a value of `places`."""
         made = notebook(self.number)
         for index, cell in enumerate(made["cells"]):
             for function, code in self.answers.items():
@@ -103,7 +103,7 @@ def code_cell(code: str) -> dict[str, Any]:
 
 
 def notebook(number: str = "01") -> dict[str, Any]:
-    """The notebook with right answers, as a student hands it in; sources are text, not lines."""
+    """The notebook with right answers as a student submits it; sources are strings."""
     made = json.loads(_solved(number))
     for cell in made["cells"]:
         cell["source"] = "".join(cell["source"])
@@ -117,10 +117,10 @@ def _solved(number: str) -> str:
 
 
 def stub(function: str) -> str:
-    """A function that is not written."""
+    """A function that is not written yet."""
     return f"def {function}(*args):\n    raise NotImplementedError\n"
 
 
 FUNCTIONS = [q.function for q in questions().values() if q.notebook == "01"]
 NO_ANSWERS = {function: f"def {function}(*args):\n    return 0.0\n" for function in FUNCTIONS}
-"""Answers that are all wrong."""
+"""Wrong answers to all questions."""

@@ -1,15 +1,15 @@
-"""Cheats: no answer of theirs is right, but for what is said, and none of them earns anything."""
+"""Cheats: apart from stated exceptions no answer is right, and no cheat earns points."""
 
 import json
 
 from fieldcheck.answers import public_answers
 from fieldcheck.questions import questions
 from fieldgrade.authoring.known_answers import public_calls
-from hostile.case import ALL, EVERYTHING, NO_ANSWERS, WALLS, Case
+from hostile.case import ALL, EVERYTHING, NO_ANSWERS, SANDBOXED, Case
 
 
 def cheat(name, before="", after="", answers=None, tiers=ALL, **more):
-    """A case in which everything is lost."""
+    """A case in which every question is lost."""
     answers = NO_ANSWERS | (answers or {})
     return Case(
         name, lost=EVERYTHING, before=before, after=after, answers=answers, tiers=tiers, **more
@@ -51,7 +51,7 @@ def forged(head, body=b"", pipe=None):
 
 
 def hard_coded():
-    """An answer that knows the public case by heart."""
+    """An answer with a table of the right values for the public case."""
     question = questions()["01.2"]
     right = public_answers("01")["01.2"].right
     table = {
@@ -172,7 +172,7 @@ for text in FOUND:
     if "def basis_matrix" in text:
         exec(text)
 """,
-        tiers=WALLS,
+        tiers=SANDBOXED,
     ),
     cheat(
         "the library called instead",
@@ -189,7 +189,7 @@ def fit(points, values):
     return LeastSquares(points).coefficients(values)
 """
         },
-        tiers=WALLS,
+        tiers=SANDBOXED,
     ),
     cheat(
         "answers sought in memory and in frames",
@@ -236,7 +236,7 @@ for folder in ("@OUT@", "@OUT@/..", ".", "..", os.path.expanduser("~")):
         except OSError:
             pass
 """,
-        tiers=WALLS,
+        tiers=SANDBOXED,
     ),
     cheat(
         "results printed",

@@ -1,4 +1,4 @@
-"""What the hostile suite needs: servers on every tier, things not to be touched, and a watchdog."""
+"""Fixtures of the hostile suite: a server per tier, targets to protect, and a watchdog."""
 
 import os
 import secrets
@@ -29,7 +29,7 @@ SECONDS_FOR_A_CASE = 900
 
 
 class Places:
-    """What a submission must not reach, and whether it did."""
+    """Targets that a submission must not reach, and whether it reached them."""
 
     def __init__(self, folder: Path, stack: ExitStack) -> None:
         self.token = f"{secrets.randbelow(10**9):09}"
@@ -52,7 +52,7 @@ class Places:
             subprocess.Popen(["cat"], stdin=subprocess.PIPE, env={"GRADER_SECRET": self.secret})
         )
         stack.callback(self.bystander.kill)
-        self.told = {
+        self.values = {
             "CANARY": str(self.canary),
             "OUT": str(self.out),
             "MARK": self.token,
@@ -67,7 +67,7 @@ class Places:
 
     @property
     def secret(self) -> str:
-        """A word that must not be told."""
+        """A word that no submission may reveal."""
         return f"canary{self.token}"
 
     @staticmethod
@@ -80,7 +80,7 @@ class Places:
         return opened
 
     def seen(self) -> list[object]:
-        """Everything about the files that could be changed, and where a file could be added."""
+        """The state of the files and folders that a submission could change."""
         files = sorted(p for place in (self.canary, self.out) for p in (place, *place.rglob("*")))
         stats = [
             (str(p), p.lstat().st_mode, p.lstat().st_mtime_ns, p.lstat().st_uid) for p in files
@@ -92,7 +92,7 @@ class Places:
         return [stats, texts, added, [p.exists() for p in start_up]]
 
     def reached(self) -> list[str]:
-        """What was reached that must not be."""
+        """The targets that were reached."""
         found = [] if self.seen() == self.before else ["files outside"]
         found += [] if self.bystander.poll() is None else ["a process of somebody else"]
         for opened in self.sockets:
@@ -124,7 +124,7 @@ def course():
 
 @pytest.fixture(scope="session")
 def servers(places):
-    """A server on each tier that there is, started when it is first asked for."""
+    """A server for each available tier, started on first use."""
     assert os.environ["GRADER_SECRET"] == places.secret
     with ExitStack() as stack:
         started = {}
@@ -143,7 +143,7 @@ def servers(places):
 
 @pytest.fixture
 def watchdog():
-    """Whatever happens, a server ends, with all that runs behind it."""
+    """A timer that kills a server and everything that runs in it."""
     timers = []
 
     def watch(server):

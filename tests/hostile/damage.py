@@ -1,4 +1,4 @@
-"""Files that are broken, or only look it: what can be read is graded, the rest is told."""
+"""Damaged and unusual files: readable files are graded, and others are reported."""
 
 import json
 
@@ -11,17 +11,17 @@ def text(made, **more):
 
 
 def file(name, make, lost=(), **more):
-    """A case that is a file."""
+    """A case given by a file."""
     return Case(name, make=make, lost=lost, **more)
 
 
 def unreadable(name, make, notes):
-    """A case that is no notebook."""
+    """A case given by a file that is not a notebook."""
     return Case(name, make=make, lost=EVERYTHING, status="unreadable", notes=notes)
 
 
 def changed(change):
-    """A notebook after a change to its data."""
+    """A function that changes the data of a notebook."""
 
     def make(made):
         change(made)
@@ -31,7 +31,7 @@ def changed(change):
 
 
 def format_3(made):
-    """The notebook in the format of 2012."""
+    """The notebook in the notebook format 3 of 2012."""
     cells = [
         {
             "cell_type": "code",
@@ -50,19 +50,19 @@ def format_3(made):
 
 
 def bare(made):
-    """Nothing but cells."""
+    """The notebook with cell types and sources only."""
     kept = ("cell_type", "source")
     return "01.ipynb", text({"cells": [{k: c[k] for k in kept} for c in made["cells"]]})
 
 
 def script(made, begin="# %%", end="\n"):
-    """The notebook as a script, as editors and nbconvert write it."""
+    """The notebook as a script as written by editors and nbconvert."""
     cells = [c["source"] for c in made["cells"] if c["cell_type"] == "code"]
     return "01.py", end.join(f"{begin}\n{c}\n" for c in cells).replace("\n", end).encode()
 
 
 def exported(made):
-    """The notebook as nbconvert exports it, magic and all."""
+    """The notebook as exported by nbconvert, with magic commands."""
     for cell in made["cells"]:
         if cell["source"].startswith("import numpy"):
             magic = "get_ipython().run_line_magic('matplotlib', 'inline')\n"
@@ -71,20 +71,20 @@ def exported(made):
 
 
 def same_ids(made):
-    """Every cell with the same id, and one of them twice."""
+    """All cells with the same id, and one cell twice."""
     for cell in made["cells"]:
         cell["id"] = "q-01-1"
     made["cells"].insert(5, made["cells"][4])
 
 
 def only_answers(made):
-    """No cell but the imports and the answers."""
+    """The imports and the answers only."""
     kept = [c for c in made["cells"] if c["source"].startswith(("def ", "import"))]
     made["cells"] = [{k: v for k, v in c.items() if k != "id"} for c in kept]
 
 
 def kernelspec(made):
-    """A kernel that only the student has."""
+    """A kernel that exists only on the machine of the student."""
     made["metadata"] = {
         "kernelspec": {"name": "conda-env-mine-py", "language": "julia"},
         "language_info": {"name": "julia", "version": "1.9"},
@@ -92,7 +92,7 @@ def kernelspec(made):
 
 
 def huge(made):
-    """Ten megabytes of pictures."""
+    """A notebook with ten megabytes of pictures."""
     for cell in made["cells"]:
         if cell["cell_type"] == "code":
             cell["outputs"] = [
@@ -105,7 +105,7 @@ def huge(made):
 
 
 def odd_cells(made):
-    """Cells that are none."""
+    """Invalid cells among the valid ones."""
     made["cells"][3:3] = [
         None,
         7,
@@ -119,7 +119,7 @@ def odd_cells(made):
 
 
 def stale(made):
-    """A stub after an answer that works."""
+    """A stub after a right answer."""
     made["cells"].append(code_cell(stub("fit")))
 
 
@@ -129,7 +129,7 @@ def one_is_missing(made):
 
 
 def with_cell(code):
-    """A notebook with one more cell."""
+    """A notebook with an additional cell."""
     return changed(lambda made: made["cells"].append(code_cell(code)))
 
 

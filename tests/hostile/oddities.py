@@ -1,4 +1,4 @@
-"""What honest students do: none of it costs a point that the answer earns."""
+"""Unusual but honest submissions: no right answer loses points."""
 
 from hostile.case import ALL, Case
 
@@ -17,7 +17,7 @@ def fit(points, values):
 
 
 def in_fit(name, line, **more):
-    """A case in which a line stands in an answer that is right."""
+    """A case in which a right answer contains an additional line."""
     return odd(name, answers={"fit": RIGHT_FIT.replace("@ODD@", line)}, **more)
 
 

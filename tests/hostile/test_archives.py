@@ -1,4 +1,4 @@
-"""Zip files with tricks in them: nothing is written outside, and honest students are graded."""
+"""Malicious zip files: nothing is written outside, and honest students are graded."""
 
 import io
 import json
@@ -16,14 +16,14 @@ HONEST = as_file(notebook())[1]
 
 
 def link(target):
-    """An entry that unpacks to a symbolic link."""
+    """A zip entry that unpacks to a symbolic link."""
     info = zipfile.ZipInfo("mallory_01.ipynb")
     info.create_system = 3
     info.external_attr = (stat.S_IFLNK | 0o777) << 16
     return [(info, target)]
 
 
-def inner(content):
+def nested(content):
     """A zip file in a zip file."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as pack:
@@ -46,7 +46,7 @@ TRICKS = {
         ("conftest.py", "raise SystemExit"),
         ("sitecustomize.py", "raise SystemExit"),
     ],
-    "a bomb": lambda _: [("mallory.zip", inner(bytes(50 << 20)))],
+    "a bomb": lambda _: [("mallory.zip", nested(bytes(50 << 20)))],
     "a name that is taken": lambda _: [("alice_01.ipynb/alice_01.ipynb", b"{}")],
     "a thousand folders deep": lambda _: [("a/" * 1000 + "mallory_01.ipynb", HONEST)],
     "odd names": lambda _: [("mallory\x00\x1b[2J\n_01.ipynb", HONEST), ("\udc80.ipynb", b"{}")],
@@ -55,8 +55,10 @@ TRICKS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("trick", TRICKS)
-def test_a_zip_file_with_a_trick(trick, tmp_path, course, servers, places, watchdog):
-    """Whatever is in it, those beside it have their points, and all is told in plain words."""
+def test_a_malicious_zip_file_does_not_affect_other_submissions(
+    trick, tmp_path, course, servers, places, watchdog
+):
+    """The submissions beside it get their points, and all messages are printable text."""
     server = servers(HERE[0])
     watchdog(server)
     pack = tmp_path / "class.zip"

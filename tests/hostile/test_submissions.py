@@ -1,4 +1,4 @@
-"""Each case on each tier: the fair grade, nothing reached, nothing left, and the next is graded."""
+"""Each hostile case on each tier is graded fairly and affects nothing outside its sandbox."""
 
 import os
 import sys
@@ -31,7 +31,7 @@ HONEST = as_file(notebook())
 
 
 def cases():
-    """All cases on all tiers of this machine; one of each family, on the safest, is not slow."""
+    """All cases on all tiers of this machine, marked slow except one of each family."""
     for family, its in FAMILIES.items():
         for index, case in enumerate(its):
             for tier in (tier for tier in HERE if tier in case.tiers):
@@ -40,14 +40,14 @@ def cases():
                 yield pytest.param(case, tier, id=f"{family}: {case.name}, {tier}", marks=marks)
 
 
-def test_there_are_cases_enough():
-    """At least sixty, each with a name of its own."""
+def test_there_are_at_least_sixty_distinct_cases():
+    """The names of the cases are distinct."""
     names = [case.name for its in FAMILIES.values() for case in its]
     assert len(names) == len(set(names)) >= 60
 
 
-def test_the_tiers_that_are_asked_for_are_there():
-    """Continuous integration asks for those that it installed; a test on no tier proves nothing."""
+def test_the_required_tiers_are_available():
+    """Continuous integration requires the tiers that it installed."""
     missing = [tier for tier in REQUIRED if tier not in HERE]
     assert not missing, (
         f"this machine does not offer {', '.join(missing)}, so nothing was tried on it: is "
@@ -55,7 +55,7 @@ def test_the_tiers_that_are_asked_for_are_there():
     )
 
 
-TELL_TALES = {
+TRACES = {
     "UDP": "network",
     "sockets of this machine": "network",
     "TCP": "network",
@@ -66,15 +66,15 @@ TELL_TALES = {
 
 if sys.platform == "linux":
 
-    @pytest.mark.parametrize("name", TELL_TALES)
-    def test_what_is_reached_is_seen(name, course, servers, places, watchdog):
-        """Without walls these cases reach what they try, and it does not go unnoticed."""
+    @pytest.mark.parametrize("name", TRACES)
+    def test_access_without_a_sandbox_is_detected(name, course, servers, places, watchdog):
+        """Without a sandbox these cases reach their targets, and the checks detect it."""
         server = servers("none")
         watchdog(server)
         case = next(c for its in FAMILIES.values() for c in its if c.name == name)
-        record = grade(course, server, Submission("hostile", *case.handed_in(places.told)))
-        told = "secret" if places.secret in repr(record) else " ".join(places.reached())
-        assert TELL_TALES[name] in told
+        record = grade(course, server, Submission("hostile", *case.submitted_file(places.values)))
+        detected = "secret" if places.secret in repr(record) else " ".join(places.reached())
+        assert TRACES[name] in detected
 
 
 def points(record):
@@ -82,30 +82,30 @@ def points(record):
 
 
 def running(server):
-    """The processes that a server made, itself included, and those that call themselves so."""
+    """The processes started by a server, including itself, and those that carry its mark."""
     scratch, found = str(server._scratch), []
     for entry in Path("/proc").iterdir() if Path("/proc/self").exists() else ():
         if entry.name.isdigit():
             try:
-                told = (entry / "cmdline").read_bytes().decode(errors="replace")
+                command = (entry / "cmdline").read_bytes().decode(errors="replace")
             except OSError:
                 continue
-            if scratch in told or f"9999{server.mark}" in told:
+            if scratch in command or f"9999{server.mark}" in command:
                 found.append(int(entry.name))
     return sorted(found)
 
 
-def judged(case, server, course, places):
-    """Grade a case, then an honest submission, and look around."""
+def check_case(case, server, course, places):
+    """Grade a case, then an honest submission, and check that nothing else has changed."""
     server.mark = places.token
     if server._process is None or server._process.poll() is not None:
         grade(course, server, Submission("first", *HONEST))
     process, alone = server._process, running(server)
-    name, content = case.handed_in(places.told)
+    name, content = case.submitted_file(places.values)
 
     record = grade(course, server, Submission("hostile", name, content))
 
-    expected = {} if record.status == "unreadable" else case.fair()
+    expected = {} if record.status == "unreadable" else case.fair_points()
     assert points(record) == expected, (record.notes, record.status)
     assert not case.status or record.status == case.status, record.notes
     assert case.notes in " ".join(record.notes)
@@ -125,18 +125,20 @@ def judged(case, server, course, places):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("case", "tier"), list(cases()))
-def test_a_submission(case: Case, tier, course, servers, places, watchdog):
-    """The grade of each question is fair, and nobody and nothing else is concerned."""
+def test_a_hostile_submission_is_graded_fairly_and_contained(
+    case: Case, tier, course, servers, places, watchdog
+):
+    """Each question gets a fair grade; no other file, process or submission is affected."""
     watchdog(servers(tier))
-    judged(case, servers(tier), course, places)
+    check_case(case, servers(tier), course, places)
 
 
 if "bubblewrap" in HERE:
 
     @pytest.mark.slow
     @pytest.mark.parametrize("case", trespass.CASES, ids=lambda case: case.name)
-    def test_bubblewrap_holds_without_landlock(case, course, servers, places, watchdog):
-        """On a kernel that has no Landlock the walls of bubblewrap are enough."""
+    def test_bubblewrap_alone_contains_hostile_submissions(case, course, servers, places, watchdog):
+        """The kernel is made to appear without Landlock."""
         server = servers("bubblewrap", landlocked=False)
         watchdog(server)
-        judged(case, server, course, places)
+        check_case(case, server, course, places)

@@ -1,13 +1,13 @@
-"""What reaches out: leftovers, files, network, environment, and poison for whoever comes next.
+"""Attempts to reach outside: leftover processes, files, network, environment, and sabotage.
 
-Where the grade is that of right answers, trying is not punished; what is tried fails.
+Attempts are not punished: right answers keep their points, and the attempts fail.
 """
 
-from hostile.case import ALL, COUNTED, WALLS, Case
+from hostile.case import ALL, COUNTED, SANDBOXED, Case
 
 
-def tries(name, code, tiers=WALLS, **more):
-    """A case whose answers are right; a cell at the end tries something."""
+def tries(name, code, tiers=SANDBOXED, **more):
+    """A case with right answers; a cell at the end attempts something."""
     return Case(name, after=code, tiers=tiers, **more)
 
 
@@ -71,12 +71,12 @@ os.system("nohup setsid sleep 9999@MARK@ >/dev/null 2>&1 &")
 import multiprocessing
 multiprocessing.Pool(2).map(abs, range(3))
 """,
-        WALLS,
+        SANDBOXED,
     ),
     tries(
         "a child in the middle of a call",
         "",
-        WALLS,
+        SANDBOXED,
         lost=("01.2",),
         answers={
             "fit": """

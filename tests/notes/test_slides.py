@@ -134,7 +134,7 @@ def test_page_08_each_equation_is_scaled():
 def test_page_09_the_weight():
     """w(r) = 1/(r² + ε²).
 
-    On the advice for ε see test_errata.test_only_the_constant_basis_gives_terraces.
+    On the advice for ε see test_errata.test_bumps_occur_with_either_basis.
     """
     r = np.linspace(0, 2, 9)
     close(inverse_square(EPSILON)(r), 1 / (r**2 + EPSILON**2))

@@ -1,4 +1,4 @@
-"""The benchmarks run at a very small size and report their results; speed is not tested."""
+"""The benchmarks run at a very small size and report their results; their speed is not tested."""
 
 import importlib
 import json
@@ -31,13 +31,13 @@ def no_bar(items, what):  # noqa: ARG001
 
 LONG = {"memory", "mesh_scaling", "patch_sizes", "peers", "streaming", "million"}
 LONG |= {"grading", "grading_class", "grading_workers"}
-"""Also as toys: they start processes, or triangulate."""
-TOYS = [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in command.NAMES]
+"""These are slow even at the smallest size: they start processes or triangulate."""
+TOY_RUNS = [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in command.NAMES]
 
 
-@pytest.mark.parametrize("name", TOYS)
-def test_each_benchmark_runs_and_fills_a_page(name):
-    """A toy run gives finite positive ratios, tables as wide as their heads, and valid JSON."""
+@pytest.mark.parametrize("name", TOY_RUNS)
+def test_each_benchmark_runs_and_writes_a_page(name):
+    """The smallest size gives finite positive ratios, tables with complete rows, and valid JSON."""
     result = command.measured(name, "TOY", no_bar)
     assert json.loads(json.dumps(result))["title"] == result["title"]
     assert result["comparisons"] or result["tables"]
@@ -49,22 +49,22 @@ def test_each_benchmark_runs_and_fills_a_page(name):
 
 
 @pytest.mark.parametrize("name", command.NAMES)
-def test_each_benchmark_has_a_smaller_size(name):
-    """--quick measures something smaller than the full size, by the same code."""
+def test_each_benchmark_has_three_different_sizes(name):
+    """With --quick the same code measures a smaller problem."""
     benchmark = importlib.import_module(f"benchmarks.{name}")
     assert type(benchmark.FULL) is type(benchmark.QUICK) is type(benchmark.TOY)
     assert len({benchmark.FULL, benchmark.QUICK, benchmark.TOY}) == 3
 
 
-def test_an_unknown_name_is_told(capsys):
-    """A name that is no benchmark ends in one line that lists those there are."""
+def test_an_unknown_benchmark_is_refused(capsys):
+    """The message lists the existing benchmarks."""
     with pytest.raises(SystemExit):
         command.main(["speed"])
     assert "no benchmark is called speed; there are moving_least" in capsys.readouterr().err
 
 
-def test_candidates_run_in_turn():
-    """A B A B ..., and the first round of each is not counted."""
+def test_candidates_run_alternately():
+    """The order is A B A B, and the first round of each candidate is not counted."""
     calls = []
     candidates = {name: lambda name=name: calls.append(name) for name in "ab"}
     seconds = in_turn(candidates, 3, no_bar, "turns")
@@ -72,15 +72,15 @@ def test_candidates_run_in_turn():
     assert [len(times) for times in seconds.values()] == [3, 3]
 
 
-def test_a_ratio_is_that_of_its_own_round():
-    """The median and the range are those of the ratios, not ratios of medians."""
+def test_ratios_are_formed_within_each_round():
+    """The median and range are those of the ratios, not ratios of medians."""
     summary = Comparison("this", "that", [1.0, 8.0, 9.0], [2.0, 2.0, 3.0], at_most=1.0).summary()
     assert (summary["least"], summary["ratio"], summary["most"]) == (0.5, 3.0, 4.0)
 
 
 @pytest.mark.parametrize(("ours", "verdict"), [(1.9, "2.00 (met)"), (2.1, "2.00 (NOT met)")])
-def test_a_missed_limit_is_said(ours, verdict):
-    """The page tells whether the median keeps to its limit."""
+def test_a_missed_limit_is_reported(ours, verdict):
+    """The page states whether the median is within its limit."""
     comparison = Comparison("this", "that", [ours], [1.0], at_most=2.0).summary()
     result = {
         "title": "A title",
@@ -94,22 +94,22 @@ def test_a_missed_limit_is_said(ours, verdict):
 
 
 @pytest.mark.parametrize("degree", [1, 2])
-def test_the_fits_alone_are_the_same_fits(degree):
-    """Given the neighbourhoods, the fits give the values of the whole evaluation, bit for bit."""
+def test_fits_with_given_neighbourhoods_are_the_same(degree):
+    """They give the values of the whole evaluation, bit for bit."""
     points, x = uniform(3000, 2, seed=1), uniform(5000, 2, seed=2)
     problem = Problem(points, franke(points), x, 20)
     np.testing.assert_array_equal(problem.solve(degree)(), problem.total(degree)())
 
 
 @pytest.mark.slow
-def test_peak_memory_is_that_of_the_process_alone():
-    """A process that measures itself is not blamed for the size of the one that started it."""
+def test_peak_memory_excludes_the_parent_process():
+    """A large array of the parent process is not counted."""
     large = np.ones(2**26)
     fitted = pickle.dumps(memory.field_of("RBF", 60))
     assert memory.BALLAST < memory.peak_of(fitted, "values", 500, "hold") < large.nbytes
 
 
-def test_threads_are_given_back():
+def test_the_number_of_threads_is_restored():
     """After a call on one core the process has all its cores again."""
     before = cores()
     with threads(1):
@@ -117,8 +117,8 @@ def test_threads_are_given_back():
     assert cores() == before
 
 
-def test_a_contestant_is_asked_what_its_settings_are_for():
-    """Smoothing is for noise, plane methods for the plane, dense ones for few sites."""
+def test_each_method_runs_on_suitable_data_only():
+    """Smoothing is for noise, planar methods are for the plane, dense methods for few sites."""
     asked = {
         (data, n): {c.name for c in METHODS.values() if c.takes(data, n)}
         for data, n in [("noisy", 1000), ("smooth", 1000), ("cube", 1000), ("smooth", 10**6)]
@@ -129,41 +129,41 @@ def test_a_contestant_is_asked_what_its_settings_are_for():
     assert all(OURS in names for names in asked.values())
 
 
-def test_a_run_that_fails_says_why():
-    """What a method raises, on data that it cannot take, stands in place of its numbers."""
-    told = peers.apart("smooth", 2, "fieldrecon MLS, degree 2", 1)
-    assert told.startswith("fieldrecon MLS, degree 2 on smooth, 2 sites: ValueError: neighbors")
+def test_a_failed_run_reports_its_error():
+    """The message of the exception is shown instead of numbers."""
+    reported = peers.in_own_process("smooth", 2, "fieldrecon MLS, degree 2", 1)
+    assert reported.startswith("fieldrecon MLS, degree 2 on smooth, 2 sites: ValueError: neighbors")
 
 
 @pytest.mark.parametrize("method", ["fieldrecon RBF, 1000 means", "fieldrecon patches, 4000 means"])
-def test_means_smoothed_by_leave_one_out_are_better_than_the_data(method):
-    """Of noise 0.01 most is gone."""
-    assert peers.here("noisy", 600, method, 1).rms < 0.006
+def test_smoothing_chosen_by_leave_one_out_reduces_the_noise(method):
+    """The noise has a standard deviation of 0.01."""
+    assert peers.in_this_process("noisy", 600, method, 1).rms < 0.006
 
 
-def test_the_page_is_that_of_the_results(tmp_path):
-    """benchmarks/results/README.md is what its JSON files say."""
+def test_the_page_of_results_is_up_to_date(tmp_path):
+    """benchmarks/results/README.md is made from the JSON files."""
     for path in (ROOT / "benchmarks" / "results").glob("*.json"):
         pages.write(path.stem, json.loads(path.read_text()), tmp_path)
     committed = ROOT / "benchmarks" / "results" / "README.md"
     assert (tmp_path / "README.md").read_text() == committed.read_text()
 
 
-def test_tables_in_the_documentation_are_those_of_the_results():
-    """What stands below a mark is what the JSON file says; and a table that differs is mended."""
+def test_benchmark_tables_in_the_documentation_are_up_to_date():
+    """Tables below a mark come from the JSON files, and a different table is replaced."""
     for page in (ROOT / "docs").glob("*.md"):
         text = page.read_text()
         assert pages.with_tables(text, command.RESULTS) == text
         assert "-->\n\n" not in text, f"{page.name} has a mark without a table"
     whole = "before\n<!-- table 1 of streaming -->\n| typed |\n| 7 |\n\nafter\n"
-    mended = pages.with_tables(whole, command.RESULTS)
-    assert "typed" not in mended
-    assert mended.startswith("before\n<!-- table 1 of streaming -->\n| way | deal out, s")
-    assert mended.endswith(" |\n\nafter\n")
+    corrected = pages.with_tables(whole, command.RESULTS)
+    assert "typed" not in corrected
+    assert corrected.startswith("before\n<!-- table 1 of streaming -->\n| way | deal out, s")
+    assert corrected.endswith(" |\n\nafter\n")
 
 
-def test_the_drawings_are_those_of_the_results():
-    """Each committed chart bears the mark of the numbers in the JSON file beside it."""
+def test_the_charts_are_up_to_date():
+    """Each committed chart contains a mark computed from the numbers in its JSON file."""
     folder = ROOT / "benchmarks" / "results"
     results = {path: json.loads(path.read_text()) for path in folder.glob("*.json")}
     charted = {path.with_suffix(".svg"): r for path, r in results.items() if r.get("charts")}
@@ -172,8 +172,8 @@ def test_the_drawings_are_those_of_the_results():
         assert charts.mark(result) in path.read_text()
 
 
-def test_a_drawing_shows_its_numbers(tmp_path):
-    """The page links the drawing, which bears the mark of its numbers and of no others."""
+def test_a_chart_is_marked_with_its_numbers(tmp_path):
+    """The page links the chart, whose mark changes with the numbers."""
     chart = Chart("Time", "size", "seconds", [1, 2], {"ours": [1.0, 2.0], "theirs": [3.0, 4.0]})
     result = {"title": "Growth", "machine": {}, **BenchmarkResult(charts=[chart]).as_dict()}
     pages.write("growth", result, tmp_path)
@@ -184,39 +184,38 @@ def test_a_drawing_shows_its_numbers(tmp_path):
     assert charts.mark(result) not in drawing
 
 
-def test_what_is_timed_on_meshes_is_right():
-    """A rotation comes back, Voronoi weights sum to one, reproduce points and are not negative."""
+def test_the_timed_computations_on_meshes_are_correct():
+    """A rotation is reproduced; Voronoi weights are nonnegative, sum to 1 and reproduce points."""
     flow = Flow(uniform(400, 2, seed=1), 300)
     assert len(flow.vertex) == len(flow.x) == 300
     for what, error in flow.checks().rows:
         assert error < 1e-10, what
 
 
-def test_an_exponent_is_that_of_the_larger_meshes():
-    """Times 2 n^1.5 give 1.5, whatever the smaller half says."""
+def test_the_exponent_is_fitted_to_the_larger_meshes():
+    """Times 2 n^1.5 give 1.5, whatever the times of the smaller half are."""
     sizes = (10, 20, 40, 80, 160)
     costs = [mesh_scaling.Cost(2 * n**1.5 if n > 20 else 1e3, 0.1) for n in sizes]
     assert mesh_scaling.exponent(sizes, costs) == pytest.approx(1.5)
 
 
 @pytest.mark.parametrize("number", range(10))
-def test_what_is_handed_in_is_right_where_it_says_so(number):
-    """The test behind a question passes if and only if the question is among the right ones."""
+def test_generated_submissions_are_right_in_the_stated_questions(number):
+    """The test of a question passes if and only if the question is listed as right."""
     content, right = BenchmarkAssignment(SMALL).submission(number)
     names, passed = {}, set()
     for cell in json.loads(content)["cells"]:
-        told = cell["metadata"].get("nbgrader", {})
+        reported = cell["metadata"].get("nbgrader", {})
         try:
             exec(cell["source"], names)
         except Exception:
             continue
-        if told.get("grade"):
-            passed.add(told["grade_id"].removeprefix("test-").replace("-", "."))
+        if reported.get("grade"):
+            passed.add(reported["grade_id"].removeprefix("test-").replace("-", "."))
     assert passed == right
     assert (len(right) == 3) == (number < 4)
 
 
-def test_graders_are_pinned():
-    """Their versions are those that the comparison names."""
+def test_the_versions_of_compared_graders_are_pinned():
     assert graders.version("nbgrader") == "0.9.6"
     assert graders.version("otter") == "7.0.0"

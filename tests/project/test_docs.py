@@ -25,11 +25,11 @@ def blocks(text: str, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.M | re.S)
 
 
-# --- what the README tells the reader to do -----------------------------------------------------
+# --- commands in the README ----------------------------------------------------------------------
 
 
-def test_the_readme_s_code_runs():
-    """Each example is complete, and its comments state the shapes that come out."""
+def test_the_code_of_the_readme_runs():
+    """Each example is complete, and its comments state the shapes of the results."""
     for code in blocks(README, "python"):
         names: dict[str, object] = {}
         for line in ast.parse(code).body:
@@ -42,8 +42,7 @@ def test_the_readme_s_code_runs():
         assert gradients.shape == (rows, d)
 
 
-def test_the_readme_s_make_targets_exist():
-    """Each `make TARGET` of any page is a target of the Makefile."""
+def test_make_targets_named_in_the_documentation_exist():
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.M))
     for page in PAGES:
         text = page.read_text()
@@ -59,16 +58,16 @@ def readme_commands() -> list[list[str]]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", readme_commands(), ids=" ".join)
-def test_the_readme_s_commands_run(command, tmp_path, monkeypatch, capsys):
-    """As they stand there, in a folder with the sample files."""
+def test_the_commands_of_the_readme_run(command, tmp_path, monkeypatch, capsys):
+    """They run unchanged, in a folder with the sample files."""
     monkeypatch.chdir(tmp_path)
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     assert main(command) == 0
     assert capsys.readouterr().out
 
 
-def test_continuous_integration_runs_the_readme_s_command():
-    """What the README promises is what is tried in a clean clone."""
+def test_continuous_integration_runs_the_command_of_the_readme():
+    """The README promises `make test`, and CI runs it in a clean clone."""
     assert re.search(r"^make test\b", "\n".join(blocks(README, "sh")), flags=re.M)
     script = (ROOT / ".ci" / "run").read_text()
     assert re.search(r"^    step test_with test test$", script, flags=re.M)
@@ -76,7 +75,7 @@ def test_continuous_integration_runs_the_readme_s_command():
 
 
 def test_the_workflow_runs_every_job_of_continuous_integration():
-    """And a name that is no job of `.ci/run` is refused, with the names that are."""
+    """An unknown job of `.ci/run` is refused with the list of jobs."""
     run = subprocess.run(["bash", ".ci/run", "x"], cwd=ROOT, capture_output=True, text=True)
     assert run.returncode == 2
     _, names = run.stdout.splitlines()[0].split("there is no job x, only ")
@@ -84,12 +83,11 @@ def test_the_workflow_runs_every_job_of_continuous_integration():
     assert set(re.findall(r"job: (\w+)", workflow)) == set(names.split())
 
 
-# --- what the pages point to --------------------------------------------------------------------
+# --- links and dependencies ----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_relative_links_lead_somewhere(page):
-    """To a file of this checkout."""
+def test_relative_links_lead_to_existing_files(page):
     prose = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S)
     links = re.findall(r"\]\(([^)#\s]+)\)", prose)
     for link in links:
@@ -101,8 +99,8 @@ def settings_of(name: str) -> dict:
     return tomllib.loads((ROOT / name).read_text())
 
 
-def test_every_dependency_has_its_reason():
-    """And every reason its dependency: one row each in docs/dependencies.md."""
+def test_every_dependency_has_a_documented_reason():
+    """Dependencies and rows of docs/dependencies.md correspond one to one."""
     groups = []
     for settings in (settings_of("pyproject.toml"), settings_of("src/pyproject.toml")):
         project = settings["project"]
@@ -116,8 +114,8 @@ def test_every_dependency_has_its_reason():
     assert sorted(rows) == sorted(needed)
 
 
-def test_versions_agree():
-    """One number: of both distributions, of the library itself, and the one to cite."""
+def test_version_numbers_agree():
+    """Both distributions, the library itself, and CITATION.cff have the same version."""
     version = settings_of("pyproject.toml")["project"]["version"]
     course = settings_of("src/pyproject.toml")["project"]
     assert course["version"] == version
@@ -126,7 +124,7 @@ def test_versions_agree():
     assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
 
 
-# --- which way imports point --------------------------------------------------------------------
+# --- direction of imports ------------------------------------------------------------------------
 
 LINTER = Path(sys.executable).parent / "lint-imports"
 CONTRACTS = (ROOT / "pyproject.toml").read_text().partition("[tool.importlinter]")[2]
@@ -143,8 +141,8 @@ CONTRACTS = (ROOT / "pyproject.toml").read_text().partition("[tool.importlinter]
         ("fieldrecon/newroom/__init__.py: ", "Rooms of the library"),
     ],
 )
-def test_an_import_the_wrong_way_is_seen(wrong, broken, tmp_path):
-    """`make lint` checks the contracts of pyproject.toml; a new room needs its place in them."""
+def test_an_upward_import_is_reported(wrong, broken, tmp_path):
+    """`make lint` checks the contracts of pyproject.toml; a new room must be listed in them."""
     shutil.copytree(ROOT / "src", tmp_path / "src", ignore=shutil.ignore_patterns("*.egg-info"))
     (tmp_path / ".importlinter.toml").write_text("[tool.importlinter]" + CONTRACTS)
     name, line = wrong.split(": ", 1)
@@ -167,7 +165,7 @@ def test_an_import_the_wrong_way_is_seen(wrong, broken, tmp_path):
     assert broken in re.findall(r"^(.*?)(?::.*)? BROKEN$", checked.stdout, flags=re.M)
 
 
-def test_the_picture_of_the_house_is_up_to_date():
+def test_the_picture_of_the_architecture_is_up_to_date():
     """`make architecture` draws it from the imports."""
     drawn = runpy.run_path(str(ROOT / "tools" / "architecture.py"))
     picture = drawn["PICTURE"].read_text(encoding="utf-8")
@@ -181,7 +179,7 @@ SOURCES = {
 
 
 def imported(source: str) -> set[str]:
-    """Full names of what a module imports when it runs, not only for a type checker."""
+    """Full names of the imports of a module at run time, without those for type checkers."""
     tree = ast.parse(source)
     tree.body = [s for s in tree.body if not ast.unparse(s).startswith("if TYPE_CHECKING:")]
     found = set()
@@ -194,7 +192,7 @@ def imported(source: str) -> set[str]:
 
 
 def test_the_library_computes_without_matplotlib():
-    """Only its room for pictures draws."""
+    """Only the room `plotting` imports matplotlib."""
     drawing = {
         module.split(".")[1]
         for module, source in SOURCES.items()
@@ -204,8 +202,8 @@ def test_the_library_computes_without_matplotlib():
     assert drawing == {"plotting"}
 
 
-def test_experiments_name_the_modules_they_use():
-    """Never a room as a whole: the build follows imports to see what a result depends on."""
+def test_experiments_import_from_modules_and_not_from_rooms():
+    """The build follows these imports to find the code on which a result depends."""
     rooms = {module.removesuffix(".__init__") for module in SOURCES if module.endswith("__init__")}
     experiments = {m: s for m, s in SOURCES.items() if m.startswith("fieldreport.experiments.")}
     named = {m: imported(source) - set(SOURCES) for m, source in experiments.items()}
@@ -215,8 +213,8 @@ def test_experiments_name_the_modules_they_use():
     } == set()
 
 
-def test_the_checkout_holds_no_generated_file():
-    """Git has neither the environment nor what was built."""
+def test_git_tracks_no_generated_files():
+    """Git tracks neither the environment nor build outputs."""
     command = ["git", "ls-files", ".venv", "report/build", "*.pyc", "*.egg-info"]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert listed.stdout == ""

@@ -1,4 +1,4 @@
-"""The targets of make, with a stand-in for the commands that they start."""
+"""The targets of make; a stand-in replaces the commands that they start."""
 
 import os
 import re
@@ -44,7 +44,7 @@ def checkout(tmp_path):
 
 
 def make(folder, *arguments):
-    """Run make as from a shell: what the make around these tests was told is not passed on."""
+    """Run make as from a shell, without the settings of a make that runs these tests."""
     environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL")}
     return subprocess.run(
         ["make", *arguments], cwd=folder, env=environment, capture_output=True, text=True
@@ -52,15 +52,15 @@ def make(folder, *arguments):
 
 
 def runs(checkout):
-    """How often the report's command runs in one `make report`."""
+    """The calls of the report command in one `make report`."""
     (checkout / "runs").write_text("")
     result = make(checkout, "report")
     assert (result.returncode, result.stderr) == (0, "")
     return (checkout / "runs").read_text().splitlines()
 
 
-def test_a_report_that_is_there_starts_nothing(checkout):
-    """The first call runs the command, the second finds nothing to do."""
+def test_an_existing_report_is_not_built_again(checkout):
+    """The first call runs the command, the second one does not."""
     assert runs(checkout) == ["report"]
     assert runs(checkout) == []
 
@@ -107,8 +107,8 @@ def lose_the_manifest(checkout):
         lose_the_manifest,
     ],
 )
-def test_a_change_starts_the_command_once(checkout, change):
-    """A source that was edited, added or removed, new packages, an output that is gone."""
+def test_a_change_rebuilds_the_report_once(checkout, change):
+    """A source was edited, added or removed, the lock file changed, or an output is missing."""
     runs(checkout)
     outputs = (checkout / "report" / "build").iterdir()
     for path in (*outputs, *checkout.glob("report/**"), *checkout.glob("src/**")):
@@ -119,15 +119,15 @@ def test_a_change_starts_the_command_once(checkout, change):
 
 
 @pytest.mark.slow
-def test_what_is_edited_during_a_run_is_seen_by_the_next(checkout):
-    """The report on disk is as old as the start of the run that made it."""
+def test_an_edit_during_a_build_triggers_the_next_build(checkout):
+    """The manifest is dated to the start of its build."""
     (checkout / "edit").touch()
     assert runs(checkout) == ["report"]
     assert runs(checkout) == ["report"]
 
 
-def test_a_failure_is_tried_again(checkout):
-    """The command's exit status is make's, and nothing looks finished."""
+def test_a_failed_build_is_repeated(checkout):
+    """make returns the exit status of the command, and no output looks finished."""
     (checkout / "report" / "broken").touch()
     for _ in range(2):
         assert make(checkout, "report").returncode != 0
@@ -135,16 +135,16 @@ def test_a_failure_is_tried_again(checkout):
     assert runs(checkout) == ["report"]
 
 
-def test_help_tells_every_target():
-    """Help is what a bare make prints: one line for each target a person types."""
-    told = set(re.findall(r"^  make ([a-z-]+) +\S", make(ROOT).stdout, flags=re.M))
+def test_help_lists_every_target():
+    """`make` without a target prints one line for each public target."""
+    listed = set(re.findall(r"^  make ([a-z-]+) +\S", make(ROOT).stdout, flags=re.M))
     unfolded = (ROOT / "Makefile").read_text().replace("\\\n", " ")
     phony = re.search(r"^\.PHONY:(.*)$", unfolded, flags=re.M)
-    assert told == set(phony.group(1).split()) - {"FORCE"}
+    assert listed == set(phony.group(1).split()) - {"FORCE"}
 
 
-def test_clean_leaves_the_environment_and_the_sources(checkout):
-    """What was built goes; distclean takes the environment as well."""
+def test_clean_keeps_the_environment_and_the_sources(checkout):
+    """clean removes build outputs, and distclean also removes the environment."""
     runs(checkout)
     (checkout / ".venv" / "pyvenv.cfg").touch()
     assert make(checkout, "clean").returncode == 0
@@ -155,8 +155,8 @@ def test_clean_leaves_the_environment_and_the_sources(checkout):
     assert not (checkout / ".venv").exists()
 
 
-def test_the_makefile_keeps_to_make_3_81():
-    """macOS ships that version: no grouped targets, one-shell recipes, != or $(file)."""
+def test_the_makefile_is_compatible_with_make_3_81():
+    """macOS ships this version, without grouped targets, one-shell recipes, != and $(file)."""
     text = (ROOT / "Makefile").read_text()
     rules = "\n".join(line for line in text.splitlines() if not line.startswith(("\t", "#")))
     assert not re.search(r"&:|\.ONESHELL|!=|::=|\$\(file |\$\(let |\$\(intcmp ", rules)

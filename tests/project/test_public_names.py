@@ -1,4 +1,4 @@
-"""Public names of the package: resolved on use, and not imported earlier."""
+"""Public names of the package: resolved on first use, and not imported earlier."""
 
 import inspect
 import re
@@ -15,8 +15,8 @@ import fieldrecon
 from fieldrecon import _deprecated, _public
 
 
-def test_the_package_has_the_public_names_and_tells_them():
-    """Each is the object that its module defines, and ``dir`` lists it."""
+def test_the_package_resolves_and_lists_its_public_names():
+    """Each name gives the object that its module defines, and ``dir`` lists it."""
     assert fieldrecon.__all__ == _public.__all__
     assert set(dir(fieldrecon)) >= set(_public.__all__)
     for name in _public.__all__:
@@ -34,23 +34,22 @@ NAMESPACES = tuple(
 
 @pytest.mark.parametrize("package", [fieldrecon, *NAMESPACES], ids=lambda p: p.__name__)
 def test_no_module_has_the_name_of_a_public_object(package):
-    """An import of that module would put it in the place of the object."""
+    """Importing such a module would replace the object by the module."""
     objects = [n for n in package.__all__ if not isinstance(getattr(package, n), ModuleType)]
     assert objects
     assert [name for name in objects if find_spec(f"{package.__name__}.{name}")] == []
     assert find_spec("fieldrecon.methods.globe"), "else the line above finds nothing"
 
 
-def test_the_names_at_the_top_are_in_their_rooms_too():
-    """Under the same name, and in one room only."""
+def test_each_public_name_is_also_in_exactly_one_room():
     for name in _public.__all__:
         rooms = [room for room in NAMESPACES if name in room.__all__]
         if name not in ("Field", "Reconstruction"):
             assert [getattr(room, name) for room in rooms] == [getattr(fieldrecon, name)], name
 
 
-def test_a_name_of_the_contract_does_not_warn():
-    """Also where a warning is an error, as in these tests."""
+def test_public_names_do_not_warn():
+    """Warnings are errors in this test."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for name in CONTRACT:
@@ -106,8 +105,8 @@ CONTRACT = [
 
 
 @pytest.mark.parametrize("name", sorted(_deprecated.MOVED))
-def test_an_old_name_warns_and_is_the_new_object(name):
-    """Throughout version 0.2; the warning names the new place."""
+def test_a_deprecated_name_warns_and_gives_the_new_object(name):
+    """The warning, which names the new location, stays throughout version 0.2."""
     new = _deprecated.MOVED[name]
     room, _, attribute = new.rpartition(".")
     with pytest.warns(DeprecationWarning, match=f"fieldrecon.{name} is now {re.escape(new)}"):
@@ -116,7 +115,7 @@ def test_an_old_name_warns_and_is_the_new_object(name):
 
 
 def returned_types(function):
-    """The classes of this library that a function says it returns."""
+    """The classes of this library in the return annotation of a function."""
     words = re.findall(r"[\w.]+", str(inspect.signature(function).return_annotation))
     module = inspect.getmodule(function)
     found = [getattr(module, word.rpartition(".")[2], None) for word in words]
@@ -124,8 +123,8 @@ def returned_types(function):
 
 
 @pytest.mark.parametrize("room", NAMESPACES, ids=lambda p: p.__name__)
-def test_every_type_that_a_user_receives_can_be_imported(room):
-    """From some room, or from the top."""
+def test_every_returned_type_is_a_public_name(room):
+    """Each type is public in a room or at the top level."""
     public = {
         getattr(package, n)
         for package in (fieldrecon, *NAMESPACES)
@@ -137,15 +136,14 @@ def test_every_type_that_a_user_receives_can_be_imported(room):
     assert {t.__name__ for t in received if t not in public} == set()
 
 
-def test_an_unknown_name_is_an_attribute_error():
-    """As of any module."""
+def test_an_unknown_name_raises_attribute_error():
     with pytest.raises(AttributeError, match="module 'fieldrecon' has no attribute 'kriging'"):
         fieldrecon.kriging  # noqa: B018
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["experiments", "list"]])
 def test_the_command_line_answers_without_numpy(arguments):
-    """What computes nothing does not wait for the import of what computes."""
+    """Commands that compute nothing do not import NumPy, SciPy or matplotlib."""
     code = (
         "import sys\nfrom fieldrecon.cli.main import main\n"
         f"try:\n    main({arguments})\nexcept SystemExit:\n    pass\n"

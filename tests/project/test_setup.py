@@ -1,8 +1,8 @@
-"""The set-up of a bare machine, on simulated machines.
+"""The set-up of a bare machine, tested on simulated machines.
 
-Nothing is downloaded, but by the one slow test, which is the real thing. A machine is a folder
-that is the whole PATH. Its Pythons are this one behind a mask that changes the version or hides
-ensurepip; pip and uv are stand-ins that record what they are asked.
+Nothing is downloaded except in one slow test. A machine is a folder that is the whole PATH. Its
+Pythons are the present Python behind a mask that changes the version or hides ensurepip; pip and
+uv are stand-ins that record their arguments.
 """
 
 import os
@@ -110,7 +110,7 @@ class Machine:
         )
 
     def set_up(self, *arguments: str) -> list[str]:
-        """Make the environment; what pip and uv were asked."""
+        """Make the environment, and return the recorded calls of pip and uv."""
         result = self.make(*arguments)
         assert result.returncode == 0, result.stderr
         record = self.stand_ins / "record"
@@ -119,7 +119,7 @@ class Machine:
         return lines
 
     def refusal(self, *arguments: str) -> str:
-        """Fail to make the environment; the sentence that says why."""
+        """Fail to make the environment, and return the sentence with the reason."""
         result = self.make(*arguments)
         assert result.returncode != 0
         sentences = [s for s in result.stderr.splitlines() if s.startswith("fieldrecon: ")]
@@ -132,8 +132,8 @@ def machine(tmp_path):
     return Machine(tmp_path)
 
 
-def test_pip_brings_uv_and_uv_brings_the_rest(machine):
-    """Everything installed is pinned with its hash; the project itself brings nothing with it."""
+def test_pip_installs_uv_and_uv_installs_everything_else(machine):
+    """Every package is pinned by hash; the project itself is installed without dependencies."""
     machine.python("python3")
     bring_uv, packages, project = machine.set_up()
     assert re.match(r"pip install .*--require-hashes -r requirements-setup\.lock$", bring_uv)
@@ -144,8 +144,7 @@ def test_pip_brings_uv_and_uv_brings_the_rest(machine):
     )
 
 
-def test_a_second_call_does_nothing(machine):
-    """No set-up work is repeated."""
+def test_a_second_set_up_does_nothing(machine):
     machine.python("python3")
     machine.set_up()
     for name in ("python3", "sh"):
@@ -154,8 +153,8 @@ def test_a_second_call_does_nothing(machine):
 
 
 @pytest.mark.parametrize("name", ["requirements.lock", "pyproject.toml"])
-def test_a_change_is_installed_into_the_environment_that_is_there(machine, name):
-    """A changed lock file is a short visit of uv, not a new environment."""
+def test_a_changed_lock_file_updates_the_existing_environment(machine, name):
+    """The environment is not made anew."""
     machine.python("python3")
     machine.set_up()
     (machine.checkout / ".venv" / "mine").touch()
@@ -194,8 +193,8 @@ def leave_the_lock_of_a_dead_process(checkout):
         leave_the_lock_of_a_dead_process,
     ],
 )
-def test_a_damaged_environment_heals(machine, damage):
-    """A set-up that was killed, or an interpreter that went away, is made good by the next call."""
+def test_a_damaged_environment_is_repaired(machine, damage):
+    """The next call repairs an interrupted set-up and a missing interpreter."""
     machine.python("python3")
     machine.set_up()
     (machine.checkout / ".venv" / "half").touch()
@@ -205,8 +204,8 @@ def test_a_damaged_environment_heals(machine, damage):
     assert machine.set_up() == []
 
 
-def test_a_moved_checkout_is_set_up_anew(machine):
-    """An environment knows its place: in another it would import the files of the old one."""
+def test_a_moved_checkout_gets_a_new_environment(machine):
+    """The old environment would import the files of the old location."""
     machine.python("python3")
     machine.set_up()
     machine.checkout = machine.checkout.rename(machine.checkout.with_name("elsewhere"))
@@ -215,7 +214,7 @@ def test_a_moved_checkout_is_set_up_anew(machine):
 
 
 def test_the_environment_may_have_another_name(machine):
-    """VENV names it, and a folder that is no environment is left alone."""
+    """VENV names it; a folder that is not an environment is not touched."""
     machine.python("python3")
     assert len(machine.set_up("VENV=env", "env/ready")) == 3
     work = machine.checkout / "work"
@@ -225,8 +224,8 @@ def test_the_environment_may_have_another_name(machine):
     assert (work / "thesis").exists()
 
 
-def test_an_extra_lock_comes_on_top(machine):
-    """The environment of a target with packages of its own is the common one and more."""
+def test_an_additional_lock_file_extends_the_environment(machine):
+    """A target with its own packages adds them to the common environment."""
     machine.python("python3")
     machine.set_up()
     packages, _ = machine.set_up(".venv/ready-lab")
@@ -234,8 +233,8 @@ def test_an_extra_lock_comes_on_top(machine):
     assert machine.set_up(".venv/ready-lab") == []
 
 
-def test_the_first_python_that_works_is_taken(machine):
-    """A shim with nothing behind it, an old Python and one without ensurepip are passed over."""
+def test_the_first_suitable_python_is_used(machine):
+    """A shim without a Python, an old Python and one without ensurepip are skipped."""
     machine.command("python3.14", "echo 'pyenv: python3.14: command not found' >&2; exit 127")
     machine.python("python3.13", BARE)
     machine.python("python3.12", OLD)
@@ -243,21 +242,21 @@ def test_the_first_python_that_works_is_taken(machine):
     assert machine.set_up()[0].startswith("pip install")
 
 
-def test_python_can_be_chosen(machine):
-    """PYTHON names one that is not on the PATH, or has another name."""
+def test_the_python_can_be_chosen(machine):
+    """PYTHON may name a Python that is not on the PATH."""
     machine.python("a python")
     assert len(machine.set_up(f"PYTHON={machine.bin / 'a python'}", ".venv/ready")) == 3
 
 
-def test_the_pip_of_the_system_helps_a_python_without_ensurepip(machine):
-    """Debian's python3 without python3-venv, but with python3-pip."""
+def test_without_ensurepip_the_pip_of_the_system_is_used(machine):
+    """Debian's python3 without python3-venv, but with python3-pip, is such a case."""
     machine.python("python3", BARE)
     bring_uv, *_ = machine.set_up()
     assert re.match(r"pip --python \.venv/bin/python install .*--require-hashes", bring_uv)
 
 
-def test_the_uv_of_the_system_helps_a_python_without_ensurepip(machine):
-    """It makes the environment and brings the pinned uv, which does the rest."""
+def test_without_ensurepip_and_pip_the_uv_of_the_system_is_used(machine):
+    """It makes the environment and installs the pinned uv, which does the rest."""
     machine.python("python3", PIPLESS)
     record = f'echo "system uv $@" >>"{machine.stand_ins}/record"'
     venv = f'shift $(($# - 1)); "{sys.executable}" -m venv --without-pip "$1"'
@@ -289,8 +288,10 @@ INSTALLERS = {
         ),
     ],
 )
-def test_what_is_missing_is_told_in_one_sentence(machine, mask, reason, debian, installer):
-    """The sentence says what is wrong and ends with the line to type on this machine."""
+def test_a_missing_python_is_reported_with_the_command_to_install_it(
+    machine, mask, reason, debian, installer
+):
+    """One sentence states the reason and ends with the command for this machine."""
     if mask is not None:
         machine.python("python3", mask)
     if installer is not None:
@@ -298,8 +299,8 @@ def test_what_is_missing_is_told_in_one_sentence(machine, mask, reason, debian, 
     assert machine.refusal() == f"{reason}; type: {INSTALLERS[installer].format(debian=debian)}"
 
 
-def test_a_chosen_python_that_does_not_run_is_told(machine):
-    """The others are not tried: the choice was explicit."""
+def test_a_chosen_python_that_does_not_run_is_reported(machine):
+    """No other Python is tried, since the choice was explicit."""
     machine.python("python3")
     sentence = machine.refusal("PYTHON=python9", ".venv/ready")
     assert sentence == "PYTHON=python9 does not run; type: make PYTHON=/path/to/python3.11"
@@ -307,7 +308,7 @@ def test_a_chosen_python_that_does_not_run_is_told(machine):
 
 @pytest.mark.slow
 def test_the_pinned_packages_install(tmp_path):
-    """The real thing: from the registry into a copy of this checkout, which then stands alone."""
+    """Real packages are installed into a copy of this checkout, which then works by itself."""
     copy = tmp_path / "the copy"
     skip = shutil.ignore_patterns(".*", "build", "__pycache__", "*.egg-info")
     shutil.copytree(ROOT, copy, ignore=skip)
@@ -345,8 +346,8 @@ def pins(lock: Path) -> dict[str, list[str]]:
 
 
 @pytest.mark.parametrize("lock", LOCKS, ids=lambda lock: lock.name)
-def test_a_lock_file_names_no_index(lock):
-    """Any mirror can serve it: no line is an option for pip, and no address occurs."""
+def test_a_lock_file_names_no_package_index(lock):
+    """Any mirror can serve it: it contains no options for pip and no addresses."""
     text = lock.read_text()
     assert "://" not in text
     assert not re.search(r"^\s*-", re.sub(r"^ +--hash=sha256:[0-9a-f]{64}", "", text, flags=re.M))
@@ -354,14 +355,14 @@ def test_a_lock_file_names_no_index(lock):
 
 @pytest.mark.parametrize("lock", LOCKS, ids=lambda lock: lock.name)
 def test_a_lock_file_pins_every_package_by_hash(lock):
-    """One version each, for Linux and macOS, and at least one hash."""
+    """Each package has one version, for Linux and macOS, and at least one hash."""
     for lines in pins(lock).values():
         assert re.search(r"==[0-9][^ ]* ; .*'(linux|darwin)'", lines[0])
         assert any("--hash=sha256:" in line for line in lines)
 
 
-def test_the_lock_files_hold_what_pyproject_asks_for():
-    """A dependency that was added or removed has been locked."""
+def test_the_lock_files_contain_the_dependencies_of_pyproject():
+    """Added and removed dependencies have been locked."""
     settings, course = (
         tomllib.loads((ROOT / folder / "pyproject.toml").read_text()) for folder in (".", "src")
     )
@@ -376,8 +377,8 @@ def test_the_lock_files_hold_what_pyproject_asks_for():
         "requirements-bench.lock": ["bench"],
         "requirements-mutation.lock": ["mutation"],
     }
-    extras.pop("all")  # names the others
-    extras.pop("setup")  # in a file of its own
+    extras.pop("all")  # combines the other extras
+    extras.pop("setup")  # has its own lock file
     assert sorted(extras) == sorted(name for names in asked.values() for name in names)
     direct = r"# +(via )?fieldrecon(-course)? \((src/)?pyproject\.toml(:\w+)?\)"
     for lock, names in asked.items():

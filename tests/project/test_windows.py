@@ -1,7 +1,7 @@
-"""Windows: without the modules that it lacks, the library and the self-checks still work.
+"""The library and the students' checks work without the modules that Windows lacks.
 
-No Windows machine is needed: a Python of its own has the modules and functions removed before the
-first import, reads text in a legacy encoding by default, and runs quick tests.
+No Windows machine is needed: a separate Python process has these modules and functions removed
+before the first import, reads text in a legacy encoding by default, and runs quick tests.
 """
 
 import io
@@ -44,7 +44,7 @@ options = ["-qm", "not slow", "--noconftest", "--hypothesis-profile=ci", "-p", "
 sys.exit(pytest.main([*options, *sys.argv[1:]]))
 """
 ENVIRONMENT = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-"""Text is ASCII unless the code says which encoding it has: stricter than a Windows code page."""
+"""Text is ASCII unless the code states its encoding, which is stricter than a code page."""
 QUICK = [
     *(f"tests/fieldcheck/test_{name}.py" for name in ("fieldcheck", "drag")),
     *(f"tests/fieldrecon/methods/test_{name}.py" for name in ("least_squares", "globe")),
@@ -52,7 +52,7 @@ QUICK = [
     "tests/fieldrecon/cli/test_cli.py::test_targets_in_space_may_be_a_grid_points_or_a_mesh",
     "tests/fieldrecon/cli/test_audit_command.py::test_a_boundary_may_be_allowed",
 ]
-NEEDS_AN_ALARM = "tests/fieldcheck/test_fieldcheck.py::test_slow_and_endless_answers"
+NEEDS_AN_ALARM = "tests/fieldcheck/test_fieldcheck.py::test_slow_and_endless_answers_lose_points"
 
 
 def python(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -68,30 +68,29 @@ def python(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
-def test_quick_tests_pass_without_what_windows_lacks():
-    """All of them but one: an answer that never returns is interrupted by an alarm."""
+def test_quick_tests_pass_without_modules_that_windows_lacks():
+    """One test is left out: an answer that never returns is interrupted by an alarm signal."""
     run = python(TAKEN_AWAY + RUN, *QUICK, "--deselect", NEEDS_AN_ALARM)
     assert run.returncode == 0, run.stdout[-5000:] + run.stderr[-5000:]
     assert int(re.search(r"^(\d+) passed", run.stdout, flags=re.M)[1]) > 250
 
 
 @pytest.mark.parametrize("use", ["import fcntl", "import os; os.fork()", "import os; os.sysconf"])
-def test_what_windows_lacks_is_gone(use):
-    """A module that used one of these would fail."""
+def test_removed_modules_cannot_be_used(use):
     run = python(f"{TAKEN_AWAY}\n{use}")
     assert "ModuleNotFoundError" in run.stderr or "AttributeError" in run.stderr
 
 
 def test_a_system_without_sysconf_refuses_no_fit(monkeypatch):
-    """The memory of the machine is not known there; NumPy raises MemoryError itself."""
+    """The memory of the machine is unknown there, and NumPy itself raises MemoryError."""
     monkeypatch.delattr(os, "sysconf")
     monkeypatch.setattr(_memory, "OWN_CGROUPS", Path("nowhere"))
     assert _memory.memory_limit() == math.inf
     refuse_beyond_memory(10**9)
 
 
-def test_a_redirection_in_a_code_page_is_no_error(monkeypatch):
-    """Characters that cp1252 lacks become question marks; those that it has stay."""
+def test_output_redirected_in_a_code_page_raises_no_error(monkeypatch):
+    """Characters that cp1252 lacks become question marks, and others are kept."""
     written = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, encoding="cp1252"))
     assert main(["experiments", "show", "epsilon_sweep"]) == 0

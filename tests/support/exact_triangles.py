@@ -1,7 +1,7 @@
-"""Exact reference for intersections of triangles: rational points, all pairs.
+"""Exact reference for intersections of triangles: rational arithmetic and all pairs.
 
-Triangles are cut with one another, and of what they have in common one asks in the inside, on which
-edge or at which corner of each it lies.
+Two triangles are intersected, and every point of the intersection is classified: in the interior,
+on an edge, or at a corner of each triangle.
 """
 
 import itertools
@@ -38,11 +38,11 @@ def between(a, b, t):
     return tuple(x + t * (y - x) for x, y in zip(a, b, strict=True))
 
 
-def heights(t, e, places):
-    """Of places in the plane of a triangle, over its e-th edge; positive inside."""
+def heights(t, e, points):
+    """Heights of points in the plane of a triangle over its e-th edge; positive inside."""
     a, b = t[EDGES[e][0]], t[EDGES[e][1]]
     inward = cross(normal(t), minus(b, a))
-    return [dot(inward, minus(p, a)) for p in places]
+    return [dot(inward, minus(p, a)) for p in points]
 
 
 def cut(polygon, t):
@@ -60,7 +60,7 @@ def cut(polygon, t):
 
 
 def in_plane(t, plane):
-    """What a triangle has in common with the plane of another."""
+    """Intersection of a triangle with the plane of another."""
     n, origin = normal(plane), plane[0]
     over = [dot(n, minus(p, origin)) for p in t]
     found = [p for p, h in zip(t, over, strict=True) if h == 0]
@@ -70,24 +70,24 @@ def in_plane(t, plane):
     return found
 
 
-def place_in(p, t):
-    """2, 1 or 0: in the inside, inside an edge, or at a corner of a triangle."""
+def location_in(p, t):
+    """2 in the interior, 1 inside an edge, 0 at a corner of a triangle."""
     return 2 - sum(heights(t, e, [p])[0] == 0 for e in range(3))
 
 
 def meet(s, t):
-    """crossing, overlap or neither, of two triangles that are not flat."""
+    """ "crossing", "overlap" or None for two triangles that are not flat."""
     common = in_plane(s, t)
     if len(common) == 3:
         polygon = cut(list(s), t)
         area = any(not is_flat(corners) for corners in itertools.combinations(polygon, 3))
         return "overlap" if area else None
     common = cut(common, t)
-    places = [*common, between(*common, F(1, 2))] if len(common) == 2 else common
-    kinds = [(place_in(p, s), place_in(p, t)) for p in places]
+    samples = [*common, between(*common, F(1, 2))] if len(common) == 2 else common
+    kinds = [(location_in(p, s), location_in(p, t)) for p in samples]
     if any(2 in kind for kind in kinds):
         return "crossing"
-    return "crossing" if kinds == [(1, 1)] else None  # two edges cross; more is a common line
+    return "crossing" if kinds == [(1, 1)] else None  # two edges cross
 
 
 def on_edge(p, a, b):
@@ -98,8 +98,8 @@ def on_edge(p, a, b):
 def findings(points, triangles):
     """Crossings, overlaps, T-junctions and flat triangles of a mesh, as sets."""
     points = exact(points)
-    place = [points.index(p) for p in points]
-    named = [tuple(place[i] for i in t) for t in triangles]
+    first_copy = [points.index(p) for p in points]
+    named = [tuple(first_copy[i] for i in t) for t in triangles]
     corners = [tuple(points[i] for i in t) for t in named]
     flat = {k for k, t in enumerate(corners) if is_flat(t)}
     sets = [frozenset(t) for t in named]
@@ -117,7 +117,7 @@ def findings(points, triangles):
 
 
 def edge_counts(triangles):
-    """How many of the triangles with three corners, copies left out, have each edge."""
+    """Number of triangles at each edge, without duplicates and triangles with repeated corners."""
     counts = {}
     for t in {frozenset(map(int, t)) for t in triangles}:
         if len(t) == 3:
@@ -127,7 +127,7 @@ def edge_counts(triangles):
 
 
 def fans(triangles, vertex):
-    """How many groups of triangles at a vertex hang together by edges that end there."""
+    """Number of groups of triangles at a vertex that are connected by edges at the vertex."""
     groups = []
     for t in {frozenset(map(int, t)) for t in triangles}:
         if len(t) == 3 and vertex in t:

@@ -1,4 +1,4 @@
-"""A class for tests of the gradebook: notebooks with known mistakes, and records made by hand."""
+"""A class for tests of the gradebook: notebooks with known misconceptions, and made-up records."""
 
 import ast
 import json
@@ -32,13 +32,13 @@ def code_cell(book, function):
 
 
 def with_function(book, function, code):
-    """Return a notebook whose cell for a function holds other code."""
+    """Return a notebook in which the cell of a function contains other code."""
     code_cell(book, function)["source"] = code
     return book
 
 
-def mistaken(question, mistake):
-    """Return the code of a catalogued mistake as a student would hand it in."""
+def misconception_code(question, mistake):
+    """Return the code of a catalogued misconception as a student would submit it."""
     number, function = question.partition(".")[0], questions()[question].function
     path = ROOT / "solutions" / "misconceptions" / f"{source(number).name}.py"
     tree = ast.parse(path.read_text("utf-8"))
@@ -65,8 +65,13 @@ def grade(question, points, possible=2.0, rung=None, sentence="", **parts):
 
 
 def record(student, grades, notebook="01", **changes):
-    told = {"file": f"{student}.ipynb", "digest": DIGEST, "status": "graded", "tier": "bubblewrap"}
-    return Record(student, notebook=notebook, grades=tuple(grades), code=DIGEST, **told | changes)
+    fields = {
+        "file": f"{student}.ipynb",
+        "digest": DIGEST,
+        "status": "graded",
+        "tier": "bubblewrap",
+    }
+    return Record(student, notebook=notebook, grades=tuple(grades), code=DIGEST, **fields | changes)
 
 
 def asked(*names, points=2.0, kind="code"):
@@ -88,7 +93,7 @@ def results(records, questions=None, students=(), **changes):
 
 
 class Tags(HTMLParser):
-    """What a browser would see: the tags with their attributes, and the text."""
+    """The tags with their attributes and the text, as a browser sees them."""
 
     def __init__(self, page):
         super().__init__()
@@ -103,7 +108,7 @@ class Tags(HTMLParser):
 
 
 def harmless(page):
-    """Whether a page runs nothing, loads nothing, and leads nowhere."""
+    """Whether a page runs no code, loads nothing, and has no links to other pages."""
     tags = Tags(page).tags
     names = {tag for tag, _ in tags}
     attributes = [(name, value or "") for _, its in tags for name, value in its.items()]

@@ -1,4 +1,4 @@
-"""A small class for tests of the grader: its submissions, and a run that grades it."""
+"""A small class for tests of the grader: submissions, and a run that grades them."""
 
 import json
 import shutil
@@ -7,14 +7,14 @@ from checkout import ROOT
 from fieldgrade.authoring.build import all_sources
 from fieldgrade.grading.run import Choice, GradingRun
 from fieldgrade.isolation.server import tiers
-from submission_files import lay, notebook
+from submission_files import notebook, write_files
 
 TIER = tiers()[0]
 SOURCES = {source.number: source for source in all_sources(ROOT)}
 
 
 def right(number="01"):
-    """The cells of a solution that are needed, without its pictures."""
+    """The cells of a solution that define answers, without its pictures."""
     cells = SOURCES[number].cells
     return [c.text for c in cells if c.question or (c.is_setup and c.kind == "code")]
 
@@ -28,7 +28,7 @@ STUB = "def rank(points):\n    raise NotImplementedError\n"
 
 
 def class_files():
-    """One who is right, one wrong, one who wrote nothing of the rank, one who cannot be read."""
+    """A right and a wrong submission, one with an unwritten answer, and an unreadable file."""
     return {
         "ada/01.ipynb": notebook(*right()),
         "ada/02.ipynb": notebook(*right("02")),
@@ -39,13 +39,13 @@ def class_files():
 
 
 def run(folder, files=None, root=ROOT, tables=None, jobs=1, **choice):
-    """A run on files, in a folder of its own."""
-    lay(folder / "in", class_files() if files is None else files)
+    """A grading run on these files in a folder."""
+    write_files(folder / "in", class_files() if files is None else files)
     return GradingRun(folder / "in", folder / "out", root, tables, TIER, jobs, Choice(**choice))
 
 
 def checkout(folder, *numbers):
-    """A copy of what the grader reads of a checkout, to be changed."""
+    """A copy of the files of a checkout that the grader reads, to be changed."""
     for file in (ROOT / "solutions").rglob("*.py"):
         if file.name[:2] in numbers:
             copy = folder / file.relative_to(ROOT)
@@ -55,10 +55,10 @@ def checkout(folder, *numbers):
 
 
 def ledger(out):
-    """What ran, in order: a student and the questions."""
+    """The entries of the ledger in order: a student and the checked questions."""
     file = out / "ledger.jsonl"
     lines = file.read_text().splitlines() if file.exists() else []
-    return [(told["student"], *told["made_by"]) for told in map(json.loads, lines)]
+    return [(line["student"], *line["made_by"]) for line in map(json.loads, lines)]
 
 
 def points(results):

@@ -1,8 +1,8 @@
-"""High-precision reference: the slides' formulas, literally, in five hundred decimal digits.
+"""High-precision reference: the formulas of the slides in five hundred decimal digits.
 
-Weights of 1e60 and steps of 1e-80 cost nothing here, so normal equations and difference quotients,
-which nobody should compute with in sixteen digits, are exact enough. Points and values are the
-floating-point numbers themselves, converted without rounding.
+With weights of 1e60 and steps of 1e-80, normal equations and difference quotients are accurate
+enough in this precision, though not in sixteen digits. Points and values are the floating-point
+numbers, converted without rounding.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ OfSquare = Callable[[Decimal], Decimal]
 
 
 def in_digits(function):
-    """Run in DIGITS digits; the answer is rounded once, to a float, by the caller."""
+    """Run in DIGITS digits; the caller rounds the result once, to a float."""
 
     @wraps(function)
     def run(*arguments, **options):
@@ -40,7 +40,7 @@ def squared_distance(x: Vector, p: Vector) -> Decimal:
 
 
 def basis(x: Vector, degree: int) -> Vector:
-    """Monomials of total degree <= degree, in any order."""
+    """Monomials of total degree at most `degree`."""
     powers = (a for a in product(range(degree + 1), repeat=len(x)) if sum(a) <= degree)
     return [_product(v**k for v, k in zip(x, a, strict=True) if k) for a in powers]
 
@@ -73,7 +73,7 @@ def solved(matrix: list[Vector], right: Vector) -> Vector:
     return x
 
 
-# --- weights and kernels, of s = r² ----------------------------------------------------------
+# --- weights and kernels as functions of s = r² ----------------------------------------------
 
 
 def inverse_square(epsilon: float) -> OfSquare:
@@ -104,7 +104,7 @@ def multiquadric(scale: float) -> OfSquare:
 
 
 def moving_coefficients(points, values, x: Vector, weight: OfSquare, degree: int) -> Vector:
-    """c(x) of BᵀW²B c = BᵀW²V, in the monomials of p - x."""
+    """c(x) of BᵀW²B c = BᵀW²V, in monomials of p - x."""
     w2 = [weight(squared_distance(x, p)) ** 2 for p in points]
     b = [basis([c - a for a, c in zip(x, p, strict=True)], degree) for p in points]
     q = len(b[0])
@@ -115,7 +115,7 @@ def moving_coefficients(points, values, x: Vector, weight: OfSquare, degree: int
 
 @in_digits
 def moving(points, values, x, weight: OfSquare, degree: int = 1) -> Decimal:
-    """f_MLS(x): the coefficient of 1 in the monomials of p - x."""
+    """f_MLS(x), the coefficient of 1 in monomials of p - x."""
     points, values, x = [exact(p) for p in points], exact(values), exact(x)
     return moving_coefficients(points, values, x, weight, degree)[0]
 
@@ -134,7 +134,7 @@ def moving_objective(points, values, x, weight: OfSquare, degree: int = 1) -> fl
 
 @in_digits
 def rbf_coefficients(points, values, kernel: OfSquare, degree: int, smoothing: float = 0.0):
-    """(λ, c) of the bordered system, in the monomials of the coordinates."""
+    """(λ, c) of the saddle-point system, in monomials of the coordinates."""
     points, values = [exact(p) for p in points], exact(values)
     b = [basis(p, degree) if degree >= 0 else [] for p in points]
     q = len(b[0])
@@ -159,7 +159,7 @@ def rbf(points, coefficients, x, kernel: OfSquare, degree: int) -> Decimal:
 
 @in_digits
 def gradient(f: Callable[[Vector], Decimal], x) -> np.ndarray:
-    """Central differences, with a step of 1e-80."""
+    """Central differences with a step of 1e-80."""
     x, result = exact(x), []
     for k in range(len(x)):
         there, back = x.copy(), x.copy()
@@ -171,5 +171,5 @@ def gradient(f: Callable[[Vector], Decimal], x) -> np.ndarray:
 
 @in_digits
 def beside(x, offset: str = "1e-60") -> Vector:
-    """A place so near to x that a continuous function has its value at x there."""
+    """A point so close to x that a continuous function has its value at x there."""
     return [c + Decimal(offset) * (k + 1) for k, c in enumerate(exact(x))]

@@ -1,4 +1,4 @@
-"""Convex polygons and polyhedra, and the meshes whose Voronoi cells they are."""
+"""Convex polygons and polyhedra, and meshes with given Voronoi cells."""
 
 from itertools import permutations, product
 
@@ -28,7 +28,7 @@ def cyclic(a: float, b: float) -> np.ndarray:
 GOLDEN = (1 + 5**0.5) / 2
 DODECAHEDRON = np.vstack([SIGNS, cyclic(1 / GOLDEN, GOLDEN)])
 ICOSAHEDRON = cyclic(1.0, GOLDEN)
-# pentagons too, not regular ones, but with corners that are binary fractions
+# its pentagons are not regular, but its corners are binary fractions
 PYRITOHEDRON = np.vstack([SIGNS, cyclic(0.75, 1.25)])
 
 POLYHEDRA = {
@@ -45,7 +45,7 @@ POLYHEDRA = {
 
 
 def regular(n: int) -> np.ndarray:
-    """Regular polygon with corners (n, 2) at distance one from the origin."""
+    """Regular polygon with n corners (n, 2) on the unit circle."""
     angle = 2 * np.pi * np.arange(n) / n
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
@@ -55,7 +55,7 @@ HEXAGON = np.array([[0.5, -0.25], [1.125, 0], [1.25, 0.75], [0.625, 1.25], [-0.1
 
 
 def sheared(corners: np.ndarray) -> np.ndarray:
-    """Moved to the unit cube and sheared, all by binary fractions."""
+    """The corners mapped to the unit cube by an affine map; all numbers are binary fractions."""
     shear = np.array([[0.5, 0.125, 0], [0, 0.625, 0.25], [0.125, 0, 0.75]])
     return corners @ shear + [0.5, 0.375, 0.5]
 
@@ -74,23 +74,23 @@ POLYTOPES = {
 
 
 def star(corners) -> SimplexMesh:
-    """The mesh round vertex 0, the mean of the corners, whose Voronoi cell has these corners.
+    """The mesh around vertex 0, the mean of the corners, whose Voronoi cell has these corners.
 
-    The other vertices are the mirror images of the mean in the faces. Cell a, or where more than
-    three faces meet some cells in a row, has its circumcentre at corner a.
+    The other vertices are the reflections of the mean in the faces. Cell a has its circumcentre at
+    corner a; a corner of more than three faces has several consecutive cells.
     """
     corners = valid.as_points(corners)
     cell = Polytope.of(corners)
     center = corners.mean(axis=0)
     base = corners[[face[0] for face in cell.faces]]
     unit = cell.normals / np.linalg.norm(cell.normals, axis=1)[:, None]
-    mirrored = center + 2 * ((base - center) * unit).sum(axis=1)[:, None] * unit
+    reflected = center + 2 * ((base - center) * unit).sum(axis=1)[:, None] * unit
     cells = []
     for faces in cell.corner_faces:
         d = corners.shape[1]
         fans = [faces] if d == 2 else [faces[[0, k, k + 1]] for k in range(1, len(faces) - 1)]
         cells += [[0, *(fan + 1)] for fan in fans]
-    return SimplexMesh(np.vstack([center, mirrored]), cells)
+    return SimplexMesh(np.vstack([center, reflected]), cells)
 
 
 def voronoi_cell(corners) -> VoronoiCell:
@@ -99,7 +99,7 @@ def voronoi_cell(corners) -> VoronoiCell:
 
 
 def kuhn(n: int, d: int) -> SimplexMesh:
-    """The lattice {0 ... n - 1}^d, each of its cubes cut into d! simplices along its diagonal."""
+    """The lattice {0 ... n - 1}^d with each cube cut into d! simplices along its diagonal."""
     points = np.array([*product(range(n), repeat=d)], dtype=float)
     powers = n ** np.arange(d)[::-1]
     cells = [

@@ -1,4 +1,4 @@
-"""Linear algebra in rational numbers, with exact zeros and exact ranks."""
+"""Linear algebra in rational arithmetic, with exact zeros and ranks."""
 
 from collections.abc import Sequence
 from fractions import Fraction
@@ -8,7 +8,7 @@ Rows = Sequence[Sequence[Fraction | int | float]]
 
 
 def rational(rows: Rows) -> list[Row]:
-    """The numbers themselves, floating-point ones without rounding."""
+    """The same numbers as fractions; floating-point numbers are converted without rounding."""
     return [[Fraction(x) for x in row] for row in rows]
 
 
@@ -34,7 +34,7 @@ def times(a: Rows, x: Sequence) -> Row:
 
 
 def _eliminated(a: Rows) -> tuple[list[Row], list[int], int]:
-    """Reduced row echelon form but for the pivots' size, the pivots' columns, and the sign."""
+    """Reduced row echelon form without scaling of the pivots, the pivot columns, and the sign."""
     rows, pivots, sign = rational(a), [], 1
     for j in range(len(rows[0])):
         at = len(pivots)
@@ -71,7 +71,7 @@ def solved(a: Rows, b: Sequence) -> Row:
 
 
 def least_squares(a: Rows, b: Sequence, weights: Sequence | None = None) -> Row:
-    """The solution of A^T M A c = A^T M b, with M = diag(weights)."""
+    """The solution of A^T M A c = A^T M b with M = diag(weights)."""
     m = [1] * len(a) if weights is None else weights
     at = [[Fraction(w) * x for w, x in zip(m, column, strict=True)] for column in transposed(a)]
     return solved(product(at, a), times(at, b))
@@ -83,7 +83,7 @@ def inverse(a: Rows) -> list[Row]:
 
 
 def circumcentre(corners: Rows) -> Row:
-    """The point as far from each corner as from the first."""
+    """The point at equal distances from all corners."""
     first, *others = rational(corners)
     edges = [minus(p, first) for p in others]
     return [

@@ -1,4 +1,4 @@
-"""A small report for tests: two fake experiments, a new text, and builds within this process."""
+"""A small report for tests: two fake experiments, a short text, and builds in this process."""
 
 import argparse
 import importlib
@@ -22,7 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldreport.framework.experiment import Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 from fieldrecon.plotting.style import figure, line
 
 SCALE = 1.0
@@ -87,7 +88,7 @@ Errors for $\\varepsilon = {{{{fake_a.params.epsilon}}}}$.
 
 
 class SmallReport:
-    """A report in a folder, with its experiments and a log of what they did."""
+    """A report in a folder, with its experiments and a log of their calls."""
 
     def __init__(self, folder: Path, monkeypatch) -> None:
         self.folder = folder
@@ -105,7 +106,7 @@ class SmallReport:
         monkeypatch.setattr(experiments, "__path__", [str(self.code.parent), *experiments.__path__])
 
     def write_experiment(self, name: str, *changes: str) -> None:
-        """Write one of the experiments; of the changes each is an old text and a new one."""
+        """Write an experiment; `changes` alternates old and new text."""
         text = FAKE.format(name=name, log=self.log)
         for old, new in zip(changes[::2], changes[1::2], strict=True):
             assert old in text
@@ -113,12 +114,12 @@ class SmallReport:
         (self.code / f"{name}.py").write_text(text)
 
     def write_chapter(self, body: str = "") -> None:
-        """Write the only chapter, with a paragraph of its own."""
+        """Write the only chapter, with an additional paragraph."""
         (self.source / "chapters").mkdir(exist_ok=True)
         (self.source / "chapters" / "01-all.md").write_text(CHAPTER.format(body=body))
 
     def build(self, *options: str) -> int:
-        """Build as a new process would, and return the exit status."""
+        """Build with cleared caches, as in a new process, and return the exit status."""
         for name in [n for n in sys.modules if n.startswith("fieldreport.experiments.topic")]:
             del sys.modules[name]
         code_dependencies.clear_caches()
@@ -132,7 +133,7 @@ class SmallReport:
         return parser.parse_args(["--source", str(self.source), "--jobs=1", *options])
 
     def did(self) -> list[str]:
-        """Return what the experiments did since the last call."""
+        """Return the logged calls of the experiments since the last call."""
         lines = self.log.read_text().splitlines()
         self.log.write_text("")
         return lines

@@ -1,11 +1,11 @@
-"""Submissions: notebooks, scripts and zip files as students and learning platforms make them."""
+"""Submissions as students and learning platforms make them: notebooks, scripts and zip files."""
 
 import io
 import json
 import zipfile
 
 FUNCTIONS = {"01": ["fit", "rank", "gradient"], "02": ["weights", "field", "gradient"]}
-"""What two notebooks ask for; both ask for a gradient."""
+"""The functions of two notebooks; both have a function `gradient`."""
 ANSWER = "def fit(points, values):\n    return values\n"
 STUB = 'def fit(points, values):\n    raise NotImplementedError("01.2 is not written yet")\n'
 
@@ -19,7 +19,7 @@ def prose(source, **more):
 
 
 def notebook(*cells, **metadata):
-    """The bytes of a notebook whose cells are given, as text if they are code."""
+    """The bytes of a notebook with these cells; a string is a code cell."""
     made = [code(cell) if isinstance(cell, str) else cell for cell in cells]
     data = {"cells": made, "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
     return json.dumps(data).encode()
@@ -39,8 +39,8 @@ def packed(files):
     return stream.getvalue()
 
 
-def lay(folder, files):
-    """Write files, by their names, below a folder."""
+def write_files(folder, files):
+    """Write files with these names and contents below a folder."""
     for name, content in files.items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -7,14 +7,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Question, law, law_of_each, relative
 
 EPS = float(np.finfo(float).eps)
 
 
 def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return n random points in the unit square, or cube."""
+    """Return n random points in the unit square or cube."""
     return random.random((n, d))
 
 
@@ -22,7 +22,7 @@ def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
 
 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in the plane, in space, and on the line."""
+    """Return points in the plane, in space and on the line."""
     random = np.random.default_rng(seed)
     sizes = (
         (7, 2, "seven points in the plane"),
@@ -32,8 +32,12 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("basis_matrix", (cloud(random, n, d),), case) for n, d, case in sizes)
 
 
+@law(
+    "Applied to the coefficients of a field, B must give the field at the points, so "
+    "that two rows differ as their points do."
+)
 def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far differences of rows are from differences of points."""
+    """Return the largest difference between B-differences and coordinate differences of points."""
     return max(
         relative(np.diff(b, axis=0) @ np.r_[1.0, np.ones(d)] - np.diff(p.sum(axis=1)), p)
         for (p,), (b,), d in (
@@ -42,11 +46,11 @@ def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> floa
     )
 
 
-# 01.2 and 01.6 The fit, and what it minimises
+# 01.2 and 01.6 The fit, and the minimised objective
 
 
 def fit_inputs(seed: int) -> tuple[Call, ...]:
-    """Return scattered values, values of an affine field, and as many points as coefficients."""
+    """Return random values, values of an affine field, and as many points as coefficients."""
     random = np.random.default_rng(seed)
     scattered, corner = (
         cloud(random, 12, 2),
@@ -54,39 +58,38 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     )
     space = cloud(random, 20, 3)
     c = random.normal(size=4)
-    return (
-        Call(
-            "fit",
-            (scattered, random.normal(size=12)),
-            "twelve points in the plane with random values",
-        ),
-        Call("fit", (space, c[0] + space @ c[1:]), "an affine field at twenty points in space"),
-        Call("fit", (corner, random.normal(size=3)), "three points in the plane"),
+    return calls_of(
+        "fit",
+        ((scattered, random.normal(size=12)), "twelve points in the plane with random values"),
+        ((space, c[0] + space @ c[1:]), "an affine field at twenty points in space"),
+        ((corner, random.normal(size=3)), "three points in the plane"),
     )
 
 
 def fit_tolerance(call: Call) -> float:
-    """Return what rounding does to the normal equations: eps times the condition of B squared."""
+    """Return the rounding error of the normal equations: eps times the squared condition of B."""
     points = call.arguments[0]
     return 100 * EPS * float(np.linalg.cond(np.insert(points, 0, 1.0, axis=1))) ** 2
 
 
-def residual_is_orthogonal(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest sum of residuals, plain and weighted by coordinates."""
-    worst = 0.0
-    for call, (c,) in zip(calls, values, strict=True):
-        points, data = call.arguments
-        residual = c[0] - data + sum(points[:, k] * c[k + 1] for k in range(points.shape[1]))
-        moments = [residual.sum(), *(residual * points[:, k] for k in range(points.shape[1]))]
-        worst = max(worst, max(relative(np.sum(m), np.abs(data).sum()) for m in moments))
-    return worst
+@law_of_each(
+    "The residual of the best fit is orthogonal to the columns of B: it sums to zero, "
+    "also when weighted by a coordinate."
+)
+def residual_is_orthogonal(call: Call, values: Values) -> float:
+    """Return the largest sum of residuals, unweighted and weighted by a coordinate."""
+    (c,) = values
+    points, data = call.arguments
+    residual = c[0] - data + sum(points[:, k] * c[k + 1] for k in range(points.shape[1]))
+    moments = [residual.sum(), *(residual * points[:, k] for k in range(points.shape[1]))]
+    return max(relative(np.sum(m), np.abs(data).sum()) for m in moments)
 
 
 # 01.3 and 01.5 The field and its gradient
 
 
 def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return coefficients and places in the plane and in space."""
+    """Return coefficients and evaluation points in the plane and in space."""
     random = np.random.default_rng(seed)
     return tuple(
         Call(name, (random.normal(size=d + 1), random.normal(size=(m, d))), case)
@@ -94,8 +97,9 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("From one place to another the field changes by the slope times the way.")
 def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much differences of values depend on the constant."""
+    """Return the largest error of differences of values, which do not contain the constant."""
     return max(
         relative(
             np.diff(v) - [(b - a) @ c.arguments[0][1:] for a, b in pairwise(c.arguments[1])], v
@@ -108,7 +112,7 @@ def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> fl
 
 
 def rank_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points that span the plane, a line, a single point; and far from the origin."""
+    """Return points that span a plane, a line or a single point, and points far from the origin."""
     random = np.random.default_rng(seed)
     along, line = random.normal(size=(9, 1)), random.normal(size=(2, 2))
     plane = random.normal(size=(10, 2)) @ random.normal(size=(2, 3)) + random.normal(size=3)
@@ -131,8 +135,9 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-def counts_what_can_be_told(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far a rank is from a whole number, or above the numbers of rows and columns."""
+@law("A rank is a whole number from 1 to the number of rows, or of columns if these are fewer.")
+def is_a_possible_rank(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how far a rank is from an integer, or above the numbers of rows and columns."""
     told = (
         (float(r), min(c.arguments[0].shape[0], c.arguments[0].shape[1] + 1))
         for c, (r,) in zip(calls, values, strict=True)
@@ -140,42 +145,36 @@ def counts_what_can_be_told(calls: Sequence[Call], values: Sequence[Values]) -> 
     return max(max(abs(r - round(r)), 1 - r, r - most) for r, most in told)
 
 
-def is_the_same_everywhere(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much the gradient differs from place to place."""
+@law("An affine field has the same gradient at every place.")
+def is_constant(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return how much the gradient differs between evaluation points."""
     return max(relative(np.ptp(g, axis=0), g) for (g,) in values)
 
 
-# 01.6 What is minimised
+# 01.6 The objective
 
 
 def objective_inputs(seed: int) -> tuple[Call, ...]:
-    """Return coefficients that are not the best, the same with other data, and such as fit
-    exactly.
-    """
+    """Return coefficients that are not optimal, the same with other data, and an exact fit."""
     random = np.random.default_rng(seed)
     plane, space = cloud(random, 9, 2), cloud(random, 6, 3)
     c, data = random.normal(size=3), random.normal(size=9)
     exact = c[0] + plane @ c[1:]
-    return (
-        Call("objective", (plane, data, c), "nine points in the plane"),
-        Call(
-            "objective", (plane, 2 * exact - data, c), "nine points with the residual turned round"
-        ),
-        Call(
-            "objective",
-            (plane, exact + 3 * (data - exact), c),
-            "nine points with three times the residual",
-        ),
-        Call(
-            "objective",
-            (space, random.normal(size=6), random.normal(size=4)),
-            "six points in space",
-        ),
+    return calls_of(
+        "objective",
+        ((plane, data, c), "nine points in the plane"),
+        ((plane, 2 * exact - data, c), "nine points with the residual turned round"),
+        ((plane, exact + 3 * (data - exact), c), "nine points with three times the residual"),
+        ((space, random.normal(size=6), random.normal(size=4)), "six points in space"),
     )
 
 
+@law(
+    "ψ is a square: the same for the opposite residual, nine times as large for three "
+    "times the residual."
+)
 def is_a_square(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far ψ is from even, and from quadratic, in the residual."""
+    """Return the deviation of ψ from an even and quadratic function of the residual."""
     once, turned, thrice, _space = (float(v) for (v,) in values)
     return max(relative(turned - once, once), relative(thrice - 9 * once, thrice))
 
@@ -187,13 +186,7 @@ QUESTIONS = (
         2,
         matrix_inputs,
         lambda call: ((call.arguments[0].shape[0], call.arguments[0].shape[1] + 1),),
-        (
-            Law(
-                "Applied to the coefficients of a field, B must give the field at the points, so "
-                "that two rows differ as their points do.",
-                spans_affine_fields,
-            ),
-        ),
+        (spans_affine_fields,),
     ),
     Question(
         "01.2",
@@ -201,13 +194,7 @@ QUESTIONS = (
         3,
         fit_inputs,
         lambda call: ((call.arguments[0].shape[1] + 1,),),
-        (
-            Law(
-                "The residual of the best fit is orthogonal to the columns of B: it sums to zero, "
-                "also when weighted by a coordinate.",
-                residual_is_orthogonal,
-            ),
-        ),
+        (residual_is_orthogonal,),
         fit_tolerance,
     ),
     Question(
@@ -216,47 +203,16 @@ QUESTIONS = (
         1,
         lambda seed: field_inputs("evaluate", seed),
         lambda call: ((len(call.arguments[1]),),),
-        (
-            Law(
-                "From one place to another the field changes by the slope times the way.",
-                moves_by_the_gradient,
-            ),
-        ),
+        (moves_by_the_gradient,),
     ),
-    Question(
-        "01.4",
-        "rank",
-        2,
-        rank_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "A rank is a whole number from 1 to the number of rows, or of columns if these "
-                "are fewer.",
-                counts_what_can_be_told,
-            ),
-        ),
-    ),
+    Question("01.4", "rank", 2, rank_inputs, lambda _: ((),), (is_a_possible_rank,)),
     Question(
         "01.5",
         "gradient",
         1,
         lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[1].shape,),
-        (Law("An affine field has the same gradient at every place.", is_the_same_everywhere),),
+        (is_constant,),
     ),
-    Question(
-        "01.6",
-        "objective",
-        1,
-        objective_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "ψ is a square: the same for the opposite residual, nine times as large for three "
-                "times the residual.",
-                is_a_square,
-            ),
-        ),
-    ),
+    Question("01.6", "objective", 1, objective_inputs, lambda _: ((),), (is_a_square,)),
 )

@@ -1,4 +1,4 @@
-"""Questions 02.1 to 02.7, moving least squares."""
+"""Questions of notebook 02, moving least squares: weights, fit, objective, gradient, errors."""
 
 from __future__ import annotations
 
@@ -6,22 +6,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Question, law, law_of_each, relative
 
 EPS = float(np.finfo(float).eps)
+LOCAL = 1e-7
+"""Rounding tolerance of laws about local fits, whose systems have larger condition numbers."""
 
 
 def affine(points: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Return the values of an affine field: the slopes, and 0.7 at the origin."""
+    """Return the values of an affine field with these slopes and the value 0.7 at the origin."""
     return points @ slopes + 0.7
 
 
 def rounding(points: np.ndarray, spread: float) -> float:
-    """Return what rounding does to the normal equations of weights that differ by this factor.
+    """Return the rounding error of the normal equations; `spread` is the ratio of the weights.
 
-    It is eps times the condition of WB squared, and that of WB is at most the spread of the weights
-    times the condition of B.
+    It is eps times the squared condition of WB, which is at most the spread times the condition of
+    B.
     """
     return (
         100
@@ -31,7 +33,7 @@ def rounding(points: np.ndarray, spread: float) -> float:
 
 
 def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
-    """Return the same for places x: no weight is further below the largest than 1 + (R/ε)²."""
+    """Return the same at evaluation points x: the ratio of weights is at most 1 + (R/ε)²."""
     reach = float(np.ptp(np.concatenate([points, np.atleast_2d(x)]), axis=0).max())
     return rounding(points, 1 + (reach / epsilon) ** 2)
 
@@ -40,31 +42,35 @@ def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a place among points, all that in another unit, space, and a place that is a point."""
+    """Return an evaluation point, the same in another unit, one in space, and one at a site."""
     random = np.random.default_rng(seed)
     plane, space, x = random.random((7, 2)), random.random((5, 3)), random.random(2)
-    return (
-        Call("weights", (plane, x, 0.3), "seven points in the plane"),
-        Call("weights", (3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
-        Call("weights", (space, random.normal(size=3), 0.6), "five points in space"),
-        Call("weights", (plane, plane[2].copy(), 0.2), "a place that is one of the points"),
+    return calls_of(
+        "weights",
+        ((plane, x, 0.3), "seven points in the plane"),
+        ((3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
+        ((space, random.normal(size=3), 0.6), "five points in space"),
+        ((plane, plane[2].copy(), 0.2), "a place that is one of the points"),
     )
 
 
-def weights_differ_like_squared_distances(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (w,) in zip(calls, values, strict=True):
-        points, x, _ = call.arguments
-        left, right = points[:-1], points[1:]
-        expected = ((right - left) * (right + left - 2 * x)).sum(axis=-1)
-        worst = max(worst, relative(w[:-1] - w[1:] - expected * w[:-1] * w[1:], w))
-    return worst
+@law_of_each(
+    "Between two points the reciprocal of the weight must grow by as much as the squared distance."
+)
+def weights_differ_like_squared_distances(call: Call, values: Values) -> float:
+    (w,) = values
+    points, x, _ = call.arguments
+    left, right = points[:-1], points[1:]
+    expected = ((right - left) * (right + left - 2 * x)).sum(axis=-1)
+    return relative(w[:-1] - w[1:] - expected * w[:-1] * w[1:], w)
 
 
+@law("At a point itself r is zero, and its weight is the greatest there is.")
 def greatest_at_the_point_itself(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(abs(values[3][0][2] * calls[3].arguments[2] ** 2 - 1))
 
 
+@law("Where all lengths, ε among them, are three times as large, each weight must be a ninth.")
 def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(9 * values[1][0] - values[0][0], values[0][0])
 
@@ -73,7 +79,7 @@ def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def fit_inputs(seed: int) -> tuple[Call, ...]:
-    """Return scattered points and weights, space, and as many points as coefficients."""
+    """Return scattered points and weights, points in space, and as many points as coefficients."""
     random = np.random.default_rng(seed)
     corner = random.random((3, 2)) + np.array([[0, 0], [2, 0], [0, 2]])
     cases = (
@@ -87,51 +93,58 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-def weighted_residual_is_orthogonal(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (c,) in zip(calls, values, strict=True):
-        points, data, w = call.arguments
-        pull = w * w * (data - c[0] - sum(c[k + 1] * column for k, column in enumerate(points.T)))
-        moments = [pull.sum(), *(pull @ column for column in points.T)]
-        worst = max(worst, relative(np.array(moments), np.sum(w * w * np.abs(data))))
-    return worst
+@law_of_each(
+    "The residual of the best fit, multiplied by the squared weights, must be "
+    "orthogonal to the columns of B."
+)
+def weighted_residual_is_orthogonal(call: Call, values: Values) -> float:
+    (c,) = values
+    points, data, w = call.arguments
+    pull = w * w * (data - c[0] - sum(c[k + 1] * column for k, column in enumerate(points.T)))
+    moments = [pull.sum(), *(pull @ column for column in points.T)]
+    return relative(np.array(moments), np.sum(w * w * np.abs(data)))
 
 
 # 02.4 The field
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values; with an affine field on top; all moved and stretched; space; a small ε."""
+    """Return values, with an affine field added, moved and scaled, in space, and with a small ε."""
     random = np.random.default_rng(seed)
     p, v, x = random.random((15, 2)), random.normal(size=15), random.random((5, 2))
     slopes, shift = np.array([1.5, -2.0]), np.array([1.0, -0.5])
-    return (
-        Call("field", (p, v, x, 0.25), "fifteen points in the plane"),
-        Call(
-            "field",
-            (p, v + affine(p, slopes), x, 0.25),
-            "the same values plus those of an affine field",
-        ),
-        Call(
-            "field",
+    return calls_of(
+        "field",
+        ((p, v, x, 0.25), "fifteen points in the plane"),
+        ((p, v + affine(p, slopes), x, 0.25), "the same values plus those of an affine field"),
+        (
             (3 * p + shift, v, 3 * x + shift, 0.75),
             "the same points, moved and three times as far apart",
         ),
-        Call(
-            "field",
+        (
             (random.random((20, 3)), random.normal(size=20), random.random((3, 3)), 0.5),
             "twenty points in space",
         ),
-        Call("field", (p, v, x, 0.05), "a small ε"),
+        ((p, v, x, 0.05), "a small ε"),
     )
 
 
+@law(
+    "An affine field is one of those that are fitted: adding it to the values must "
+    "add it to the result.",
+    LOCAL,
+)
 def reproduces_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     x = calls[0].arguments[2]
     gained = values[1][0] - values[0][0]
     return relative(gained - affine(x, np.array([1.5, -2.0])), np.abs(values[1][0]).max() + 1)
 
 
+@law(
+    "Moving points and places together, or measuring all lengths in another unit, "
+    "must not change the value.",
+    LOCAL,
+)
 def only_relative_positions_count(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
 
@@ -140,7 +153,7 @@ def only_relative_positions_count(calls: Sequence[Call], values: Sequence[Values
 
 
 def objective_inputs(seed: int) -> tuple[Call, ...]:
-    """Return coefficients that are not the best; all doubled; an affine field added; space."""
+    """Return non-optimal coefficients, all doubled, with an affine field added, and in space."""
     random = np.random.default_rng(seed)
     p, v, x, c = (
         random.random((9, 2)),
@@ -149,16 +162,15 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
         random.normal(size=3),
     )
     slopes = np.array([1.5, -2.0])
-    return (
-        Call("objective", (p, v, x, 0.4, c), "nine points in the plane"),
-        Call("objective", (p, 2 * v, x, 0.4, 2 * c), "values and coefficients doubled"),
-        Call(
-            "objective",
+    return calls_of(
+        "objective",
+        ((p, v, x, 0.4, c), "nine points in the plane"),
+        ((p, 2 * v, x, 0.4, 2 * c), "values and coefficients doubled"),
+        (
             (p, v + affine(p, slopes), x, 0.4, c + np.array([0.7, *slopes])),
             "the same affine field added to the values and the coefficients",
         ),
-        Call(
-            "objective",
+        (
             (
                 random.random((6, 3)),
                 random.normal(size=6),
@@ -171,11 +183,19 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "ψ is a sum of squares: doubling the values and the coefficients must make it "
+    "four times as large."
+)
 def is_quadratic(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - 4 * values[0][0], values[1][0])
 
 
-def sees_only_the_residual(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law(
+    "Only the difference of Bc and V counts: adding the same affine field to both "
+    "must change nothing."
+)
+def depends_on_the_residual_only(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], values[0][0])
 
 
@@ -183,21 +203,17 @@ def sees_only_the_residual(calls: Sequence[Call], values: Sequence[Values]) -> f
 
 
 def gradient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places on a circle; the same with an affine field on top; space."""
+    """Return evaluation points on a circle, the same with an affine field added, and in space."""
     random = np.random.default_rng(seed)
     p, v = random.random((20, 2)), random.normal(size=20)
     circle = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     x = 0.5 + 0.1 * np.column_stack([circle.real, circle.imag])
     slopes = np.array([1.5, -2.0])
-    return (
-        Call("gradient", (p, v, x, 0.3), "places on a circle"),
-        Call(
-            "gradient",
-            (p, v + affine(p, slopes), x, 0.3),
-            "the same values plus those of an affine field",
-        ),
-        Call(
-            "gradient",
+    return calls_of(
+        "gradient",
+        ((p, v, x, 0.3), "places on a circle"),
+        ((p, v + affine(p, slopes), x, 0.3), "the same values plus those of an affine field"),
+        (
             (random.random((25, 3)), random.normal(size=25), random.random((3, 3)), 0.5),
             "twenty-five points in space",
         ),
@@ -205,25 +221,104 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
 
 
 CIRCLE = 24
-"""So many places on the circle that the sum along it is as good as the integral."""
+"""The number of points on the circle for which the sum along it equals the integral."""
 
 
-def comes_back_to_the_same_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the sum of the slopes along the circle, as a part of what goes up on the way."""
+@law(
+    "Once round a circle the field is what it was, so the slopes along the way must "
+    "add up to zero. Where they do not, no field has this gradient.",
+    LOCAL,
+)
+def has_zero_circulation(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the sum of the slopes along the circle, relative to that of their absolute values."""
     x, (g,) = calls[0].arguments[2], values[0]
     outward = x - 0.5
     along = g[:, 1] * outward[:, 0] - g[:, 0] * outward[:, 1]
     return float(abs(along.sum()) / max(np.abs(g).max() * 0.1 * CIRCLE, EPS))
 
 
+@law("Adding an affine field to the values must add its slope to the gradient.", LOCAL)
 def adds_the_slope_of_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(
         values[1][0] - values[0][0] - np.array([1.5, -2.0]), np.abs(values[1][0]).max() + 1
     )
 
 
-LOCAL = 1e-7
-"""What rounding explains in a law about local fits, whose systems are worse conditioned."""
+# 02.8 Least squares against moving least squares
+
+
+def errors_inputs(seed: int) -> tuple[Call, ...]:
+    """Return 100 sites and ten evaluation points, all at twice the distance, other powers and ε."""
+    random = np.random.default_rng(seed)
+    points, places = random.random((100, 2)), random.random((10, 2))
+    return calls_of(
+        "errors",
+        ((points, places, 2, 0.1), "a hundred points, ten places and n = 2"),
+        ((2 * points, 2 * places, 2, 0.2), "points and places twice as far apart"),
+        ((points, places, 3, 0.05), "n = 3"),
+        (
+            (points[:30], random.random((25, 2)), 5, 0.3),
+            "thirty points, twenty-five places and n = 5",
+        ),
+    )
+
+
+@law(
+    "In a square twice as large (x₁ + x₂)² is four times as large, and so must both errors be.",
+    LOCAL,
+)
+def grows_with_the_field(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    return relative(values[1][0] - 4 * values[0][0], values[1][0])
+
+
+def nothing_for_rounding(call: Call, values: Values) -> Values:
+    """Return errors in which pure rounding errors are set to zero."""
+    return tuple(np.where(np.abs(v) < 1e-9, 0.0, v) for v in values)
+
+
+# 02.9 Leave-one-out
+
+
+def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
+    """Return values, the same with one value raised, with an affine field added, and in space."""
+    random = np.random.default_rng(seed)
+    p, v = random.random((12, 2)), random.normal(size=12)
+    raised = v + (np.arange(12) == 4)
+    return calls_of(
+        "leave_one_out",
+        ((p, v, 0.3), "twelve points in the plane"),
+        ((p, raised, 0.3), "the same points, the fifth value raised by one"),
+        (
+            (p, v + affine(p, np.array([1.5, -2.0])), 0.3),
+            "the same values plus those of an affine field",
+        ),
+        ((random.random((14, 3)), random.normal(size=14), 0.6), "fourteen points in space"),
+    )
+
+
+@law(
+    "Raising a value by one must raise its own error by one: the field that it is "
+    "compared with has not seen it.",
+    LOCAL,
+)
+def has_not_seen_the_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    return float(abs(values[1][0][4] - values[0][0][4] - 1))
+
+
+@law(
+    "An affine field is reproduced by any of the others, so adding it must change no error.", LOCAL
+)
+def affine_fields_leave_no_error(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
+
+
+def without_the_worst(call: Call) -> float:
+    """Return the rounding error with one point left out, for the worst choice of the point."""
+    points, _, epsilon = call.arguments
+    return max(
+        local_rounding(np.delete(points, i, axis=0), p, epsilon) for i, p in enumerate(points)
+    )
+
 
 QUESTIONS = (
     Question(
@@ -232,22 +327,7 @@ QUESTIONS = (
         2,
         weights_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (
-            Law(
-                "Between two points the reciprocal of the weight must grow by as much as the "
-                "squared distance.",
-                weights_differ_like_squared_distances,
-            ),
-            Law(
-                "Where all lengths, ε among them, are three times as large, each weight must be a "
-                "ninth.",
-                unit_of_length,
-            ),
-            Law(
-                "At a point itself r is zero, and its weight is the greatest there is.",
-                greatest_at_the_point_itself,
-            ),
-        ),
+        (weights_differ_like_squared_distances, unit_of_length, greatest_at_the_point_itself),
     ),
     Question(
         "02.2",
@@ -255,13 +335,7 @@ QUESTIONS = (
         3,
         fit_inputs,
         lambda call: ((call.arguments[0].shape[1] + 1,),),
-        (
-            Law(
-                "The residual of the best fit, multiplied by the squared weights, must be "
-                "orthogonal to the columns of B.",
-                weighted_residual_is_orthogonal,
-            ),
-        ),
+        (weighted_residual_is_orthogonal,),
         lambda call: rounding(
             call.arguments[0], float(call.arguments[2].max() / call.arguments[2].min())
         ),
@@ -272,20 +346,7 @@ QUESTIONS = (
         3,
         field_inputs,
         lambda call: ((len(call.arguments[2]),),),
-        (
-            Law(
-                "An affine field is one of those that are fitted: adding it to the values must "
-                "add it to the result.",
-                reproduces_affine_fields,
-                LOCAL,
-            ),
-            Law(
-                "Moving points and places together, or measuring all lengths in another unit, "
-                "must not change the value.",
-                only_relative_positions_count,
-                LOCAL,
-            ),
-        ),
+        (reproduces_affine_fields, only_relative_positions_count),
         lambda call: local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
     Question(
@@ -294,18 +355,7 @@ QUESTIONS = (
         2,
         objective_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "ψ is a sum of squares: doubling the values and the coefficients must make it "
-                "four times as large.",
-                is_quadratic,
-            ),
-            Law(
-                "Only the difference of Bc and V counts: adding the same affine field to both "
-                "must change nothing.",
-                sees_only_the_residual,
-            ),
-        ),
+        (is_quadratic, depends_on_the_residual_only),
     ),
     Question(
         "02.7",
@@ -313,19 +363,26 @@ QUESTIONS = (
         4,
         gradient_inputs,
         lambda call: (call.arguments[2].shape,),
-        (
-            Law(
-                "Once round a circle the field is what it was, so the slopes along the way must "
-                "add up to zero. Where they do not, no field has this gradient.",
-                comes_back_to_the_same_value,
-                LOCAL,
-            ),
-            Law(
-                "Adding an affine field to the values must add its slope to the gradient.",
-                adds_the_slope_of_affine_fields,
-                LOCAL,
-            ),
-        ),
+        (has_zero_circulation, adds_the_slope_of_affine_fields),
         lambda call: 10 * local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
+    ),
+    Question(
+        "02.8",
+        "errors",
+        3,
+        errors_inputs,
+        lambda _: ((2,),),
+        (grows_with_the_field,),
+        lambda call: local_rounding(call.arguments[0], call.arguments[1], call.arguments[3]),
+        nothing_for_rounding,
+    ),
+    Question(
+        "02.9",
+        "leave_one_out",
+        3,
+        leave_one_out_inputs,
+        lambda call: ((len(call.arguments[0]),),),
+        (has_not_seen_the_value, affine_fields_leave_no_error),
+        without_the_worst,
     ),
 )

@@ -1,6 +1,6 @@
 """Questions of notebook 03, radial basis functions.
 
-The laws need the kernel. They take it as the derivative of s^t by t at t = 1, by a complex step.
+The laws need the kernel. They compute it as the derivative of s^t at t = 1, by a complex step.
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from math import ceil
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Law, Question, law, law_of_each, relative
 
 STEP = 1e-30
-"""Of the complex step: its square vanishes."""
+"""The size of the complex step; its square underflows."""
 
 
 def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return n points of the unit square, or cube, no two close together: one each in cells of a
-    grid.
+    """Return n points of the unit square or cube, one in each of n cells of a grid, so that no two
+    are close together.
     """
     side = ceil(n ** (1 / d)) + 1
     cells = random.permutation(side**d)[:n]
@@ -28,18 +28,18 @@ def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
 
 
 def squares(x: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return the squared distances of places and points, coordinate by coordinate."""
+    """Return the squared distances of evaluation points and sites, coordinate by coordinate."""
     parts = (np.subtract.outer(a, b) ** 2 for a, b in zip(x.T, points.T, strict=True))
     return np.add.reduce(list(parts))
 
 
 def grown(s: np.ndarray) -> np.ndarray:
-    """Return the derivative of s^t by t at t = 1."""
+    """Return the derivative of s^t with respect to t at t = 1."""
     return np.asarray(np.imag(s ** (1 + 1j * STEP)) / STEP)
 
 
 def field(points: np.ndarray, lam: np.ndarray, c: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the field with given coefficients."""
+    """Return the values of the field with given coefficients."""
     return (
         sum(a * column for a, column in zip(c[1:], x.T, strict=True))
         + c[0]
@@ -51,37 +51,37 @@ def field(points: np.ndarray, lam: np.ndarray, c: np.ndarray, x: np.ndarray) -> 
 
 
 def kernel_inputs(seed: int) -> tuple[Call, ...]:
-    """Return vectors of several dimensions, short, long and zero, and a table of them."""
+    """Return short, long and zero vectors of several dimensions, and an array of vectors."""
     random = np.random.default_rng(seed)
     plane = random.normal(size=(7, 2))
     plane[2] = 0
     table = random.normal(size=(4, 3, 2))
     table[1, 1] = table[3, 0] = 0
     space = random.normal(size=(6, 3)) * np.array([[0.01, 0.1, 1, 2, 5, 30]]).T
-    return (
-        Call("kernel", (plane,), "seven vectors of the plane, one of them zero"),
-        Call("kernel", (space,), "six vectors in space, short and long"),
-        Call("kernel", (table,), "a table of four times three vectors of the plane"),
+    return calls_of(
+        "kernel",
+        ((plane,), "seven vectors of the plane, one of them zero"),
+        ((space,), "six vectors in space, short and long"),
+        ((table,), "a table of four times three vectors of the plane"),
     )
 
 
-def quotient_is_a_logarithm(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far exp(w / s) is from s, and w from zero where s is zero."""
-    worst = 0.0
-    for call, (w,) in zip(calls, values, strict=True):
-        s = np.linalg.norm(call.arguments[0], axis=-1) ** 2
-        there = s > 0
-        with np.errstate(over="ignore"):
-            quotient = np.exp(w[there] / s[there]) / s[there]
-        worst = max(worst, relative(w[~there], 1.0), relative(quotient - 1, 1.0))
-    return worst
+@law_of_each("By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.")
+def quotient_is_a_logarithm(call: Call, values: Values) -> float:
+    """Return the deviation of exp(w / s) from s, and of w from zero where s is zero."""
+    (w,) = values
+    s = np.linalg.norm(call.arguments[0], axis=-1) ** 2
+    there = s > 0
+    with np.errstate(over="ignore"):
+        quotient = np.exp(w[there] / s[there]) / s[there]
+    return max(relative(w[~there], 1.0), relative(quotient - 1, 1.0))
 
 
 # 03.2 The matrix
 
 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in the plane, in space, and as few as there can be."""
+    """Return points in the plane, points in space, and the smallest possible number of points."""
     random = np.random.default_rng(seed)
     sizes = (
         (6, 2, "six points in the plane"),
@@ -101,17 +101,19 @@ def is_symmetric(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative(h - h.T, h) for (h,) in values)
 
 
-def maps_coefficients_to_data(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far H times some (λ, c) is from the values of that field, and the moments of λ."""
-    worst = 0.0
-    for call, (h,) in zip(calls, values, strict=True):
-        (points,) = call.arguments
-        n, d = points.shape
-        lam, c = np.cos(np.arange(n)), np.sin(1.0 + np.arange(d + 1))
-        moments = [lam.sum(), *(points.T * lam).sum(axis=1)]
-        wanted = np.append(field(points, lam, c, points), moments)
-        worst = max(worst, relative(h.dot(np.append(lam, c)) - wanted, wanted))
-    return worst
+@law_of_each(
+    "The matrix times λ and c must be the values of that field at the points, and "
+    "below them the sums of (3.4)."
+)
+def maps_coefficients_to_data(call: Call, values: Values) -> float:
+    """Return the deviation of H (λ, c) from the values of the field and from the moments of λ."""
+    (h,) = values
+    (points,) = call.arguments
+    n, d = points.shape
+    lam, c = np.cos(np.arange(n)), np.sin(1.0 + np.arange(d + 1))
+    moments = [lam.sum(), *(points.T * lam).sum(axis=1)]
+    wanted = np.append(field(points, lam, c, points), moments)
+    return relative(h.dot(np.append(lam, c)) - wanted, wanted)
 
 
 # 03.3 The coefficients
@@ -123,18 +125,11 @@ def coefficients_inputs(seed: int) -> tuple[Call, ...]:
     plane, space, affine = (cloud(random, n, d) for n, d in ((12, 2), (10, 3), (7, 2)))
     almost = 1 - 2 * affine[:, 0] + random.normal() * affine[:, 1]
     almost[0] += 1
-    return (
-        Call(
-            "coefficients",
-            (plane, random.normal(size=12)),
-            "twelve points in the plane with random values",
-        ),
-        Call(
-            "coefficients",
-            (space, random.normal(size=10)),
-            "ten points in space with random values",
-        ),
-        Call("coefficients", (affine, almost), "an affine field with one value changed"),
+    return calls_of(
+        "coefficients",
+        ((plane, random.normal(size=12)), "twelve points in the plane with random values"),
+        ((space, random.normal(size=10)), "ten points in space with random values"),
+        ((affine, almost), "an affine field with one value changed"),
     )
 
 
@@ -143,29 +138,30 @@ def coefficients_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n,), (d + 1,))
 
 
-def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the field is from the values at the points."""
-    worst = 0.0
-    for call, (lam, c) in zip(calls, values, strict=True):
-        points, wanted = call.arguments
-        worst = max(worst, relative(field(points, lam, c, points) - wanted, wanted))
-    return worst
+@law_of_each("With these coefficients the field must go through the values.")
+def interpolates_the_values(call: Call, values: Values) -> float:
+    """Return the deviation of the field from the values at the points."""
+    (lam, c) = values
+    points, wanted = call.arguments
+    return relative(field(points, lam, c, points) - wanted, wanted)
 
 
-def has_no_moments(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest sum of the λ_j, plain and weighted by coordinates."""
-    worst = 0.0
-    for call, (lam, _) in zip(calls, values, strict=True):
-        size = max(np.abs(lam).max(), np.abs(call.arguments[1]).max())
-        worst = max(worst, relative([lam.sum(), *call.arguments[0].T.dot(lam)], size))
-    return worst
+@law_of_each(
+    "The λ must satisfy the orthogonality constraints: they sum to zero, also when "
+    "weighted by a coordinate."
+)
+def has_no_moments(call: Call, values: Values) -> float:
+    """Return the largest sum of the λ_j, unweighted and weighted by a coordinate."""
+    (lam, _) = values
+    size = max(np.abs(lam).max(), np.abs(call.arguments[1]).max())
+    return relative([lam.sum(), *call.arguments[0].T.dot(lam)], size)
 
 
 # 03.4 and 03.6 The field and its gradient
 
 
 def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return coefficients, and places among which are points of the data."""
+    """Return coefficients and evaluation points, some of which are sites."""
     random = np.random.default_rng(seed)
     cases = (
         (8, 2, 5, "places in the plane, two of them data points"),
@@ -181,13 +177,15 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-def is_a_sum_of_bumps(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the values are from those of the field."""
+@law("The field is an affine function and one bump for each point.")
+def is_a_sum_of_basis_functions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the values from those of the field."""
     return max(relative(v - field(*c.arguments), v) for c, (v,) in zip(calls, values, strict=True))
 
 
-def foretells_small_steps(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest difference of the gradient from central differences."""
+@law("A gradient foretells how the field changes over a small step.", 1e-5)
+def agrees_with_central_differences(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest difference between the gradient and central differences."""
     worst, h = 0.0, 1e-5
     for call, (g,) in zip(calls, values, strict=True):
         points, lam, c, x = call.arguments
@@ -201,8 +199,8 @@ def foretells_small_steps(calls: Sequence[Call], values: Sequence[Values]) -> fl
 
 
 def inertia_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, twice at one place; in a small and a large
-    box.
+    """Return points in general position, on a line, with a repeated point, in small and large
+    boxes.
     """
     random = np.random.default_rng(seed)
     plane, space, twice = cloud(random, 9, 2), cloud(random, 8, 3), cloud(random, 6, 2)
@@ -222,8 +220,12 @@ def inertia_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law(
+    "The three numbers add up to the rows of the matrix; and since its diagonal is "
+    "zero, so is the sum of the eigenvalues, and both signs occur."
+)
 def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many are missing from the sum, and one where a sign is missing."""
+    """Return the number of eigenvalues that are not counted, or one if a sign is missing."""
     lacking = (
         abs(sum(c.arguments[0].shape) + 1 - v[0].sum()) + (v[0][:2] < 1).sum()
         for c, v in zip(calls, values, strict=True)
@@ -231,38 +233,43 @@ def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -
     return float(max(lacking))
 
 
-def is_singular_where_it_must(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest difference of the zeros from the changes that the field at the points
-    does not show.
-    """
-    worst = 0.0
-    for call, (counts,) in zip(calls, values, strict=True):
-        (points,) = call.arguments
-        repeated = len(points) - len(np.unique(points, axis=0))
-        flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=1e-9)
-        worst = max(worst, abs(float(counts[2]) - repeated - flat))
-    return worst
+@law_of_each(
+    "An eigenvalue is zero for each affine field that vanishes at all points, and for "
+    "each point that comes a second time: then the solution is not unique."
+)
+def is_singular_where_it_must(call: Call, values: Values) -> float:
+    """Return the difference between the number of zeros and the dimension of the null space."""
+    (counts,) = values
+    (points,) = call.arguments
+    repeated = len(points) - len(np.unique(points, axis=0))
+    flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=1e-9)
+    return abs(float(counts[2]) - repeated - flat)
 
 
 # 03.7 The energy
 
 
 def energy_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values; the same with an affine field added, tripled, on larger and turned points."""
+    """Return values, with an affine field added, tripled, and at scaled and rotated points."""
     random = np.random.default_rng(seed)
     points, values = cloud(random, 10, 2), random.normal(size=10)
     tilt = 2 - points[:, 0] + 3 * points[:, 1]
     turned = 2 * np.stack([points[:, 1], -points[:, 0]], axis=1) + 1
-    return (
-        Call("energy", (points, values), "ten points with random values"),
-        Call("energy", (points, values + tilt), "the same with an affine field added"),
-        Call("energy", (points, 3 * values), "values three times as large"),
-        Call("energy", (turned, values), "points twice as far apart, and turned"),
+    return calls_of(
+        "energy",
+        ((points, values), "ten points with random values"),
+        ((points, values + tilt), "the same with an affine field added"),
+        ((points, 3 * values), "values three times as large"),
+        ((turned, values), "points twice as far apart, and turned"),
     )
 
 
-def bends_as_a_sheet(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the energies are from e, e, 9e, e/4."""
+@law(
+    "An affine field does not bend, and adds nothing to the energy; three times the "
+    "values have nine times the energy; a sheet twice as wide has a quarter of it."
+)
+def has_the_bending_energy(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the energies from e, e, 9e and e/4."""
     e = np.array([v[0] for v in values])
     return max(relative(e - e[0] * np.array([1, 1, 9, 0.25]), e), float(e[0] <= 0))
 
@@ -274,12 +281,7 @@ QUESTIONS = (
         2,
         kernel_inputs,
         lambda call: (call.arguments[0].shape[:-1],),
-        (
-            Law(
-                "By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.",
-                quotient_is_a_logarithm,
-            ),
-        ),
+        (quotient_is_a_logarithm,),
     ),
     Question(
         "03.2",
@@ -287,14 +289,7 @@ QUESTIONS = (
         3,
         matrix_inputs,
         matrix_shape,
-        (
-            Law("The matrix of (3.5) is its own transpose.", is_symmetric),
-            Law(
-                "The matrix times λ and c must be the values of that field at the points, and "
-                "below them the sums of (3.4).",
-                maps_coefficients_to_data,
-            ),
-        ),
+        (Law("The matrix of (3.5) is its own transpose.", is_symmetric), maps_coefficients_to_data),
     ),
     Question(
         "03.3",
@@ -302,17 +297,7 @@ QUESTIONS = (
         3,
         coefficients_inputs,
         coefficients_shapes,
-        (
-            Law(
-                "The λ must satisfy the orthogonality constraints: they sum to zero, also when "
-                "weighted by a coordinate.",
-                has_no_moments,
-            ),
-            Law(
-                "With these coefficients the field must go through the values.",
-                goes_through_the_values,
-            ),
-        ),
+        (has_no_moments, interpolates_the_values),
     ),
     Question(
         "03.4",
@@ -320,7 +305,7 @@ QUESTIONS = (
         2,
         lambda seed: field_inputs("evaluate", seed),
         lambda call: ((len(call.arguments[3]),),),
-        (Law("The field is an affine function and one bump for each point.", is_a_sum_of_bumps),),
+        (is_a_sum_of_basis_functions,),
     ),
     Question(
         "03.5",
@@ -328,18 +313,7 @@ QUESTIONS = (
         2,
         inertia_inputs,
         lambda _: ((3,),),
-        (
-            Law(
-                "The three numbers add up to the rows of the matrix; and since its diagonal is "
-                "zero, so is the sum of the eigenvalues, and both signs occur.",
-                counts_all_and_both_signs,
-            ),
-            Law(
-                "An eigenvalue is zero for each affine field that vanishes at all points, and for "
-                "each point that comes a second time: then the solution is not unique.",
-                is_singular_where_it_must,
-            ),
-        ),
+        (counts_all_and_both_signs, is_singular_where_it_must),
     ),
     Question(
         "03.6",
@@ -347,26 +321,7 @@ QUESTIONS = (
         3,
         lambda seed: field_inputs("gradient", seed),
         lambda call: (call.arguments[3].shape,),
-        (
-            Law(
-                "A gradient foretells how the field changes over a small step.",
-                foretells_small_steps,
-                1e-5,
-            ),
-        ),
+        (agrees_with_central_differences,),
     ),
-    Question(
-        "03.7",
-        "energy",
-        2,
-        energy_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "An affine field does not bend, and adds nothing to the energy; three times the "
-                "values have nine times the energy; a sheet twice as wide has a quarter of it.",
-                bends_as_a_sheet,
-            ),
-        ),
-    ),
+    Question("03.7", "energy", 2, energy_inputs, lambda _: ((),), (has_the_bending_energy,)),
 )

@@ -1,7 +1,7 @@
-"""Questions 07.1 to 07.7, Voronoi coordinates.
+"""Questions of notebook 07, Voronoi coordinates, finally without a division that fails on edges.
 
 A star is made from its cell: the neighbours of a point are its mirror images in the edges of a
-convex polygon round it. So the circumcentres are known, and nothing here computes one.
+convex polygon around it. The circumcentres are therefore known and need not be computed.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Law, Question, law, law_of_each, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
 SLOPES = np.array([2.0, -1.0])
@@ -29,8 +29,8 @@ def star(random: np.random.Generator, n: int, clockwise: bool = False) -> Star:
 
 
 def mirror_images(center: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Return the images of a point in the lines from each corner of a polygon back to the one
-    before.
+    """Return the mirror images of a point in the lines from each corner of a polygon to the
+    previous corner.
     """
     back = np.array([corners[-1], *corners[:-1]]) - corners
     across = back @ [[0, -1], [1, 0]]
@@ -38,34 +38,34 @@ def mirror_images(center: np.ndarray, corners: np.ndarray) -> np.ndarray:
     return center + 2 * part[:, None] * across
 
 
-def places_inside(
+def points_inside(
     random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int
 ) -> np.ndarray:
-    """Return m places well inside a cell."""
+    """Return m points well inside a cell."""
     return center + 0.8 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
 
 
-def place_for_weights(
+def point_for_weights(
     random: np.random.Generator, center: np.ndarray, rim: np.ndarray, corners: np.ndarray
 ) -> np.ndarray:
-    """Return a place well inside a cell, from which no way to a corner is at right angles to a
-    spoke: nobody who multiplies the two divides by rounding.
+    """Return a point well inside a cell, from which no direction to a corner is perpendicular to a
+    spoke. An answer that multiplies the two would otherwise divide by a rounding error.
     """
     spokes = (rim - center) / np.linalg.norm(rim - center, axis=1, keepdims=True)
     while True:
-        (x,) = places_inside(random, center, corners, 1)
+        (x,) = points_inside(random, center, corners, 1)
         ways = (corners - x) / np.linalg.norm(corners - x, axis=1, keepdims=True)
         if np.abs(ways @ spokes.T).min() > LEAST_COSINE:
             return x
 
 
 def on_edges(corners: np.ndarray) -> np.ndarray:
-    """Return one place on each edge, a quarter of the way from each corner to the next."""
+    """Return one point on each edge, a quarter of the way from each corner to the next."""
     return 0.75 * corners + 0.25 * np.array([*corners[1:], corners[0]])
 
 
-def misses_the_place(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) -> float:
-    """Return how far the mean of the corners is from the place, where each row has the sum one."""
+def reproduction_error(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) -> float:
+    """Return the difference between the weighted mean of the corners and the evaluation point."""
     return relative(omega @ corners - x, corners - x.mean(axis=0))
 
 
@@ -85,25 +85,25 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-def has_equal_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far spokes and sides are from the radius, and the sum of spokes from zero."""
-    worst = 0.0
-    for call, (rim,) in zip(calls, values, strict=True):
-        center, radius, _ = call.arguments
-        lengths = [*np.hypot(*(rim - center).T), *np.hypot(*(rim - np.array([*rim[1:], rim[0]])).T)]
-        worst = max(
-            worst,
-            relative(np.array(lengths) - radius, radius),
-            relative(rim.sum(axis=0) - 6 * center, rim),
-        )
-    return worst
+@law_of_each(
+    "All sides and spokes of a regular hexagon are as long as its radius, and it lies "
+    "evenly round its centre."
+)
+def has_equal_sides(call: Call, values: Values) -> float:
+    """Return the deviation of spokes and sides from the radius, and of their sum from zero."""
+    (rim,) = values
+    center, radius, _ = call.arguments
+    lengths = [*np.hypot(*(rim - center).T), *np.hypot(*(rim - np.array([*rim[1:], rim[0]])).T)]
+    return max(
+        relative(np.array(lengths) - radius, radius), relative(rim.sum(axis=0) - 6 * center, rim)
+    )
 
 
 # 07.2 and 07.3 Circumcentre and area
 
 
 def triangles(name: str, seed: int) -> tuple[Call, ...]:
-    """Return a triangle, the same with two corners exchanged, half of it, an obtuse one."""
+    """Return a triangle, the same with two corners exchanged, half of it, and an obtuse one."""
     random = np.random.default_rng(seed)
     a, b, c = (
         np.array([[0.0, 0.0], [2.0, 0.3], [0.7, 1.6]])
@@ -111,27 +111,29 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
         + [1.5, -2.5]
     )
     far = a + (b - a) * 2.5 + 0.4 * (c - a)
-    return (
-        Call(name, (a, b, c), "a triangle"),
-        Call(name, (a, c, b), "the same triangle, listed the other way round"),
-        Call(name, (a, b, (b + c) / 2), "half of the triangle"),
-        Call(name, (a, b, far), "an obtuse triangle"),
+    return calls_of(
+        name,
+        ((a, b, c), "a triangle"),
+        ((a, c, b), "the same triangle, listed the other way round"),
+        ((a, b, (b + c) / 2), "half of the triangle"),
+        ((a, b, far), "an obtuse triangle"),
     )
 
 
-def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much the distances to the three corners differ."""
-    worst = 0.0
-    for call, (p,) in zip(calls, values, strict=True):
-        distances = np.array([np.hypot(*(p - corner)) for corner in call.arguments])
-        worst = max(worst, relative(distances - distances.mean(), distances))
-    return worst
+@law_of_each("A circumcentre is equally far from all three corners.")
+def is_equally_far(call: Call, values: Values) -> float:
+    """Return the largest difference between the distances to the three corners."""
+    (p,) = values
+    distances = np.array([np.hypot(*(p - corner)) for corner in call.arguments])
+    return relative(distances - distances.mean(), distances)
 
 
+@law(
+    "An area is positive, does not depend on the order of the corners, and a line "
+    "from a corner to the middle of the other side cuts it in half."
+)
 def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the area is from the same both ways round, from twice its half, from
-    positive.
-    """
+    """Return the deviation of the area under exchanged corners and halving, or from positive."""
     whole, turned, half, other = (float(v) for (v,) in values)
     return max(
         relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -other)
@@ -142,7 +144,7 @@ def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> flo
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return stars of six and five neighbours, one of them clockwise, and one twice as large."""
+    """Return stars of six and five neighbours, one of them clockwise, and one at twice the size."""
     random = np.random.default_rng(seed)
     calls = []
     for n, clockwise, case in (
@@ -150,24 +152,29 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         (5, True, "five neighbours, listed clockwise"),
     ):
         center, rim, corners = star(random, n, clockwise)
-        x = place_for_weights(random, center, rim, corners)
+        x = point_for_weights(random, center, rim, corners)
         calls.append(Call("weights", (center, rim, corners, x), case))
     double = tuple(2 * part for part in calls[0].arguments)
     return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
 
 
-def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the weighted sum of the ways to the corners, which vanishes."""
-    worst = 0.0
-    for call, (w,) in zip(calls, values, strict=True):
-        _, _, corners, x = call.arguments
-        pulls = w[:, None] * (corners - x)
-        worst = max(worst, relative(pulls.sum(axis=0), pulls))
-    return worst
+@law_of_each(
+    "The weights pull the place towards the corners in such a way that it stays where it is."
+)
+def balances(call: Call, values: Values) -> float:
+    """Return the weighted sum of the vectors to the corners, which must vanish."""
+    (w,) = values
+    _, _, corners, x = call.arguments
+    pulls = w[:, None] * (corners - x)
+    return relative(pulls.sum(axis=0), pulls)
 
 
+@law(
+    "If everything is twice as large, (7.5) has four times the area above and sixteen "
+    "times as much below: a quarter is left."
+)
 def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the weights are from a quarter of themselves at twice the size."""
+    """Return the deviation of the weights from a quarter at twice the size."""
     (here,), _other, (double,) = values
     return relative(4 * double - here, here)
 
@@ -176,7 +183,7 @@ def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def coordinates_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a few places in stars of six, of three and of seven neighbours."""
+    """Return evaluation points in stars of six, three and seven neighbours."""
     random = np.random.default_rng(seed)
     calls = []
     for n, m, clockwise, case in (
@@ -188,7 +195,7 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(
             Call(
                 "coordinates",
-                (center, rim, corners, places_inside(random, center, corners, m)),
+                (center, rim, corners, points_inside(random, center, corners, m)),
                 case,
             )
         )
@@ -196,14 +203,15 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far sums of rows are from one."""
+    """Return the deviation of row sums from one."""
     return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
 
 
-def finds_the_place(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the weighted means of the corners are from the places."""
+@law("The mean of the corners with these weights is the place itself.")
+def reproduces_positions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the weighted means of the corners from the evaluation points."""
     return max(
-        misses_the_place(omega, c.arguments[2], c.arguments[3])
+        reproduction_error(omega, c.arguments[2], c.arguments[3])
         for c, (omega,) in zip(calls, values, strict=True)
     )
 
@@ -212,39 +220,40 @@ def finds_the_place(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def spiral_inputs(seed: int) -> tuple[Call, ...]:
-    """Return an uneven cell and a hexagon."""
+    """Return an irregular cell and a hexagon."""
     random = np.random.default_rng(seed)
     center, _, corners = star(random, 6)
     turns = np.exp(1j * (random.uniform(0, 1) + np.pi * np.arange(6) / 3))
     middle = random.normal(size=2)
     regular = middle + 0.7 * np.column_stack([turns.real, turns.imag])
-    return (
-        Call("spiral", (center, corners, 12), "twelve points in an uneven cell"),
-        Call("spiral", (middle, regular, 50), "fifty points in a regular hexagon"),
+    return calls_of(
+        "spiral",
+        ((center, corners, 12), "twelve points in an uneven cell"),
+        ((middle, regular, 50), "fifty points in a regular hexagon"),
     )
 
 
-def winds_inwards(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far n (s_n − x_i) is from one turn at one distance that ends to the right."""
-    worst = 0.0
-    for call, (s,) in zip(calls, values, strict=True):
-        center, _, steps = call.arguments
-        away = (s - center) @ [1, 1j] * (1 + np.arange(steps))
-        with np.errstate(all="ignore"):
-            turn = away / np.array([away[-1], *away[:-1]])
-        worst = max(
-            worst,
-            relative(turn - np.exp(2j * np.pi / steps), 1.0),
-            relative(np.angle(away[-1]), 1.0),
-        )
-    return worst
+@law_of_each(
+    "Seen from the centre, n times the way to the nth point goes round once with "
+    "steps of one angle, at one distance, and ends to the right."
+)
+def winds_inwards(call: Call, values: Values) -> float:
+    """Return the deviation of n (s_n − x_i) from one revolution of constant radius that ends on the
+    right.
+    """
+    (s,) = values
+    center, _, steps = call.arguments
+    away = (s - center) @ [1, 1j] * (1 + np.arange(steps))
+    with np.errstate(all="ignore"):
+        turn = away / np.array([away[-1], *away[:-1]])
+    return max(relative(turn - np.exp(2j * np.pi / steps), 1.0), relative(np.angle(away[-1]), 1.0))
 
 
 # 07.7 The field
 
 
 def interpolate_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a constant, a linear field, and values at random."""
+    """Return a constant field, a linear field, and random values."""
     random = np.random.default_rng(seed)
     calls = []
     for n, values, case in (
@@ -253,22 +262,24 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         (5, lambda p: random.normal(size=len(p)), "values at random"),
     ):
         center, rim, corners = star(random, n)
-        x = places_inside(random, center, corners, 4)
+        x = points_inside(random, center, corners, 4)
         calls.append(Call("interpolate", (center, rim, corners, values(corners), x), case))
     return tuple(calls)
 
 
-def gives_constants_back(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the first field is from three."""
+@law("A constant comes back.")
+def reproduces_constants(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the first field from three."""
     return relative(values[0][0] - 3.0, 3.0)
 
 
-def gives_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the second field is from the linear one."""
+@law("A linear field comes back.")
+def reproduces_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the second field from the linear field."""
     return relative(values[1][0] - 1.0 - calls[1].arguments[4] @ SLOPES, calls[1].arguments[3])
 
 
-def per_place(call: Call, x: int) -> tuple[tuple[int, ...], ...]:
+def per_point(call: Call, x: int) -> tuple[tuple[int, ...], ...]:
     return ((len(call.arguments[x]), len(call.arguments[1])),)
 
 
@@ -276,28 +287,78 @@ ONE = Law(
     "Coordinates have the sum one at every place, so that a constant comes back.", sums_to_one
 )
 
-QUESTIONS = (
-    Question(
-        "07.1",
-        "hexagon",
-        1,
-        hexagon_inputs,
-        lambda _: ((6, 2),),
-        (
-            Law(
-                "All sides and spokes of a regular hexagon are as long as its radius, and it lies "
-                "evenly round its centre.",
-                has_equal_sides,
-            ),
+
+# 07.8 Coordinates without division
+
+
+def octagon(random: np.random.Generator) -> np.ndarray:
+    """Return the corners of an irregular octagon.
+
+    It and the mirror images of its mean are exact in floating-point numbers: each side is parallel
+    to an axis or a diagonal, with a power of two as length.
+    """
+    sides = [[8, 0], [1, 1], [0, 2], [-4, 4], [-4, 0], [-2, -2], [0, -4], [1, -1]]
+    whole = np.roll(sides, random.integers(8), axis=0).cumsum(axis=0)
+    return 2.0 ** int(random.integers(-2, 3)) * (whole + random.integers(-9, 9, 2))
+
+
+def safe_inputs(seed: int) -> tuple[Call, ...]:
+    """Return points inside, the same after a quarter turn, and points on the edges of a square
+    cell.
+
+    The square has sides and corners that are exact in floating-point numbers, so that a quotient is
+    zero by zero there on every machine.
+    """
+    random = np.random.default_rng(seed)
+    center, rim, corners = star(random, 6)
+    x = points_inside(random, center, corners, 4)
+    quarter = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    other, other_rim, other_corners = star(random, 5, clockwise=True)
+    side = 2.0 ** int(random.integers(-2, 3))
+    middle = side * random.integers(-9, 9, 2).astype(float)
+    square = middle + side * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    name = "safe_coordinates"
+    return (
+        Call(name, (center, rim, x), "four places inside a cell"),
+        Call(name, (center @ quarter, rim @ quarter, x @ quarter), "the same after a quarter turn"),
+        Call(
+            name,
+            (other, other_rim, points_inside(random, other, other_corners, 3)),
+            "neighbours listed clockwise",
         ),
-    ),
+        Call(
+            name,
+            (middle, mirror_images(middle, square), on_edges(square)),
+            "places on the edges of a square cell",
+            exact=(0, 1, 2),
+        ),
+    )
+
+
+@law("Turning everything changes nothing.")
+def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the change of the coordinates under a quarter turn."""
+    return relative(values[1][0] - values[0][0], values[0][0])
+
+
+@law("On an edge only its two corners have a weight, in the ratio of the distances.")
+def is_linear_on_edges(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the weights from three quarters and one quarter, a quarter of the way
+    along an edge.
+    """
+    wanted = 0.75 * np.eye(4) + 0.25 * np.eye(4)[[1, 2, 3, 0]]
+    return relative(values[3][0] - wanted, 1.0)
+
+
+QUESTIONS = (
+    Question("07.1", "hexagon", 1, hexagon_inputs, lambda _: ((6, 2),), (has_equal_sides,)),
     Question(
         "07.2",
         "circumcenter",
         2,
         lambda seed: triangles("circumcenter", seed),
         lambda _: ((2,),),
-        (Law("A circumcentre is equally far from all three corners.", is_equally_far),),
+        (is_equally_far,),
     ),
     Question(
         "07.3",
@@ -305,13 +366,7 @@ QUESTIONS = (
         1,
         lambda seed: triangles("area", seed),
         lambda _: ((),),
-        (
-            Law(
-                "An area is positive, does not depend on the order of the corners, and a line "
-                "from a corner to the middle of the other side cuts it in half.",
-                halves_with_the_triangle,
-            ),
-        ),
+        (halves_with_the_triangle,),
     ),
     Question(
         "07.4",
@@ -319,43 +374,18 @@ QUESTIONS = (
         3,
         weights_inputs,
         lambda call: ((len(call.arguments[1]),),),
-        (
-            Law(
-                "If everything is twice as large, (7.5) has four times the area above and sixteen "
-                "times as much below: a quarter is left.",
-                scales,
-            ),
-            Law(
-                "The weights pull the place towards the corners in such a way that it stays where "
-                "it is.",
-                balances,
-            ),
-        ),
+        (scales, balances),
     ),
     Question(
         "07.5",
         "coordinates",
         2,
         coordinates_inputs,
-        lambda call: per_place(call, 3),
-        (
-            ONE,
-            Law("The mean of the corners with these weights is the place itself.", finds_the_place),
-        ),
+        lambda call: per_point(call, 3),
+        (ONE, reproduces_positions),
     ),
     Question(
-        "07.6",
-        "spiral",
-        2,
-        spiral_inputs,
-        lambda call: ((call.arguments[2], 2),),
-        (
-            Law(
-                "Seen from the centre, n times the way to the nth point goes round once with "
-                "steps of one angle, at one distance, and ends to the right.",
-                winds_inwards,
-            ),
-        ),
+        "07.6", "spiral", 2, spiral_inputs, lambda call: ((call.arguments[2], 2),), (winds_inwards,)
     ),
     Question(
         "07.7",
@@ -363,9 +393,14 @@ QUESTIONS = (
         1,
         interpolate_inputs,
         lambda call: ((len(call.arguments[4]),),),
-        (
-            Law("A constant comes back.", gives_constants_back),
-            Law("A linear field comes back.", gives_linear_fields_back),
-        ),
+        (reproduces_constants, reproduces_linear_fields),
+    ),
+    Question(
+        "07.8",
+        "safe_coordinates",
+        3,
+        safe_inputs,
+        lambda call: per_point(call, 2),
+        (ONE, is_rotation_invariant, is_linear_on_edges),
     ),
 )

@@ -1,8 +1,7 @@
 """Questions of notebook 08, the weights in three dimensions.
 
-A star is made from its cell, a pyramid without its top over a convex polygon: the neighbours of a
-point are its mirror images in the faces. So the circumcentres are known, and nothing here
-computes one.
+A star is made from its cell, a truncated pyramid over a convex polygon: the neighbours of a point
+are its mirror images in the faces. The circumcentres are therefore known and need not be computed.
 """
 
 from __future__ import annotations
@@ -12,17 +11,17 @@ from itertools import product
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Question, law, law_of_each, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 def star(random: np.random.Generator, n: int) -> Star:
-    """Return a vertex, its n + 2 neighbours, the tetrahedra by their numbers, and the
+    """Return a vertex, its n + 2 neighbours, the tetrahedra by vertex numbers, and the
     circumcentres.
 
-    Tetrahedra are listed in no particular orientation, as in most meshes.
+    The orientation of the tetrahedra is arbitrary, as in most meshes.
     """
     turns = np.exp(2j * np.pi * (np.arange(n) + random.uniform(0.1, 0.7, n)) / n)
     base = np.column_stack([1.3 * turns.real, turns.imag, np.full(n, -0.8)])
@@ -39,15 +38,15 @@ def star(random: np.random.Generator, n: int) -> Star:
 
 
 def mirror_image(place: np.ndarray, face: np.ndarray) -> np.ndarray:
-    """Return the image of a place in the plane through three points."""
+    """Return the mirror image of a point in the plane through three points."""
     across = np.cross(face[1] - face[0], face[2] - face[0])
     return place + 2 * ((face[0] - place) @ across) / (across @ across) * across
 
 
-def places_inside(
+def points_inside(
     random: np.random.Generator, center: np.ndarray, corners: np.ndarray, m: int
 ) -> np.ndarray:
-    """Return m places well inside a cell."""
+    """Return m points well inside a cell."""
     return center + 0.7 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
 
 
@@ -62,40 +61,40 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
     ) + random.uniform(-0.3, 0.3, (4, 3))
     a, b, c, d = corner + np.array([1.5, -2.5, 0.8])
     low = (a + 2 * b + 2 * c) / 5 + 0.25 * (d - a)
-    return (
-        Call(name, (a, b, c, d), "a tetrahedron"),
-        Call(name, (a, c, b, d), "the same tetrahedron, listed the other way round"),
-        Call(name, (a, b, c, (c + d) / 2), "half of the tetrahedron"),
-        Call(name, (a, b, c, low), "a flat tetrahedron"),
+    return calls_of(
+        name,
+        ((a, b, c, d), "a tetrahedron"),
+        ((a, c, b, d), "the same tetrahedron, listed the other way round"),
+        ((a, b, c, (c + d) / 2), "half of the tetrahedron"),
+        ((a, b, c, low), "a flat tetrahedron"),
     )
 
 
+@law(
+    "A volume is positive, does not depend on the order of the corners, and a plane "
+    "through one edge and the middle of the opposite one cuts it in half."
+)
 def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the volume is from the same in both orders, from twice its half, from
-    positive.
-    """
+    """Return the deviation of the volume under reordering and halving, or from positive."""
     whole, turned, half, flat = (float(v) for (v,) in values)
     return max(
         relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -flat)
     )
 
 
-def is_equally_far(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much the distances to the four corners differ."""
-    worst = 0.0
-    for call, (p,) in zip(calls, values, strict=True):
-        distances = np.array([np.sqrt((p - corner) @ (p - corner)) for corner in call.arguments])
-        worst = max(worst, relative(distances - distances.mean(), distances))
-    return worst
+@law_of_each("A circumcentre is equally far from all four corners.")
+def is_equally_far(call: Call, values: Values) -> float:
+    """Return the largest difference between the distances to the four corners."""
+    (p,) = values
+    distances = np.array([np.sqrt((p - corner) @ (p - corner)) for corner in call.arguments])
+    return relative(distances - distances.mean(), distances)
 
 
 # 08.4 The volume of the normals
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return three tips, the same with longer edges and in another order, and perpendicular
-    edges.
-    """
+    """Return three edges, the same longer and in another order, and perpendicular edges."""
     random = np.random.default_rng(seed)
     center = random.normal(size=3)
     edges = np.array([[1.4, 0.2, 0.1], [0.3, 0.9, -0.2], [0.2, 0.4, 1.7]]) + random.uniform(
@@ -103,22 +102,24 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     )
     frame = np.linalg.qr(random.normal(size=(3, 3)))[0]
     name = "volume_of_normals"
-    return (
-        Call(name, (center, center + edges), "a tetrahedron"),
-        Call(
-            name,
+    return calls_of(
+        name,
+        ((center, center + edges), "a tetrahedron"),
+        (
             (center, center + np.array([[2.0], [0.5], [1.5]]) * edges),
             "the same directions, other lengths",
         ),
-        Call(name, (center, center + edges[[1, 0, 2]]), "the same tips in another order"),
-        Call(name, (center, center + random.uniform(1, 2, (3, 1)) * frame), "perpendicular edges"),
+        ((center, center + edges[[1, 0, 2]]), "the same tips in another order"),
+        ((center, center + random.uniform(1, 2, (3, 1)) * frame), "perpendicular edges"),
     )
 
 
+@law(
+    "Normals have directions only: the lengths of the edges and their order do not "
+    "matter, and perpendicular normals span the volume one."
+)
 def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much lengths and orders matter, and how far perpendicular directions are from
-    one.
-    """
+    """Return the effect of lengths and order, and the deviation from one if perpendicular."""
     here, longer, turned, one = (float(v) for (v,) in values)
     return max(relative(longer - here, here), relative(turned - here, here), abs(one - 1))
 
@@ -127,29 +128,34 @@ def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return stars of six and seven neighbours, and the first twice as large."""
+    """Return stars of six and seven neighbours, and the first at twice the size."""
     random = np.random.default_rng(seed)
     calls = []
     for n, case in ((4, "six neighbours"), (5, "seven neighbours")):
         center, neighbors, cells, corners = star(random, n)
-        (x,) = places_inside(random, center, corners, 1)
+        (x,) = points_inside(random, center, corners, 1)
         calls.append(Call("weights", (center, neighbors, cells, corners, x), case))
     center, neighbors, cells, corners, x = calls[0].arguments
     double = (2 * center, 2 * neighbors, cells, 2 * corners, 2 * x)
     return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
 
 
-def balances(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the weighted sum of the ways to the corners, which vanishes."""
-    worst = 0.0
-    for call, (w,) in zip(calls, values, strict=True):
-        pulls = w[:, None] * (call.arguments[3] - call.arguments[4])
-        worst = max(worst, relative(pulls.sum(axis=0), pulls))
-    return worst
+@law_of_each(
+    "The weights pull the place towards the corners in such a way that it stays where it is."
+)
+def balances(call: Call, values: Values) -> float:
+    """Return the weighted sum of the vectors to the corners, which must vanish."""
+    (w,) = values
+    pulls = w[:, None] * (call.arguments[3] - call.arguments[4])
+    return relative(pulls.sum(axis=0), pulls)
 
 
+@law(
+    "If everything is twice as large, (8.2) has eight times the volume above and 64 "
+    "times as much below: an eighth is left."
+)
 def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the weights are from an eighth of themselves at twice the size."""
+    """Return the deviation of the weights from an eighth at twice the size."""
     return relative(8 * values[2][0] - values[0][0], values[0][0])
 
 
@@ -157,30 +163,20 @@ def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def heights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places inside, the vertex itself with its neighbours, and the points half-way."""
+    """Return points inside, the vertex with its neighbours, and the midpoints between them."""
     random = np.random.default_rng(seed)
     center, neighbors, _, corners = star(random, 4)
-    return (
-        Call(
-            "heights",
-            (center, neighbors, places_inside(random, center, corners, 4)),
-            "four places in a cell",
-        ),
-        Call(
-            "heights",
-            (center, neighbors, np.vstack([center, neighbors])),
-            "the vertex and its neighbours",
-        ),
-        Call(
-            "heights",
-            (center, neighbors, (center + neighbors) / 2),
-            "points half-way to the neighbours",
-        ),
+    return calls_of(
+        "heights",
+        ((center, neighbors, points_inside(random, center, corners, 4)), "four places in a cell"),
+        ((center, neighbors, np.vstack([center, neighbors])), "the vertex and its neighbours"),
+        ((center, neighbors, (center + neighbors) / 2), "points half-way to the neighbours"),
     )
 
 
+@law("Half-way to a neighbour its height is zero, and at the two ends it is opposite.")
 def vanishes_half_way(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far h is from zero half-way, and from opposite at the two ends."""
+    """Return the deviation of h from zero at midpoints, and from opposite values at both ends."""
     ends, middles = values[1][0], values[2][0]
     return max(relative(np.diag(middles), ends), relative(ends[:, 0] + np.diag(ends[:, 1:]), ends))
 
@@ -189,14 +185,14 @@ def vanishes_half_way(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def coordinates_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places inside, the same turned over, and the corners and middles of a cubic cell.
+    """Return points inside, the same rotated, and the corners and edge midpoints of a cubic cell.
 
-    The cube has corners that floating-point numbers hold exactly, so that a quotient is zero by
-    zero there, on every machine.
+    The cube has corners that are exact in floating-point numbers, so that a quotient is zero by
+    zero there on every machine.
     """
     random = np.random.default_rng(seed)
     center, neighbors, cells, corners = star(random, 4)
-    x = places_inside(random, center, corners, 3)
+    x = points_inside(random, center, corners, 3)
     over = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
     other, tips, more, ends = star(random, 5)
     side = 2.0 ** int(random.integers(-2, 3))
@@ -211,7 +207,7 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         Call(name, (center @ over, neighbors @ over, cells, x @ over), "the same turned over"),
         Call(
             name,
-            (other, tips, more, places_inside(random, other, ends, 2)),
+            (other, tips, more, points_inside(random, other, ends, 2)),
             "two places among seven neighbours",
         ),
         Call(
@@ -223,18 +219,21 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
+@law("Coordinates have the sum one at every place, so that a constant comes back.")
 def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far sums of rows are from one."""
+    """Return the deviation of row sums from one."""
     return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
 
 
-def turns_along(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how much turning everything over changes."""
+@law("Turning everything changes nothing.")
+def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the change of the coordinates under a rotation."""
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
+@law("At a corner it alone has a weight, and half-way along an edge its two ends have a half each.")
 def is_right_on_the_cube(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far corners are from one weight, and middles of edges from two halves."""
+    """Return the deviation from one weight at corners, and from two halves at edge midpoints."""
     return relative(values[3][0] - np.vstack([np.eye(8), (np.eye(8)[:4] + np.eye(8)[4:]) / 2]), 1.0)
 
 
@@ -245,13 +244,7 @@ QUESTIONS = (
         1,
         lambda seed: tetrahedra("volume", seed),
         lambda _: ((),),
-        (
-            Law(
-                "A volume is positive, does not depend on the order of the corners, and a plane "
-                "through one edge and the middle of the opposite one cuts it in half.",
-                halves_with_the_tetrahedron,
-            ),
-        ),
+        (halves_with_the_tetrahedron,),
     ),
     Question(
         "08.2",
@@ -259,21 +252,10 @@ QUESTIONS = (
         2,
         lambda seed: tetrahedra("circumcenter", seed),
         lambda _: ((3,),),
-        (Law("A circumcentre is equally far from all four corners.", is_equally_far),),
+        (is_equally_far,),
     ),
     Question(
-        "08.4",
-        "volume_of_normals",
-        2,
-        normals_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "Normals have directions only: the lengths of the edges and their order do not "
-                "matter, and perpendicular normals span the volume one.",
-                depends_on_directions,
-            ),
-        ),
+        "08.4", "volume_of_normals", 2, normals_inputs, lambda _: ((),), (depends_on_directions,)
     ),
     Question(
         "08.7",
@@ -281,18 +263,7 @@ QUESTIONS = (
         3,
         weights_inputs,
         lambda call: ((len(call.arguments[2]),),),
-        (
-            Law(
-                "If everything is twice as large, (8.2) has eight times the volume above and 64 "
-                "times as much below: an eighth is left.",
-                scales,
-            ),
-            Law(
-                "The weights pull the place towards the corners in such a way that it stays where "
-                "it is.",
-                balances,
-            ),
-        ),
+        (scales, balances),
     ),
     Question(
         "08.8",
@@ -300,12 +271,7 @@ QUESTIONS = (
         1,
         heights_inputs,
         lambda call: ((len(call.arguments[1]), len(call.arguments[2])),),
-        (
-            Law(
-                "Half-way to a neighbour its height is zero, and at the two ends it is opposite.",
-                vanishes_half_way,
-            ),
-        ),
+        (vanishes_half_way,),
     ),
     Question(
         "08.10",
@@ -313,17 +279,6 @@ QUESTIONS = (
         3,
         coordinates_inputs,
         lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
-        (
-            Law(
-                "Coordinates have the sum one at every place, so that a constant comes back.",
-                sums_to_one,
-            ),
-            Law("Turning everything changes nothing.", turns_along),
-            Law(
-                "At a corner it alone has a weight, and half-way along an edge its two ends have "
-                "a half each.",
-                is_right_on_the_cube,
-            ),
-        ),
+        (sums_to_one, is_rotation_invariant, is_right_on_the_cube),
     ),
 )

@@ -7,20 +7,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Law, Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud, is_symmetric, squares
 
 
 def powers(s: np.ndarray, k: int) -> np.ndarray:
-    """Return r^k, or r^k log r for an even k, from squared distances, without a sign."""
+    """Return r^k, or r^k log r for even k, from squared distances, without the sign."""
     root = s ** (k / 2)
     return root if k % 2 else root * np.log(s + (s == 0)) / 2
 
 
 def ridges(points: np.ndarray, degree: int) -> np.ndarray:
-    """Return a basis of the polynomials that has no monomials: powers of 1 + a·p, for a along a
-    spiral.
-    """
+    """Return a basis of polynomials without monomials: powers of 1 + a·p, with a on a spiral."""
     j = np.arange((degree + 1) * (degree + 2) // 2)
     spiral = np.sqrt(j) / 2 * np.array([np.cos(2.4 * j), np.sin(2.4 * j)])
     return (1 + points.dot(spiral)) ** degree
@@ -30,7 +28,7 @@ def ridges(points: np.ndarray, degree: int) -> np.ndarray:
 
 
 def monomials_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points, one of them (1, 1), and the same stretched; degrees down to none."""
+    """Return points, one of them (1, 1), the same scaled, and degrees down to −1."""
     random = np.random.default_rng(seed)
     points = random.normal(size=(7, 2))
     points[4] = 1
@@ -50,13 +48,17 @@ def monomials_shape(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 def columns_in_order(_: Call, values: Values) -> Values:
-    """Return the columns sorted by their first entries: their order is left open."""
+    """Return the columns sorted by their first entries, since their order is arbitrary."""
     (p,) = values
     return (p[:, np.lexsort(np.round(p, 9)[::-1])] if p.size else p,)
 
 
+@law(
+    "If one coordinate is doubled and the other tripled, each monomial grows by a "
+    "product of twos and threes: 1, 2, 3, 4, 6 and 9 for the degree two."
+)
 def stretch_by_powers(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the columns of stretched points are from 1, 2, 3, 4, 6 and 9 times the
+    """Return the deviation of the columns of scaled points from 1, 2, 3, 4, 6 and 9 times the
     others.
     """
     with np.errstate(all="ignore"):
@@ -64,6 +66,7 @@ def stretch_by_powers(_: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(ratio - [1, 2, 3, 4, 6, 9], 1.0)
 
 
+@law("Where both coordinates are one, every monomial is one.")
 def are_one_at_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[0][0][4] - 1, 1.0)
 
@@ -72,9 +75,10 @@ def are_one_at_one(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
-    """Return forms with the right conditions, with too few, with none, and with dependent ones.
+    """Return forms with sufficient, too few, no, and linearly dependent side conditions.
 
-    These are as many as points: an answer that counts columns is left without any vector.
+    The dependent ones are as many as points: an answer that counts columns would have no vectors
+    left.
     """
     random = np.random.default_rng(seed)
     plane, other, few = (3 * cloud(random, n, 2) for n in (9, 8, 6))
@@ -99,8 +103,12 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
 
 
+@law(
+    "On the vectors that satisfy the conditions, the form less a smaller number is "
+    "positive, and less a larger number it is not."
+)
 def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return one if the form, less the number, is not positive just below it, or is so just
+    """Return one if the form minus the number is not positive just below it, or is positive just
     above.
     """
     missed = 0
@@ -123,7 +131,9 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def vanishing_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, an ellipse, few, repeated, in a small box."""
+    """Return points in general position, on a line, on an ellipse, few, repeated, and in a small
+    box.
+    """
     random = np.random.default_rng(seed)
     turn = random.uniform(0.2, 1.3)
     line = np.outer(2 * cloud(random, 6, 1), [np.cos(turn), np.sin(turn)]) + random.normal(size=2)
@@ -148,23 +158,25 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("vanishing", (p, degree), case) for p, degree, case in cases)
 
 
-def leaves_the_rank_of_another_matrix(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest difference from Q less the rank of (1 + p·q)^n, which has that of P."""
-    worst = 0.0
-    for call, (number,) in zip(calls, values, strict=True):
-        points, degree = call.arguments
-        points = points / np.abs(points).max()
-        spectrum = np.linalg.eigvalsh((1 + points.dot(points.T)) ** degree)
-        rank = (spectrum > 1e-12 * spectrum[-1]).sum()
-        worst = max(worst, abs(float(number) - (degree + 1) * (degree + 2) / 2 + rank))
-    return worst
+@law_of_each(
+    "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of "
+    "points, has a rank; the other polynomials vanish at the points."
+)
+def agrees_with_the_rank_of_another_matrix(call: Call, values: Values) -> float:
+    """Return the difference from Q minus the rank of (1 + p·q)^n, which equals the rank of P."""
+    (number,) = values
+    points, degree = call.arguments
+    points = points / np.abs(points).max()
+    spectrum = np.linalg.eigvalsh((1 + points.dot(points.T)) ** degree)
+    rank = (spectrum > 1e-12 * spectrum[-1]).sum()
+    return abs(float(number) - (degree + 1) * (degree + 2) / 2 + rank)
 
 
 # 09.4 The field
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values for several powers and degrees; places among which the points come last."""
+    """Return values for several powers and degrees; the last evaluation points are the sites."""
     random = np.random.default_rng(seed)
     cases = (
         (12, 3, 1, "twelve points, cubes and the degree 1"),
@@ -186,31 +198,37 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-def goes_through_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law("The field must go through the values.", 1e-8)
+def interpolates_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(
         relative(f[24:] - c.arguments[1], c.arguments[1])
         for c, (f,) in zip(calls, values, strict=True)
     )
 
 
-def is_bumps_and_a_polynomial(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the field is from the form, and its factors from the side conditions."""
-    worst = 0.0
-    for call, (f,) in zip(calls, values, strict=True):
-        points, wanted, k, degree, place = call.arguments
-        columns = np.column_stack([powers(squares(place, points), k), ridges(place, degree)])
-        found = np.linalg.lstsq(columns, f)[0]
-        moments = ridges(points, degree).T.dot(found[: len(points)])
-        largest = max(np.abs(found[: len(points)]).max(), np.abs(wanted).max())
-        worst = max(worst, relative(columns.dot(found) - f, f), relative(moments, largest))
-    return worst
+@law_of_each(
+    "The field is made of bumps on the points and a polynomial of the degree asked "
+    "for, and the factors of the bumps satisfy the side conditions.",
+    1e-6,
+)
+def is_kernels_and_a_polynomial(call: Call, values: Values) -> float:
+    """Return the deviation of the field from its form, and of the coefficients from the side
+    conditions.
+    """
+    (f,) = values
+    points, wanted, k, degree, place = call.arguments
+    columns = np.column_stack([powers(squares(place, points), k), ridges(place, degree)])
+    found = np.linalg.lstsq(columns, f)[0]
+    moments = ridges(points, degree).T.dot(found[: len(points)])
+    largest = max(np.abs(found[: len(points)]).max(), np.abs(wanted).max())
+    return max(relative(columns.dot(found) - f, f), relative(moments, largest))
 
 
 # 09.5 Wendland's functions
 
 
 def wendland_inputs(seed: int) -> tuple[Call, ...]:
-    """Return distances up to beyond the support, among them 0 and 1, for several dimensions."""
+    """Return distances beyond the support, with 0 and 1 among them, for several dimensions."""
     random = np.random.default_rng(seed)
     cases = ((3, 0), (3, 1), (1, 0), (2, 1), (5, 1), (4, 0))
     calls = []
@@ -221,9 +239,13 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+@law(
+    "The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the "
+    "integral (9.9) of the one for two variables more."
+)
 def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the values for s = 1 are from the integral, by the rule of Gauss, and for
-    s = 0 from a power.
+    """Return the deviation from the integral by Gauss quadrature for s = 1, and from a power for s
+    = 0.
     """
     node, weight = np.polynomial.legendre.leggauss(8)
     worst = 0.0
@@ -239,11 +261,11 @@ def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
-# 09.6 Two points change places
+# 09.6 Two points exchange their positions
 
 
 def exchange_inputs(seed: int) -> tuple[Call, ...]:
-    """Return three points, the third on the left, on the right, far away, and nothing near the
+    """Return three points, the third on the left, on the right, and far away; all far from the
     origin.
     """
     random = np.random.default_rng(seed)
@@ -269,15 +291,14 @@ def exchange_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-def makes_a_flat_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the area of the triangle at that time, and by how much the time is out of [0, 1]."""
-    worst = 0.0
-    for call, (t,) in zip(calls, values, strict=True):
-        z = call.arguments[0].dot([1, 1j])
-        arm, third = (z[0] - z[1]) / 2, z[2] - (z[0] + z[1]) / 2
-        flat = (third * np.conj(arm * np.exp(1j * np.pi * t))).imag
-        worst = max(worst, abs(flat) / abs(third * arm), float(abs(t - 0.5) > 0.5))
-    return float(worst)
+@law_of_each("At that time, between 0 and 1, the triangle of the three points has no area.")
+def makes_a_flat_triangle(call: Call, values: Values) -> float:
+    """Return the area of the triangle at that time, and the distance of the time from [0, 1]."""
+    (t,) = values
+    z = call.arguments[0].dot([1, 1j])
+    arm, third = (z[0] - z[1]) / 2, z[2] - (z[0] + z[1]) / 2
+    flat = (third * np.conj(arm * np.exp(1j * np.pi * t))).imag
+    return float(max(abs(flat) / abs(third * arm), float(abs(t - 0.5) > 0.5)))
 
 
 # 09.7 Values and slopes
@@ -297,10 +318,13 @@ def slope_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((rows, rows),)
 
 
+@law(
+    "The matrix times the unknowns must be the values of the field (9.11) at the "
+    "points, its slopes there, and the two side conditions.",
+    1e-6,
+)
 def maps_to_values_and_slopes(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far H times some unknowns is from values and central differences of that field,
-    and its moments.
-    """
+    """Return the deviation of H times unknowns from values, central differences and moments."""
     worst, h = 0.0, 1e-6
     for call, (matrix,) in zip(calls, values, strict=True):
         (x,) = call.arguments
@@ -326,14 +350,7 @@ QUESTIONS = (
         2,
         monomials_inputs,
         monomials_shape,
-        (
-            Law("Where both coordinates are one, every monomial is one.", are_one_at_one),
-            Law(
-                "If one coordinate is doubled and the other tripled, each monomial grows by a "
-                "product of twos and threes: 1, 2, 3, 4, 6 and 9 for the degree two.",
-                stretch_by_powers,
-            ),
-        ),
+        (are_one_at_one, stretch_by_powers),
         normal_form=columns_in_order,
     ),
     Question(
@@ -342,13 +359,7 @@ QUESTIONS = (
         3,
         eigenvalue_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "On the vectors that satisfy the conditions, the form less a smaller number is "
-                "positive, and less a larger number it is not.",
-                is_where_the_signs_change,
-            ),
-        ),
+        (is_where_the_signs_change,),
         tolerance=lambda _: 1e-8,
     ),
     Question(
@@ -357,13 +368,7 @@ QUESTIONS = (
         2,
         vanishing_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of "
-                "points, has a rank; the other polynomials vanish at the points.",
-                leaves_the_rank_of_another_matrix,
-            ),
-        ),
+        (agrees_with_the_rank_of_another_matrix,),
     ),
     Question(
         "09.4",
@@ -371,15 +376,7 @@ QUESTIONS = (
         4,
         field_inputs,
         lambda call: ((len(call.arguments[4]),),),
-        (
-            Law("The field must go through the values.", goes_through_the_values, 1e-8),
-            Law(
-                "The field is made of bumps on the points and a polynomial of the degree asked "
-                "for, and the factors of the bumps satisfy the side conditions.",
-                is_bumps_and_a_polynomial,
-                1e-6,
-            ),
-        ),
+        (interpolates_the_values, is_kernels_and_a_polynomial),
         tolerance=lambda _: 1e-8,
     ),
     Question(
@@ -388,13 +385,7 @@ QUESTIONS = (
         2,
         wendland_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the "
-                "integral (9.9) of the one for two variables more.",
-                are_integrals,
-            ),
-        ),
+        (are_integrals,),
     ),
     Question(
         "09.6",
@@ -402,12 +393,7 @@ QUESTIONS = (
         3,
         exchange_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "At that time, between 0 and 1, the triangle of the three points has no area.",
-                makes_a_flat_triangle,
-            ),
-        ),
+        (makes_a_flat_triangle,),
         tolerance=lambda _: 1e-8,
     ),
     Question(
@@ -422,12 +408,7 @@ QUESTIONS = (
                 "the same number.",
                 is_symmetric,
             ),
-            Law(
-                "The matrix times the unknowns must be the values of the field (9.11) at the "
-                "points, its slopes there, and the two side conditions.",
-                maps_to_values_and_slopes,
-                1e-6,
-            ),
+            maps_to_values_and_slopes,
         ),
     ),
 )

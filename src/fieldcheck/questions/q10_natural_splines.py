@@ -6,19 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Question, law, law_of_each, relative
 
 
 def line(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return n ascending sites, no two close together, the steps between 0.4 and 1."""
+    """Return n ascending sites with steps between 0.4 and 1."""
     return random.uniform(-1, 1) + np.cumsum(random.uniform(0.4, 1, n))
 
 
 def cubes(
     sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray
 ) -> np.ndarray:
-    """Return the sum of cubes of distances, each with its factor, and a straight line."""
+    """Return the sum of cubed distances with their coefficients, and a straight line."""
     apart = np.subtract.outer(x, sites)
     return np.polyval(straight[::-1], x) + (apart**2 * abs(apart)).dot(factors)
 
@@ -26,28 +26,28 @@ def cubes(
 def half_cubes(
     sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray
 ) -> np.ndarray:
-    """Return the sum of truncated cubes, each with its factor, and a straight line."""
+    """Return the sum of truncated cubes with their coefficients, and a straight line."""
     apart = np.subtract.outer(x, sites).clip(min=0)
     return np.polyval(straight[::-1], x) + (apart**3).dot(factors)
 
 
 def around(sites: np.ndarray) -> np.ndarray:
-    """Return places inside and outside."""
+    """Return evaluation points inside and outside the interval of the sites."""
     return np.linspace(sites.min() - 1.3, sites.max() + 1.7, 40)
 
 
 def lacks_moments(sites: np.ndarray, factors: np.ndarray) -> float:
-    """Return the sums of the factors, plain and weighted by the sites."""
+    """Return the sums of the coefficients, unweighted and weighted by the sites."""
     return relative(
         [factors.sum(), factors.dot(sites)], abs(factors).max() * (1 + abs(sites).max())
     )
 
 
-# 10.1 From truncated powers to distances
+# 10.1 From truncated powers to cubed distances
 
 
 def conversion_inputs(seed: int) -> tuple[Call, ...]:
-    """Return sites and factors without moments: many, three, and far from the origin."""
+    """Return sites and coefficients without moments: many, three, and far from the origin."""
     random = np.random.default_rng(seed)
     calls = []
     for n, shift, case in (
@@ -70,47 +70,48 @@ def coefficients_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return (call.arguments[0].shape, (2,))
 
 
-def is_the_same_curve(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (a, b) in zip(calls, values, strict=True):
-        sites, alpha, beta = call.arguments
-        wanted = half_cubes(sites, alpha, beta, around(sites))
-        worst = max(worst, relative(cubes(sites, a, b, around(sites)) - wanted, wanted))
-    return worst
+@law_of_each(
+    "With the new coefficients (10.4) must be the same curve as (10.1), inside and outside."
+)
+def is_the_same_curve(call: Call, values: Values) -> float:
+    (a, b) = values
+    sites, alpha, beta = call.arguments
+    wanted = half_cubes(sites, alpha, beta, around(sites))
+    return relative(cubes(sites, a, b, around(sites)) - wanted, wanted)
 
 
-# 10.2 The spline by distances
+# 10.2 The spline as cubed distances
 
 
 def radial_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     sites, few = random.permutation(line(random, 8)), line(random, 5)
     bent = 2 - 3 * few + (few == few[2])
-    return (
-        Call("radial_spline", (sites, random.normal(size=8)), "eight sites in any order"),
-        Call("radial_spline", (few, bent), "five values, all but one on a straight line"),
-        Call("radial_spline", (few[:2], random.normal(size=2)), "two sites"),
+    return calls_of(
+        "radial_spline",
+        ((sites, random.normal(size=8)), "eight sites in any order"),
+        ((few, bent), "five values, all but one on a straight line"),
+        ((few[:2], random.normal(size=2)), "two sites"),
     )
 
 
 def nothing_for_rounding(call: Call, values: Values) -> Values:
-    """Return the coefficients with factors that are nothing but rounding set to zero: two sites
-    have a straight line.
-    """
+    """Return the coefficients, with pure rounding errors set to zero: two sites have a line."""
     a, b = values
     return np.where(np.abs(a) > 1e-12 * np.abs(call.arguments[1]).max(), a, 0.0), b
 
 
-def is_natural_and_hits(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    worst = 0.0
-    for call, (a, b) in zip(calls, values, strict=True):
-        sites, wanted = call.arguments
-        worst = max(
-            worst,
-            relative(cubes(sites, a, b, sites) - wanted, wanted),
-            lacks_moments(sites, a) if abs(a).max() > 1e-9 else 0.0,
-        )
-    return worst
+@law_of_each(
+    "The curve (10.4) must go through the values, and its factors sum to zero, plain "
+    "and weighted by the sites."
+)
+def is_natural_and_interpolates(call: Call, values: Values) -> float:
+    (a, b) = values
+    sites, wanted = call.arguments
+    return max(
+        relative(cubes(sites, a, b, sites) - wanted, wanted),
+        lacks_moments(sites, a) if abs(a).max() > 1e-9 else 0.0,
+    )
 
 
 # 10.3 The moments
@@ -125,29 +126,28 @@ def moments_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the slopes of each piece at its left end and at its right one."""
+    """Return the slopes of each piece at its left and right end."""
     width = sites[1:] - sites[:-1]
     secant = (values[1:] - values[:-1]) / width
     mean, jump = (m[1:] + m[:-1]) / 2, m[1:] - m[:-1]
     return secant - width * (mean / 2 - jump / 12), secant + width * (mean / 2 + jump / 12)
 
 
-def has_no_kink(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest jump of the slope, and the moments of the two ends."""
-    worst = 0.0
-    for call, (bends,) in zip(calls, values, strict=True):
-        at_left, at_right = slopes(call.arguments[0], call.arguments[1], bends)
-        worst = max(
-            worst, relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0)
-        )
-    return worst
+@law_of_each(
+    "Neighbouring pieces must have the same slope where they meet, and both ends the moment zero."
+)
+def has_no_kink(call: Call, values: Values) -> float:
+    """Return the largest jump of the slope, and the moments at the two ends."""
+    (bends,) = values
+    at_left, at_right = slopes(call.arguments[0], call.arguments[1], bends)
+    return max(relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0))
 
 
 # 10.4 The pieces
 
 
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places: three to the left, four in each interval with its ends, three to the right."""
+    """Return points: three on the left, four in each interval with its ends, three on the right."""
     random = np.random.default_rng(seed)
     calls = []
     for n, case in ((6, "six sites"), (4, "four sites")):
@@ -170,23 +170,25 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-def is_cubic_inside_and_straight_outside(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far ends, second derivatives and outer lines are from what was given."""
-    worst = 0.0
-    for call, (s,) in zip(calls, values, strict=True):
-        sites, heights, m, _ = call.arguments
-        four, step = s[3:-3].reshape(-1, 4), (sites[1:] - sites[:-1])[:, None] / 3
-        ends = four[:, [0, 3]] - np.stack([heights[:-1], heights[1:]], axis=1)
-        second = four.dot([[2, -1], [-5, 4], [4, -5], [-1, 2]]) / step**2 - np.stack(
-            [m[:-1], m[1:]], axis=1
-        )
-        at_left, at_right = slopes(sites, heights, m)
-        outer = [
-            s[:3] - heights[0] + at_left[0] * np.array([1.5, 1.0, 0.5]),
-            s[-3:] - heights[-1] - at_right[-1] * np.array([0.5, 1.0, 1.5]),
-        ]
-        worst = max(worst, relative(ends, heights), relative(second, 100.0), relative(outer, s))
-    return worst
+@law_of_each(
+    "Each piece has the values and second derivatives of (10.6) at its ends; outside "
+    "the curve goes on straight, with the slope that it has there."
+)
+def is_cubic_inside_and_linear_outside(call: Call, values: Values) -> float:
+    """Return the deviation of ends, second derivatives and outer lines from the given ones."""
+    (s,) = values
+    sites, heights, m, _ = call.arguments
+    four, step = s[3:-3].reshape(-1, 4), (sites[1:] - sites[:-1])[:, None] / 3
+    ends = four[:, [0, 3]] - np.stack([heights[:-1], heights[1:]], axis=1)
+    second = four.dot([[2, -1], [-5, 4], [4, -5], [-1, 2]]) / step**2 - np.stack(
+        [m[:-1], m[1:]], axis=1
+    )
+    at_left, at_right = slopes(sites, heights, m)
+    outer = [
+        s[:3] - heights[0] + at_left[0] * np.array([1.5, 1.0, 0.5]),
+        s[-3:] - heights[-1] - at_right[-1] * np.array([0.5, 1.0, 1.5]),
+    ]
+    return max(relative(ends, heights), relative(second, 100.0), relative(outer, s))
 
 
 # 10.5 Back to truncated powers
@@ -207,37 +209,32 @@ def back_inputs(seed: int) -> tuple[Call, ...]:
 def _free_powers(
     sites: np.ndarray, bends: np.ndarray, straight: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return factors of truncated cubes whose second derivatives at the sites are these, and the
-    line.
-    """
+    """Return a line and coefficients of truncated cubes with these second derivatives."""
     apart = np.subtract.outer(sites[1:], sites[:-1]).clip(min=0)
     factors = np.linalg.solve(6 * apart, bends[1:])
     return np.append(factors, -factors.sum()), straight
 
 
-def is_made_of_half_cubes(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far values, second derivatives and moments are from those given."""
-    worst = 0.0
-    for call, (alpha, beta) in zip(calls, values, strict=True):
-        sites, heights, bends = call.arguments
-        second = 6 * np.subtract.outer(sites, sites).clip(min=0).dot(alpha)
-        missed = half_cubes(sites, alpha, beta, sites) - heights
-        worst = max(
-            worst,
-            relative(missed, heights),
-            relative(second - bends, bends),
-            lacks_moments(sites, alpha),
-        )
-    return worst
+@law_of_each(
+    "The curve (10.1) must have the values and the second derivatives at the sites, "
+    "and satisfy (10.2)."
+)
+def is_made_of_half_cubes(call: Call, values: Values) -> float:
+    """Return the deviation of values, second derivatives and moments from the given ones."""
+    (alpha, beta) = values
+    sites, heights, bends = call.arguments
+    second = 6 * np.subtract.outer(sites, sites).clip(min=0).dot(alpha)
+    missed = half_cubes(sites, alpha, beta, sites) - heights
+    return max(
+        relative(missed, heights), relative(second - bends, bends), lacks_moments(sites, alpha)
+    )
 
 
 # 10.6 The energy
 
 
 def energy_inputs(seed: int) -> tuple[Call, ...]:
-    """Return moments, three times as large, on intervals cut in two, turned round, and constant
-    ones.
-    """
+    """Return moments, tripled, on bisected intervals, in reversed order, and constant moments."""
     random = np.random.default_rng(seed)
     sites, bends = line(random, 6), random.normal(size=6)
     bends[[0, -1]] = 0
@@ -252,6 +249,11 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(Call("energy", (x, m), case) for x, m, case in cases)
 
 
+@law(
+    "The integral of a square: three times s'' gives nine times as much, to cut an "
+    "interval or to look in a mirror changes nothing, and where s'' is 2 it is four "
+    "times the length."
+)
 def is_an_integral_of_a_square(calls: Sequence[Call], values: Sequence[Values]) -> float:
     e = np.array([v[0] for v in values])
     first, last = calls[-1].arguments[0]
@@ -262,7 +264,9 @@ def is_an_integral_of_a_square(calls: Sequence[Call], values: Sequence[Values]) 
 
 
 def b_spline_inputs(seed: int) -> tuple[Call, ...]:
-    """Return knots, some of them double, degrees 0 to 3, and places with knots among them."""
+    """Return knots, some of them double, degrees 0 to 3, and evaluation points with knots among
+    them.
+    """
     random = np.random.default_rng(seed)
     simple, double = line(random, 8), line(random, 10)
     double[5] = double[4]
@@ -284,18 +288,25 @@ def b_spline_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((len(x), len(t) - k - 1),)
 
 
-def lives_where_it_should(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest value outside the support, and the most negative one."""
-    worst = 0.0
-    for call, (b,) in zip(calls, values, strict=True):
-        t, k, x = call.arguments
-        outside = (x[:, None] < t[: -k - 1]) | (x[:, None] > t[k + 1 :])
-        worst = max(worst, relative(b[outside], 1.0), relative(b.clip(max=0), 1.0))
-    return worst
+@law_of_each(
+    "A B-spline is never negative, and zero outside the k + 1 intervals from its "
+    "first knot to its last."
+)
+def has_its_support_and_sign(call: Call, values: Values) -> float:
+    """Return the largest absolute value outside the support, and the most negative value."""
+    (b,) = values
+    t, k, x = call.arguments
+    outside = (x[:, None] < t[: -k - 1]) | (x[:, None] > t[k + 1 :])
+    return max(relative(b[outside], 1.0), relative(b.clip(max=0), 1.0))
 
 
-def gives_every_power(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far (y - x)^k is from its B-splines, by the identity of Marsden, for several y."""
+@law(
+    "Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times "
+    "(y - t) for the knots t inside each: Marsden's identity, which for the highest "
+    "power of y says that their sum is one."
+)
+def satisfies_marsdens_identity(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of (y - x)^k from its B-splines by Marsden's identity, for several y."""
     worst = 0.0
     for call, (b,) in zip(calls, values, strict=True):
         t, k, x = call.arguments
@@ -309,18 +320,7 @@ def gives_every_power(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 QUESTIONS = (
     Question(
-        "10.1",
-        "from_truncated",
-        3,
-        conversion_inputs,
-        coefficients_shape,
-        (
-            Law(
-                "With the new coefficients (10.4) must be the same curve as (10.1), inside and "
-                "outside.",
-                is_the_same_curve,
-            ),
-        ),
+        "10.1", "from_truncated", 3, conversion_inputs, coefficients_shape, (is_the_same_curve,)
     ),
     Question(
         "10.2",
@@ -328,13 +328,7 @@ QUESTIONS = (
         3,
         radial_inputs,
         coefficients_shape,
-        (
-            Law(
-                "The curve (10.4) must go through the values, and its factors sum to zero, plain "
-                "and weighted by the sites.",
-                is_natural_and_hits,
-            ),
-        ),
+        (is_natural_and_interpolates,),
         tolerance=lambda _: 1e-8,
         normal_form=nothing_for_rounding,
     ),
@@ -344,13 +338,7 @@ QUESTIONS = (
         4,
         moments_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "Neighbouring pieces must have the same slope where they meet, and both ends the "
-                "moment zero.",
-                has_no_kink,
-            ),
-        ),
+        (has_no_kink,),
     ),
     Question(
         "10.4",
@@ -358,61 +346,16 @@ QUESTIONS = (
         3,
         pieces_inputs,
         lambda call: (call.arguments[3].shape,),
-        (
-            Law(
-                "Each piece has the values and second derivatives of (10.6) at its ends; outside "
-                "the curve goes on straight, with the slope that it has there.",
-                is_cubic_inside_and_straight_outside,
-            ),
-        ),
+        (is_cubic_inside_and_linear_outside,),
     ),
-    Question(
-        "10.5",
-        "truncated",
-        3,
-        back_inputs,
-        coefficients_shape,
-        (
-            Law(
-                "The curve (10.1) must have the values and the second derivatives at the sites, "
-                "and satisfy (10.2).",
-                is_made_of_half_cubes,
-            ),
-        ),
-    ),
-    Question(
-        "10.6",
-        "energy",
-        2,
-        energy_inputs,
-        lambda _: ((),),
-        (
-            Law(
-                "The integral of a square: three times s'' gives nine times as much, to cut an "
-                "interval or to look in a mirror changes nothing, and where s'' is 2 it is four "
-                "times the length.",
-                is_an_integral_of_a_square,
-            ),
-        ),
-    ),
+    Question("10.5", "truncated", 3, back_inputs, coefficients_shape, (is_made_of_half_cubes,)),
+    Question("10.6", "energy", 2, energy_inputs, lambda _: ((),), (is_an_integral_of_a_square,)),
     Question(
         "10.7",
         "b_splines",
         4,
         b_spline_inputs,
         b_spline_shape,
-        (
-            Law(
-                "A B-spline is never negative, and zero outside the k + 1 intervals from its "
-                "first knot to its last.",
-                lives_where_it_should,
-            ),
-            Law(
-                "Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times "
-                "(y - t) for the knots t inside each: Marsden's identity, which for the highest "
-                "power of y says that their sum is one.",
-                gives_every_power,
-            ),
-        ),
+        (has_its_support_and_sign, satisfies_marsdens_identity),
     ),
 )

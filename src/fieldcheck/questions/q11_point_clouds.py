@@ -1,7 +1,7 @@
-"""Questions of notebook 11, surfaces from point clouds: normals, their orientation, points beside.
+"""Questions of notebook 11, surfaces from point clouds: normals, orientation, off-surface points.
 
-Clouds lie at a fixed distance from an arc, in the plane a horseshoe and in space a torus, so that
-their normals are known: they point away from the nearest point of the arc.
+The points lie at a fixed distance from an arc, on a horseshoe in the plane and on a torus in space.
+Their normals are therefore known: they point away from the nearest point of the arc.
 """
 
 from __future__ import annotations
@@ -10,17 +10,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Question, law, relative
 
 THICK = 0.4
-"""Half of the thickness of horseshoe and torus; the arc has the radius one."""
+"""Half the thickness of horseshoe and torus; the radius of the arc is one."""
 END = 2.2
 """The angle at which the arc of the horseshoe ends, on both sides of the axis."""
 
 
 def horseshoe(random: np.random.Generator, n: int, jitter: float = 0.3) -> np.ndarray:
-    """Return n points of a horseshoe, in no order."""
+    """Return n points of a horseshoe in random order."""
     along = (np.arange(n) + random.uniform(-jitter, jitter, n)) / n * (4 * END + 2 * np.pi * THICK)
     outer, cap = 2 * END * (1 + THICK), np.pi * THICK
     points = []
@@ -39,7 +39,7 @@ def horseshoe(random: np.random.Generator, n: int, jitter: float = 0.3) -> np.nd
 
 
 def torus(random: np.random.Generator, rows: int, columns: int) -> np.ndarray:
-    """Return rows × columns points of a torus whose axis is oblique, in no order."""
+    """Return rows × columns points of a torus with an oblique axis, in random order."""
     i, j = (k.ravel() for k in np.mgrid[:rows, :columns])
     turn = 2 * np.pi * (i + random.uniform(-0.2, 0.2, i.size)) / rows
     round_axis = 2 * np.pi * (j + i % 2 / 2 + random.uniform(-0.2, 0.2, i.size)) / columns
@@ -54,7 +54,7 @@ OBLIQUE = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 
 
 def outward(points: np.ndarray) -> np.ndarray:
-    """Return the outward normals of horseshoe and torus at points of them."""
+    """Return the outward normals of horseshoe and torus at points on them."""
     if points.shape[1] == 2:
         angle = np.clip(np.arctan2(-points[:, 0], points[:, 1]), -END, END)
         foot = np.column_stack([-np.sin(angle), np.cos(angle)])
@@ -66,13 +66,13 @@ def outward(points: np.ndarray) -> np.ndarray:
 
 
 def oval(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return n points of an oval, in order."""
+    """Return n points of an oval in order."""
     z = np.exp(2j * np.pi * (np.arange(n) + random.uniform(-0.25, 0.25, n)) / n)
     return np.column_stack([1.2 * z.real, 0.8 * z.imag])
 
 
 def drop(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return n points of a drop, a circle with two tangents that meet in a tip, in no order."""
+    """Return n points of a drop, a circle with two tangents that meet in a tip, in random order."""
     flank = np.sqrt(3.0)
     along = (np.arange(n) + 0.5 + random.uniform(-0.1, 0.1, n)) / n * (
         2 * flank + 4 * np.pi / 3
@@ -92,7 +92,7 @@ def turned_tip(z: np.ndarray) -> np.ndarray:
 
 
 def outward_of_drop(points: np.ndarray) -> np.ndarray:
-    """Return the outward normals of the drop at points of it."""
+    """Return the outward normals of the drop at points on it."""
     angle = np.angle((points[:, 0] + 1j * points[:, 1]) / TIP)
     return turned_tip(
         np.exp(1j * np.where(angle < 0, -1, 1) * np.maximum(np.abs(angle), np.pi / 3))
@@ -100,7 +100,7 @@ def outward_of_drop(points: np.ndarray) -> np.ndarray:
 
 
 def outward_of_two(points: np.ndarray) -> np.ndarray:
-    """Return the outward normals of a horseshoe, and of an oval on its right."""
+    """Return the outward normals of a horseshoe and of an oval on its right."""
     away = (points - RIGHT) / [1.44, 0.64]
     return np.where(points[:, :1] > 2.5, away / np.hypot(*away.T)[:, None], outward(points))
 
@@ -108,8 +108,8 @@ def outward_of_two(points: np.ndarray) -> np.ndarray:
 RIGHT = np.array([4.0, 1.0])
 
 
-def any_sign(random: np.random.Generator, normals: np.ndarray) -> np.ndarray:
-    """Return normals each of which may be turned round, as good as estimated ones."""
+def random_signs(random: np.random.Generator, normals: np.ndarray) -> np.ndarray:
+    """Return normals with random signs, like estimated normals."""
     rough = random.choice([-1.0, 1.0], (len(normals), 1)) * normals + 0.01 * random.normal(
         size=normals.shape
     )
@@ -120,18 +120,19 @@ def any_sign(random: np.random.Generator, normals: np.ndarray) -> np.ndarray:
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return clouds in the plane and in space, far from the origin too."""
+    """Return point clouds in the plane and in space, also far from the origin."""
     random = np.random.default_rng(seed)
     flat = (
         np.column_stack([random.uniform(-1, 1, (14, 2)), 0.05 * random.normal(size=14)]) @ OBLIQUE
     )
     name = "normals"
-    return (
-        Call(name, (oval(random, 16), 4), "an oval, four neighbours"),
-        Call(name, (horseshoe(random, 30), 5), "a horseshoe, five neighbours"),
-        Call(name, (torus(random, 5, 9), 7), "a torus in space"),
-        Call(name, (flat, 14), "a rough plane of fourteen points, all of them neighbours"),
-        Call(name, (oval(random, 12) + np.array([4e4, -2e4]), 4), "an oval far from the origin"),
+    return calls_of(
+        name,
+        ((oval(random, 16), 4), "an oval, four neighbours"),
+        ((horseshoe(random, 30), 5), "a horseshoe, five neighbours"),
+        ((torus(random, 5, 9), 7), "a torus in space"),
+        ((flat, 14), "a rough plane of fourteen points, all of them neighbours"),
+        ((oval(random, 12) + np.array([4e4, -2e4]), 4), "an oval far from the origin"),
     )
 
 
@@ -140,14 +141,19 @@ def normals_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 def normals_tolerance(call: Call) -> float:
-    """Return what rounding the coordinates does to the normals."""
+    """Return the error of the normals that is caused by rounded coordinates."""
     points = call.arguments[0]
     return float(1e-8 + 1e-13 * np.abs(points).max() / np.ptp(points))
 
 
-def are_across_the_neighbours(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return by how much a direction beside the normal has less variance; how far from length one
-    it is.
+@law(
+    "Normals have the length one, and in no direction beside them have the neighbours "
+    "less variance.",
+    1e-6,
+)
+def have_the_least_variance(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the excess of the variance over that of a nearby direction, and the deviation from
+    length one.
     """
     worst = 0.0
     for call, (n, planarity) in zip(calls, values, strict=True):
@@ -169,7 +175,7 @@ def are_across_the_neighbours(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def with_one_sign(_: Call, values: Values) -> Values:
-    """Return normals turned to one side of space."""
+    """Return normals oriented to one side of space."""
     n, *others = values
     side = np.where(n @ np.array([0.61, 0.79, 0.33])[: n.shape[1]] < 0, -1.0, 1.0)
     return (side[:, None] * n, *others)
@@ -179,22 +185,24 @@ def with_one_sign(_: Call, values: Values) -> Values:
 
 
 def graph_inputs(seed: int) -> tuple[Call, ...]:
-    """Return clouds of even and of uneven density."""
+    """Return point clouds of uniform and of varying density."""
     random = np.random.default_rng(seed)
     uneven = np.column_stack([np.cumsum(1.3 ** np.arange(12.0)), random.uniform(0, 0.3, 12)])[
         random.permutation(12)
     ]
-    return (
-        Call("linked", (random.uniform(size=(14, 2)), 4), "points in a square"),
-        Call("linked", (uneven, 3), "points that are dense at one end of a line"),
-        Call("linked", (random.normal(size=(11, 3)), 3), "points in space"),
-        Call("linked", (np.vstack([oval(random, 8), oval(random, 6) + 9]), 3), "two ovals"),
+    return calls_of(
+        "linked",
+        ((random.uniform(size=(14, 2)), 4), "points in a square"),
+        ((uneven, 3), "points that are dense at one end of a line"),
+        ((random.normal(size=(11, 3)), 3), "points in space"),
+        ((np.vstack([oval(random, 8), oval(random, 6) + 9]), 3), "two ovals"),
     )
 
 
+@law("Links go both ways, none leads to the point itself, and all of the nearest are linked.")
 def links_both_ways(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many points are linked to themselves, or one way only, or to none of the
-    nearest.
+    """Return the number of points linked to themselves, in one direction only, or to no nearest
+    point.
     """
     wrong = 0
     for call, (graph,) in zip(calls, values, strict=True):
@@ -214,7 +222,7 @@ def links_both_ways(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def near(points: np.ndarray, k: int) -> np.ndarray:
-    """Return which points are near each other: the graph that is given, as ones and zeros."""
+    """Return the given graph as ones and zeros: the points that are near each other."""
     square = (points**2).sum(axis=1)
     gaps = square[:, None] + square - 2 * points @ points.T
     np.fill_diagonal(gaps, np.inf)
@@ -231,22 +239,21 @@ OUTWARD = {
 
 
 def orient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return normals of either sign on a horseshoe, a torus, a drop and two bodies, and their
-    graphs.
-    """
+    """Return normals with random signs, and graphs: horseshoe, torus, drop and two bodies."""
     random = np.random.default_rng(seed)
     two = np.vstack([horseshoe(random, 40, 0.1), oval(random, 20) + RIGHT])[random.permutation(60)]
     clouds = (horseshoe(random, 44, 0.1), torus(random, 8, 14), drop(random, 30), two)
     calls = []
     for (case, truth), points, k in zip(OUTWARD.items(), clouds, (4, 7, 5, 4), strict=True):
         calls.append(
-            Call("orient", (points, any_sign(random, truth(points)), near(points, k)), case)
+            Call("orient", (points, random_signs(random, truth(points)), near(points, k)), case)
         )
     return tuple(calls)
 
 
+@law("Each normal is the given one or its opposite, and on these bodies it points outward.")
 def point_outward(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many normals point inward or are none of the two that were possible."""
+    """Return the number of normals that point inward or are not ± the given ones."""
     wrong = 0.0
     for call, (n,) in zip(calls, values, strict=True):
         points, given, _ = call.arguments
@@ -255,28 +262,33 @@ def point_outward(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return wrong
 
 
-# 11.4 Points beside the surface
+# 11.4 Off-surface points
 
 
 def beside_inputs(seed: int) -> tuple[Call, ...]:
-    """Return clouds with room beside them, and with little: a horseshoe, thin parts, a torus."""
+    """Return point clouds with much and little space: a horseshoe, thin parts, a torus."""
     random = np.random.default_rng(seed)
     thin = oval(random, 24) * [1.0, 0.3]
     away = thin / [1.44, 0.64 * 0.09]
     thin_normals = away / np.hypot(*away.T)[:, None]
     bent, ring = horseshoe(random, 36), torus(random, 6, 10)
     name = "off_surface"
-    return (
-        Call(name, (bent, outward(bent), 0.1), "a horseshoe with room on both sides"),
-        Call(name, (bent, outward(bent), 1.7), "a horseshoe and points as far away as it is wide"),
-        Call(name, (thin, thin_normals, 0.9), "a flat oval"),
-        Call(name, (ring, outward(ring), 1.1), "a torus in space"),
+    return calls_of(
+        name,
+        ((bent, outward(bent), 0.1), "a horseshoe with room on both sides"),
+        ((bent, outward(bent), 1.7), "a horseshoe and points as far away as it is wide"),
+        ((thin, thin_normals, 0.9), "a flat oval"),
+        ((ring, outward(ring), 1.1), "a torus in space"),
     )
 
 
+@law(
+    "The nearest point of the cloud is the own one, and with twice the length, if "
+    "that is not too much, it is not."
+)
 def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many lengths are no half of a half, lead to another site, or could be twice as
-    long.
+    """Return the number of lengths that are not a power of 1/2, lead to another site, or could be
+    doubled.
     """
     wrong = 0
     for call, (lengths,) in zip(calls, values, strict=True):
@@ -298,14 +310,7 @@ QUESTIONS = (
         3,
         normals_inputs,
         normals_shapes,
-        (
-            Law(
-                "Normals have the length one, and in no direction beside them have the neighbours "
-                "less variance.",
-                are_across_the_neighbours,
-                1e-6,
-            ),
-        ),
+        (have_the_least_variance,),
         normals_tolerance,
         with_one_sign,
     ),
@@ -315,13 +320,7 @@ QUESTIONS = (
         2,
         graph_inputs,
         lambda call: (2 * (len(call.arguments[0]),),),
-        (
-            Law(
-                "Links go both ways, none leads to the point itself, and all of the nearest are "
-                "linked.",
-                links_both_ways,
-            ),
-        ),
+        (links_both_ways,),
     ),
     Question(
         "11.3",
@@ -329,13 +328,7 @@ QUESTIONS = (
         4,
         orient_inputs,
         lambda call: (call.arguments[1].shape,),
-        (
-            Law(
-                "Each normal is the given one or its opposite, and on these bodies it points "
-                "outward.",
-                point_outward,
-            ),
-        ),
+        (point_outward,),
     ),
     Question(
         "11.4",
@@ -343,12 +336,6 @@ QUESTIONS = (
         3,
         beside_inputs,
         lambda call: ((len(call.arguments[0]), 2),),
-        (
-            Law(
-                "The nearest point of the cloud is the own one, and with twice the length, if "
-                "that is not too much, it is not.",
-                belong_to_their_sites,
-            ),
-        ),
+        (belong_to_their_sites,),
     ),
 )

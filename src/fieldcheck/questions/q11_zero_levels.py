@@ -1,4 +1,4 @@
-"""Questions of notebook 11, surfaces from point clouds: the function whose zero level they are."""
+"""Questions of notebook 11, surfaces from point clouds: the implicit function of a surface."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q11_point_clouds import horseshoe, outward, oval, torus
 
 
 def cubes(x: np.ndarray, sites: np.ndarray, weights: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    """Return weighted cubes of the distances from the sites, and a plane."""
+    """Return weighted cubed distances from the sites, and a linear polynomial."""
     gaps = x[:, None, :] - sites[None, :, :]
     return (gaps * gaps).sum(axis=2) ** 1.5 @ weights + x @ plane[1:] + plane[0]
 
@@ -32,16 +32,11 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     """Return sites and values in the plane and in space."""
     random = np.random.default_rng(seed)
     bent, ring = horseshoe(random, 14, 0.1), torus(random, 4, 5)
-    return (
-        Call(
-            "implicit",
-            (random.uniform(size=(9, 2)), random.normal(size=9)),
-            "nine sites in a square",
-        ),
-        Call("implicit", beside(bent, outward(bent), 0.15), "a horseshoe, and points beside it"),
-        Call(
-            "implicit", beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"
-        ),
+    return calls_of(
+        "implicit",
+        ((random.uniform(size=(9, 2)), random.normal(size=9)), "nine sites in a square"),
+        (beside(bent, outward(bent), 0.15), "a horseshoe, and points beside it"),
+        (beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"),
     )
 
 
@@ -50,27 +45,26 @@ def fit_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n,), (d + 1,))
 
 
-def meets_values_and_side_conditions(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest difference from the values, or what is left of the side conditions."""
-    worst = 0.0
-    for call, (weights, plane) in zip(calls, values, strict=True):
-        sites, wanted = call.arguments
-        moments = weights @ np.insert(sites, 0, 1.0, axis=1)
-        worst = max(
-            worst,
-            relative(cubes(sites, sites, weights, plane) - wanted, wanted),
-            relative(moments, weights),
-        )
-    return worst
+@law_of_each(
+    "F takes the values at the sites, and the coefficients fulfil the side conditions.", 1e-7
+)
+def meets_values_and_side_conditions(call: Call, values: Values) -> float:
+    """Return the largest difference from the values, and the residual of the side conditions."""
+    (weights, plane) = values
+    sites, wanted = call.arguments
+    moments = weights @ np.insert(sites, 0, 1.0, axis=1)
+    return max(
+        relative(cubes(sites, sites, weights, plane) - wanted, wanted), relative(moments, weights)
+    )
 
 
-# 11.6 and 11.7 The field, its gradient, and the way to its zero level
+# 11.6 and 11.7 The field, its gradient, and projection onto its zero level
 
 
 def body(
     random: np.random.Generator, d: int, sites: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return sites and coefficients of a function that is positive in a body about the origin
+    """Return sites and coefficients of a function that is positive in a body around the origin
     only.
     """
     places = random.uniform(-0.3, 0.3, (sites, d))
@@ -78,37 +72,37 @@ def body(
     return places, weights, np.append(1.0, random.uniform(-0.1, 0.1, d))
 
 
-def about(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return places round the origin, none of them near it."""
+def points_about_origin(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return points around the origin, none of them near it."""
     return round_origin(random, random.normal(size=(n, d)))
 
 
 def near_diagonals(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return such places near the diagonals: no derivative vanishes there, by which a coordinate's
-    own step might be divided.
+    """Return such points near the diagonals, where no partial derivative vanishes. An answer may
+    divide the step of a coordinate by its derivative.
     """
     signs = random.choice([-1.0, 1.0], (n, d))
     return round_origin(random, signs * random.uniform(0.7, 1.3, (n, d)))
 
 
 def round_origin(random: np.random.Generator, x: np.ndarray) -> np.ndarray:
-    """Return places in the given directions from the origin, none of them near it."""
+    """Return points in the given directions from the origin, none of them near it."""
     return random.uniform(0.8, 1.1, (len(x), 1)) * x / np.sqrt((x * x).sum(axis=1))[:, None]
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places and coefficients in the plane and in space; one of the places is a site."""
+    """Return points and coefficients in the plane and in space; one of the points is a site."""
     random = np.random.default_rng(seed)
     plane, space, single = body(random, 2, 5), body(random, 3, 4), body(random, 2, 1)
     return (
-        Call("field", (about(random, 7, 2), *plane), "seven places in the plane"),
+        Call("field", (points_about_origin(random, 7, 2), *plane), "seven places in the plane"),
         Call(
             "field",
-            (np.vstack([about(random, 5, 3), space[0][:1]]), *space),
+            (np.vstack([points_about_origin(random, 5, 3), space[0][:1]]), *space),
             "places in space, one of them a site",
             exact=(0, 1),
         ),
-        Call("field", (about(random, 3, 2), *single), "one site"),
+        Call("field", (points_about_origin(random, 3, 2), *single), "one site"),
     )
 
 
@@ -117,10 +111,9 @@ def field_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((len(x),), x.shape)
 
 
+@law("Values are those of (11.6), and gradients agree with differences of them.", 1e-6)
 def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the differences of values from (11.6), and of gradients from small steps to both
-    sides.
-    """
+    """Return the differences of values from (11.6), and of gradients from central differences."""
     worst = 0.0
     for call, (f, gradient) in zip(calls, values, strict=True):
         x, *rest = call.arguments
@@ -132,19 +125,21 @@ def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Value
 
 
 def newton_inputs(seed: int) -> tuple[Call, ...]:
-    """Return places near a zero level, and one step, two, and enough."""
+    """Return points near a zero level, with one, two and enough steps."""
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
     x = near_diagonals(random, 6, 2)
-    return (
-        Call("to_surface", (x, *plane, 5), "five steps in the plane"),
-        Call("to_surface", (x, *plane, 1), "one step in the plane"),
-        Call("to_surface", (near_diagonals(random, 5, 3), *space, 2), "two steps in space"),
+    return calls_of(
+        "to_surface",
+        ((x, *plane, 5), "five steps in the plane"),
+        ((x, *plane, 1), "one step in the plane"),
+        ((near_diagonals(random, 5, 3), *space, 2), "two steps in space"),
     )
 
 
+@law("One step leads to the zero of the tangent, and five to the zero level.", 1e-8)
 def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return what is left after five steps, and how far one step is from the tangent's zero."""
+    """Return the residual after five steps, and the deviation of one step from a Newton step."""
     x, sites, weights, plane, _ = calls[0].arguments
     left = float(np.abs(cubes(values[0][0], sites, weights, plane)).max())
     step = values[1][0] - x
@@ -157,22 +152,27 @@ def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> f
 
 
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
-    """Return squares that one line crosses: all twelve kinds."""
+    """Return squares with one crossing line, in all twelve cases."""
     random = np.random.default_rng(seed)
     kinds = np.array(
         [[(c >> i) & 1 for i in range(4)] for c in (*range(1, 5), *range(6, 10), *range(11, 15))]
     )
     signs = np.where(kinds == 1, 1.0, -1.0)
     distance = oval(random, 12)[:, :1] + np.array([[1.5, 2.0, 2.5, 3.0]])
-    return (
-        Call("pieces", (signs * random.uniform(0.2, 1.0, (12, 4)),), "twelve squares"),
-        Call("pieces", (1e-3 * signs[::-1] * distance,), "the same kinds with small values"),
+    return calls_of(
+        "pieces",
+        ((signs * random.uniform(0.2, 1.0, (12, 4)),), "twelve squares"),
+        ((1e-3 * signs[::-1] * distance,), "the same kinds with small values"),
     )
 
 
+@law(
+    "Ends lie on the sides of the square, where the values on the side are zero, and "
+    "what is positive lies to the left."
+)
 def lie_on_the_border(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far ends are from the border, from a zero of the values on it, and pieces from
-    running with the positive side to the left.
+    """Return the deviation of ends from the border and from zeros on it, and of pieces from running
+    with the positive side on the left.
     """
     worst = 0.0
     for call, (ends,) in zip(calls, values, strict=True):
@@ -195,42 +195,17 @@ QUESTIONS = (
         3,
         fit_inputs,
         fit_shapes,
-        (
-            Law(
-                "F takes the values at the sites, and the coefficients fulfil the side conditions.",
-                meets_values_and_side_conditions,
-                1e-7,
-            ),
-        ),
+        (meets_values_and_side_conditions,),
         lambda _: 1e-7,
     ),
-    Question(
-        "11.6",
-        "field",
-        3,
-        field_inputs,
-        field_shapes,
-        (
-            Law(
-                "Values are those of (11.6), and gradients agree with differences of them.",
-                gradient_is_that_of_the_values,
-                1e-6,
-            ),
-        ),
-    ),
+    Question("11.6", "field", 3, field_inputs, field_shapes, (gradient_is_that_of_the_values,)),
     Question(
         "11.7",
         "to_surface",
         2,
         newton_inputs,
         lambda call: (call.arguments[0].shape,),
-        (
-            Law(
-                "One step leads to the zero of the tangent, and five to the zero level.",
-                ends_on_the_zero_level,
-                1e-8,
-            ),
-        ),
+        (ends_on_the_zero_level,),
     ),
     Question(
         "11.8",
@@ -238,12 +213,6 @@ QUESTIONS = (
         3,
         pieces_inputs,
         lambda call: ((len(call.arguments[0]), 2, 2),),
-        (
-            Law(
-                "Ends lie on the sides of the square, where the values on the side are zero, and "
-                "what is positive lies to the left.",
-                lie_on_the_border,
-            ),
-        ),
+        (lie_on_the_border,),
     ),
 )

@@ -1,6 +1,4 @@
-"""Questions of notebook 13, feet of characteristics and steps; what is kept has a module of its
-own.
-"""
+"""Questions of notebook 13, departure points, steps, bounds, mass, and Burgers' equation."""
 
 from __future__ import annotations
 
@@ -8,46 +6,43 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.question import Law, Question, law, law_of_each, relative
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 
 
 def in_disc(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return n places in the unit disc, away from its middle and from each other."""
+    """Return n points in the unit disc, away from its centre and from each other."""
     turns = np.pi * (1 + np.sqrt(5)) * (np.arange(n) + random.uniform(0.4, 0.6, n))
     radii = np.sqrt((np.arange(n) + random.uniform(0.6, 0.9, n)) / n)
     return np.column_stack([radii * np.cos(turns), radii * np.sin(turns)])
 
 
 def in_square(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return n² places in the square from −1 to 1, each in a cell of its own."""
+    """Return n² points in the square from −1 to 1, each in a cell of its own."""
     cells = np.indices((n, n)).reshape(2, -1).T
     return 2 * (cells + random.uniform(0.3, 0.7, cells.shape)) / n - 1
 
 
-# 13.1 to 13.3 Feet
+# 13.1 to 13.3 Departure points
 
 
 def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return places in the three flows, and in the vortex with half the step."""
+    """Return points in the three flows, and in the vortex with half the time step."""
     random = np.random.default_rng(seed)
     x, dt, t = in_disc(random, 8), random.uniform(0.03, 0.05), random.uniform(0.2, 0.4)
-    return (
-        Call(name, (x, t, dt, 1), "eight places in the vortex"),
-        Call(name, (x, t, dt / 2, 1), "the same with half the step"),
-        Call(name, (x, t, 2 * dt, 0), "eight places in the flow that turns as a whole"),
-        Call(
-            name,
-            (0.9 * in_square(random, 2), t, 3 * dt, 2),
-            "four places in the flow that stretches",
-        ),
+    return calls_of(
+        name,
+        ((x, t, dt, 1), "eight places in the vortex"),
+        ((x, t, dt / 2, 1), "the same with half the step"),
+        ((x, t, 2 * dt, 0), "eight places in the flow that turns as a whole"),
+        ((0.9 * in_square(random, 2), t, 3 * dt, 2), "four places in the flow that stretches"),
     )
 
 
 def vortex_error(call: Call, feet: np.ndarray) -> float:
-    """Return how far feet in the vortex are from the turned places, in the mean."""
+    """Return the mean distance of departure points in the vortex from the rotated points."""
     x, t, dt, _ = call.arguments
     angle = np.pi * (2 * dt + t**2 - (t - dt) ** 2) / (1 + 4 * np.hypot(*x.T) ** 2)
     turned = (x[:, 0] + 1j * x[:, 1]) * np.exp(-1j * angle)
@@ -55,8 +50,8 @@ def vortex_error(call: Call, feet: np.ndarray) -> float:
 
 
 def falls_with_order(order: int) -> Deviation:
-    """Return by how much the observed order of the error of one step is off, but for a fifth of
-    an order.
+    """Return the deviation of the observed order of the error of one step, minus a fifth of an
+    order.
     """
 
     def deviation(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -69,9 +64,7 @@ def falls_with_order(order: int) -> Deviation:
 
 
 def grows_by(square: Callable[[float], float]) -> Deviation:
-    """Return how far the squares of radii are from what a step of this scheme makes of them in a
-    solid rotation.
-    """
+    """Return the deviation of squared radii from those after one step in a rotation."""
 
     def deviation(calls: Sequence[Call], values: Sequence[Values]) -> float:
         x, _, dt, _ = calls[2].arguments
@@ -84,7 +77,7 @@ def grows_by(square: Callable[[float], float]) -> Deviation:
 def feet_question(
     number: int, scheme: str, points: int, order: int, square: Callable[[float], float]
 ) -> Question:
-    """Return the question for the feet by a scheme whose step has an error of that order."""
+    """Return the question on departure points by a scheme with this order of error per step."""
     return Question(
         f"13.{number}",
         scheme,
@@ -109,25 +102,23 @@ def feet_question(
 
 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
-    """Return feet among few and among all sites, feet that are sites, and sites on a line."""
+    """Return departure points among few and all sites, at sites, and sites on a line."""
     random = np.random.default_rng(seed)
     sites, few = in_square(random, 5), in_square(random, 3)
     line = np.arange(8)[:, None] / 7 + random.uniform(-0.04, 0.04, (8, 1))
     name = "step_matrix"
-    return (
-        Call(name, (sites, random.uniform(-1, 1, (6, 2)), 9), "six feet with nine sites each"),
-        Call(name, (few, random.uniform(-1.2, 1.2, (4, 2)), 9), "four feet with all nine sites"),
-        Call(name, (sites, sites[[7, 0, 18]], 8), "three feet that are sites"),
-        Call(
-            name,
-            (line, random.uniform(-0.1, 1.1, (5, 1)), 4),
-            "five feet on a line, with four sites each",
-        ),
+    return calls_of(
+        name,
+        ((sites, random.uniform(-1, 1, (6, 2)), 9), "six feet with nine sites each"),
+        ((few, random.uniform(-1.2, 1.2, (4, 2)), 9), "four feet with all nine sites"),
+        ((sites, sites[[7, 0, 18]], 8), "three feet that are sites"),
+        ((line, random.uniform(-0.1, 1.1, (5, 1)), 4), "five feet on a line, with four sites each"),
     )
 
 
-def brings_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far rows are from the sum one, and weighted means of sites from the feet."""
+@law("Linear fields come back: rows sum to one, and the weighted mean of the sites is the foot.")
+def reproduces_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of row sums from one, and of weighted means from departure points."""
     worst = 0.0
     for call, (h,) in zip(calls, values, strict=True):
         sites, feet, _ = call.arguments
@@ -136,8 +127,9 @@ def brings_linear_fields_back(calls: Sequence[Call], values: Sequence[Values]) -
     return worst
 
 
-def counts_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest weight of a site that has k sites nearer to the foot."""
+@law("Only the k sites nearest to its foot have weights in a row.")
+def uses_the_nearest_sites_only(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the largest weight of a site with at least k sites nearer to the departure point."""
     worst = 0.0
     for call, (h,) in zip(calls, values, strict=True):
         sites, feet, k = call.arguments
@@ -148,8 +140,9 @@ def counts_the_nearest(calls: Sequence[Call], values: Sequence[Values]) -> float
     return worst
 
 
+@law("At a site its own value counts, and no other.")
 def is_one_at_its_site(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the rows of feet that are sites are from one and zeros."""
+    """Return the deviation of rows for departure points at sites from unit vectors."""
     return float(np.abs(values[2][0] - np.eye(25)[[7, 0, 18]]).max())
 
 
@@ -157,41 +150,40 @@ def is_one_at_its_site(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def advect_inputs(seed: int) -> tuple[Call, ...]:
-    """Return an affine field that turns, a constant, and fields in the vortex and in the flow
-    that stretches.
+    """Return a rotated affine field, a constant, and fields in the vortex and in the straining
+    flow.
     """
     random = np.random.default_rng(seed)
     disc, square, dt = in_disc(random, 24), in_square(random, 4), random.uniform(0.04, 0.06)
     slope = random.normal(size=2)
     name = "advect"
-    return (
-        Call(
-            name,
+    return calls_of(
+        name,
+        (
             (disc, 1 + disc @ slope, dt, 3, 0, 8),
             "an affine field in the flow that turns as a whole",
         ),
-        Call(name, (disc, np.full(24, 2.5), dt, 2, 1, 8), "a constant in the vortex"),
-        Call(name, (disc, random.normal(size=24), 2 * dt, 3, 1, 8), "a field in the vortex"),
-        Call(
-            name,
-            (square, random.normal(size=16), 3 * dt, 2, 2, 9),
-            "a field in the flow that stretches",
-        ),
+        ((disc, np.full(24, 2.5), dt, 2, 1, 8), "a constant in the vortex"),
+        ((disc, random.normal(size=24), 2 * dt, 3, 1, 8), "a field in the vortex"),
+        ((square, random.normal(size=16), 3 * dt, 2, 2, 9), "a field in the flow that stretches"),
     )
 
 
+@law("The first row is the field at the beginning, and a constant stays what it is.")
 def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far a constant is from itself, and the first row from the field at the
-    beginning.
-    """
+    """Return the deviation of a constant from itself, and of the first row from the start."""
     begins = max(
         relative(u[0] - c.arguments[1], u[0]) for c, (u,) in zip(calls, values, strict=True)
     )
     return max(begins, relative(values[1][0] - 2.5, 2.5))
 
 
-def affine_fields_turn(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far an affine field is from the one at the sites turned back step by step."""
+@law(
+    "An affine field in a solid rotation only turns: there is no error in space, and "
+    "in time that of the feet."
+)
+def affine_fields_rotate(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of an affine field from its values at the sites rotated step by step."""
     sites, u, dt, _, _, _ = calls[0].arguments
     w = -2j * np.pi * dt
     turn = 1 + w * (1 + w / 2 * (1 + w / 3 * (1 + w / 4)))
@@ -199,6 +191,141 @@ def affine_fields_turn(calls: Sequence[Call], values: Sequence[Values]) -> float
     rows = [np.stack([z.real**0, (turn**n * z).real, (turn**n * z).imag], axis=1) for n in range(4)]
     c = np.linalg.pinv(rows[0]) @ u
     return relative(values[0][0] - np.array(rows) @ c, u)
+
+
+# 13.8 Bounds
+
+
+def bounds_inputs(seed: int) -> tuple[Call, ...]:
+    """Return departure points among scattered sites, with the negative field, and at sites."""
+    random = np.random.default_rng(seed)
+    sites, u = in_square(random, 4), random.normal(size=16)
+    feet = random.uniform(-1, 1, (7, 2))
+    return calls_of(
+        "bounds",
+        ((sites, u, feet), "seven feet among sixteen sites"),
+        ((sites, -u, feet), "the same with the opposite field"),
+        ((sites, u, sites + 0.0), "feet that are the sites"),
+        (
+            (in_disc(random, 20), random.normal(size=20), 0.5 * in_disc(random, 3)),
+            "three feet in the disc",
+        ),
+    )
+
+
+@law("If the field changes its sign, the bounds do, and exchange their places.")
+def changes_sign_with_the_field(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the negative field's bounds from the exchanged negative bounds."""
+    (low, high), (below, above) = values[:2]
+    return max(relative(below + high, high), relative(above + low, low))
+
+
+@law("A foot that is a site has the value there between its bounds.")
+def contains_the_nearest_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the distance of the value at a site from the bounds there."""
+    u, (low, high) = calls[2].arguments[1], values[2]
+    return max(0.0, float((low - u).max()), float((u - high).max()))
+
+
+@law("Four sites are asked, so that four values at least lie between the bounds.")
+def contain_four_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the number of four different values that lie outside the bounds."""
+    between = (
+        (np.abs(c.arguments[1] - (low + high)[:, None] / 2) <= (high - low)[:, None] / 2 + 1e-9)
+        .sum(axis=1)
+        .min()
+        for c, (low, high) in zip(calls, values, strict=True)
+    )
+    return float(max(0, 4 - min(between)))
+
+
+@law("Bounds are values of the field.")
+def are_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the distance of the bounds from the nearest values of the field."""
+    return max(
+        float(np.abs(bound[:, None] - call.arguments[1]).min(axis=1).max())
+        for call, both in zip(calls, values, strict=True)
+        for bound in both
+    )
+
+
+# 13.9 Mass
+
+
+def mass_inputs(seed: int) -> tuple[Call, ...]:
+    """Return values between their bounds, values at their bounds, and a mass already right."""
+    random = np.random.default_rng(seed)
+    u, m = random.normal(size=8), random.uniform(0.5, 2, 8)
+    low, high = u - random.uniform(0.1, 0.4, 8), u + random.uniform(0.1, 0.4, 8)
+    more, less = float(m @ (0.3 * u + 0.7 * high)), float(m @ (0.25 * u + 0.75 * low))
+    outside = np.clip(u, -0.5, 0.5)
+    name = "with_mass"
+    return calls_of(
+        name,
+        ((u, u - 9, u + 9, m, float(m @ u) + 2.0), "bounds that are far away"),
+        ((u - 5, low - 5, high - 5, m, more - 5 * float(m.sum())), "a mass that is to grow"),
+        ((u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())), "a mass that is to shrink"),
+        ((u, outside - 0.2, outside + 0.2, m, float(m @ outside)), "values beyond their bounds"),
+        ((u, low, high, m, float(m @ u)), "a mass that is right already"),
+    )
+
+
+@law("The values must have the mass that is asked for, and lie within their bounds.")
+def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the mass from the given mass, and of values from their bounds."""
+    worst = 0.0
+    for call, (v,) in zip(calls, values, strict=True):
+        _, low, high, m, total = call.arguments
+        worst = max(worst, relative(np.sum(v * m) - total, m))
+        worst = max(worst, float((low - v).max()), float((v - high).max()))
+    return worst
+
+
+@law_of_each("All values that are at neither bound are changed by the same number.")
+def changes_by_a_constant(call: Call, values: Values) -> float:
+    """Return the variation of the changes among values strictly between their bounds."""
+    (v,) = values
+    u, low, high, _, _ = call.arguments
+    free = (v > low + 1e-6) & (v < high - 1e-6)
+    return float(np.ptp((v - u)[free])) if free.any() else 0.0
+
+
+# 13.11 Burgers' equation
+
+
+def burgers_inputs(seed: int) -> tuple[Call, ...]:
+    """Return a linear field, the same after one iteration, a wave, and a constant."""
+    random = np.random.default_rng(seed)
+    x = np.arange(9)[:, None] / 4 - 1 + random.uniform(-0.06, 0.06, (9, 1))
+    wave = np.sin(2 * x[:, 0] + random.uniform(0, 1))
+    rising = random.uniform(0.5, 0.8) * x[:, 0] + random.uniform(0.3, 0.6)
+    dt, name = random.uniform(0.4, 0.6), "burgers_feet"
+    return calls_of(
+        name,
+        ((x, rising, dt, 5, 4), "a linear field and five rounds"),
+        ((x, rising, dt, 1, 4), "a linear field and one round"),
+        ((x, wave, dt / 2, 3, 5), "a wave and three rounds"),
+        ((x, np.full(9, 0.7), dt, 2, 4), "a constant"),
+    )
+
+
+@law("If the velocity is linear, each round adds a term of a geometric series.")
+def converges_as_a_geometric_series(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of departure points in a linear field from partial geometric sums."""
+    worst = 0.0
+    for call, (y,) in zip(calls[:2], values[:2], strict=True):
+        x, u, dt, rounds, _ = call.arguments
+        slope = (u[-1] - u[0]) / (x[-1, 0] - x[0, 0])
+        series = sum((-slope * dt) ** n for n in range(rounds))
+        worst = max(worst, relative(x[:, 0] - y[:, 0] - dt * u * series, x))
+    return worst
+
+
+@law("A constant velocity shifts all places alike.")
+def constant_shifts(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of departure points in a constant flow from equally shifted points."""
+    x, u, dt, _, _ = calls[3].arguments
+    return relative(x - values[3][0] - dt * u[0], x)
 
 
 QUESTIONS = (
@@ -211,15 +338,7 @@ QUESTIONS = (
         3,
         matrix_inputs,
         lambda call: ((len(call.arguments[1]), len(call.arguments[0])),),
-        (
-            Law(
-                "Linear fields come back: rows sum to one, and the weighted mean of the sites is "
-                "the foot.",
-                brings_linear_fields_back,
-            ),
-            Law("Only the k sites nearest to its foot have weights in a row.", counts_the_nearest),
-            Law("At a site its own value counts, and no other.", is_one_at_its_site),
-        ),
+        (reproduces_linear_fields, uses_the_nearest_sites_only, is_one_at_its_site),
     ),
     Question(
         "13.6",
@@ -227,16 +346,30 @@ QUESTIONS = (
         3,
         advect_inputs,
         lambda call: ((call.arguments[3] + 1, len(call.arguments[0])),),
-        (
-            Law(
-                "The first row is the field at the beginning, and a constant stays what it is.",
-                constants_stay,
-            ),
-            Law(
-                "An affine field in a solid rotation only turns: there is no error in space, and "
-                "in time that of the feet.",
-                affine_fields_turn,
-            ),
-        ),
+        (constants_stay, affine_fields_rotate),
+    ),
+    Question(
+        "13.8",
+        "bounds",
+        2,
+        bounds_inputs,
+        lambda call: ((len(call.arguments[2]),),) * 2,
+        (are_values, changes_sign_with_the_field, contain_four_values, contains_the_nearest_value),
+    ),
+    Question(
+        "13.9",
+        "with_mass",
+        3,
+        mass_inputs,
+        lambda call: (call.arguments[0].shape,),
+        (has_the_mass, changes_by_a_constant),
+    ),
+    Question(
+        "13.11",
+        "burgers_feet",
+        2,
+        burgers_inputs,
+        lambda call: (call.arguments[0].shape,),
+        (constant_shifts, converges_as_a_geometric_series),
     ),
 )

@@ -1,6 +1,7 @@
-"""Questions of notebook 14, the errors of a mesh, that a list of triangles alone decides.
+"""Questions of notebook 14, mesh errors that the list of triangles alone determines.
 
-Surfaces are woven from nets of numbers, so that their edges, loops and fans are known beforehand.
+Surfaces are built from rectangular arrays of vertex numbers, so that their edges, loops and fans
+are known in advance.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question
+from fieldcheck.question import Question, law
 
 Surface = tuple[np.ndarray, np.ndarray]
 
@@ -20,15 +21,13 @@ Surface = tuple[np.ndarray, np.ndarray]
 
 
 def net(numbers: np.ndarray) -> np.ndarray:
-    """Return the triangles of a net, two for each of its squares, given the vertices at its
-    knots.
-    """
+    """Return the triangles of an array of vertex numbers, two for each of its squares."""
     a, b, c, d = numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, 1:], numbers[1:, :-1]
     return np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
 
 
 def sheet(rows: int = 3, columns: int = 4) -> Surface:
-    """Return a rectangle of paper, slightly bent."""
+    """Return a rectangular, slightly bent sheet."""
     y, x = (axis.ravel() for axis in np.mgrid[: rows + 1, : columns + 1])
     return np.column_stack([x, y, 0.1 * x * y]), net(
         np.arange(x.size).reshape(rows + 1, columns + 1)
@@ -36,7 +35,7 @@ def sheet(rows: int = 3, columns: int = 4) -> Surface:
 
 
 def ball(rings: int = 3, around: int = 6) -> Surface:
-    """Return a sphere: rings of vertices about the axis, and two poles; seen from outside."""
+    """Return a sphere, oriented outward: rings of vertices about the axis, and two poles."""
     up, turn = np.pi * np.arange(1, rings + 1) / (rings + 1), 2 * np.pi * np.arange(around) / around
     height, angle = (axis.ravel() for axis in np.meshgrid(up, turn, indexing="ij"))
     points = np.column_stack(
@@ -66,7 +65,7 @@ def ring(rows: int = 4, columns: int = 6) -> Surface:
 
 
 def band(twists: int, columns: int = 12) -> Surface:
-    """Return a closed strip of paper after half turns; one half turn gives the Möbius strip."""
+    """Return a closed strip with half twists; one half twist gives the Möbius strip."""
     grid = np.meshgrid(
         np.linspace(-0.5, 0.5, 3), 2 * np.pi * np.arange(columns) / columns, indexing="ij"
     )
@@ -81,7 +80,7 @@ def band(twists: int, columns: int = 12) -> Surface:
 
 
 def book(pages: int) -> Surface:
-    """Return triangles that share one edge, as pages share the spine."""
+    """Return triangles that share one edge, as the pages of a book share its spine."""
     angle = 2 * np.pi * np.arange(pages) / pages
     points = np.vstack(
         [[[0, 0, 0], [0, 0, 1]], np.column_stack([np.cos(angle), np.sin(angle), 0.5 + 0 * angle])]
@@ -90,7 +89,7 @@ def book(pages: int) -> Surface:
 
 
 def joined(*surfaces: Surface) -> Surface:
-    """Return surfaces as one list, side by side."""
+    """Return several surfaces as one list of triangles, side by side."""
     points, triangles, n = [], [], 0
     for k, (p, t) in enumerate(surfaces):
         points.append(p + np.array([5.0 * k, 0, 0]))
@@ -100,7 +99,7 @@ def joined(*surfaces: Surface) -> Surface:
 
 
 def fused(surface: Surface, *pairs: tuple[int, int]) -> Surface:
-    """Return a surface in which one vertex takes the place of another."""
+    """Return a surface in which some vertices are replaced by others."""
     points, triangles = surface
     name = np.arange(len(points))
     for kept, gone in pairs:
@@ -114,7 +113,7 @@ def without(surface: Surface, *left_out: int) -> Surface:
 
 
 def flipped(random: np.random.Generator, surface: Surface, share: float = 0.4) -> Surface:
-    """Return a surface in which some triangles, the last among them, are turned over."""
+    """Return a surface in which some triangles, including the last, have reversed orientation."""
     points, triangles = surface[0], surface[1].copy()
     chosen = random.random(len(triangles)) < share
     chosen[-1] = True
@@ -123,7 +122,7 @@ def flipped(random: np.random.Generator, surface: Surface, share: float = 0.4) -
 
 
 def shuffled(random: np.random.Generator, surface: Surface, spare: int = 0) -> Surface:
-    """Return a surface in another order, with some vertices that no triangle has."""
+    """Return a surface in random order, with some unused vertices."""
     points, triangles = surface
     n = len(points) + spare
     name = random.permutation(n)
@@ -134,7 +133,7 @@ def shuffled(random: np.random.Generator, surface: Surface, spare: int = 0) -> S
 
 
 def sides_by_name(triangles: np.ndarray) -> list[tuple[int, int]]:
-    """Return the ends of each side in the direction in which its triangle runs."""
+    """Return the ends of each side, in the direction of its triangle."""
     return [(int(t[k]), int(t[k - 2])) for t in triangles for k in range(3)]
 
 
@@ -142,7 +141,7 @@ def sides_by_name(triangles: np.ndarray) -> list[tuple[int, int]]:
 
 
 def edge_surfaces(seed: int) -> dict[str, Surface]:
-    """Return surfaces that are closed, have a boundary, have edges of many triangles."""
+    """Return surfaces that are closed, have a boundary, or have edges of many triangles."""
     random = np.random.default_rng(seed)
     crowd = joined(book(3), book(5), sheet(1, 2))
     return {
@@ -156,7 +155,7 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
 
 
 TIMES = ((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60))
-"""How many sides of those surfaces belong to an edge of one, two, … triangles."""
+"""The number of sides of these surfaces that belong to an edge of one, two, … triangles."""
 
 
 def count_inputs(seed: int) -> tuple[Call, ...]:
@@ -165,8 +164,12 @@ def count_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-def counts_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the counts are from what is known, and how often they differ along an edge."""
+@law(
+    "It is known how many edges of each kind these surfaces have, and all sides of an "
+    "edge have one number."
+)
+def counts_are_as_constructed(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the counts from the known ones, and from each other along an edge."""
     wrong = 0
     for call, (count,), times in zip(calls, values, TIMES, strict=True):
         wrong += sum(abs(int((count == k).sum()) - n) for k, n in enumerate(times, start=1))
@@ -177,7 +180,7 @@ def counts_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values
 
 
 def euler_inputs(seed: int) -> tuple[Call, ...]:
-    """Return surfaces of known characteristic."""
+    """Return surfaces of known Euler characteristic."""
     random = np.random.default_rng(seed)
     whole = ball()
     soup = whole[0][whole[1]].reshape(-1, 3), np.arange(whole[1].size).reshape(-1, 3)
@@ -208,6 +211,7 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
 CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 0)
 
 
+@law("The characteristic of each of these surfaces is known.")
 def is_the_known_characteristic(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(abs(float(v) - known) for (v,), known in zip(values, CHARACTERISTICS, strict=True))
 
@@ -216,7 +220,7 @@ def is_the_known_characteristic(_: Sequence[Call], values: Sequence[Values]) -> 
 
 
 def loop_inputs(seed: int) -> tuple[Call, ...]:
-    """Return surfaces with none, one, two and four loops."""
+    """Return surfaces with zero, one, two and four boundary loops."""
     random = np.random.default_rng(seed)
     surfaces = {
         "a sheet": sheet(),
@@ -235,8 +239,12 @@ def loop_inputs(seed: int) -> tuple[Call, ...]:
 LENGTHS = ((14,), (3, 4), (6, 6), (12,), (), (8, 8))
 
 
+@law(
+    "It is known how many loops there are, and how long; a loop is called by the "
+    "least of its vertices."
+)
 def loops_have_the_known_lengths(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return one if loops have another length than made, or not the name of their least vertex."""
+    """Return one if a loop has a wrong length or is not named by its smallest vertex."""
     for (loop,), lengths in zip(values, LENGTHS, strict=True):
         names, times = np.unique(loop[loop != -1], return_counts=True)
         least = [float(np.flatnonzero(loop == name).min()) for name in names]
@@ -246,7 +254,7 @@ def loops_have_the_known_lengths(_: Sequence[Call], values: Sequence[Values]) ->
 
 
 def fan_inputs(seed: int) -> tuple[Call, ...]:
-    """Return surfaces with vertices of no, one and several fans."""
+    """Return surfaces with vertices of zero, one and several fans."""
     random = np.random.default_rng(seed)
     n, m = len(ball()[0]), len(ball(2, 5)[0])
     surfaces = {
@@ -263,12 +271,13 @@ def fan_inputs(seed: int) -> tuple[Call, ...]:
 
 
 FANS = ((2, 20), (4, 33, 0, 1), (3, 18, 1), (3, 15, 1), (2, 6))
-"""How many vertices of those surfaces have no fan, one fan, and so on."""
+"""The number of vertices of these surfaces with zero fans, one fan, and so on."""
 
 
-def fans_are_those_of_the_weave(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how far the numbers are from what is known, and how many are less than the boundary
-    asks for.
+@law("It is known how many vertices have no fan, one fan, and more.")
+def fans_are_as_constructed(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the numbers from the known ones, and violations of the bound given by
+    the boundary.
     """
     wrong = 0
     for call, (fans,), times in zip(calls, values, FANS, strict=True):
@@ -285,13 +294,7 @@ QUESTIONS = (
         2,
         count_inputs,
         lambda call: ((call.arguments[0].size,),),
-        (
-            Law(
-                "It is known how many edges of each kind these surfaces have, and all sides of an "
-                "edge have one number.",
-                counts_are_those_of_the_weave,
-            ),
-        ),
+        (counts_are_as_constructed,),
     ),
     Question(
         "14.3",
@@ -299,12 +302,7 @@ QUESTIONS = (
         2,
         euler_inputs,
         lambda _: ((),),
-        (
-            Law(
-                "The characteristic of each of these surfaces is known.",
-                is_the_known_characteristic,
-            ),
-        ),
+        (is_the_known_characteristic,),
     ),
     Question(
         "14.4",
@@ -312,13 +310,7 @@ QUESTIONS = (
         3,
         loop_inputs,
         lambda call: ((call.arguments[0],),),
-        (
-            Law(
-                "It is known how many loops there are, and how long; a loop is called by the "
-                "least of its vertices.",
-                loops_have_the_known_lengths,
-            ),
-        ),
+        (loops_have_the_known_lengths,),
     ),
     Question(
         "14.5",
@@ -326,11 +318,6 @@ QUESTIONS = (
         3,
         fan_inputs,
         lambda call: ((call.arguments[0],),),
-        (
-            Law(
-                "It is known how many vertices have no fan, one fan, and more.",
-                fans_are_those_of_the_weave,
-            ),
-        ),
+        (fans_are_as_constructed,),
     ),
 )

@@ -1,4 +1,4 @@
-"""Questions of notebook 14, the errors of a mesh, for which it matters where the vertices are."""
+"""Questions of notebook 14, mesh errors that depend on the positions of the vertices."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Law, Question
+from fieldcheck.question import Question, law
 from fieldcheck.questions.q14_mesh_errors import (
     Surface,
     ball,
@@ -20,13 +20,13 @@ from fieldcheck.questions.q14_mesh_errors import (
     sides_by_name,
 )
 
-# 14.1 Vertices in one place
+# 14.1 Coincident vertices
 
 
 def copies(random: np.random.Generator, n: int, tolerance: float) -> np.ndarray:
-    """Return points in one, two or three copies that are off by less than the tolerance, shuffled.
+    """Return points in one, two or three copies that differ by less than the tolerance, shuffled.
 
-    Some others are only a little farther apart, along the diagonal of space.
+    Some other points are only slightly farther apart, along a diagonal.
     """
     cells = np.array(np.unravel_index(random.permutation(512)[:n], (8, 8, 8))).T
     off = tolerance * np.array(
@@ -43,7 +43,7 @@ def copies(random: np.random.Generator, n: int, tolerance: float) -> np.ndarray:
 
 
 def weld_inputs(seed: int) -> tuple[Call, ...]:
-    """Return clouds with copies: exact ones, near ones, far from the origin, and none at all."""
+    """Return points with exact copies, near copies, far from the origin, and without copies."""
     random = np.random.default_rng(seed)
     cloud = random.normal(size=(9, 3))
     exact = cloud[np.r_[random.permutation(9), random.permutation(9)[:5], 0, 0]]
@@ -59,8 +59,12 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-def is_the_first_in_its_place(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many vertices have a place that is no vertex, is not near, or is not the first."""
+@law(
+    "A vertex and the one that stands for it are no farther apart than the tolerance, "
+    "and no earlier vertex is so near."
+)
+def is_the_first_coincident_vertex(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the number of vertices that map to no vertex, a distant one, or not the first one."""
     wrong = 0
     for call, (place,) in zip(calls, values, strict=True):
         points, tolerance = call.arguments
@@ -87,7 +91,7 @@ def folded(random: np.random.Generator) -> Surface:
 
 
 def turn_inputs(seed: int) -> tuple[Call, ...]:
-    """Return surfaces some of whose triangles are turned over, and some that no turning helps."""
+    """Return surfaces with some reversed triangles, and some that no reversal makes consistent."""
     random = np.random.default_rng(seed)
     surfaces = {
         "a sphere": flipped(random, ball(2, 5)),
@@ -107,11 +111,15 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
 
 
 ONE_SIDED = (0, 0, 0, 0, 24, 0)
-"""How many triangles of those surfaces belong to a part with one side."""
+"""The number of triangles of these surfaces that belong to a one-sided part."""
 
 
+@law(
+    "Once they are turned, no two triangles run along an edge in the same direction; "
+    "and a part with one side has zeros."
+)
 def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return how many sides run as another does, once triangles are turned as is said."""
+    """Return the number of sides with the direction of another one after the reversals."""
     wrong = 0
     for call, (turn,), one_sided in zip(calls, values, ONE_SIDED, strict=True):
         triangles = call.arguments[1]
@@ -122,13 +130,11 @@ def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(wrong)
 
 
-# 14.7 Triangles without area
+# 14.7 Degenerate triangles
 
 
 def thin(random: np.random.Generator, base: float, height: float, foot: float) -> np.ndarray:
-    """Return the corners of a triangle of that base and height, whose apex stands over that part
-    of it.
-    """
+    """Return the corners of a triangle; `foot` is the position of the foot of the height."""
     flat = np.array([[0, 0, 0], [base, 0, 0], [foot * base, height, 0]])
     return flat[random.permutation(3)] @ np.linalg.qr(random.normal(size=(3, 3)))[
         0
@@ -146,11 +152,11 @@ HEIGHTS = (
     (30, 7e-4, 0.3),
     (6e-4, 4e-4, 0.5),
 )
-"""Base, height and place of the apex of the triangles that are tried with a tolerance of 0.001."""
+"""Base, height and foot of the triangles that are tested with a tolerance of 0.001."""
 
 
 def flat_inputs(seed: int) -> tuple[Call, ...]:
-    """Return triangles that are large, small, needles, caps, points, with equal corners by name."""
+    """Return large and small triangles, needles, caps, points, and repeated vertices."""
     random = np.random.default_rng(seed)
     corners = [thin(random, *numbers) for numbers in HEIGHTS]
     corners += [
@@ -179,11 +185,12 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
 FLAT = ((0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 0), (0, 0, 1, 1, 1, 0, 0, 1, 1), 9 * (0,))
 
 
+@law("The heights of these triangles are known.")
 def is_flat_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(float(np.abs(v - known).max()) for (v,), known in zip(values, FLAT, strict=True))
 
 
-# 14.8 What passes through a triangle
+# 14.8 Segments that pass through a triangle
 
 
 THROUGH = (
@@ -198,13 +205,11 @@ THROUGH = (
     (0.2, 0.1, -0.6, 0.5),
     (-0.2, -0.3, 0.4, -0.4),
 )
-"""Two coordinates of the place in the plane of a triangle, and the heights of both ends."""
+"""Two coordinates in the plane of a triangle, and the heights of both ends."""
 
 
 def pierced_inputs(seed: int) -> tuple[Call, ...]:
-    """Return lines from point to point that go through triangles, past them, or do not reach
-    them.
-    """
+    """Return segments that pass through triangles, pass beside them, or do not reach them."""
     random = np.random.default_rng(seed)
     calls = []
     for case, size, middle in (
@@ -230,6 +235,7 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
 GOES_THROUGH = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0)
 
 
+@law("It is known which of these lines go through their triangle.")
 def goes_through_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(float(np.abs(v - np.array(GOES_THROUGH)).max()) for (v,) in values)
 
@@ -241,13 +247,7 @@ QUESTIONS = (
         2,
         weld_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (
-            Law(
-                "A vertex and the one that stands for it are no farther apart than the tolerance, "
-                "and no earlier vertex is so near.",
-                is_the_first_in_its_place,
-            ),
-        ),
+        (is_the_first_coincident_vertex,),
     ),
     Question(
         "14.6",
@@ -255,13 +255,7 @@ QUESTIONS = (
         4,
         turn_inputs,
         lambda call: ((len(call.arguments[1]),),),
-        (
-            Law(
-                "Once they are turned, no two triangles run along an edge in the same direction; "
-                "and a part with one side has zeros.",
-                makes_them_agree,
-            ),
-        ),
+        (makes_them_agree,),
     ),
     Question(
         "14.7",
@@ -269,7 +263,7 @@ QUESTIONS = (
         2,
         flat_inputs,
         lambda call: ((len(call.arguments[1]),),),
-        (Law("The heights of these triangles are known.", is_flat_as_made),),
+        (is_flat_as_made,),
     ),
     Question(
         "14.8",
@@ -277,6 +271,6 @@ QUESTIONS = (
         3,
         pierced_inputs,
         lambda call: ((len(call.arguments[0]),),),
-        (Law("It is known which of these lines go through their triangle.", goes_through_as_made),),
+        (goes_through_as_made,),
     ),
 )

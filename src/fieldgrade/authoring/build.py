@@ -84,7 +84,7 @@ def _known_text(file: Path, fresh: str) -> str:
 
 
 def stubs_file(root: Path) -> str:
-    """Return the text of ``fieldcheck/stubs.json``: the cells as they are handed out."""
+    """Return the text of ``fieldcheck/stubs.json``: the original cells of students' notebooks."""
     cells = {
         name: stub(cell)
         for source in all_sources(root)

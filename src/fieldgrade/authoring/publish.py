@@ -95,8 +95,8 @@ def _pandoc(root: Path, source: Source, folder: Path, to: str) -> str:
         *(["--toc", "--toc-depth=3"] if to != "typst" else []),
         str(folder / "page.md"),
     ]
-    # In the report's folder, as the filters of the report: Lua's search path, made of patterns with
-    # ";" and "?" between, cannot hold every absolute path.
+    # Run in the report's folder, whose Lua filters are used: Lua's search path gives ";" and "?" a
+    # meaning, so it cannot contain every absolute path.
     run = subprocess.run(
         command, cwd=root / "report", capture_output=True, text=True, encoding="utf-8", check=False
     )

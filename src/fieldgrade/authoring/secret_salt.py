@@ -19,14 +19,14 @@ MISSING = (
 
 @dataclass(frozen=True)
 class Salt:
-    """A salt and its year; the public salt if there is no secret one."""
+    """A salt and its year; without a secret salt, the public one."""
 
     text: str
     year: int = 0
 
     @property
     def secret(self) -> bool:
-        """Whether students do not know it."""
+        """Whether the salt is unknown to students."""
         return self.text != PUBLIC_SALT
 
 
@@ -84,7 +84,7 @@ def _require_untracked(file: Path) -> None:
 
 
 def _git(folder: Path, *arguments: str) -> int:
-    """Return the exit status of git; 127 where there is none."""
+    """Return the exit status of git; 127 if git is not installed."""
     try:
         return subprocess.run(
             ("git", *arguments), cwd=folder, capture_output=True, check=False

@@ -2,12 +2,12 @@
 
 The header of a cell says what it is::
 
-    # %% tags=["setup"]                     imports, run wherever the answers are run
+    # %% tags=["setup"]                     imports, run before the answers
     # %% question="02.3"                    a function that the student writes
     # %% [markdown] answer="02.7" points=2  a model answer in words
     # %% [markdown] rubric="02.7"           how it is graded; for instructors
 
-All other cells are the same for everybody. The solution stands between ``# BEGIN SOLUTION`` and
+All other cells are the same in both notebooks. The solution is between ``# BEGIN SOLUTION`` and
 ``# END SOLUTION``.
 """
 

@@ -18,7 +18,7 @@ from fieldgrade.authoring.hidden_cases import Hidden
 from fieldgrade.authoring.known_answers import known_answers, known_mistakes, public_calls
 
 PUBLIC, OWN = "public cases", "own inputs"
-"""The names of the first two checks of every question; hidden ones have names of their own."""
+"""The names of the first two checks of every question; hidden cases have their own names."""
 
 REVEALING = ("exception", "endless", "type", "shape", "not finite", "wrong", "slow")
 """Rungs whose sentence would reveal a hidden input."""
@@ -26,7 +26,7 @@ REVEALING = ("exception", "endless", "type", "shape", "not finite", "wrong", "sl
 
 @dataclass(frozen=True)
 class Trial:
-    """Calls with known answers, a name, and the sentence that replaces others if they are hidden.
+    """Calls with known answers, a name, and for hidden cases the sentence that replaces all others.
 
     The values of `mistakes` are computed only if an answer is wrong, since most answers are right.
     """

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
-from fieldcheck.ladder import Rung
 from fieldcheck.seeds import seed
-from fieldcheck.verdict import Verdict
+from fieldcheck.verdict import Rung, Verdict
 from fieldgrade.checking.check_results import CheckResult
 from fieldgrade.checking.course import Course
 from fieldgrade.checking.dependency_digests import environment_digest, grader_digest

@@ -15,7 +15,7 @@ from fieldgrade.authoring.hidden_cases import Hidden, hidden_cases
 from fieldgrade.authoring.sources import Source
 from fieldgrade.authoring.trials import OWN, PUBLIC, Trial, asked_by, public_trial, trials
 from fieldgrade.checking.dependency_digests import dependency_digest
-from fieldgrade.submissions.suppress_warnings import LOCK
+from fieldgrade.submissions.definitions import LOCK
 
 
 @dataclass(frozen=True)

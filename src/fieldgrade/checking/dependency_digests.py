@@ -141,11 +141,11 @@ def environment_digest() -> str:
 
 
 JUDGING = {
-    "fieldcheck": ("answers", "calls", "judge", "ladder", "question", "seeds", "shapes", "verdict"),
+    "fieldcheck": ("answers", "calls", "judge", "question", "seeds", "shapes", "verdict"),
     "fieldgrade.authoring": ("hidden_cases", "known_answers", "trials"),
     "fieldgrade.checking": ("check_results", "course", "grade_submission", "instructor_checks"),
-    "fieldgrade.grading": ("instructor_items",),
-    "fieldgrade.isolation": ("file_access", "process", "server", "session"),
+    "fieldgrade.grading": ("pytest_items",),
+    "fieldgrade.isolation": ("file_access", "server", "session"),
     "fieldgrade.sandbox": (),
     "fieldgrade.submissions": ("definitions", "submission"),
 }

@@ -19,8 +19,8 @@ from fieldgrade.checking.course import Course
 from fieldgrade.checking.results import Grade, Record, Status
 from fieldgrade.isolation.server import GraderError, Server
 from fieldgrade.isolation.session import CallGroup, SessionLog, run
+from fieldgrade.submissions.definitions import suppress_warnings
 from fieldgrade.submissions.submission import Submission, Unreadable
-from fieldgrade.submissions.suppress_warnings import suppress_warnings
 
 MOST_SHOWN = 2000
 """Values of a wrong answer that are kept for a picture, at most."""

@@ -177,7 +177,7 @@ def from_json(data: Any) -> Results:
     Raises
     ------
     ValueError
-        They are not of the form of the schema, or of a later version.
+        The data do not conform to the schema, or have a later version.
     """
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise ValueError("this is not a file of results")
@@ -245,7 +245,7 @@ def read_results(file: Path) -> Results:
     Raises
     ------
     ValueError
-        It holds none; the sentence names the file.
+        The file does not contain valid results; the message names the file.
     """
     try:
         return from_json(json.loads(file.read_text(encoding="utf-8")))
@@ -262,8 +262,8 @@ def merged(before: Iterable[Record], now: Iterable[Record]) -> tuple[Record, ...
     """Return earlier records, replaced by those of a new run.
 
     If the run graded only some questions of the same file, the earlier grades of the other
-    questions stay; if the file is another one, they go. The record of an unreadable file goes once
-    a file of that name has been read.
+    questions are kept; for a new file they are dropped. The record of an unreadable file is dropped
+    once a file of that name has been read.
     """
     kept = {_whose(record): record for record in before}
     for record in now:

@@ -13,9 +13,8 @@ T = TypeVar("T")
 Row = Mapping[str, str]
 
 FORMULA = re.compile(r"'*[=+\-@\t\r\n＝＋－＠#]")
-"""Beginnings of cells that a spreadsheet would compute, or that would be read as a comment; a
-leading
-apostrophe prevents both."""
+"""Beginnings of cells that a spreadsheet would evaluate, or that would be read as a comment; a
+leading apostrophe prevents both."""
 
 
 def read_table(

@@ -36,7 +36,7 @@ MANUAL, SNAPSHOT = "manual", "decided.json"
 
 @dataclass(frozen=True)
 class Decisions:
-    """The decisions of the staff, which change what the grader found.
+    """The decisions of the staff, which change the automatic grades.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Decisions:
 def require_known(
     decisions: Decisions, students: Collection[str], worth: Mapping[str, float], in_code: set[str]
 ) -> None:
-    """Refuse decisions that would have no effect or are out of range, as typing errors are.
+    """Refuse decisions without effect or out of range, which are probably typing errors.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ class LatePolicy:
     grace : timedelta
         A submission within this time after the deadline is not late.
     per_day : float
-        The share of the points that is lost for each day begun after the deadline.
+        The share of the points that is lost for each started day after the deadline.
     most : float
         The largest share that is lost.
     """
@@ -49,7 +49,7 @@ class Extension:
 
 
 def days_late(received: datetime, due: datetime, grace: timedelta = timedelta(0)) -> int:
-    """Return how many days have begun after the deadline; 0 within the grace period.
+    """Return the number of started days after the deadline; 0 within the grace period.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def late_factor(
 ) -> float:
     """Return the share of the points that remains, between 0 and 1.
 
-    It is max(1 - d p, 1 - m) after d days begun, with penalty p per day and largest penalty m.
+    It is max(1 - d p, 1 - m) after d started days, with penalty p per day and largest penalty m.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ def _summary(run: GradingRun, graded: Sequence[Record], earlier: int) -> Iterato
     counted = Counter(record.status for record in graded)
     statuses = ", ".join(f"{counted[status]} {status}" for status in STATUSES if counted[status])
     submissions = "1 submission" if len(graded) == 1 else f"{len(graded)} submissions"
-    yield f"{submissions}, sandbox: {run.tier}; {statuses or 'nothing was chosen'}"
+    yield f"{submissions}, sandbox: {run.tier}; {statuses or 'nothing was selected'}"
     for record in graded:
         if record.status in ("unreadable", "fault"):
             yield f"  {record.student}, {record.file}: {'; '.join(record.notes)}"

@@ -13,8 +13,8 @@ import numpy as np
 
 from fieldcheck.answers import arrays_from_json, public_answers
 from fieldcheck.calls import Outcome, Values
-from fieldcheck.ladder import TITLES
 from fieldcheck.questions import questions
+from fieldcheck.verdict import TITLES
 from fieldgrade.authoring.known_answers import public_calls
 from fieldgrade.checking.results import Record
 from fieldgrade.class_folder.csv_tables import short

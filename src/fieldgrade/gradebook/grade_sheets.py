@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Literal
 
-from fieldcheck.ladder import TITLES
+from fieldcheck.verdict import TITLES
 from fieldgrade.checking.results import Grade, Record, Results
 from fieldgrade.class_folder.csv_tables import short
 from fieldgrade.class_folder.decisions import Decisions, require_known
@@ -211,7 +211,7 @@ def by_student(sheets: Iterable[GradeSheet]) -> list[list[GradeSheet]]:
 
 
 def said_of(line: GradeLine) -> tuple[str, str]:
-    """Return the feedback on an answer: a title, and a sentence that may be empty."""
+    """Return the feedback on an answer: a title, and a sentence, which may be empty."""
     if line.how == "open":
         return line.question, NOT_YET
     if line.grade is None:

@@ -10,7 +10,7 @@ from fieldgrade.authoring.build import all_sources
 from fieldgrade.authoring.sources import Source
 from fieldgrade.checking.results import Record, Results, read_results
 from fieldgrade.class_folder.decisions import ClassFolder, Decisions
-from fieldgrade.class_folder.file_names import file_names
+from fieldgrade.class_folder.roster import file_names
 from fieldgrade.gradebook.grade_sheets import GradeSheet, grade_sheets
 from fieldgrade.submissions.archive import Archive
 from fieldgrade.submissions.submission import MOST_BYTES, Submission

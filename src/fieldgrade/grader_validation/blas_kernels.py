@@ -26,7 +26,7 @@ CORES = {
     "Haswell": {"AVX2", "X86_V3"},
     "SkylakeX": {"AVX512_SKX", "X86_V4"},
 }
-"""Processors after which OpenBLAS names its kernels, and what these need, by NumPy's two names."""
+"""Kernel names of OpenBLAS, with the CPU features that they need under both names of NumPy."""
 CHOICES = ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES")
 NO_CHOICE = (
     "The kernels of BLAS cannot be chosen here, so no others are tried: that needs NumPy and SciPy "

@@ -139,7 +139,9 @@ class Batch:
         if not task.file.notebook:
             return None, lambda: _unreadable(task.file)
         submission = task.file.submission(self.archive)
-        _ = submission.definitions  # here, where the stack is deep enough for any syntax tree
+        _ = (
+            submission.definitions
+        )  # parsed here, where the stack is deep enough for any syntax tree
         cached = self._cached(submission, task.questions)
         todo = cached.missing()
         if not todo:
@@ -210,7 +212,7 @@ def _unreadable(file: ReceivedFile) -> Record:
 
 
 def _with_receipt(file: ReceivedFile, record: Record) -> Record:
-    """Return a record with what the intake knows of the file."""
+    """Return a record with the time of receipt and the notes of the intake."""
     return replace(
         record,
         digest=file.digest,

@@ -65,7 +65,7 @@ def grade_class(
     if status == pytest.ExitCode.USAGE_ERROR:
         raise ValueError(f"pytest does not understand {' '.join(options)}")
     if grading.results is None:
-        raise ValueError("nothing was chosen")
+        raise ValueError("no check was selected")
     return grading
 
 

@@ -1,4 +1,4 @@
-"""The log of grading: what ran, when, with which grader and at what cost; lines are appended."""
+"""The log of grading: which checks ran, when, with which grader and at what cost."""
 
 from __future__ import annotations
 

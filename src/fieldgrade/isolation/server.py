@@ -40,8 +40,8 @@ class Limits:
     memory : int
         Bytes, in addition to those of NumPy and matplotlib.
     cpu_seconds : int
-        Processor time of one process, against computations in the background; as long as a whole
-        submission may take, so that no answer suffers from the time of others.
+        Processor time of one process, a limit for computations in the background. It covers a whole
+        submission, so that no answer suffers from the time of others.
     file_size : int
         Bytes of one file.
     seconds_per_cell, seconds_per_call : float
@@ -163,7 +163,7 @@ class Server:
         Parameters
         ----------
         patiently : bool
-            Give it a moment to end by itself, so that the reason can be reported.
+            Allow the process to end by itself first, so that the reason can be reported.
         """
         answer = b""
         try:

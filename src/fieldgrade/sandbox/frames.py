@@ -47,8 +47,7 @@ def pack(head: dict[str, Any], arrays: tuple[Any, ...] = ()) -> bytes:
     Raises
     ------
     BadFrame
-        It would be longer than the other side accepts, or has arrays of something else than
-        numbers.
+        It would be longer than the other side accepts, or an array is not numeric.
     """
     described, parts = [], []
     for array in map(np.asarray, arrays):
@@ -94,7 +93,7 @@ def receive(pipe: int, deadline: float | None = None) -> tuple[dict[str, Any], l
     Raises
     ------
     PipeClosed, FrameTimeout, BadFrame
-        The pipe was closed, nothing came in time, or the frame is invalid.
+        The pipe was closed, no frame arrived in time, or the frame is invalid.
     """
     lengths = LENGTHS.unpack(_read(pipe, LENGTHS.size, deadline))
     if lengths[0] > MOST_HEAD or lengths[1] > MOST_BODY:

@@ -16,7 +16,7 @@ from fieldgrade.sandbox.kernel import no_new_privileges, system_call
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 BELOW_A_PATH = 1
 
-# Rights on files, bit by bit; later versions know more of them.
+# Rights on files, one bit each; later versions have more of them.
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR = 1, 2, 4, 8
 RIGHTS_BY_VERSION = {1: 13, 2: 14, 3: 15, 4: 15, 5: 16}
 """The number of file rights in each version."""

@@ -183,7 +183,7 @@ def _program(machine: str, process: int) -> Iterator[bytes]:
     column = list(ARCHITECTURES).index(machine)
     yield from (_if(LOAD, 4), _if(EQUAL, ARCHITECTURES[machine], 1, 0), _if(RETURN, KILL))
     yield _if(LOAD, 0)
-    if machine == "x86_64":  # the numbers of programs of 32 bits on the same kernel
+    if machine == "x86_64":  # system calls of 32-bit programs on the same kernel
         yield from (_if(AT_LEAST, 0x40000000, 0, 1), _if(RETURN, KILL))
     yield from (_if(AT_LEAST, FIRST_UNKNOWN, 0, 1), _if(RETURN, ERRNO | ENOSYS))
     for numbers, error in ((REFUSED, EPERM), (ABSENT, ENOSYS)):
@@ -228,5 +228,5 @@ def _unless(code: int, value: int) -> list[bytes]:
 
 
 def _if(code: int, value: int, then: int = 0, otherwise: int = 0) -> bytes:
-    """Return an instruction: how many to skip if it holds, and if not."""
+    """Return a jump: the numbers of instructions to skip if the condition holds, and if not."""
     return struct.pack("HBBI", code, then, otherwise, value)

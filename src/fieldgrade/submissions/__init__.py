@@ -1,4 +1,4 @@
-"""Submitted files: which there are, whose they are, and what they contain. Nothing is executed.
+"""Submitted files: finding them, their owners and their content. Nothing is executed.
 
 ``unpack`` lists files in folders and zip files, ``bulk_downloads`` parses the names of Canvas,
 Moodle and Gradescope, ``owners`` matches them to the roster, ``collection`` puts them into the

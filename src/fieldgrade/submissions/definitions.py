@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ast
 import re
+import threading
+import warnings
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from io import StringIO
 
-from fieldgrade.submissions.suppress_warnings import suppress_warnings
+LOCK = threading.RLock()
 
 MOST_PARSED = 256 << 10
 """Characters of a cell that are parsed at most: a syntax tree takes a thousand times as much memory
@@ -21,6 +24,14 @@ RUNS_IN_PLACE = ("time", "capture", "prun")
 
 MOST_REMEMBERED, LONGEST_REMEMBERED = 1024, 32 << 10
 """Size of the cache, in cells and characters of a cell: most cells of a class are the same."""
+
+
+@contextmanager
+def suppress_warnings() -> Iterator[None]:
+    """Neither show warnings nor turn them into errors in this block."""
+    with LOCK, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
 
 
 def plain(cell: str) -> str:

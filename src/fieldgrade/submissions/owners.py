@@ -15,7 +15,7 @@ PLATFORMS = ("canvas", "moodle")
 
 @dataclass(frozen=True)
 class OwnerHint:
-    """Hints in the path of a file at its owner.
+    """Hints about the owner of a file in its path.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """List the files in folders and zip files; unsafe ones are refused with a reason.
 
-Nothing is unpacked to the path in its name: a file is opened where it is, and the archive keeps
-its bytes under their digest. Links, devices and names that lead out of the folder are refused all
-the same, since they are no accident.
+No file is unpacked to the path in its name: it is opened in place, and the archive stores its bytes
+under their digest. Links, devices and names that lead out of the folder are refused nevertheless,
+since they do not occur by accident.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def folder_items(folder: Path) -> list[InputFile]:
 
 def _file(path: Path, parts: tuple[str, ...], mode: int) -> InputFile:
     if not stat.S_ISREG(mode):
-        kind = "a link" if stat.S_ISLNK(mode) else "no file"
+        kind = "a link" if stat.S_ISLNK(mode) else "not a regular file"
         return InputFile(parts, partial(_read, path), refused=f"it is {kind}")
     try:
         time = datetime.fromtimestamp(int(path.lstat().st_mtime), UTC).isoformat()
@@ -121,7 +121,7 @@ def zip_items(path: Path) -> list[InputFile]:
     Raises
     ------
     BadZip
-        It is none, or holds more than can be.
+        The file is not a valid zip file, or has too many members or too much content.
     """
     try:
         if _members(path) > MOST_MEMBERS:

@@ -10,7 +10,7 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPool
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from fieldrecon._core.blas_threads import one_blas_thread
 from fieldrecon._core.worker_processes import available_cores
 
 Progress = Callable[[int, int], object]
+Stages: TypeAlias = Callable[[str], Progress]
+"""Opens a stage of the work by its name, and returns the progress of the stage."""
 Result = TypeVar("Result")
 
 CHUNK_BYTES = 2**24
@@ -133,3 +135,8 @@ class Inline(Executor):
 def _threads(chunks: int) -> Executor:
     workers = min(chunks, available_cores())
     return Inline() if workers <= 1 else ThreadPoolExecutor(workers)
+
+
+def silent(_name: str) -> Progress:
+    """Open a stage that nobody sees."""
+    return lambda *_: None

@@ -88,13 +88,20 @@ def flow_energy(mesh: SimplexMesh) -> sparse.csr_array:
     >>> round(float(v @ (flow_energy(mesh) @ v)), 12)  # 25 times the area
     50.0
     """
+    unit = _extent(mesh)
+    return _energy(mesh, unit) * unit ** mesh.points.shape[1]
+
+
+def _energy(mesh: SimplexMesh, unit: float) -> sparse.csr_array:
+    """`flow_energy` for a unit of length, so that its entries are neither huge nor tiny."""
     d = mesh.points.shape[1]
     corners = mesh.points[mesh.cells]
-    arms = mesh.cell_centers[:, None] - corners
+    arms = (mesh.cell_centers[:, None] - corners) / unit
     spread = (arms**2).sum(axis=(1, 2)) / ((d + 1) * (d + 2))
-    size = mesh.cell_face_signs * mesh.face_measures[mesh.cell_faces]
+    size = mesh.cell_face_signs * (mesh.face_measures / unit ** (d - 1))[mesh.cell_faces]
     inner = np.einsum("cad,cbd->cab", arms, arms) + spread[:, None, None]
-    inner *= size[:, :, None] * size[:, None, :] / (d**2 * mesh.cell_measures)[:, None, None]
+    volume = mesh.cell_measures / unit**d
+    inner *= size[:, :, None] * size[:, None, :] / (d**2 * volume)[:, None, None]
     one, two = np.broadcast_arrays(mesh.cell_faces[:, :, None], mesh.cell_faces[:, None, :])
     f = len(mesh.faces)
     return sparse.csr_array((inner.ravel(), (one.ravel(), two.ravel())), shape=(f, f))
@@ -139,27 +146,55 @@ def divergence_free(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
     v = valid.as_values(v, len(mesh.faces), "v", "face")
     if v.ndim != 1:
         raise ValueError(f"v must be one number for each face; got the shape {v.shape}")
-    outflow = _outflow(mesh)
+    unit = _extent(mesh)
+    outflow = _outflow(mesh, unit)
     inside = np.flatnonzero(mesh.face_cells[:, 1] >= 0)
-    kept = _independent_cells(mesh, outflow @ v, np.abs(outflow) @ np.abs(v))
-    balance = outflow[kept][:, inside]
-    energy = flow_energy(mesh)[inside][:, inside]
-    system = sparse.block_array([[energy, balance.T], [balance, None]]).tocsc()
-    right = np.concatenate([np.zeros(len(inside)), -(outflow @ v)[kept]])
+    kept = _independent_cells(mesh, outflow @ v, np.abs(outflow) @ np.abs(v), unit)
     result = v.copy()
-    result[inside] += splu(system).solve(right)[: len(inside)] if len(inside) else 0.0
+    if len(inside):
+        energy, balance = _energy(mesh, unit)[inside][:, inside], outflow[kept][:, inside]
+        result[inside] += _least_change(energy, balance, -(outflow @ v)[kept])
     return result
 
 
-def _outflow(mesh: SimplexMesh) -> sparse.csr_array:
-    """The outflow matrix of cells (c, f): signs times measures of faces."""
-    entries = mesh.cell_face_signs * mesh.face_measures[mesh.cell_faces]
+def _least_change(
+    energy: sparse.csr_array, balance: sparse.csr_array, wanted: np.ndarray
+) -> np.ndarray:
+    """The u of least energy with B u = b, by its saddle-point system, scaled symmetrically.
+
+    Scaled, the diagonal of the energy and the largest entry of each row of B are 1, so that pivots
+    depend neither on units nor on the sizes of the cells.
+    """
+    f = energy.shape[0]
+    across = sparse.diags_array(1 / np.sqrt(energy.diagonal()))
+    balance = balance @ across
+    size = abs(balance).max(axis=1).toarray().ravel()
+    balance = sparse.diags_array(1 / size) @ balance
+    system = sparse.block_array([[across @ energy @ across, balance.T], [balance, None]]).tocsc()
+    right = np.concatenate([np.zeros(f), wanted / size])
+    factor = splu(system)
+    solution = factor.solve(right)
+    solution += factor.solve(right - system @ solution)
+    return across @ solution[:f]
+
+
+def _extent(mesh: SimplexMesh) -> float:
+    """A power of two near the largest extent of the mesh."""
+    return float(np.exp2(np.round(np.log2(np.ptp(mesh.points[mesh.cells], axis=(0, 1)).max()))))
+
+
+def _outflow(mesh: SimplexMesh, unit: float) -> sparse.csr_array:
+    """The outflow matrix of cells (c, f): signs times measures of faces, for a unit of length."""
+    measures = mesh.face_measures / unit ** (mesh.points.shape[1] - 1)
+    entries = mesh.cell_face_signs * measures[mesh.cell_faces]
     rows = np.repeat(np.arange(len(mesh.cells)), entries.shape[1])
     where = (rows, mesh.cell_faces.ravel())
     return sparse.csr_array((entries.ravel(), where), shape=(len(mesh.cells), len(mesh.faces)))
 
 
-def _independent_cells(mesh: SimplexMesh, net: np.ndarray, all_flow: np.ndarray) -> np.ndarray:
+def _independent_cells(
+    mesh: SimplexMesh, net: np.ndarray, all_flow: np.ndarray, unit: float
+) -> np.ndarray:
     """All cells but one of each part of the mesh, whose balance follows from the others."""
     one, two = mesh.face_cells[mesh.face_cells[:, 1] >= 0].T
     c = len(mesh.cells)
@@ -167,8 +202,9 @@ def _independent_cells(mesh: SimplexMesh, net: np.ndarray, all_flow: np.ndarray)
     total, size = np.bincount(part, net, parts), np.bincount(part, all_flow, parts)
     wrong = np.flatnonzero(np.abs(total) > BALANCE * size)
     if len(wrong):
+        more = total[wrong[0]] * unit ** (mesh.points.shape[1] - 1)
         raise ValueError(
-            f"v must let in through the boundary as much as out; {total[wrong[0]]:.3g} more flows "
+            f"v must let in through the boundary as much as out; {more:.3g} more flows "
             "out, and no flow inside balances that"
         )
     return np.setdiff1d(np.arange(c), np.unique(part, return_index=True)[1])

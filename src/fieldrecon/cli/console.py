@@ -5,6 +5,7 @@ The module is imported by every command and needs the standard library only.
 
 from __future__ import annotations
 
+import argparse
 import json
 import shutil
 import sys
@@ -104,3 +105,12 @@ def _formatted(cell: Any) -> str:
     if isinstance(cell, float):
         return f"{cell:.4g}"
     return ",".join(map(_formatted, cell)) if isinstance(cell, list | tuple) else str(cell)
+
+
+def as_parameters(options: argparse.Namespace, *, omit: str = "") -> dict[str, Any]:
+    """Return the options that were given or have a default, by their names on the command line."""
+    return {
+        f"--{name}": str(value) if isinstance(value, Path) else value
+        for name, value in vars(options).items()
+        if name not in ("command", "traceback", omit) and value is not None and value is not False
+    }

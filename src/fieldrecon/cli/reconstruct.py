@@ -11,8 +11,13 @@ from typing import TYPE_CHECKING
 
 from fieldrecon._core.atomic_files import whole_file, write_atomically
 from fieldrecon._core.extras import PICTURES, absent
-from fieldrecon.cli.console import print_files, print_missing_pictures, print_table, say
-from fieldrecon.cli.options import as_parameters
+from fieldrecon.cli.console import (
+    as_parameters,
+    print_files,
+    print_missing_pictures,
+    print_table,
+    say,
+)
 from fieldrecon.cli.progress import stages
 from fieldrecon.io.saved_fields import save
 from fieldrecon.io.values import FORMATS, as_formats

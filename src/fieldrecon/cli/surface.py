@@ -10,14 +10,19 @@ from time import perf_counter
 import numpy as np
 
 from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.chunks import Stages
 from fieldrecon._core.extras import PICTURES, absent, require
 from fieldrecon._core.memory import memory_used, peak_memory
-from fieldrecon.cli.console import print_files, print_missing_pictures, print_table, say
-from fieldrecon.cli.options import as_parameters
+from fieldrecon.cli.console import (
+    as_parameters,
+    print_files,
+    print_missing_pictures,
+    print_table,
+    say,
+)
 from fieldrecon.cli.progress import stages
 from fieldrecon.io.meshes import packages_to_write, write_triangles
 from fieldrecon.pages.surface_page import surface_page
-from fieldrecon.pipelines.stages import Stages
 from fieldrecon.pipelines.surface import ScanRequest, ScanResult, reconstruct_scan
 
 FORMATS = (".ply", ".stl", ".obj", ".off")

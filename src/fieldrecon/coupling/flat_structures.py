@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import partial
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon.coupling.transfer import Coupling, Transfer, applied, as_surface
+from fieldrecon.coupling.transfer import Coupling, Transfer, applied, as_surface, row_sums
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.reconstruction import Reconstruction
@@ -20,8 +21,11 @@ Maker = Callable[[np.ndarray], Reconstruction]
 blended_plates = partial(PartitionOfUnityRBF, kernel=thin_plate_spline(), degree=1)
 """Thin-plate splines on patches: they interpolate, reproduce linear fields, and are sparse."""
 
-FLATNESS = 1e-8
-"""Largest thickness of nodes that count as flat, relative to their extent."""
+FLATNESS = 1e-6
+"""Thickness up to which nodes count as flat, relative to their extent: the digits of a file."""
+
+MAX_ROW_NORM = 100.0
+"""Sum of the absolute weights of a node of the surface above which `couple` warns."""
 
 
 class FlatCoupling(Transfer):
@@ -46,6 +50,8 @@ class FlatCoupling(Transfer):
     make : callable, optional
         Makes the method from the coordinates (n, d - 1) of the nodes in the plane; its gradients
         must exist at the projections p. Thin-plate splines on patches by default.
+    flatness : float, optional
+        As for `couple`; nodes whose distances from a line are smaller lie on a line.
 
     Attributes
     ----------
@@ -66,18 +72,34 @@ class FlatCoupling(Transfer):
     Wendland (2005), section 1.2, for structures that are two-dimensional objects.
     """
 
-    def __init__(self, structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> None:
+    def __init__(
+        self,
+        structure: ArrayLike,
+        x: ArrayLike,
+        make: Maker = blended_plates,
+        flatness: float = FLATNESS,
+    ) -> None:
         self.structure = valid.as_points(structure, "structure")
         self.surface = as_surface(x, self.structure)
         center = self.structure.mean(axis=0)
-        axes, extents = principal_axes(self.structure)
-        refuse_a_line(extents)
+        axes, thinness = principal_axes(self.structure)
+        refuse_a_line(thinness, valid.as_length(flatness, "flatness", zero_allowed=True))
         self.axes, self.normal = axes[:-1], axes[-1]
         self.method = make((self.structure - center) @ self.axes.T)
         self.projections = (self.surface - center) @ self.axes.T
         self.heights = (self.surface - center) @ self.normal
         self._weights = self.method.weights(self.projections)
         self._slopes = self.method.gradient_weights(self.projections)
+
+    def row_norms(self) -> np.ndarray:
+        """Sums of the absolute weights of each node of the surface, at its projection.
+
+        Returns
+        -------
+        (m,) ndarray
+            The factors by which displacements can grow, without the rotation of the normals.
+        """
+        return row_sums(self._weights)
 
     def _displace(self, u: np.ndarray) -> np.ndarray:
         across = np.einsum("d,ndv->nv", self.normal, u)
@@ -90,7 +112,13 @@ class FlatCoupling(Transfer):
         return applied(self._weights.T, f) - self.normal[:, None] * across[:, None, :]
 
 
-def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> Transfer:
+def couple(
+    structure: ArrayLike,
+    x: ArrayLike,
+    make: Maker = blended_plates,
+    *,
+    flatness: float = FLATNESS,
+) -> Transfer:
     """Couple structural nodes with a surface, by a `FlatCoupling` if the nodes are flat.
 
     Parameters
@@ -101,6 +129,10 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
         The nodes of the surface.
     make : callable, optional
         Makes the method from points; by default thin-plate splines on patches, which are sparse.
+    flatness : float, optional
+        Nodes count as flat if the rms of their distances from a plane is at most this share of
+        their extent. The default admits coordinates that a file holds to six digits; for
+        coordinates of four digits give 1e-4.
 
     Returns
     -------
@@ -112,6 +144,12 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     numpy.linalg.LinAlgError
         If the nodes lie on a line in space: their displacements do not determine its twist. If the
         method does not reproduce linear fields on these nodes, so that moments would be lost.
+
+    Warns
+    -----
+    RuntimeWarning
+        If the absolute weights of a node of the surface sum to more than 100: displacements and
+        loads may grow by this factor, and so do their errors.
 
     Notes
     -----
@@ -131,23 +169,29 @@ def couple(structure: ArrayLike, x: ArrayLike, make: Maker = blended_plates) -> 
     True
     """
     structure = valid.as_points(structure, "structure")
-    _, extents = principal_axes(structure)
-    if structure.shape[1] > 1 and extents[-1] <= FLATNESS * extents[0]:
-        coupling: Transfer = FlatCoupling(structure, x, make)
+    flatness = valid.as_length(flatness, "flatness", zero_allowed=True)
+    thinness = principal_axes(structure)[1]
+    if structure.shape[1] > 1 and thinness[-1] <= flatness:
+        coupling: Coupling | FlatCoupling = FlatCoupling(structure, x, make, flatness)
     else:
         coupling = Coupling(make(structure), x)
     refuse_lost_moments(coupling.method)
+    warn_of_large_weights(coupling, thinness[-1])
     return coupling
 
 
 def principal_axes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Principal axes (d, d) of points as rows, by decreasing extent, and the rms extents (d,)."""
+    """Principal axes (d, d) of points as rows, and the rms of the points along each axis.
+
+    The rms (d,) are relative to the extent of the points along the first axis, and decrease; all
+    are zero for points that coincide.
+    """
     away = points - points.mean(axis=0)
     size = np.abs(away).max(initial=0.0) or 1.0
     sigma, axes = np.linalg.svd(np.linalg.qr(away / size, mode="r"))[1:]
-    extents = np.zeros(points.shape[1])
-    extents[: len(sigma)] = sigma * (size / np.sqrt(len(points)))
-    return axes, extents
+    rms = np.zeros(points.shape[1])
+    rms[: len(sigma)] = sigma / np.sqrt(len(points))
+    return axes, rms / (np.ptp(away / size @ axes[0]) or 1.0)
 
 
 def refuse_lost_moments(method: Reconstruction) -> None:
@@ -161,10 +205,27 @@ def refuse_lost_moments(method: Reconstruction) -> None:
         )
 
 
-def refuse_a_line(extents: np.ndarray) -> None:
+def warn_of_large_weights(coupling: Coupling | FlatCoupling, thinness: float) -> None:
+    """Warn of a node of the surface whose absolute weights have a large sum."""
+    sums = coupling.row_norms()
+    worst = int(sums.argmax())
+    if sums[worst] <= MAX_ROW_NORM:
+        return
+    flat = isinstance(coupling, FlatCoupling)
+    thin = "" if flat else f", or flatness={2 * thinness:.1g} if the structure is meant to be flat"
+    warnings.warn(
+        f"the absolute weights of node {worst} of the surface sum to {sums[worst]:.2g}, more than "
+        f"{MAX_ROW_NORM:.0f}: displacements and loads, and their errors, may grow by this factor; "
+        f"give structural nodes nearer to it{thin}",
+        RuntimeWarning,
+        stacklevel=3,
+    )
+
+
+def refuse_a_line(thinness: np.ndarray, flatness: float) -> None:
     """Refuse nodes on a line of space, or at one point of the plane."""
-    if len(extents) < 2 or extents[-2] <= FLATNESS * extents[0]:
-        where = "at one point" if len(extents) < 3 or extents[0] == 0 else "on a line"
+    if len(thinness) < 2 or thinness[-2] <= flatness:
+        where = "at one point" if len(thinness) < 3 or thinness[0] == 0 else "on a line"
         raise np.linalg.LinAlgError(
             f"the structural nodes lie {where}, and their displacements do not determine its "
             "rotation about itself: add nodes off it, at the ends of rigid arms"

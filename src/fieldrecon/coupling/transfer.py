@@ -14,6 +14,9 @@ from fieldrecon._core import validation as valid
 from fieldrecon.coupling.rigid_body_motions import as_vectors, net_force_and_moment, rigid_motions
 from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
 
+SIGNS = 8
+"""Vectors of random signs that bound the norms of rows that are not kept."""
+
 
 class Transfer(ABC):
     """A linear map of displacements of structural nodes to those of a surface, and its adjoint.
@@ -215,6 +218,21 @@ class Coupling(Transfer):
         self.surface = self.projections = as_surface(x, self.structure)
         self._weights = weights_if_they_fit(method, self.surface)
 
+    def row_norms(self) -> np.ndarray:
+        """Sums of the absolute weights of each node of the surface; lower bounds if H is not kept.
+
+        Any signs u = ±1 bound the sum of a row h from below, |h · u|; a few random ones do.
+
+        Returns
+        -------
+        (m,) ndarray
+            The factors by which displacements can grow in each component.
+        """
+        if self._weights is None:
+            signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(self.structure), SIGNS))
+            return np.abs(self.method.field(signs)(self.surface)).max(axis=1)
+        return row_sums(self._weights)
+
     def _displace(self, u: np.ndarray) -> np.ndarray:
         if self._weights is None:
             return self.method.field(u)(self.surface)
@@ -224,6 +242,11 @@ class Coupling(Transfer):
         if self._weights is None:
             return self.method.adjoint(self.surface, f)
         return applied(self._weights.T, f)
+
+
+def row_sums(weights: Weights) -> np.ndarray:
+    """Sums (m,) of the absolute weights in each row."""
+    return np.asarray(abs(weights).sum(axis=1)).ravel()
 
 
 def applied(matrix: Weights, columns: np.ndarray) -> np.ndarray:

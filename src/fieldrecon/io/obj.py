@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -27,17 +28,15 @@ def read_obj(path: str | Path) -> MeshContent:
     vertices: list[list[float]] = []
     normals: list[list[float]] = []
     faces: list[np.ndarray] = []
-    for number, line in enumerate(Path(path).read_bytes().splitlines(), 1):
-        kind, _, rest = line.strip().partition(b" ")
+    for number, line in _lines(Path(path).read_bytes()):
+        kind, *words = line.split() or [b""]
         try:
             if kind == b"v":
-                vertices.append([float(word) for word in rest.split()[:3]])
+                vertices.append([float(word) for word in words[:3]])
             elif kind == b"vn":
-                normals.append([float(word) for word in rest.split()[:3]])
+                normals.append([float(word) for word in words[:3]])
             elif kind == b"f":
-                corners = [int(word.split(b"/")[0]) for word in rest.split()]
-                # from 1 on; negative numbers count back from the last vertex
-                faces.append(np.array([c - 1 if c > 0 else len(vertices) + c for c in corners]))
+                faces.append(_face([int(word.split(b"/")[0]) for word in words], len(vertices)))
         except ValueError:
             raise ValueError(f"{path}, line {number}: {line.decode('latin-1')!r}") from None
     if any(len(row) < 3 for row in (*vertices, *normals)):
@@ -48,3 +47,21 @@ def read_obj(path: str | Path) -> MeshContent:
         face_blocks(faces),
         {"normals": np.array(normals)} if one_each else {},
     )
+
+
+def _lines(content: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield each line and its number; a backslash at the end joins the next line to it."""
+    begun = b""
+    for number, line in enumerate(content.splitlines(), 1):
+        if line.endswith(b"\\"):
+            begun += line[:-1] + b" "
+        else:
+            yield number, begun + line
+            begun = b""
+
+
+def _face(corners: list[int], n: int) -> np.ndarray:
+    """Vertices of a face, from 0; in the file from 1, and negative ones back from the last of n."""
+    if any(c == 0 or c < -n for c in corners):
+        raise ValueError
+    return np.array([c - 1 if c > 0 else n + c for c in corners])

@@ -8,6 +8,7 @@ perturbing the heights of the points on the paraboloid; no cell below the lifted
 from __future__ import annotations
 
 import math
+from typing import NoReturn
 
 import numpy as np
 from scipy import sparse
@@ -15,9 +16,13 @@ from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
 from fieldrecon._core.duplicates import refuse_coincident
 from fieldrecon.meshes import simplices
+from fieldrecon.meshes.exact_delaunay import exact_delaunay_cells
 
 _TIE = 1e-5
 """Perturbation that breaks ties, in squares of the distance to the nearest point."""
+
+_VIOLATION = 1e-6
+"""Relative violation of the empty sphere that rounding of points of one scale does not reach."""
 
 _CRACK = 1e-7
 """Relative excess of the boundary over the hull that rounding explains."""
@@ -42,13 +47,50 @@ def delaunay_cells(points: np.ndarray) -> np.ndarray:
     local = _in_local_frame(points)
     try:
         cells = _cells_without_flat_ones(points, local)
-    except QhullError:  # its first simplex was flat
+    except (QhullError, np.linalg.LinAlgError):  # its first simplex was flat, or there are cracks
         cells = np.empty((0, points.shape[1] + 1), dtype=int)
-    if len(cells) == 0:
-        where = "line" if points.shape[1] == 2 else "plane"
-        raise np.linalg.LinAlgError(f"no mesh: the points lie on one {where} within rounding")
-    _refuse_left_out(local, cells)
+    if len(np.unique(cells)) < len(points):  # rounding hid some
+        cells = _cells_by_exact_signs(points)
     return cells
+
+
+def _cells_by_exact_signs(points: np.ndarray) -> np.ndarray:
+    """Cells of points for which Qhull's rounding is too large; flat ones at the hull are left out.
+
+    First those are left out that are flat within the rounding of the coordinates, as above; if a
+    point would be lost, only those whose sign the computation of a volume does not find.
+    """
+    ties = _TIE * KDTree(points).query(points, k=2)[0][:, 1] ** 2
+    above = ties * np.random.default_rng(0).random(len(points))
+    for heights in (None, above):
+        cells, neighbors = exact_delaunay_cells(points, heights)
+        if len(cells) == 0:
+            break
+        uncertain = simplices.signed_volumes(points.take(cells, axis=0))[2]
+        for flat in (_flat_within_rounding(points, cells), uncertain):
+            outer = _outer(neighbors, flat)
+            if outer.all():
+                _refuse_flat(points)
+            if not (uncertain & ~outer).any() and len(np.unique(cells[~outer])) == len(points):
+                return cells[~outer]
+    if len(cells) == 0:
+        _refuse_flat(points)
+    i = int(np.argmax(uncertain & ~outer)) if (uncertain & ~outer).any() else int(np.argmax(outer))
+    raise np.linalg.LinAlgError(
+        f"no mesh: the points {cells[i].tolist()} lie so nearly on one "
+        f"{_flat_shape(points)} that floating-point numbers do not decide the sign of their cell; "
+        "merge or remove points"
+    )
+
+
+def _flat_shape(points: np.ndarray) -> str:
+    return "line" if points.shape[1] == 2 else "plane"
+
+
+def _refuse_flat(points: np.ndarray) -> NoReturn:
+    raise np.linalg.LinAlgError(
+        f"no mesh: the points lie on one {_flat_shape(points)} within rounding"
+    )
 
 
 def _in_local_frame(points: np.ndarray) -> np.ndarray:
@@ -63,7 +105,11 @@ def _in_local_frame(points: np.ndarray) -> np.ndarray:
 def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarray:
     triangulation = Delaunay(local)
     cells, neighbors = triangulation.simplices, triangulation.neighbors
+    if (cells >= len(points)).any():  # Qhull's point at infinity
+        return cells[:0]
     flat = _flat_within_rounding(points, cells)
+    if _violations(local, cells, neighbors, ~flat).max(initial=0.0) > _VIOLATION:
+        return cells[:0]
     if not flat.any():
         return cells
     if points.shape[1] == 3:  # in the plane, ties make no flat cells
@@ -72,6 +118,36 @@ def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarra
     outer = _outer(neighbors, flat)
     _refuse_cracks(local, cells, ~outer & ((neighbors < 0) | outer[neighbors]).T)
     return cells[~outer]
+
+
+def _violations(
+    points: np.ndarray, cells: np.ndarray, neighbors: np.ndarray, sure: np.ndarray
+) -> np.ndarray:
+    """How far the vertex opposite to each inner face is inside the sphere of the cell behind it.
+
+    It is the determinant of the lifted cell, relative to the product of its column sums; only for
+    `sure` cells, whose orientation is known.
+    """
+    found = []
+    for k in range(cells.shape[1]):
+        cell = np.flatnonzero((neighbors[:, k] > np.arange(len(cells))) & sure)
+        cell = cell[sure[neighbors[cell, k]]]
+        others = np.delete(cells[cell], k, axis=1).sum(axis=1)
+        opposite = cells[neighbors[cell, k]].sum(axis=1) - others
+        e = points[cells[cell]] - points[opposite][:, None]
+        e /= np.abs(e).max(axis=(1, 2), keepdims=True)
+        height = np.einsum("mki,mki->mk", e, e)
+        minors = np.stack(
+            [
+                (-1) ** j * simplices.determinants(np.delete(e, j, axis=1))
+                for j in range(cells.shape[1])
+            ],
+            axis=1,
+        )  # their sum is the volume of the cell
+        inside = np.sign(minors.sum(axis=1)) * (height * minors).sum(axis=1)
+        size = np.abs(e).sum(axis=1).prod(axis=1) * height.sum(axis=1)
+        found.append(inside / size)
+    return np.concatenate(found)
 
 
 def _flat_within_rounding(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
@@ -118,16 +194,4 @@ def _refuse_cracks(points: np.ndarray, cells: np.ndarray, open_sides: np.ndarray
         raise np.linalg.LinAlgError(
             "no mesh: some points coincide, or lie on one line or plane, within rounding, which "
             "makes flat cells between others"
-        )
-
-
-def _refuse_left_out(points: np.ndarray, cells: np.ndarray) -> None:
-    """Refuse a point so close to another, or to the boundary, that it belongs to no cell."""
-    missing = np.setdiff1d(np.arange(len(points)), cells)
-    if len(missing):
-        i = int(missing[0])
-        distance, nearest = KDTree(points).query(points[i], k=[2])
-        raise ValueError(
-            f"points must be distinct beyond rounding; point {i} is a corner of no cell (nearest: "
-            f"point {int(nearest[0])}, at {distance[0]:.1e} of the extent)"
         )

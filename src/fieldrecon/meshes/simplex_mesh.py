@@ -80,8 +80,10 @@ class SimplexMesh:
         """Delaunay mesh of points in the plane or in space.
 
         Its cells fill the convex hull of the points, except cells that are flat within the rounding
-        of the coordinates. If more than d + 1 points lie on an empty circle or sphere, the Delaunay
-        mesh is not unique.
+        of the coordinates. Every point is a vertex, also of clusters far narrower than the whole:
+        where rounding would lose points, exact signs decide, in some 0.3 ms for each point of the
+        plane and 3 ms for each in space. If more than d + 1 points lie on an empty circle or
+        sphere, the Delaunay mesh is not unique.
 
         Parameters
         ----------
@@ -91,9 +93,10 @@ class SimplexMesh:
         Raises
         ------
         ValueError
-            If there are too few points, or two coincide, exactly or within rounding.
+            If there are too few points, or two coincide.
         numpy.linalg.LinAlgError
-            If all points lie on one line or plane.
+            If all points lie on one line or plane within rounding, or rounding decides the sign of
+            a cell between others.
 
         Examples
         --------
@@ -105,7 +108,7 @@ class SimplexMesh:
         try:
             return cls(p, cells)
         except ValueError as error:  # Qhull's rounding
-            raise np.linalg.LinAlgError(f"some points coincide within rounding: {error}") from None
+            raise np.linalg.LinAlgError(f"no mesh within rounding: {error}") from None
 
     # --- topology -------------------------------------------------------------------------------
 

@@ -23,7 +23,7 @@ def write_audit(
     findings = write_atomically(folder / "audit.json", text.encode())
     if absent(*PICTURES):
         return [findings]
-    from fieldrecon.plotting.audit_picture import plot
+    from fieldrecon.plotting.mesh_pictures import plot_audit
 
-    picture = plot(audit, points, triangles)
+    picture = plot_audit(audit, points, triangles)
     return [findings, *write_figure(picture, folder / "audit", PICTURE_FORMATS)]

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldrecon._core.chunks import Stages, silent
 from fieldrecon.io.meshes import read_triangles
-from fieldrecon.pipelines.stages import Stages, silent
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh
 from fieldrecon.triangles.repair import MeshRepair, repair_mesh
 

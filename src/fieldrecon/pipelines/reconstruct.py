@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from fieldrecon._core.chunks import Stages, silent
 from fieldrecon._core.memory import memory_used, peak_memory
 from fieldrecon.io.saved_fields import load_with_names
 from fieldrecon.io.targets import (
@@ -26,7 +27,6 @@ from fieldrecon.io.targets import (
 )
 from fieldrecon.methods.globe import OnGlobe, to_unit
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
-from fieldrecon.pipelines.stages import Stages, silent
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.selection.cross_validation import NO_FIELD, CrossValidator, ModelScore, best
 from fieldrecon.selection.extrapolation import GAP, OUTSIDE, extrapolated

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.chunks import Stages, silent
 from fieldrecon._core.geometry import triangle_normals
 from fieldrecon._core.validation import as_length
 from fieldrecon.io.clouds import Cloud, read_cloud
-from fieldrecon.pipelines.stages import Stages, silent
 from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
 from fieldrecon.surfaces.implicit_surfaces import ImplicitSurface, implicit_surface
 from fieldrecon.surfaces.polygon_soup import PolygonSoupSolid

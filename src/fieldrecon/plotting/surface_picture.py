@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from fieldrecon._core.chunks import Progress
 from fieldrecon.pipelines.surface import GAP, ScanResult
 from fieldrecon.plotting.style import FULL_WIDTH, figure
-from fieldrecon.solids.ray_tracing import OUTSIDE, View, ray_traced
+from fieldrecon.solids.ray_casting import OUTSIDE, View, ray_traced
 
 _PIXELS = 340
 _MARGIN = 0.5

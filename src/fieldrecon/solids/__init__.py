@@ -15,8 +15,7 @@ from fieldrecon.solids.constructive import (
     union,
 )
 from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
-from fieldrecon.solids.ray_casting import ray_intersections
-from fieldrecon.solids.ray_tracing import View, ray_traced
+from fieldrecon.solids.ray_casting import View, ray_intersections, ray_traced
 from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface, scanned
 
 __all__ = [

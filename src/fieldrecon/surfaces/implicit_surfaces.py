@@ -29,6 +29,7 @@ _LATTICE, _NEAREST = 2.0, 1.5  # step of a lattice and its distance from the poi
 _RINGS = 2  # layers of nodes of a lattice around the points
 _SHIFT = 0.382  # of a cell, so that lattices of different steps share no nodes
 _WALL = 9  # points along each edge of the box
+_LONGEST = 0.5  # of the width of a cloud: waves that are smoothed away; longer ones are its shape
 _EXACT = 0.02  # of the spacing: noise below which the points count as exact
 
 
@@ -114,7 +115,8 @@ def implicit_surface(
     smoothing : float, optional
         Length of the waves of the surface that are halved; shorter waves vanish, and longer ones
         remain. 0 interpolates, as "hermite" always does. By default 10 sqrt(noise spacing) with the
-        estimated noise, and 0 if the noise is below a fiftieth of the spacing.
+        estimated noise, at most half the width of the cloud (its second largest principal extent),
+        and 0 if the noise is below a fiftieth of the spacing.
     progress : callable, optional
         Called as progress(done, total) with numbers of patches.
 
@@ -217,7 +219,12 @@ def _walls(cloud: CleanedCloud, box: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def _warnings(cloud: CleanedCloud, smoothing: float) -> tuple[str, ...]:
     """Warnings about noise and about missing normals."""
     warnings = []
-    if smoothing:
+    if smoothing and smoothing == _longest_smoothed(cloud.points):
+        warnings.append(
+            f"The points are too few to tell noise from curvature; waves shorter than "
+            f"{smoothing:.2g}, half the width of the cloud, are smoothed away."
+        )
+    elif smoothing:
         warnings.append(
             f"The points are about {cloud.noise:.2g} off a smooth surface; waves of it shorter "
             f"than {smoothing:.2g} are smoothed away."
@@ -247,8 +254,20 @@ def _hermite(cloud: CleanedCloud) -> Field:
 
 def _smoothing_of(cloud: CleanedCloud) -> float:
     """Length at which the normals of the smoothed surface have a tenth of a radian of noise."""
-    exact = cloud.noise < _EXACT * cloud.spacing
-    return 0.0 if exact else 10 * float(np.sqrt(cloud.noise * cloud.spacing))
+    if cloud.noise < _EXACT * cloud.spacing:
+        return 0.0
+    return min(10 * float(np.sqrt(cloud.noise * cloud.spacing)), _longest_smoothed(cloud.points))
+
+
+def _longest_smoothed(points: np.ndarray) -> float:
+    """Half the second largest extent of a cloud along its principal axes.
+
+    The curvature of a body is a wave longer than this. Few points do not tell it from noise.
+    """
+    local = points - points.mean(axis=0)
+    size = np.abs(local).max()
+    axes = np.linalg.svd(np.linalg.qr(local / size, mode="r"))[2]
+    return _LONGEST * float(np.sort(np.ptp(local @ axes.T, axis=0))[-2])
 
 
 def _energy_weight(length: float, spacing: float) -> float:

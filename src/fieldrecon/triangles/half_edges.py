@@ -79,9 +79,12 @@ class HalfEdges:
         """
         one, other = self.links.T
         along = (self.start[one] == self.start[other])[:, None]
-        corners = np.column_stack([one, other]), np.column_stack([_next(one), _next(other)])
-        first = np.where(along, corners[0], np.column_stack([one, _next(other)]))
-        second = np.where(along, corners[1], np.column_stack([_next(one), other]))
+        corners = (
+            np.column_stack([one, other]),
+            np.column_stack([next_sides(one), next_sides(other)]),
+        )
+        first = np.where(along, corners[0], np.column_stack([one, next_sides(other)]))
+        second = np.where(along, corners[1], np.column_stack([next_sides(one), other]))
         return component_labels(len(self.start), np.concatenate([first, second]))
 
     @cached_property
@@ -113,7 +116,7 @@ class HalfEdges:
         free = self.free_sides
         if len(free) == 0:
             return ()
-        fan = np.column_stack([self.fans[free], self.fans[_next(free)]]).ravel()
+        fan = np.column_stack([self.fans[free], self.fans[next_sides(free)]]).ravel()
         where = np.arange(len(fan))
         onward = _partners(fan)[where ^ 1]
         label, rank = _cycles(onward)
@@ -136,7 +139,7 @@ def component_labels(n: int, links: np.ndarray) -> np.ndarray:
     return connected_components(graph, directed=False)[1]
 
 
-def _next(sides: np.ndarray) -> np.ndarray:
+def next_sides(sides: np.ndarray) -> np.ndarray:
     """The next side of the same triangle."""
     return sides + 1 - 3 * (sides % 3 == 2)
 

@@ -10,7 +10,6 @@ Barequet and Sharir, Filling Gaps in the Boundary of a Polyhedron (1995).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,10 +17,15 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
-from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.triangles.audit import MeshAudit, as_surface, audit_mesh, unit_of
-from fieldrecon.triangles.duplicates import first_duplicates, has_three_corners, merged_vertices
+from fieldrecon.triangles.duplicates import (
+    first_duplicates,
+    has_three_corners,
+    merged_vertices,
+    rows_in,
+)
 from fieldrecon.triangles.half_edges import HalfEdges
+from fieldrecon.triangles.holes import hole_patches
 from fieldrecon.triangles.intersections import close_pairs, contacts
 from fieldrecon.triangles.orientation import inconsistently_oriented, inverted
 from fieldrecon.triangles.predicates import collinear
@@ -91,8 +95,10 @@ def repair_mesh(
     Notes
     -----
     Edges of three or more triangles, self-intersections and one-sided surfaces remain, since the
-    mesh does not determine their repair; `after` lists them. A hole is not filled if its triangles
-    would cross others.
+    mesh does not determine their repair; `after` lists them. Holes that touch at vertices are
+    filled one at a time, before bow-ties are split. A hole is not filled if the audit would find an
+    error in its triangles. No repair adds a kind of error, but the vertices into which a bow-tie is
+    split touch: a repair that would add one is left out, and so are those that build on it.
 
     References
     ----------
@@ -117,77 +123,139 @@ def repair_mesh(
     if before.clean and not before.soup:
         return MeshRepair(p.copy(), given, before, before, {})
     unit = unit_of(p)
-    p, tolerance = p / unit, before.tolerance / unit
-    merged = _merge_targets(before, p, tolerance)
-    t = without_duplicates(merged[given], len(p))
-    t = without_flat(p, t, tolerance)
-    if len(t) == 0:
-        raise ValueError("triangles must not all be degenerate; none is left to repair")
-    kept = len(t)
-    t = split_free_edges(p, t, tolerance)
-    p_new, t = split_bow_ties(p, t)
-    faces = oriented(p_new, t)
-    patches, hole = hole_patches(p_new, faces, largest_hole)
-    result, after, used = _patched(p_new, faces, patches, hole, tolerance, progress)
-    done = {
-        "welded_vertices": int((merged != np.arange(len(p))).sum()),
-        "removed_triangles": len(given) - kept,
-        "split_edges": len(t) - kept,
-        "split_vertices": len(p_new) - len(p),
-        "turned_triangles": _count_reversed(t, result[1]),
-        "filled_holes": len(np.unique(hole[used])),
-        "filling_triangles": int(used.sum()),
-        "removed_vertices": int((np.bincount(merged, minlength=len(p)) > 0).sum())
-        + len(p_new)
-        - len(p)
-        - len(result[0]),
-    }
-    after = replace(after, tolerance=before.tolerance)
-    done = {what: n for what, n in done.items() if n}
-    return MeshRepair(result[0] * unit, result[1], before, after, done)
+    damaged = _Damaged(p / unit, given, before, before.tolerance / unit, largest_hole, progress)
+    for stages, spare in ((STAGES, False), *((k, True) for k in range(STAGES, 0, -1))):
+        repaired = damaged.repaired(stages, spare)
+        if not added_kinds(before, repaired.after):
+            after = replace(repaired.after, tolerance=before.tolerance)
+            return replace(repaired, points=repaired.points * unit, after=after)
+    return MeshRepair(p.copy(), given, before, before, {})
 
 
-def _merge_targets(before: MeshAudit, p: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return for each vertex the one it is merged with."""
+def added_kinds(before: MeshAudit, after: MeshAudit) -> set[str]:
+    """Kinds of errors that only the second audit finds; the fans of a bow-tie may touch."""
+    had = {*before.found, *(["touching_vertices"] if len(before.bow_tie_vertices) else [])}
+    return {*after.found} - had
+
+
+STAGES = 5
+"""Stages of a repair: removal of duplicates and degenerate triangles, splitting of edges,
+orientation, filling of holes, splitting of bow-ties."""
+
+
+@dataclass(frozen=True)
+class _Damaged:
+    """A mesh with its errors, in a unit in which its largest coordinate is from 1 to 2."""
+
+    points: np.ndarray
+    triangles: np.ndarray
+    before: MeshAudit
+    tolerance: float
+    largest_hole: float
+    progress: Progress | None
+
+    def repaired(self, stages: int, spare: bool) -> MeshRepair:
+        """Return the mesh after the first stages.
+
+        If `spare`, degenerate triangles at edges of three or more triangles are not removed.
+        """
+        p, n, tolerance = self.points, len(self.points), self.tolerance
+        merged = merge_targets(self.triangles, self.before, p, tolerance)
+        kept = without_duplicates(merged[self.triangles], n)
+        kept = without_flat(p, kept, tolerance, spare)
+        if len(kept) == 0:
+            raise ValueError("triangles must not all be degenerate; none is left to repair")
+        t = kept
+        if stages > 1:
+            t = without_duplicates(split_free_edges(p, kept, tolerance), n)
+        faces = oriented(p, t) if stages > 2 else t
+        patches, hole = t[:0], t[:0, 0]
+        if stages > 3:
+            patches, hole = hole_patches(p, faces, self.largest_hole)
+        whole, after, used = self._patched(faces, patches, hole, stages)
+        mesh, split = self._split(whole, stages)
+        referenced = int((np.bincount(merged, minlength=n) > 0).sum())
+        done = {
+            "welded_vertices": int((merged != np.arange(n)).sum()),
+            "removed_triangles": len(self.triangles) - len(kept),
+            "split_edges": len(t) - len(kept),
+            "split_vertices": split,
+            "turned_triangles": int((whole[: len(t)] != t).any(axis=1).sum()),
+            "filled_holes": len(np.unique(hole[used])),
+            "filling_triangles": int(used.sum()),
+            "removed_vertices": referenced + split - len(mesh[0]),
+        }
+        return MeshRepair(*mesh, self.before, after, {what: k for what, k in done.items() if k})
+
+    def _patched(
+        self, t: np.ndarray, patches: np.ndarray, hole: np.ndarray, stages: int
+    ) -> tuple[np.ndarray, MeshAudit, np.ndarray]:
+        """Add the patches in which the audit finds no error; the rest may be reversed.
+
+        Returns
+        -------
+        whole : (k, 3) ndarray of int
+        after : MeshAudit
+        used : (l,) ndarray of bool
+            Whether each patch was added.
+        """
+        used = np.ones(len(patches), dtype=bool)
+        while True:
+            whole = np.concatenate([t, patches[used]])
+            if stages > 3:
+                whole = oriented(self.points, whole)
+            mesh, _ = self._split(whole, stages)
+            after = audit_mesh(*mesh, self.tolerance, progress=self.progress)
+            wrong = np.flatnonzero(used)[erroneous(after, mesh[1], len(t)) - len(t)]
+            if len(wrong) == 0:
+                return whole, after, used
+            used &= ~np.isin(hole, hole[wrong])
+
+    def _split(self, t: np.ndarray, stages: int) -> tuple[tuple[np.ndarray, np.ndarray], int]:
+        """Split the bow-ties; return the mesh of the referenced vertices, and the number added."""
+        p = self.points
+        if stages > 4:
+            p, t = split_bow_ties(p, t)
+        return _without_unused(p, t), len(p) - len(self.points)
+
+
+def erroneous(after: MeshAudit, t: np.ndarray, first: int) -> np.ndarray:
+    """Triangles from the first one on in which the audit finds an error."""
+    of_triangles = ("crossings", "overlaps", "duplicate_triangles", "degenerate_triangles")
+    wrong = np.zeros(len(t), dtype=bool)
+    for kind in of_triangles:
+        wrong[getattr(after, kind)] = True
+    new = t[first:]
+    for ends in (after.nonmanifold_edges, after.t_junctions[:, 1:]):
+        sides = np.sort(np.stack([new, np.roll(new, -1, axis=1)], axis=-1), axis=-1)
+        on = rows_in(sides.reshape(-1, 2), np.sort(ends, axis=1)).reshape(-1, 3)
+        wrong[first:] |= on.any(axis=1)
+    wrong[first:] |= np.isin(new, after.duplicate_vertices).any(axis=1)
+    return first + np.flatnonzero(wrong[first:])
+
+
+def merge_targets(t: np.ndarray, before: MeshAudit, p: np.ndarray, tolerance: float) -> np.ndarray:
+    """Return for each vertex the one it is merged with, unless an edge of three triangles forms."""
     if before.soup:
         return merged_vertices(p, tolerance)
-    merged = np.arange(len(p))
-    merged[before.duplicate_vertices[:, 0]] = before.duplicate_vertices[:, 1]
-    return merged
-
-
-def _patched(
-    p: np.ndarray,
-    t: np.ndarray,
-    patches: np.ndarray,
-    hole: np.ndarray,
-    tolerance: float,
-    progress: Progress | None,
-) -> tuple[tuple[np.ndarray, np.ndarray], MeshAudit, np.ndarray]:
-    """Add the patches that cross nothing; return the mesh, its audit and a mask of them."""
-    used = np.ones(len(patches), dtype=bool)
+    pairs, n = before.duplicate_vertices, len(p)
     while True:
-        whole = oriented(p, np.concatenate([t, patches[used]]))
-        mesh = _without_unused(p, whole)
-        after = audit_mesh(*mesh, tolerance, progress=progress)
-        crossed = np.unique(np.concatenate([after.crossings.ravel(), after.overlaps.ravel()]))
-        wrong = np.flatnonzero(used)[crossed[crossed >= len(t)] - len(t)]
-        if len(wrong) == 0:
-            return mesh, after, used
-        used &= ~np.isin(hole, hole[wrong])
+        merged = np.arange(n)
+        merged[pairs[:, 0]] = pairs[:, 1]
+        joined = merged[t][has_three_corners(merged[t])]
+        edges = HalfEdges(without_duplicates(joined, n), n).nonmanifold_edges
+        had = np.sort(merged[before.nonmanifold_edges], axis=1)
+        formed = edges[~rows_in(edges, had)]
+        right = ~np.isin(pairs[:, 1], formed)
+        if right.all():
+            return merged
+        pairs = pairs[right]
 
 
 def _without_unused(p: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     used = np.zeros(len(p), dtype=bool)
     used[t] = True
     return p[used], (np.cumsum(used) - 1)[t]
-
-
-def _count_reversed(before: np.ndarray, after: np.ndarray) -> int:
-    """Number of reversed triangles; their vertices may be renumbered in the same order."""
-    same = np.argsort(np.argsort(before, axis=1), axis=1)
-    now = np.argsort(np.argsort(after[: len(before)], axis=1), axis=1)
-    return int((same != now).any(axis=1).sum())
 
 
 _ROUNDS = 64  # each halves the edges that still have vertices inside
@@ -198,10 +266,15 @@ def without_duplicates(t: np.ndarray, n: int) -> np.ndarray:
     return t[first_duplicates(t, n) == np.arange(len(t))]
 
 
-def without_flat(p: np.ndarray, t: np.ndarray, tolerance: float) -> np.ndarray:
-    """Remove the triangles without area."""
+def without_flat(p: np.ndarray, t: np.ndarray, tolerance: float, spare: bool = False) -> np.ndarray:
+    """Remove the triangles without area; or `spare` those at edges of three or more triangles."""
     t = t[has_three_corners(t)]
-    return t[~collinear(*(p[t[:, c]] for c in range(3)), tolerance=tolerance)]
+    flat = collinear(*(p[t[:, c]] for c in range(3)), tolerance=tolerance)
+    if spare:
+        sides = np.sort(np.stack([t, np.roll(t, -1, axis=1)], axis=-1), axis=-1).reshape(-1, 2)
+        edges = HalfEdges(t, len(p)).nonmanifold_edges
+        flat &= ~rows_in(sides, edges).reshape(-1, 3).any(axis=1)
+    return t[~flat]
 
 
 def split_free_edges(p: np.ndarray, t: np.ndarray, tolerance: float) -> np.ndarray:
@@ -266,105 +339,3 @@ def oriented(p: np.ndarray, t: np.ndarray) -> np.ndarray:
     flipped, one_sided = inconsistently_oriented(half_edges)
     wrong = flipped ^ (inverted(p, half_edges, flipped) & ~one_sided)
     return np.where(wrong[:, None], t[:, [0, 2, 1]], t)
-
-
-def hole_patches(p: np.ndarray, t: np.ndarray, largest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles (k, 3) that fill the small holes of oriented triangles, and the hole of each.
-
-    A hole is small if its boundary has at most MAX_LOOP edges, and its patch at most the given
-    share of the area of the part around it. A patch must not have an edge inside that exists.
-    """
-    half_edges = HalfEdges(t, len(p))
-    normal = triangle_normals(*p[t.T])
-    area = np.bincount(half_edges.parts, np.sqrt(np.einsum("ki,ki->k", normal, normal)) / 2)
-    known = _keys(half_edges.edges, len(p))
-    found, hole, count = [t[:0]], [t[:0, 0]], 0
-    for sides in _loops_by_length(half_edges):
-        loop = half_edges.start[sides]
-        order, size = minimum_area_patches(p[loop])
-        new = np.take_along_axis(loop, order.reshape(len(loop), -1), axis=1).reshape(order.shape)
-        part = half_edges.parts[sides[:, 0] // 3]
-        fits = (size <= largest * area[part]) & ~_has_known_diagonals(order, new, known, len(p))
-        found.append(new[fits][..., ::-1].reshape(-1, 3))
-        hole.append(np.repeat(count + np.arange(fits.sum()), loop.shape[1] - 2))
-        count += int(fits.sum())
-    return np.concatenate(found), np.concatenate(hole)
-
-
-def _loops_by_length(half_edges: HalfEdges) -> Iterator[np.ndarray]:
-    """Yield the loops (l, k) of k successive sides together, for each length k."""
-    by_length: dict[int, list[np.ndarray]] = {}
-    for loop in half_edges.loop_sides:
-        if len(loop) <= MAX_LOOP:
-            for sides in (loop, loop[::-1]):
-                if (half_edges.end[sides] == np.roll(half_edges.start[sides], -1)).all():
-                    by_length.setdefault(len(loop), []).append(sides)
-    for _, loops in sorted(by_length.items()):
-        yield np.array(loops)
-
-
-def _has_known_diagonals(
-    order: np.ndarray, new: np.ndarray, known: np.ndarray, n: int
-) -> np.ndarray:
-    """Whether a patch (l, k - 2, 3) has an interior edge that is already in the mesh."""
-    k = order.shape[1] + 2
-    result = np.zeros(len(order), dtype=bool)
-    for a, b in ((0, 1), (1, 2), (0, 2)):
-        inside = ~np.isin(order[..., b] - order[..., a], (1, k - 1))
-        ends = np.sort(np.stack([new[..., a], new[..., b]], axis=-1), axis=-1)
-        result |= (inside & np.isin(_keys(ends, n), known)).any(axis=1)
-    return result
-
-
-def _keys(ends: np.ndarray, n: int) -> np.ndarray:
-    return ends[..., 0] * n + ends[..., 1]
-
-
-MAX_LOOP = 32
-"""Largest number of edges of a loop that is filled; the cost grows with its third power."""
-
-
-def minimum_area_patches(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Triangulations of least area of many loops (l, k, 3) of equal length.
-
-    Returns
-    -------
-    triangles : (l, k - 2, 3) ndarray of int
-        Indices of corners in the loop, in its direction.
-    areas : (l,) ndarray
-    """
-    loops, k = corners.shape[:2]
-    least = np.zeros((loops, k, k))
-    choice = np.zeros((loops, k, k), dtype=np.intp)
-    for span in range(2, k):
-        for i in range(k - span):
-            j, between = i + span, np.arange(i + 1, i + span)
-            area = _areas(corners[:, i, None], corners[:, between], corners[:, j, None])
-            total = area + least[:, i, between] + least[:, between, j]
-            best = total.argmin(axis=1)
-            choice[:, i, j] = between[best]
-            least[:, i, j] = np.take_along_axis(total, best[:, None], axis=1)[:, 0]
-    return _chosen(choice), least[:, 0, k - 1]
-
-
-def _chosen(choice: np.ndarray) -> np.ndarray:
-    """Follow the choices (l, k, k): the triangle over a span, then those over its two halves."""
-    loops, k = choice.shape[:2]
-    triangles = np.empty((loops, k - 2, 3), dtype=np.intp)
-    row = np.arange(loops)
-    spans = np.tile([0, k - 1], (loops, k, 1))
-    waiting = np.ones(loops, dtype=np.intp)  # spans of each loop without a triangle
-    for t in range(k - 2):
-        waiting -= 1
-        i, j = spans[row, waiting].T
-        middle = choice[row, i, j]
-        triangles[:, t] = np.column_stack([i, middle, j])
-        for a, b in ((i, middle), (middle, j)):
-            spans[row, waiting] = np.column_stack([a, b])
-            waiting += b - a > 1
-    return triangles
-
-
-def _areas(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    normal = triangle_normals(a, b, c)
-    return np.sqrt(np.einsum("...i,...i->...", normal, normal)) / 2

@@ -1,8 +1,7 @@
-"""Code dependencies of results: imports are followed, and only the meaning of the source counts.
+"""Code dependencies of results: the modules that are imported, without comments and docstrings.
 
-Comments, docstrings and layout have no effect. In an experiment's own file only the definitions
-count that are reached from given names, so that a change to a plot does not run the experiment
-again.
+Layout has no effect either. In an experiment's own file only the definitions that are reached from
+given names are used, so that a change to a plot does not run the experiment again.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ _DISK = {
 
 
 class BuildError(Exception):
-    """The report cannot be built; the message gives the reason in terms of the author's files."""
+    """The report cannot be built; the message names the reason and the author's file."""
 
 
 def disk_failure(error: OSError) -> BuildError | None:

@@ -21,7 +21,7 @@ def versions() -> dict[str, str]:
 
 
 def machine() -> dict[str, str]:
-    """Return the kind of machine; with equal pins and versions, one kind gives equal bytes."""
+    """Return the kind of machine: with equal pins and versions, equal kinds give equal bytes."""
     return {"system": platform.system(), "processor": platform.machine()}
 
 

@@ -6,10 +6,12 @@ this process, so that a killed build leaves no processes behind.
 
 from __future__ import annotations
 
+import multiprocessing
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -17,13 +19,14 @@ from typing import Any
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.blas_threads import one_blas_thread
 from fieldrecon._core.digests import json_digest
+from fieldrecon._core.worker_processes import WorkerPool
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport import experiments
+from fieldreport.build import pinned_kernels
 from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.pinned_kernels import pins
 from fieldreport.build.step_records import Steps, content_digest, digests
-from fieldreport.build.workers import workers
 from fieldreport.framework.experiment import Experiment, ExperimentError, Result
 from fieldreport.framework.names import no_such
 from fieldreport.framework.parameters import replace_parameters
@@ -112,7 +115,7 @@ def compute(jobs: list[ExperimentJob], steps: Steps, processes: int, progress: A
     processes : int
         The number of workers.
     progress : object
-        Has ``add(count)``, ``done(text)``.
+        An object with the methods ``add(count)`` and ``done(text)``.
     """
     with workers(processes) as pool:
         work: dict[Future, Callable[[Any], dict]] = {}
@@ -183,7 +186,7 @@ def _draw(folder: Path, figure: str) -> bytes:
 
 
 def _outcome(future: Future, what: str) -> Any:
-    """Return the result of a worker, or raise what failed, with its traceback."""
+    """Return the result of a worker, or raise its error with the traceback."""
     try:
         return future.result()
     except BrokenProcessPool as error:
@@ -195,3 +198,44 @@ def _outcome(future: Future, what: str) -> Any:
     except Exception as error:
         trace = "".join(traceback.format_exception(error))
         raise BuildError(f"{what} failed\n{trace}") from error
+
+
+class PinnedProcesses(WorkerPool):
+    """Processes whose OpenBLAS and NumPy use the pinned kernels in every environment of the caller.
+
+    They are spawned: a fork server would keep the environment in which it was started.
+
+    Parameters
+    ----------
+    count : int
+        The largest number of processes.
+    """
+
+    def __init__(self, count: int) -> None:
+        super().__init__(count, context=multiprocessing.get_context("spawn"))
+        self._pins = pinned_kernels.pins()
+
+    def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
+        """Submit a call; a process is started if none is free."""
+        with pinned_kernels.environment(self._pins):
+            return super().submit(pinned_kernels.run_pinned, self._pins, fn, *args, **kwargs)
+
+
+@contextmanager
+def workers(count: int) -> Iterator[Executor]:
+    """Yield an executor whose processes are terminated if an error leaves the ``with``.
+
+    Parameters
+    ----------
+    count : int
+        The number of processes.
+    """
+    pool = PinnedProcesses(count)
+    try:
+        yield pool
+    except BaseException:
+        for child in multiprocessing.active_children():
+            child.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)

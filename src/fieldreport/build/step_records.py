@@ -1,6 +1,6 @@
 """Build records: each step of a build stores the digests of its inputs and outputs.
 
-The record is written last. After a build was killed, the steps without a record are repeated.
+The record is written last: after an interrupted build, the steps without a record are repeated.
 """
 
 from __future__ import annotations
@@ -66,8 +66,8 @@ class Steps:
 
         The digests of inputs are taken before the step reads them.
         """
-        told = {str(path): content for path, content in read.items()}
-        note = {"key": key, "made": digests(made, self.out), "read": told}
+        inputs = {str(path): content for path, content in read.items()}
+        note = {"key": key, "made": digests(made, self.out), "read": inputs}
         write_atomically(self._note(step), json.dumps(note, indent=1).encode())
 
     def _read(self, step: str) -> Any:

@@ -86,8 +86,8 @@ class Document:
         state = self.out / ".state"
         write_atomically(state / "values.json", json.dumps(mark_orders(values)).encode())
         places = {"values": state / "values.json", "figures": self.out / "experiments"}
-        told = {**metadata, **{key: str(path.resolve()) for key, path in places.items()}}
-        document = self._read(told)
+        combined = {**metadata, **{key: str(path.resolve()) for key, path in places.items()}}
+        document = self._read(combined)
         with ThreadPoolExecutor(2) as both:
             page, print_ = (both.submit(self._written, to, document) for to in OUTPUTS)
             problems = _all_lines(page.exception(), print_.exception())
@@ -139,7 +139,7 @@ class Document:
         return run.stdout
 
     def _explained(self, stderr: str) -> str:
-        """Return the filters' problems with file and line, or else pandoc's own message."""
+        """Return the errors of the filters with file and line, or else the message of pandoc."""
         lines = [line.split("\t") for line in stderr.splitlines() if line.startswith("PROBLEM\t")]
         if not lines:
             return f"pandoc: {stderr.strip()}"

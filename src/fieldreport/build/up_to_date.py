@@ -1,7 +1,7 @@
 """A fast check whether anything changed since the last complete build, from files alone.
 
-A build with nothing to do would have to import all experiments to establish this. Here the contents
-of all files count that a build reads, comments included, and of all files that it wrote. If one
+A build would have to import all experiments to find that nothing changed. This check compares the
+contents of all files that a build reads, including comments, and of all files that it wrote. If one
 differs, the steps of the build decide what must be rerun.
 """
 

@@ -28,7 +28,7 @@ ASCII = set(range(0x20, 0x7F))
 
 
 def font_faces(page: str) -> str:
-    """Return the style rules that carry the fonts of a page.
+    """Return the style rules with the embedded fonts of a page.
 
     Raises
     ------

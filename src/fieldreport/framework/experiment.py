@@ -13,9 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fieldrecon._core.blas_threads import one_blas_thread
-from fieldreport.framework.domains import Domain
-from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude
-from fieldreport.framework.orders_of_magnitude import order_of_magnitude as order_of_magnitude
+from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, order_of_magnitude
 
 Cell: TypeAlias = int | float | str
 Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
@@ -25,68 +23,12 @@ FACT_DIGITS = 6
 """Significant digits of a fact, unless the ``DIGITS`` of its experiment state another number."""
 
 
-def parameter(default: Any, meaning: str, **domain: Any) -> Any:
-    """Declare a field of ``Params``: its default, its meaning with its unit, and its ``Domain``.
-
-    Examples
-    --------
-    >>> @dataclass(frozen=True)
-    ... class Params(Parameters):
-    ...     points: int = parameter(100, "number of sample points", least=3)
-    >>> Params().points
-    100
-    >>> Params(points=2)
-    Traceback (most recent call last):
-    ...
-    ValueError: parameter points must be 3 or more; got 2
-    """
-    return field(default=default, metadata={"meaning": meaning, "domain": Domain(**domain)})
-
-
-def input_file(default: str, meaning: str) -> Any:
-    """Declare a field that names a file of the checkout; the content of the file is a parameter."""
-    return field(default=default, metadata={"meaning": meaning, "file": True})
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """The parameters of an experiment, each in its domain.
-
-    A relation between parameters is checked by a ``__post_init__`` that calls this one first.
-    """
-
-    def __post_init__(self) -> None:
-        for f in fields(self):
-            stored = f.metadata.get("domain", Domain()).checked(f.name, getattr(self, f.name))
-            object.__setattr__(self, f.name, stored)
-
-
-def require(condition: bool, name: str, wanted: str, got: Any) -> None:
-    """Refuse parameters that contradict each other.
-
-    Raises
-    ------
-    ValueError
-        In the wording of ``Domain``, if the condition does not hold.
-
-    Examples
-    --------
-    >>> require(False, "largest", "10 times smallest or more", 0.1)
-    Traceback (most recent call last):
-    ...
-    ValueError: parameter largest must be 10 times smallest or more; got 0.1
-    """
-    if not condition:
-        shown = f"{got:g}" if isinstance(got, float) else got
-        raise ValueError(f"parameter {name} must be {wanted}; got {shown}")
-
-
 class ExperimentError(ValueError):
     """A run with parameters for which the experiment cannot give a result."""
 
 
 USER_ERRORS = (ValueError, ArithmeticError, MemoryError)
-"""What other parameters may cause; a LinAlgError is a ValueError."""
+"""Errors that other parameters may cause; a LinAlgError is a ValueError."""
 
 
 def in_checkout(name: str) -> Path:
@@ -243,12 +185,12 @@ def _frozen(name: str, a: Any) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Experiment:
-    """One experiment: a module that holds ``Params``, ``QUICK``, ``run`` and ``plot``.
+    """One experiment: a module with ``Params``, ``QUICK``, ``run`` and ``plot``.
 
     Parameters
     ----------
     name : str
-        The name of the module and of the folder that a run is written to.
+        The name of the module and of the folder to which a run is written.
     module : module
         Its docstring's first line is the title of the experiment.
     """
@@ -330,7 +272,7 @@ class Experiment:
                 found = self.module.run(params, each)
         except USER_ERRORS as error:
             if params == self.defaults:
-                raise  # an error of the program, whose origin is wanted
+                raise  # an error of the program, shown with its traceback
             raise ExperimentError(self._refusal(params, error)) from error
         facts = {name: round_to_digits(x, self.digits(name)) for name, x in found.facts.items()}
         return replace(found, facts=facts)

@@ -22,6 +22,7 @@ from fieldreport.framework.experiment import (
     Result,
     ResultTable,
     cell_from_text,
+    in_checkout,
 )
 from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, mark_orders
 from fieldreport.framework.parameters import replace_parameters
@@ -99,3 +100,35 @@ def _read_table(path: Path) -> ResultTable:
     with path.open(encoding="utf-8", newline="") as file:
         columns, *rows = csv.reader(file)
     return ResultTable(tuple(columns), tuple(tuple(map(cell_from_text, row)) for row in rows))
+
+
+def read_benchmark(file: str) -> dict[str, Any]:
+    """Return the result of a benchmark from a file, named relative to the root of the checkout.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the file does not exist, as outside of a checkout.
+    """
+    path = in_checkout(file)
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"the measurements in {path} are missing: they are part of a checkout of fieldrecon, "
+            "not of the installed package; run this in a checkout, or name the file with "
+            "--set results=FILE"
+        )
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def tables(result: Mapping[str, Any]) -> list[ResultTable]:
+    """Return the tables of a benchmark's result."""
+    return [
+        ResultTable(tuple(t["columns"]), tuple(map(tuple, t["rows"]))) for t in result["tables"]
+    ]
+
+
+def select_columns(table: ResultTable, columns: tuple[str, ...]) -> ResultTable:
+    """Return some columns of a table, in the given order."""
+    wanted = [table.columns.index(name) for name in columns]
+    return ResultTable(columns, tuple(tuple(row[k] for k in wanted) for row in table.rows))

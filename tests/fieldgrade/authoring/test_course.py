@@ -1,4 +1,4 @@
-"""The course: what is made is that of its source, nothing leaks, the graders are proved."""
+"""Notebooks match their sources, solutions do not leak to students, and the graders are proved."""
 
 import ast
 import json
@@ -40,8 +40,8 @@ PROOFS = [
 
 
 @each_source
-def test_the_student_notebook_is_that_of_its_source(source):
-    """`make notebooks` was run after the last change; it writes the same bytes each time."""
+def test_the_student_notebook_is_up_to_date_with_its_source(source):
+    """`make notebooks` was run after the last change, and it always writes the same bytes."""
     file = ROOT / "exercises" / f"{source.name}.ipynb"
     made = notebooks.to_text(notebooks.student_notebook(source))
     assert made == notebooks.to_text(notebooks.student_notebook(Source(source.path)))
@@ -49,22 +49,22 @@ def test_the_student_notebook_is_that_of_its_source(source):
 
 
 @each_source
-def test_headers_alone_tell_the_questions_in_words(source):
-    """As the whole notebook does, which takes long to read."""
-    told = {c.answer: float(c.metadata.get("points", 0)) for c in source.cells if c.answer}
-    assert source.written_points == told
-    assert told
+def test_cell_headers_alone_give_the_written_questions(source):
+    """Reading the headers is faster than reading the whole notebook and gives the same points."""
+    reported = {c.answer: float(c.metadata.get("points", 0)) for c in source.cells if c.answer}
+    assert source.written_points == reported
+    assert reported
 
 
 @each_source
-def test_the_known_answers_are_those_of_the_source(source):
-    """The numbers in the package are what solution and mistakes give today, but for rounding."""
+def test_the_known_answers_are_up_to_date_with_the_source(source):
+    """The packaged numbers are those of the solution and the mistakes today, up to rounding."""
     kept = (ROOT / f"src/fieldcheck/answers/{source.number}.json").read_text(encoding="utf-8")
     assert same_answers(kept, answers_file(source))
 
 
-def test_the_stubs_are_those_of_the_sources():
-    """What `start_over` gives back is what was handed out."""
+def test_the_stubs_are_up_to_date_with_the_sources():
+    """`start_over` restores the cell that students received."""
     handed_out = (ROOT / "src/fieldcheck/stubs.json").read_text(encoding="utf-8")
     assert handed_out == build.stubs_file(ROOT)
 
@@ -73,8 +73,8 @@ LIST = re.compile(r"\s*([-+*>#]|\d+[.)])\s|\s*(=+|-+)\s*$")
 
 
 @each_source
-def test_no_line_of_a_formula_is_taken_for_a_list(source):
-    """Editors differ in whether they look for formulas or for lists first, so none may look so."""
+def test_no_line_of_a_formula_looks_like_a_list_item(source):
+    """Some editors parse lists before formulas, so no line of a formula may look like a list."""
     text = "\n".join(cell.text for cell in source.cells if cell.kind == "markdown")
     lines = [
         line
@@ -87,8 +87,8 @@ def test_no_line_of_a_formula_is_taken_for_a_list(source):
 
 
 @each_source
-def test_code_that_draws_is_folded_and_questions_are_not(source):
-    """One sees the picture; where an editor does not fold, the code is merely shown."""
+def test_drawing_cells_are_folded_and_question_cells_are_not(source):
+    """An editor that does not support folding merely shows the code of the picture."""
     cells = notebooks.student_notebook(source).cells
     folded = [c for c in cells if c.metadata.get("jupyter", {}).get("source_hidden")]
     assert folded
@@ -98,54 +98,54 @@ def test_code_that_draws_is_folded_and_questions_are_not(source):
 
 
 @each_source
-def test_a_cell_can_be_reset_in_every_notebook(source):
-    """Each notebook imports what gives an empty cell back."""
+def test_every_notebook_imports_start_over(source):
+    """`start_over` restores the empty cell of a question."""
     setup = [cell.text for cell in source.cells if cell.is_setup]
     assert any("start_over" in text for text in setup)
 
 
 @each_source
-def test_the_solution_was_executed(source):
-    """The executed solution was made of what is there now, and no cell of it stopped."""
+def test_the_executed_solution_is_current_and_free_of_errors(source):
+    """The executed notebook was made from the present source, and none of its cells failed."""
     assert build.is_solved(ROOT, source)
     notebook = nbformat.read(build.solved_file(ROOT, source), as_version=4)
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
     assert not [output for output in outputs if output["output_type"] == "error"]
     checks = [cell for cell in notebook.cells if cell.source.startswith("check(")]
-    told = [output["data"]["text/plain"] for cell in checks for output in cell.outputs]
-    assert len(told) == len(source.answer_cells())
-    assert all("— right" in text and "slow" not in text for text in told), told
+    reported = [output["data"]["text/plain"] for cell in checks for output in cell.outputs]
+    assert len(reported) == len(source.answer_cells())
+    assert all("— right" in text and "slow" not in text for text in reported), reported
     assert "waits for" not in str(outputs)
     assert "cannot be drawn" not in str(outputs)
 
 
 @pytest.mark.slow
 @each_source
-def test_executing_again_gives_the_same_bytes(source):
+def test_executing_a_solution_again_gives_the_same_bytes(source):
     """The solved notebook does not depend on when, where or how fast it was executed."""
     assert build.solve(ROOT, source) == build.solved_file(ROOT, source).read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
 @each_source
-def test_the_student_notebook_runs_before_anything_is_written(source):
-    """Each check says that nothing is written yet, each picture waits, and nothing crashes."""
+def test_the_untouched_student_notebook_runs_without_errors(source):
+    """Each check reports that nothing is written yet, and each picture waits for its answer."""
     notebook = notebooks.execute(notebooks.student_notebook(source))
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
     assert not [output for output in outputs if output["output_type"] == "error"]
-    told = [
+    reported = [
         output["data"]["text/plain"]
         for cell in notebook.cells
         if cell.source.startswith("check(")
         for output in cell.outputs
     ]
-    assert len(told) == len(source.answer_cells())
-    assert all("not written yet" in text for text in told), told
+    assert len(reported) == len(source.answer_cells())
+    assert all("not written yet" in text for text in reported), reported
 
 
 @each_source
-def test_every_question_is_asked_and_checked(source):
-    """Code and checks have the same names as the questions; words have a rubric and points."""
+def test_every_question_has_a_cell_and_a_check(source):
+    """Cells and checks have the names of the questions; written questions have a rubric."""
     asked = {name for name, question in questions().items() if question.notebook == source.number}
     assert set(source.answer_cells()) == asked
     code = "\n".join(cell.text for cell in source.cells if cell.kind == "code")
@@ -159,8 +159,8 @@ def test_every_question_is_asked_and_checked(source):
 
 
 @each_source
-def test_the_answer_asked_for_is_the_only_function_of_its_cell(source):
-    """A cell defines what its question asks for, with a docstring, and has one solution."""
+def test_an_answer_cell_defines_only_the_function_of_its_question(source):
+    """The function has a docstring, and the cell has exactly one solution."""
     for name, cell in source.answer_cells().items():
         functions = [n for n in ast.parse(cell.text).body if isinstance(n, ast.FunctionDef)]
         assert [f.name for f in functions] == [questions()[name].function]
@@ -170,22 +170,23 @@ def test_the_answer_asked_for_is_the_only_function_of_its_cell(source):
 
 
 @pytest.mark.parametrize("source", PROOFS)
-def test_the_graders_are_proved(source):
-    """The solution scores all and the stub nothing; mistakes hear their own sentence; other right
-    answers score all; small changes to the solution lose points."""
+def test_every_grader_gives_the_expected_verdicts(source):
+    """The solution and the alternative right answers earn all points, the stub earns none, each
+    misconception receives its own sentence, and small changes to the solution lose points.
+    """
     proofs = list(known_verdicts.grader_reports(source, PUBLIC_SALT))
     assert [p.question for p in proofs] == list(source.answer_cells())
     assert not [f"{p.question}: {problem}" for p in proofs for problem in p.problems]
 
 
-def test_there_are_enough_mistakes():
-    """At least fifty, by the time there are eight notebooks; six for each till then."""
+def test_every_notebook_has_at_least_six_misconceptions():
+    """The whole course has more than six misconceptions per notebook on average."""
     known = [len(catalogue.entries(source, "misconceptions")) for source in SOURCES]
     assert min(known) >= 6
     assert sum(known) >= 6 * len(SOURCES) + 2
 
 
-# A proof that cannot fail is no proof.
+# Each check of the graders must be able to fail.
 
 
 @pytest.fixture
@@ -213,21 +214,19 @@ def problems(source, question):
     ]
 
 
-def test_the_proof_needs_other_right_answers(course):
-    """A question with too few other right answers is told."""
+def test_a_question_with_too_few_alternative_answers_is_reported(course):
     damage(course.path.parent / "alternatives" / course.path.name, '@answers("01.5")\n', "")
     assert any("only 2 alternative right answers" in p for p in problems(course, "01.5"))
 
 
-def test_the_proof_finds_a_right_answer_that_is_refused(course):
-    """A right answer that is told otherwise is a fault of the grader."""
+def test_a_rejected_alternative_answer_is_reported(course):
+    """If a right answer is judged wrong, the grader has a defect."""
     path = course.path.parent / "alternatives" / course.path.name
     damage(path, "(coefficients[np.newaxis, 1:]", "(coefficients[np.newaxis, :-1]")
     assert any("the right answer 'repeated' gets: 01.5" in p for p in problems(course, "01.5"))
 
 
-def test_the_proof_finds_a_mistake_that_is_none(course):
-    """A mistake that is right by accident is found."""
+def test_a_misconception_that_gives_the_right_numbers_is_reported(course):
     path = course.path.parent / "misconceptions" / course.path.name
     damage(path, "return coefficients[1:] * x", "return coefficients[1:] + 0 * x")
     found = problems(course, "01.5")
@@ -235,38 +234,38 @@ def test_the_proof_finds_a_mistake_that_is_none(course):
     assert any("tolerances apart" in p for p in found)
 
 
-def test_the_proof_finds_two_mistakes_that_look_alike(course):
-    """Two mistakes with the same numbers cannot both have their own sentence."""
+def test_two_indistinguishable_misconceptions_are_reported(course):
+    """Two misconceptions with the same numbers cannot each have a sentence of their own."""
     path = course.path.parent / "misconceptions" / course.path.name
     damage(path, "return coefficients[1:] * x", "return np.tile(coefficients[:-1], (len(x), 1))")
     found = problems(course, "01.5")
     assert any("'times the place'" in p and "tolerances apart" in p for p in found)
 
 
-def test_the_proof_finds_a_survivor(course):
-    """Code that no check looks at survives its mutants, and a reason is asked for."""
+def test_a_surviving_mutant_is_reported(course):
+    """A mutant of code that no check uses survives, and the report asks for a reason."""
     damage(course.path, "    residual =", "    spare = 1 + 2\n    residual =")
     found = problems(course, "01.6")
     assert any("no reason is given why this survives" in p for p in found)
     assert any("mutants lose points" in p for p in found)
 
 
-def test_a_reason_for_what_is_caught_is_told(course):
-    """Reasons do not outlive what they excuse."""
+def test_an_obsolete_reason_for_a_survivor_is_reported(course):
+    """A reason given for a mutant that is caught must be removed."""
     reasons = '["01.5"]\n"line 1: x becomes y" = "because"\n'
     (course.path.parent / "grading" / "survivors.toml").write_text(reasons)
     assert any("but this is caught" in p for p in problems(course, "01.5"))
 
 
-def test_the_proof_finds_a_wrong_solution(course):
-    """The solution itself is judged by the laws."""
+def test_a_wrong_solution_is_reported(course):
+    """The laws of the questions judge the solution, too."""
     damage(course.path, "b.T @ values", "b.T @ (values + 1)")
     verdicts = problems(course, "01.2")
     assert any("the solution is not right" in p for p in verdicts)
 
 
-def test_the_stub_says_what_to_write():
-    """The docstring stays, the solution goes, and the place is marked."""
+def test_the_stub_keeps_the_docstring_and_omits_the_solution():
+    """The stub raises NotImplementedError where the answer belongs."""
     cell = SOURCES[0].answer_cells()["01.2"]
     empty = notebooks.stub(cell)
     assert "Return c of (1.4)" in empty
@@ -279,8 +278,8 @@ def test_the_stub_says_what_to_write():
 
 
 @pytest.mark.slow
-def test_nothing_hidden_is_in_what_students_get():
-    """No code, no model answer, no number of a hidden case, nor of one with a secret salt."""
+def test_student_files_contain_no_hidden_material():
+    """No code of a solution, no model answer and no number of a hidden case leaks to students."""
     assert not list(build.leaks(ROOT, "a secret salt"))
 
 
@@ -293,24 +292,23 @@ def test_nothing_hidden_is_in_what_students_get():
         ("hint.md", "By counting, the system is over-determined"),
     ],
 )
-def test_the_guard_finds_a_part_of_a_solution(name, text):
-    """Wherever it is: in code, in a string, in prose; spaces and comments do not hide it."""
+def test_a_leaked_part_of_a_solution_is_found(name, text):
+    """In code, in a string and in prose; white space and comments do not hide the leak."""
     if name.endswith(".md"):
         answer = next(cell.text for cell in SOURCES[0].cells if cell.answer).split()
         text = f"Before.\n{' '.join(answer[5:20])}\nAfter."
     assert list(leaks.code_leaks(SOURCES[0], {name: text}))
 
 
-def test_the_guard_finds_a_part_of_a_solution_in_an_output():
-    """A notebook is looked through with its outputs."""
+def test_a_leak_in_a_notebook_output_is_found():
     output = nbformat.v4.new_output("stream", text="np.linalg.solve(b.T @ b, b.T @ values)")
     cell = nbformat.v4.new_code_cell("1", outputs=[output])
     text = nbformat.writes(nbformat.v4.new_notebook(cells=[cell]))
     assert list(leaks.code_leaks(SOURCES[0], {"a.ipynb": text}))
 
 
-def test_a_leak_is_named_with_its_line():
-    """In a file of code, in a cell and its output, and under a key of JSON."""
+def test_a_leak_is_reported_with_its_file_and_line():
+    """In code files, in notebook cells and their outputs, and under the keys of a JSON file."""
     leak = "\n  np.linalg.solve(b.T @ b, b.T @ values)"
     code = nbformat.v4.new_code_cell(leak, outputs=[nbformat.v4.new_output("stream", text=leak)])
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_markdown_cell("1"), code])
@@ -336,8 +334,8 @@ def test_a_leak_is_named_with_its_line():
 
 
 @each_source
-def test_an_idiom_is_no_leak(source):
-    """What every program says: sums along an axis, loops, empty arrays."""
+def test_common_idioms_are_not_leaks(source):
+    """Sums along an axis, loops and empty arrays occur in every program."""
     law = """
 def momentum(forces, areas):
     total = np.zeros((len(forces), 3))
@@ -349,8 +347,8 @@ def momentum(forces, areas):
 
 
 @each_source
-def test_every_solution_would_be_found(source):
-    """Each body, in a comment of one line as well, if it is long enough to be anybody's own."""
+def test_every_solution_is_found_if_it_leaks(source):
+    """Every solution that is long enough to be distinctive is found, also in a one-line comment."""
     for cell in source.cells:
         for body in cell.solutions:
             if leaks.token_runs(body):
@@ -380,19 +378,19 @@ def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_a_leak_is_refused_before_anything_is_written(changed_course):
-    """Exercises, answers and stubs are those of before, and no file is new."""
-    hint = changed_course / "src/fieldcheck/ladder.py"
+def test_a_leak_stops_the_build_before_any_file_is_written(changed_course):
+    """No file is changed, and no file is added."""
+    hint = changed_course / "src/fieldcheck/verdict.py"
     hint.write_text(f"{hint.read_text('utf-8')}\n\nhint = np.linalg.solve(b.T @ b, b.T @ values)\n")
     line = len(hint.read_text("utf-8").splitlines())
     before = contents(changed_course)
-    with pytest.raises(ValueError, match=rf"src/fieldcheck/ladder\.py, line {line} holds a part"):
+    with pytest.raises(ValueError, match=rf"src/fieldcheck/verdict\.py, line {line} holds a part"):
         build.build(changed_course, build.all_sources(changed_course))
     assert contents(changed_course) == before
 
 
-def test_a_leak_in_what_is_about_to_be_written_is_refused(changed_course):
-    """A cell of the source itself, outside of the markers."""
+def test_a_leak_from_a_cell_of_the_source_stops_the_build(changed_course):
+    """A cell of the source contains solution code outside the solution markers."""
     source = changed_course / "solutions" / SOURCES[0].path.name
     leak = "# %%\nnp.linalg.solve(b.T @ b, b.T @ values)\n\n# %%\n"
     source.write_text(source.read_text("utf-8").replace("# %%\n", leak, 1), encoding="utf-8")
@@ -402,8 +400,8 @@ def test_a_leak_in_what_is_about_to_be_written_is_refused(changed_course):
     assert contents(changed_course) == before
 
 
-def test_the_guard_finds_hidden_numbers():
-    """One number of a hidden input, or of the answer to it, is enough."""
+def test_a_leaked_number_of_a_hidden_case_is_found():
+    """One number of a hidden input or of its answer is enough, also if it is rounded."""
     source, question = SOURCES[0], questions()["01.2"]
     tried = trials(question, source.functions(), [], [], "leak", "a secret salt")[1]
 
@@ -433,8 +431,8 @@ def unpacked(tmp_path_factory):
     return folder / bundle.FOLDER
 
 
-def test_the_bundle_has_the_same_bytes_each_time(tmp_path):
-    """And holds what a student needs."""
+def test_the_student_bundle_is_reproducible_and_complete(tmp_path):
+    """The bundle has the same bytes each time, contains what a student needs, and no solutions."""
     one = bundle.write_bundle(ROOT, tmp_path / "one.zip").read_bytes()
     assert bundle.write_bundle(ROOT, tmp_path / "two.zip").read_bytes() == one
     names = zipfile.ZipFile(tmp_path / "one.zip").namelist()
@@ -443,8 +441,8 @@ def test_the_bundle_has_the_same_bytes_each_time(tmp_path):
     assert not [name for name in names if "solution" in name or "misconception" in name]
 
 
-def test_the_bundle_checks_by_itself(unpacked):
-    """Its own package checks an answer, where neither fieldrecon nor SciPy can be imported."""
+def test_the_bundle_checks_answers_without_fieldrecon(unpacked):
+    """The bundled package runs where neither fieldrecon nor SciPy can be imported."""
     program = """
 import sys
 class Missing:
@@ -475,8 +473,7 @@ print(fieldcheck.check("01.1"))
     assert "The constant is missing" in wrong
 
 
-def test_fieldcheck_never_imports_fieldrecon():
-    """Nor anything else that students need not have."""
+def test_fieldcheck_imports_only_packages_that_students_have():
     allowed = {"numpy", "matplotlib", "ipywidgets", "IPython", "fieldcheck", "__future__"}
     for path in (ROOT / "src/fieldcheck").rglob("*.py"):
         imported = {name.partition(".")[0] for name in imports(path)}
@@ -495,8 +492,8 @@ def imports(path):
 
 
 @pytest.mark.slow
-def test_the_first_solution_is_published(tmp_path):
-    """As a page and on paper, the same bytes each time, without a word that calls a network."""
+def test_a_published_solution_is_reproducible_and_self_contained(tmp_path):
+    """HTML and PDF have the same bytes each time, and the page loads nothing from the network."""
     page, paper = publish(ROOT, SOURCES[0], tmp_path / "one")
     again = publish(ROOT, SOURCES[0], tmp_path / "two")
     assert [p.read_bytes() for p in again] == [page.read_bytes(), paper.read_bytes()]
@@ -508,8 +505,8 @@ def test_the_first_solution_is_published(tmp_path):
 
 
 @pytest.mark.slow
-def test_solutions_are_published_from_any_path(tmp_path):
-    """Of a checkout and of the output: signs that Lua's search path, shells and URLs reserve."""
+def test_solutions_are_published_from_paths_with_special_characters(tmp_path):
+    """The paths contain characters that Lua's search path, shells and URLs reserve."""
     root = tmp_path / "a; b? #c%20 'd' ü"
     shutil.copytree(ROOT / "report", root / "report", ignore=shutil.ignore_patterns("build"))
     (root / "solutions").mkdir()
@@ -523,7 +520,7 @@ def test_solutions_are_published_from_any_path(tmp_path):
 @pytest.mark.slow
 @each_source
 def test_every_solution_can_be_published(source, tmp_path):
-    """No formula of a notebook is spoilt on its way to page and paper."""
+    """Every formula of every notebook survives the conversion to HTML and PDF."""
     page, paper = publish(ROOT, source, tmp_path)
     assert page.stat().st_size > 1e5
     assert paper.read_bytes().startswith(b"%PDF")
@@ -538,14 +535,14 @@ def git(folder, *arguments):
 
 @pytest.fixture
 def repository(tmp_path):
-    """A repository that ignores the file of the secret."""
+    """A repository that ignores the file of the secret salt."""
     git(tmp_path, "init", "-q")
     (tmp_path / ".gitignore").write_text(f"{secret_salt.FILE}\n")
     return tmp_path
 
 
-def test_a_secret_salt_is_made_once_a_year(repository):
-    """It is random, for its owner's eyes only, and replaced only when that is asked for."""
+def test_an_existing_secret_salt_is_not_replaced_without_renew(repository):
+    """The salt is random, readable by its owner only, and replaced only with --renew."""
     assert not secret_salt.read_salt(repository).secret
     made = secret_salt.make_salt(repository, 2031)
     assert secret_salt.read_salt(repository) == made
@@ -556,8 +553,7 @@ def test_a_secret_salt_is_made_once_a_year(repository):
     assert secret_salt.make_salt(repository, 2032, renew=True).text != made.text
 
 
-def test_a_secret_that_git_knows_is_refused(repository):
-    """Whether it is tracked already, or would be by the next commit."""
+def test_a_secret_salt_that_git_tracks_or_would_track_is_refused(repository):
     secret_salt.make_salt(repository, 2031)
     git(repository, "add", "--force", secret_salt.FILE)
     with pytest.raises(ValueError, match="git tracks"):
@@ -568,15 +564,14 @@ def test_a_secret_that_git_knows_is_refused(repository):
         secret_salt.make_salt(repository, 2031, renew=True)
 
 
-def test_a_damaged_secret_is_told(tmp_path):
-    """Rather than replaced: it may be needed to grade again."""
+def test_a_damaged_secret_salt_is_reported(tmp_path):
+    """A damaged salt is not replaced, since it may be needed to grade again."""
     (tmp_path / secret_salt.FILE).write_text("{}")
     with pytest.raises(ValueError, match="is damaged"):
         secret_salt.read_salt(tmp_path)
 
 
-def test_this_repository_ignores_the_secret():
-    """And does not hold one."""
+def test_this_repository_ignores_the_secret_salt():
     listed = subprocess.run(
         ["git", "check-ignore", secret_salt.FILE],
         cwd=ROOT,
@@ -592,8 +587,8 @@ def test_this_repository_ignores_the_secret():
 
 
 @pytest.mark.slow
-def test_the_command_says_where_the_secret_is_missing(capsys, monkeypatch):
-    """A banner stands above the proof of one question, which passes in one of the settings."""
+def test_the_check_command_warns_if_there_is_no_secret_salt(capsys, monkeypatch):
+    """The command proves one question under one kernel setting and names that setting."""
     monkeypatch.setattr("fieldgrade.commands.course.settings", lambda: blas_kernels.settings()[-1:])
     assert main(["course", "--root", str(ROOT), "check", "--question", "01.5"]) == 0
     printed = capsys.readouterr()
@@ -604,14 +599,14 @@ def test_the_command_says_where_the_secret_is_missing(capsys, monkeypatch):
         assert "There is no secret salt" in printed.err
 
 
-def test_the_command_refuses_what_is_not_there(capsys):
-    """In a sentence, with exit status 2."""
+def test_the_check_command_refuses_an_unknown_notebook(capsys):
+    """The command prints a sentence and exits with status 2."""
     assert main(["course", "--root", str(ROOT), "check", "--only", "77"]) == 2
     assert "there is no notebook 77" in capsys.readouterr().err
 
 
-def test_mutants_change_one_thing_each():
-    """An operator, a number, a transpose, an axis, a function left out."""
+def test_each_mutant_changes_one_thing():
+    """An operator, a number, a transpose, an axis, or an omitted function call."""
     code = "def f(a, b):\n    return abs(a.T @ b).sum(axis=1) > -2.5"
     changed = {text.splitlines()[1].strip() for _, text in mutants.mutants(code)}
     assert {

@@ -1,4 +1,4 @@
-"""What an answer goes through: mistakes are recognised on any inputs, and cost nothing before."""
+"""Trials of an answer: misconceptions are recognised on any inputs and evaluated only on demand."""
 
 from itertools import chain
 
@@ -15,8 +15,8 @@ SOURCE = SOURCES["01"]
 FUNCTIONS, MISTAKES = SOURCE.functions(), entries(SOURCE, "misconceptions")
 
 
-def of_class(number, count):
-    """What the students of a class go through in a notebook, one by one."""
+def trials_of_class(number, count):
+    """The trials of each student of a class in one notebook."""
     source = SOURCES[number]
     functions, hidden = source.functions(), hidden_cases(source)
     asked = [q for q in questions().values() if q.notebook == number]
@@ -26,12 +26,13 @@ def of_class(number, count):
 
 @pytest.mark.parametrize("students", [2, pytest.param(25, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("number", SOURCES)
-def test_no_right_number_is_the_rounding_of_zero(number, students):
-    """Else it would be the unit of all differences, and who rounds otherwise would be wrong.
+def test_no_right_answer_consists_of_rounding_errors(number, students):
+    """A rounding error of zero would become the unit of all differences.
 
-    What is nothing, as the bends of a spline through two sites, is zero in its normal form.
+    Then a right answer that rounds differently would be judged wrong. Values that vanish, such as
+    the curvature of a spline through two sites, are exactly zero in the normal form.
     """
-    for its in of_class(number, students):
+    for its in trials_of_class(number, students):
         for trial in chain.from_iterable(its.values()):
             for call, right in zip(trial.calls, trial.answers.right, strict=True):
                 made_of = [*call.arguments, *right]
@@ -46,10 +47,10 @@ def largest(array):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", SOURCES)
-def test_who_is_right_in_another_way_is_right_in_any_class(number):
-    """Thirty students, each with own inputs: right ways round differently."""
+def test_alternative_right_answers_are_right_for_every_student(number):
+    """Thirty students have inputs of their own, on which right answers round differently."""
     functions, others = SOURCES[number].functions(), entries(SOURCES[number], "alternatives")
-    for its in of_class(number, 30):
+    for its in trials_of_class(number, 30):
         for other in others:
             found = [trial.verdict(other.namespace(functions)) for trial in its[other.question]]
             assert all(verdict.right for verdict in found), (other.name, found)
@@ -60,18 +61,18 @@ def tried(question):
 
 
 @pytest.mark.parametrize("question", ["01.1", "01.2", "01.4"])
-def test_mistakes_are_recognised_on_hidden_inputs_too(question):
-    """The student reads the sentence of the mistake, which tells no input."""
+def test_misconceptions_are_recognised_on_hidden_inputs(question):
+    """The student reads the sentence of the misconception, which reveals no input."""
     mistakes = [m for m in MISTAKES if m.question == question]
     for trial in tried(question):
-        told = [trial.verdict(m.namespace(FUNCTIONS)) for m in mistakes]
-        known = {v.mistake: v.sentence for v in told if v.rung == "misconception"}
+        verdicts = [trial.verdict(m.namespace(FUNCTIONS)) for m in mistakes]
+        known = {v.mistake: v.sentence for v in verdicts if v.rung == "misconception"}
         assert known
         assert known.items() <= {m.name: m.sentence for m in mistakes}.items()
 
 
-def test_nobody_asks_what_mistakes_give_while_answers_are_right(monkeypatch):
-    """There are a dozen of them for each answer, and most answers are right."""
+def test_misconceptions_are_not_evaluated_for_right_answers(monkeypatch):
+    """Each question has about a dozen misconceptions, and most answers are right."""
     asked = []
     monkeypatch.setattr(
         "fieldgrade.authoring.trials.known_mistakes", lambda *_: asked.append("mistakes") or ()

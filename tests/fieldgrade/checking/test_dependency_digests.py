@@ -1,4 +1,4 @@
-"""Digests of checks: they change with what a verdict depends on, and with nothing else."""
+"""A check's digest changes if and only if something changes on which its verdict depends."""
 
 from dataclasses import replace
 from functools import partial
@@ -30,7 +30,7 @@ def other(x):
 
 
 def digest(folder, code, name="check"):
-    """The digest of a function of a file."""
+    """The digest of a function defined in a file."""
     file = folder / f"code_{abs(hash(code))}.py"
     file.write_text(code)
     spec = spec_from_file_location(file.stem, file)
@@ -48,8 +48,8 @@ def digest(folder, code, name="check"):
     ],
     ids=["a comment", "a function that it does not call", "a class that it does not use"],
 )
-def test_what_does_not_matter_changes_nothing(tmp_path, old, new):
-    """Lines may move, and what stands beside a check may change."""
+def test_irrelevant_edits_do_not_change_the_digest(tmp_path, old, new):
+    """Lines may move, and code that the check does not use may change."""
     assert digest(tmp_path, CODE) == digest(tmp_path, CODE.replace(old, new))
 
 
@@ -64,14 +64,14 @@ def test_what_does_not_matter_changes_nothing(tmp_path, old, new):
         ("import numpy as np", "import math as np"),
     ],
 )
-def test_what_matters_changes_it(tmp_path, old, new):
-    """Helpers, constants, defaults, names of libraries, code within code."""
+def test_relevant_edits_change_the_digest(tmp_path, old, new):
+    """Helpers, constants, defaults, names of libraries, and nested code are relevant."""
     assert old in CODE
     assert digest(tmp_path, CODE) != digest(tmp_path, CODE.replace(old, new))
 
 
-def test_functions_that_call_each_other_have_digests():
-    """What was met before is told by its number."""
+def test_mutually_recursive_functions_have_different_digests():
+    """A function that was visited before enters the digest by its number."""
 
     def even(n):
         return n == 0 or odd(n - 1)
@@ -95,14 +95,14 @@ def test_functions_that_call_each_other_have_digests():
         ("1", 1),
     ],
 )
-def test_values_differ_where_they_do(one, other):
-    """Numbers by kind, arrays by shape and kind, records by content."""
+def test_different_values_have_different_digests(one, other):
+    """Numbers and arrays differ by type, arrays also by shape, and containers by content."""
     assert dependency_digest(one) == dependency_digest(one)
     assert dependency_digest(one) != dependency_digest(other)
 
 
 def made_by(root):
-    """The digests of the questions, and of their checks."""
+    """The digests of the questions of notebook 01 and of their checks."""
     course = Course([Source(root / "solutions" / "01_least_squares.py")], "salt")
     asked = [q.name for q in questions().values() if q.notebook == "01"]
     checks = {f"{q} {name}": made for q in asked for name, made in course.checks(q).items()}
@@ -121,10 +121,10 @@ ALL = {"01.3", "01.3 public cases", "01.3 own inputs"}
         ("grading", '"""What only', '"""What just', set()),
     ],
 )
-def test_a_changed_check_has_another_digest_and_so_has_its_question(
+def test_a_changed_check_changes_its_own_digest_and_that_of_its_question(
     tmp_path, file, old, new, concerned
 ):
-    """A file holds the checks of a whole notebook, and each has a digest of its own."""
+    """One file contains the checks of a whole notebook, and each check has its own digest."""
     before = made_by(ROOT)
     root = checkout(tmp_path, "01")
     place = root / "solutions" / file / "01_least_squares.py"
@@ -134,8 +134,8 @@ def test_a_changed_check_has_another_digest_and_so_has_its_question(
     assert {name for name in now if now[name] != before[name]} == concerned
 
 
-def test_laws_and_public_cases_do_not_concern_hidden_cases():
-    """They have inputs of their own; what they share with the others is how answers compare."""
+def test_laws_and_public_inputs_do_not_affect_the_digest_of_a_hidden_case():
+    """A hidden case shares only the comparison of answers, such as the tolerance, with them."""
     (case,) = hidden_cases(Source(ROOT / "solutions" / "01_least_squares.py"))[:1]
     asked = questions()[case.question]
 

@@ -1,4 +1,4 @@
-"""What counts: the grader, readers, overrides, lateness, and tables with a mistake in them."""
+"""Grade sheets combine the grader, marks, overrides and lateness; bad tables are refused."""
 
 from datetime import date
 
@@ -41,8 +41,8 @@ def sheet(decisions=None, **changes):
     return grade_sheets(results([record("ada", graded, **changes)]), decisions)[0]
 
 
-def test_checks_readers_and_people_each_have_their_say():
-    """An override stands above the grader, a reader gives points for words, the rest is open."""
+def test_overrides_replace_checks_and_marks_fill_written_answers():
+    """An override replaces the points of a check; an answer without a mark stays open."""
     plain = sheet()
     assert [(line.points, line.how) for line in plain.lines] == [
         (2, "checked"),
@@ -58,14 +58,14 @@ def test_checks_readers_and_people_each_have_their_say():
     assert decided.points == 2.5
 
 
-def test_of_several_overrides_the_last_written_counts():
-    """Records are only ever added, so the order of the lines decides."""
+def test_the_last_of_several_overrides_counts():
+    """Overrides are only appended to the table, so the order of the lines decides."""
     decided = sheet(Decisions(overrides=[override(1, "first"), override(0.5, "then")]))
     assert (decided.lines[0].points, decided.lines[0].comment) == (0.5, "then")
 
 
-def test_the_last_hand_in_counts_whatever_it_earns():
-    """Of two submissions the later one is taken, also where the time zones differ."""
+def test_the_latest_submission_counts_even_with_fewer_points():
+    """The later of two submissions counts, also if they name different time zones."""
     early = record("ada", [grade("01.1", 2.0)], received="2026-11-30T20:30:00+01:00")
     last = record("ada", [grade("01.1", 1.0)], received="2026-11-30T20:00:00Z")
     for order in ([early, last], [last, early]):
@@ -73,8 +73,8 @@ def test_the_last_hand_in_counts_whatever_it_earns():
         assert found.points == 1
 
 
-def test_lateness_is_applied_when_points_are_read_off():
-    """The results know no policy: the same record costs what the tables of today say."""
+def test_lateness_is_applied_by_the_grade_sheet_and_not_by_the_results():
+    """The results contain no policy: the present tables determine what the same record loses."""
     late = {"received": "2026-12-02T12:00:00+01:00"}
     policy = LatePolicy(moment("2026-11-30T23:59+01:00"), per_day=0.25)
     named = {"01": Assignment("01", policy)}
@@ -85,7 +85,7 @@ def test_lateness_is_applied_when_points_are_read_off():
 
 
 @pytest.mark.parametrize(
-    ("decisions", "told"),
+    ("decisions", "message"),
     [
         (Decisions(overrides=[override(1, student="adda")]), "adda, 01.1: no such student"),
         (Decisions(overrides=[override(1, question="01.9")]), "ada, 01.9: there is no such quest"),
@@ -93,14 +93,14 @@ def test_lateness_is_applied_when_points_are_read_off():
         (Decisions(marks=[Mark("ada", "01.2", 1)]), "this answer is code; write an over"),
     ],
 )
-def test_decisions_that_would_have_no_effect_are_refused(decisions, told):
-    """A mistyped name or question is told, and not silently without effect."""
-    with pytest.raises(ValueError, match=told):
+def test_decisions_for_unknown_students_or_questions_are_refused(decisions, message):
+    """Too many points, and a mark for a code question, are refused too."""
+    with pytest.raises(ValueError, match=message):
         sheet(decisions)
 
 
-def test_who_handed_in_nothing_that_can_be_read_is_not_forgotten():
-    """Students without a graded notebook have their row, and their unreadable files are named."""
+def test_students_without_a_readable_notebook_are_in_the_gradebook():
+    """Every student has a row, and unreadable files are named in it."""
     found = grade_sheets(
         results(
             [
@@ -122,8 +122,8 @@ def test_who_handed_in_nothing_that_can_be_read_is_not_forgotten():
     ]
 
 
-def test_a_request_is_open_until_it_is_answered_or_decided():
-    """Words or a later override close a request; an override from before does not."""
+def test_a_regrade_request_is_open_until_an_answer_or_a_later_override():
+    """An override from before the request does not close it."""
     asks = RegradeRequest("ada", "01.1", DAY, "please")
     assert open_requests([asks], []) == [asks]
     assert open_requests([asks], [override(1)]) == []
@@ -134,8 +134,8 @@ def test_a_request_is_open_until_it_is_answered_or_decided():
 
 
 @pytest.mark.parametrize("name", HEADERS)
-def test_every_example_can_be_read_and_copied_from(name, tmp_path):
-    """The tables that are written are valid and empty, and each line that they show is valid."""
+def test_every_example_table_is_valid(name, tmp_path):
+    """The tables that are written are valid and empty, and each example line in them is valid."""
     file = tmp_path / name
     file.write_text(example(name))
     assert not READ[name](file)
@@ -143,8 +143,7 @@ def test_every_example_can_be_read_and_copied_from(name, tmp_path):
     assert len(READ[name](file)) == len(LINES[name])
 
 
-def test_examples_never_overwrite_a_table(tmp_path):
-    """The command may be run again: what is there stays."""
+def test_example_tables_never_overwrite_an_existing_table(tmp_path):
     (tmp_path / "roster.csv").write_text("student\nada\n")
     written = {file.name for file, is_new in write_examples(tmp_path) if is_new}
     assert written == set(HEADERS) - {"roster.csv"}
@@ -153,7 +152,7 @@ def test_examples_never_overwrite_a_table(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "line", "told"),
+    ("name", "line", "message"),
     [
         ("overrides.csv", "ada,01.3,2,,fair,2026-12-02", "2: column by is empty"),
         ("overrides.csv", "ada,1.3,2,Hopper,fair,2026-12-02", "2: a question is written as 01.2"),
@@ -172,9 +171,9 @@ def test_examples_never_overwrite_a_table(tmp_path):
         ("assignments.csv", "01,,,150,,,", "2: percent_per_day must be a number from 0 to 100"),
     ],
 )
-def test_a_bad_line_of_a_table_is_told_clearly(name, line, told, tmp_path):
-    """File, line and what was wanted stand in the error."""
+def test_a_bad_line_of_a_table_is_reported_with_its_number(name, line, message, tmp_path):
+    """The error names the file, the line and the required form."""
     file = tmp_path / name
     file.write_text(",".join(HEADERS[name]) + "\n" + line)
-    with pytest.raises(ValueError, match=rf"{name}:{told}"):
+    with pytest.raises(ValueError, match=rf"{name}:{message}"):
         READ[name](file)

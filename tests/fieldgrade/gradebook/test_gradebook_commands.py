@@ -1,4 +1,4 @@
-"""The commands that begin where grading has ended, from a folder of results to files."""
+"""The commands after grading: from a folder of results to feedback, tables and reports."""
 
 import csv
 import io
@@ -22,8 +22,8 @@ HEX = {"grader": "a" * 64, "environment": "b" * 64, "secret": True}
 
 
 @pytest.fixture
-def place(tmp_path):
-    """A folder of results with two notebooks in its archive, and a class with a table."""
+def folder(tmp_path):
+    """A folder with results and two archived notebooks, and a class folder with one table."""
     out, archive = tmp_path / "out", Archive(tmp_path / "out" / "received")
     found = []
     for name, book, points in (("ada", notebook("01"), 2.0), ("bob", notebook("01"), 0.0)):
@@ -39,8 +39,8 @@ def place(tmp_path):
     return tmp_path
 
 
-def run(place, name, *more):
-    folders = [str(place / "out"), "--class", str(place / "class")]
+def run(folder, name, *more):
+    folders = [str(folder / "out"), "--class", str(folder / "class")]
     return main(["course", "--root", str(ROOT), name, *folders, *more])
 
 
@@ -48,117 +48,124 @@ def rows(file):
     return list(csv.reader(io.StringIO(file.read_text("utf-8"))))
 
 
-def test_feedback_is_a_page_for_each_student_and_a_list_of_them(place):
-    """The list tells which page is whose."""
-    assert run(place, "feedback") == 0
-    files = dict(rows(place / "out/feedback/files.csv")[1:])
+def test_feedback_writes_a_page_for_each_student_and_a_list_of_pages(folder):
+    """The list assigns the pages to the students."""
+    assert run(folder, "feedback") == 0
+    files = dict(rows(folder / "out/feedback/files.csv")[1:])
     assert set(files) == {"ada", "bob"}
-    page = (place / "out/feedback" / files["bob"]).read_text("utf-8")
+    page = (folder / "out/feedback" / files["bob"]).read_text("utf-8")
     assert "Bob Unmistakable" in page
     assert "Lovelace" not in page
 
 
-def test_export_writes_each_form_and_tells_what_waits(place, capsys):
-    """Grade book, Canvas, Moodle, Gradescope; unread answers and open requests are told."""
+def test_export_writes_every_format_and_reports_pending_work(folder, capsys):
+    """Gradebook, Canvas, Moodle and Gradescope; ungraded answers and open requests are reported."""
     line = "ada,01.1,2026-12-02,Look again.,\n"
-    (place / "class/requests.csv").write_text("student,question,on,request,answer\n" + line)
-    assert run(place, "export", "--out", str(place / "elsewhere")) == 0
-    told = capsys.readouterr().out
-    assert "2 answers are not graded yet" in told
-    assert "open request: ada, 01.1, 2026-12-02" in told
-    assert [r[0] for r in rows(place / "elsewhere/gradebook.csv")] == ["student", "ada", "bob"]
-    assert rows(place / "elsewhere/canvas.csv")[2][-1] == "4"
-    assert rows(place / "elsewhere/moodle.csv")[2][1] == "2"
-    scope = place / "elsewhere/gradescope/01/bob/results.json"
+    (folder / "class/requests.csv").write_text("student,question,on,request,answer\n" + line)
+    assert run(folder, "export", "--out", str(folder / "elsewhere")) == 0
+    printed = capsys.readouterr().out
+    assert "2 answers are not graded yet" in printed
+    assert "open request: ada, 01.1, 2026-12-02" in printed
+    assert [r[0] for r in rows(folder / "elsewhere/gradebook.csv")] == ["student", "ada", "bob"]
+    assert rows(folder / "elsewhere/canvas.csv")[2][-1] == "4"
+    assert rows(folder / "elsewhere/moodle.csv")[2][1] == "2"
+    scope = folder / "elsewhere/gradescope/01/bob/results.json"
     assert json.loads(scope.read_text())["score"] == 2
 
 
-def test_a_platform_without_names_is_told_and_not_made(place, capsys):
-    """Who does not use Canvas is not stopped by it."""
-    (place / "class/assignments.csv").unlink()
-    assert run(place, "export") == 0
+def test_an_export_without_assignment_names_is_skipped_and_reported(folder, capsys):
+    """A class that does not use Canvas can still be exported."""
+    (folder / "class/assignments.csv").unlink()
+    assert run(folder, "export") == 0
     assert "no canvas.csv: column canvas of assignments.csv is empty" in capsys.readouterr().out
-    assert not (place / "out/canvas.csv").exists()
+    assert not (folder / "out/canvas.csv").exists()
 
 
-def test_words_are_read_and_the_points_come_back(place):
-    """Pages and tables are made; points that are entered count in the next export."""
-    assert run(place, "manual") == 0
-    table = place / "class/manual/01.7.csv"
-    assert "By counting" in (place / "out/manual/01.7.html").read_text("utf-8")
+def test_manual_points_reach_the_exported_gradebook(folder):
+    """Marking pages and tables are written; entered points count in the next export."""
+    assert run(folder, "manual") == 0
+    table = folder / "class/manual/01.7.csv"
+    assert "By counting" in (folder / "out/manual/01.7.html").read_text("utf-8")
     table.write_text(table.read_text().replace("ada,,", "ada,2.5,"))
-    assert run(place, "manual") == 0
+    assert run(folder, "manual") == 0
     assert "ada,2.5," in table.read_text()
-    assert run(place, "export") == 0
-    assert rows(place / "out/gradebook.csv")[1][5] == "2.5"
+    assert run(folder, "export") == 0
+    assert rows(folder / "out/gradebook.csv")[1][5] == "2.5"
 
 
-def test_an_override_is_told_as_a_difference(place, capsys):
-    """What was decided since the class was graded stands in the table with its reason."""
+def test_an_override_is_reported_as_a_difference(folder, capsys):
+    """The table lists decisions made since the class was graded, with their reasons."""
     from fieldgrade.class_folder.decisions import ClassFolder, save_decisions
 
-    save_decisions(place / "out", ClassFolder(place / "class"))
-    assert run(place, "differences") == 0
+    save_decisions(folder / "out", ClassFolder(folder / "class"))
+    assert run(folder, "differences") == 0
     assert "no grade changed" in capsys.readouterr().out
     line = "bob,01.1,1,Hopper,right idea,2026-12-02\n"
-    (place / "class/overrides.csv").write_text("student,question,points,by,reason,on\n" + line)
-    assert run(place, "differences") == 0
-    told = ["bob", "01.1", "0", "1", "override: right idea"]
-    assert rows(place / "out/differences.csv")[1] == told
+    (folder / "class/overrides.csv").write_text("student,question,points,by,reason,on\n" + line)
+    assert run(folder, "differences") == 0
+    printed = ["bob", "01.1", "0", "1", "override: right idea"]
+    assert rows(folder / "out/differences.csv")[1] == printed
 
 
-def test_similar_notebooks_are_shown(place):
-    """Two equal notebooks share all that is not handed out, in the functions asked for."""
-    assert run(place, "similarity") == 0
-    (pair,) = rows(place / "out/similarity/pairs.csv")[1:]
+def test_similar_notebooks_are_reported(folder):
+    """Two equal notebooks share all code that was not handed out, in the required functions."""
+    assert run(folder, "similarity") == 0
+    (pair,) = rows(folder / "out/similarity/pairs.csv")[1:]
     assert pair[:4] == ["01", "ada", "bob", "1"]
     assert "fit" in pair[5]
-    assert "not a verdict" in (place / "out/similarity/01.html").read_text("utf-8")
+    assert "not a verdict" in (folder / "out/similarity/01.html").read_text("utf-8")
 
 
-def test_the_analysis_counts_mistakes(place):
-    """A line for each question, with what went wrong."""
-    assert run(place, "analysis") == 0
-    assert rows(place / "out/analysis.csv")[1] == ["01.1", "2", "0.5", "0.5", "", "no constant (1)"]
+def test_the_analysis_counts_misconceptions(folder):
+    """The table has one line for each question."""
+    assert run(folder, "analysis") == 0
+    assert rows(folder / "out/analysis.csv")[1] == [
+        "01.1",
+        "2",
+        "0.5",
+        "0.5",
+        "",
+        "no constant (1)",
+    ]
 
 
 @pytest.mark.slow
-def test_the_class_report_has_facts_tables_and_figures_and_names_nobody(place):
-    """HTML and PDF are set by the report generator; no student is in them."""
-    assert run(place, "report") == 0
-    page = (place / "out/report/report.html").read_text("utf-8")
+def test_the_class_report_has_tables_and_figures_and_names_no_student(folder):
+    """The report is written as HTML and PDF."""
+    assert run(folder, "report") == 0
+    page = (folder / "out/report/report.html").read_text("utf-8")
     text = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", "", page))
     assert "The class has 2 students. 2 of them submitted" in text
     assert "The constant is missing." in text
     assert page.count("data:image/svg+xml") == 2
-    assert (place / "out/report/report.pdf").read_bytes().startswith(b"%PDF")
+    assert (folder / "out/report/report.pdf").read_bytes().startswith(b"%PDF")
     for name in ("Unmistakable", "Lovelace", "ada@"):
         assert name not in page
 
 
-def test_the_tables_of_a_class_are_written_once(tmp_path, capsys):
-    """The command tells what it wrote and what was there."""
+def test_existing_tables_of_a_class_are_kept(tmp_path, capsys):
+    """The command reports which tables it wrote and which ones existed."""
     assert main(["course", "class", str(tmp_path / "class")]) == 0
     assert "was there" not in capsys.readouterr().out
     assert main(["course", "class", str(tmp_path / "class")]) == 0
     assert "roster.csv exists and was kept" in capsys.readouterr().out
 
 
-def test_what_is_wrong_is_told_in_a_sentence(place, capsys):
-    """Missing results, a damaged file and a bad table end with status 2 and say where."""
-    assert main(["course", "export", str(place / "nowhere.json")]) == 2
+def test_bad_input_of_the_commands_is_reported(folder, capsys):
+    """Missing results, a damaged file and a bad table give exit status 2 and are named."""
+    assert main(["course", "export", str(folder / "nowhere.json")]) == 2
     assert "nowhere.json" in capsys.readouterr().err
-    assert main(["course", "export", str(place / "out"), "--class", str(place / "clas")]) == 2
+    assert main(["course", "export", str(folder / "out"), "--class", str(folder / "clas")]) == 2
     assert "there is no folder" in capsys.readouterr().err
-    (place / "class/overrides.csv").write_text("student,question\n")
-    assert run(place, "export") == 2
+    (folder / "class/overrides.csv").write_text("student,question\n")
+    assert run(folder, "export") == 2
     assert "overrides.csv:1: there is no column points, by, reason, on" in capsys.readouterr().err
-    (place / "out/results.json").write_text("{}")
-    assert run(place, "analysis") == 2
+    (folder / "out/results.json").write_text("{}")
+    assert run(folder, "analysis") == 2
     assert "results.json: this is not a file of results" in capsys.readouterr().err
 
 
 def test_differences_are_printed_as_a_table(capsys):
-    """Without any there is a sentence."""
+    """Without differences the command prints a sentence."""
     command.print_differences([])
     assert capsys.readouterr().out == "no grade changed\n"

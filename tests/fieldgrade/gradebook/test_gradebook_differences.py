@@ -1,4 +1,4 @@
-"""Which grades changed, and why: each reason by itself, and from files of the history."""
+"""Which grades changed between two gradings, and for which reasons."""
 
 from dataclasses import replace
 from datetime import date
@@ -56,31 +56,31 @@ BEFORE = standing()
         (standing(0.0, Decisions(overrides=[WHO])), 1, ["override: right but for a sign"]),
     ],
 )
-def test_each_change_has_its_reason(now, points, reasons):
-    """Only what changed is told, of whom it did, and with every reason that applies."""
+def test_a_changed_grade_is_reported_with_all_its_reasons(now, points, reasons):
+    """Unchanged grades and unaffected students are not reported."""
     assert differences(BEFORE, now) == [Difference("ada", "01.1", 2, points, tuple(reasons))]
 
 
-def test_nothing_changes_where_no_grade_does():
-    """Another check or grader that comes to the same points is no difference."""
+def test_equal_points_are_not_reported_as_a_difference():
+    """Another check or grader that gives the same points makes no difference."""
     assert differences(BEFORE, standing(code="d", made_by="1" * 64, grader="h")) == []
 
 
-def test_an_override_that_goes_is_told():
-    """The grader's points count again."""
+def test_a_withdrawn_override_is_reported():
+    """The points of the grader count again."""
     before = standing(decisions=Decisions(overrides=[WHO]))
     (found,) = differences(before, BEFORE)
     assert (found.before, found.now, found.reasons) == (1, 2, ("override withdrawn",))
 
 
-def test_points_of_a_reader_are_a_change_from_nothing():
-    """An answer in words that was read has points where it had none."""
+def test_a_mark_for_an_ungraded_answer_is_reported():
+    """The answer had no points before."""
     now = standing(decisions=Decisions(marks=[Mark("ada", "01.7", 1.5)]))
     assert differences(BEFORE, now) == [Difference("ada", "01.7", None, 1.5, ("marked by hand",))]
 
 
-def test_a_deadline_that_moves_is_told_of_the_whole_notebook():
-    """What being late costs stands apart from the questions."""
+def test_a_changed_deadline_is_reported_for_the_whole_notebook():
+    """The late penalty is listed apart from the questions."""
     policy = LatePolicy(moment("2026-11-30T23:59Z"), per_day=0.25)
     now = standing(decisions=Decisions({"01": Assignment("01", policy)}))
     assert differences(BEFORE, now) == [
@@ -88,8 +88,8 @@ def test_a_deadline_that_moves_is_told_of_the_whole_notebook():
     ]
 
 
-def test_who_hands_in_or_is_gone_is_told():
-    """A notebook that came has no grades before, and one that is gone none after."""
+def test_new_and_withdrawn_submissions_are_reported():
+    """A new notebook has no grades before, and a withdrawn one has none now."""
     alone = GradedState(replace(BEFORE.results, records=BEFORE.results.records[1:]), Decisions())
     (came,) = differences(alone, BEFORE)
     assert (came.before, came.now, came.reasons) == (None, 2, ("submitted",))
@@ -97,8 +97,8 @@ def test_who_hands_in_or_is_gone_is_told():
     assert (gone.before, gone.now, gone.reasons) == (2, None, ("withdrawn",))
 
 
-def test_a_blind_comparison_is_caught(monkeypatch):
-    """Were codes not compared, a changed answer would look like chance."""
+def test_a_comparison_that_ignores_the_code_gives_another_reason(monkeypatch):
+    """A mutant: without comparing the code, a changed answer would look like chance."""
     from fieldgrade.gradebook import differences as module
 
     monkeypatch.setattr(module, "_answer", lambda *_: [])
@@ -106,8 +106,8 @@ def test_a_blind_comparison_is_caught(monkeypatch):
     assert found.reasons != ("answer changed",)
 
 
-def test_the_history_remembers_results_and_decisions(tmp_path):
-    """After regrading the newest of the history is compared, with what was decided then."""
+def test_regrading_is_compared_with_the_newest_results_of_the_history(tmp_path):
+    """The history keeps the decisions that held at that time."""
     out, folder = tmp_path / "out", ClassFolder(tmp_path / "class")
     file = out / "results.json"
     folder.folder.mkdir()
@@ -132,14 +132,12 @@ def test_the_history_remembers_results_and_decisions(tmp_path):
     assert [d.reasons for d in first] == [("override: fair",)]
 
 
-def test_without_a_history_nothing_changed(tmp_path):
-    """Results that were never graded again differ from nothing."""
+def test_results_without_a_history_have_no_differences(tmp_path):
     digest = {"code": "c" * 64, "grader": "a" * 64, "environment": "b" * 64}
     write_results(standing(**digest).results, tmp_path / "results.json")
     assert compared(tmp_path / "results.json", ClassFolder(tmp_path / "class")) == []
 
 
-def test_the_table_is_one_line_for_each_change():
-    """Students, points and reasons stand in columns."""
+def test_the_table_has_one_line_for_each_difference():
     text = to_table([Difference("ada", "01.1", None, 1.5, ("a", "b"))])
     assert text == "student,question,before,now,reasons\nada,01.1,,1.5,a; b\n"

@@ -1,4 +1,4 @@
-"""The files for learning platforms, held against the forms in which they read them."""
+"""The exported files have the form that each learning platform imports."""
 
 import csv
 import io
@@ -40,8 +40,8 @@ def sheets(*students, decisions=None, **parts):
     return grade_sheets(results(found, questions, students or (ADA, BOB)), decisions)
 
 
-def test_canvas_reads_its_own_columns_in_their_order():
-    """Header, the row of points possible, quoted names, and an empty cell where nothing came."""
+def test_the_canvas_file_has_the_columns_of_canvas_in_order():
+    """The second row has the possible points; a missing submission leaves its cell empty."""
     assert exports.canvas_csv(sheets(), NAMED) == (
         "Student,ID,SIS User ID,SIS Login ID,Section,Least squares (48213)\n"
         "    Points Possible,,,,,4\n"
@@ -50,8 +50,8 @@ def test_canvas_reads_its_own_columns_in_their_order():
     )
 
 
-def as_canvas_does(text):
-    """Read a file by the rules of Canvas' importer: where columns stand, and how it tells rows."""
+def read_as_canvas(text):
+    """Read a file by the rules of the importer of Canvas, which finds columns by position."""
     rows = list(csv.reader(io.StringIO(text)))
     header = rows[0]
     assert "Student" in header[0]
@@ -63,16 +63,16 @@ def as_canvas_does(text):
     return {row[0]: dict(zip(columns, row[5:], strict=True)) for row in rows[2:]}
 
 
-def test_canvas_finds_students_and_assignments():
-    """Read by its importer's rules the file gives the points back, assignment by assignment."""
-    assert as_canvas_does(exports.canvas_csv(sheets(), NAMED)) == {
+def test_the_canvas_file_assigns_points_to_students_and_assignments():
+    """The points are read by the rules of the importer."""
+    assert read_as_canvas(exports.canvas_csv(sheets(), NAMED)) == {
         "Lovelace, Ada": {"48213": "2.5"},
         "Bob": {"48213": ""},
     }
 
 
-def test_canvas_without_a_number_is_refused(tmp_path):
-    """A name without its number would make a new assignment, so the table refuses it."""
+def test_a_canvas_assignment_without_an_id_is_refused(tmp_path):
+    """Canvas would create a new assignment from a name without an id."""
     from fieldgrade.class_folder.assignments import read_assignments
 
     file = tmp_path / "assignments.csv"
@@ -83,8 +83,8 @@ def test_canvas_without_a_number_is_refused(tmp_path):
         read_assignments(file)
 
 
-def test_moodle_has_grade_and_feedback_together():
-    """Columns as in Moodle's export; where no grade is, there is no feedback either."""
+def test_the_moodle_file_has_grades_and_feedback():
+    """The columns are those of Moodle's own export; without a grade there is no feedback."""
     text = exports.moodle_csv(sheets(ADA, BOB, sentence="Use <arrays> & more."), NAMED)
     header, ada, bob = csv.reader(io.StringIO(text))
     assert header == [
@@ -100,15 +100,15 @@ def test_moodle_has_grade_and_feedback_together():
     assert bob == ["bob@uni.example", "", ""]
 
 
-def test_moodle_tells_students_by_number_where_more_have_one():
-    """The ID number is taken where at least as many have it as have an address."""
+def test_the_moodle_file_identifies_students_by_the_more_complete_column():
+    """The ID number is used if at least as many students have one as have an address."""
     text = exports.moodle_csv(sheets(ADA), NAMED)
     assert text.splitlines()[0].startswith("ID number,")
     assert text.splitlines()[1].startswith("4711,")
 
 
-def test_gradescope_reads_a_score_and_a_test_for_each_question():
-    """The whole object, literally: late points in the score, full ones in the tests."""
+def test_the_gradescope_file_has_a_score_and_one_test_per_question():
+    """The total score includes the late penalty, the scores of the tests do not."""
     late = LatePolicy(moment("2026-11-30T23:59Z"), per_day=0.2)
     record_ = record(
         "ada",
@@ -158,8 +158,8 @@ def test_gradescope_reads_a_score_and_a_test_for_each_question():
     }
 
 
-def test_who_a_platform_cannot_tell_is_left_out_and_told():
-    """A stray file must not stop the class, nor become somebody else's grade."""
+def test_students_without_a_platform_id_are_left_out_and_reported():
+    """A stray file neither stops the export nor becomes the grade of somebody else."""
     stray = {"student": "unknown"}
     found = sheets(ADA, stray)
     assert exports.left_out("canvas", found) == ["unknown"]
@@ -172,8 +172,8 @@ def test_who_a_platform_cannot_tell_is_left_out_and_told():
 
 
 @pytest.mark.parametrize("formula", FORMULAS)
-def test_no_spreadsheet_computes_what_a_student_wrote(formula):
-    """In every table a text that begins like a formula has a quotation mark before it."""
+def test_text_that_looks_like_a_formula_is_quoted_in_every_table(formula):
+    """A quotation mark keeps a spreadsheet from evaluating what a student wrote."""
     evil = ADA | {"name": formula, "section": formula, "student": "ada"}
     found = sheets(evil, sentence=formula)
     texts = [
@@ -188,19 +188,19 @@ def test_no_spreadsheet_computes_what_a_student_wrote(formula):
     assert texts[3].partition("\n")[2].lstrip('"').startswith("'")
 
 
-def test_numbers_are_no_formulas():
-    """Points below zero stay numbers: only text is guarded."""
+def test_negative_numbers_are_not_quoted():
+    """Only text is quoted."""
     assert tables.to_csv(["late"], [[-0.5], ["-0.5"]]) == "late\n-0.5\n'-0.5\n"
 
 
-def test_a_table_without_the_guard_is_caught(monkeypatch):
-    """Were texts written as they come, the test above would see a formula."""
+def test_without_quoting_a_formula_reaches_the_table(monkeypatch):
+    """A mutant that the test of quoted formulas catches."""
     monkeypatch.setattr(tables, "_safe", lambda text: text)
     assert "\n=1+1" in tables.to_csv(["x"], [["=1+1"]])
 
 
-def test_a_name_that_looks_like_a_comment_survives(tmp_path):
-    """A student called #1 does not vanish when a table is written and read again."""
+def test_a_student_named_like_a_comment_is_read_back(tmp_path):
+    """A student called #1 is still in a table that is written and read again."""
     file = tmp_path / "t.csv"
     file.write_text(tables.to_csv(["student"], [["#1"], ["'#2"], ["=3"]]))
     assert tables.read_table(file, lambda row: row["student"], ["student"]) == ["#1", "'#2", "=3"]

@@ -1,4 +1,4 @@
-"""Pages for students: they say what is to be said, run nothing, and tell no hidden input."""
+"""Feedback pages: they contain every message, run no code, and reveal no hidden input."""
 
 import base64
 import re
@@ -17,7 +17,7 @@ from fieldgrade.authoring.trials import trials
 from fieldgrade.checking import grade_submission
 from fieldgrade.class_folder.assignments import Assignment
 from fieldgrade.class_folder.decisions import Decisions, Mark
-from fieldgrade.class_folder.file_names import file_names
+from fieldgrade.class_folder.roster import file_names
 from fieldgrade.gradebook import exports
 from fieldgrade.gradebook.feedback import feedback
 from fieldgrade.gradebook.grade_sheets import grade_sheets
@@ -28,7 +28,7 @@ from gradebook_class import (
     asked,
     grade,
     harmless,
-    mistaken,
+    misconception_code,
     notebook,
     record,
     results,
@@ -55,22 +55,22 @@ def evil_sheets():
     return grade_sheets(results([found, broken], students=students), Decisions(marks=marks))
 
 
-def test_nothing_that_a_student_wrote_is_run():
-    """Names, files, errors and comments stand there as they were typed, and do nothing."""
+def test_text_of_students_is_escaped_in_feedback():
+    """Names, files, errors and comments are shown as they were typed."""
     page = feedback(evil_sheets(), {"01": "Least squares"})
     assert harmless(page)
     assert Tags(page).text.count(EVIL) >= 4
     assert "default-src 'none'" in page
 
 
-def test_a_page_without_escaping_is_caught(monkeypatch):
-    """Were names put into the page as they are, the test above would see a script."""
+def test_without_escaping_a_page_contains_a_script(monkeypatch):
+    """A mutant that the test of escaped text catches."""
     monkeypatch.setattr(pages, "escape", lambda text: text)
     assert not harmless(feedback(evil_sheets()))
 
 
-def test_pictures_are_images_of_data():
-    """Within an image nothing is run, whatever the drawing holds."""
+def test_pictures_are_embedded_as_images():
+    """A browser runs no script inside an image."""
     drawn = pages.picture("<svg><script>alert(1)</script></svg>", 'an "alt" <b>')
     assert harmless(drawn)
     ((_, attributes),) = Tags(drawn).tags
@@ -79,15 +79,15 @@ def test_pictures_are_images_of_data():
 
 
 def wrong_field(question, change):
-    """Return the sheets of a student whose field is another one in the public cases."""
+    """The sheets of a student whose field in the public cases is a changed right answer."""
     call = 0
     values = [change(v) for v in public_answers(question[:2])[question].right[call]]
     told = grade(question, 0.0, call=call, returned=tuple(arrays_to_json(tuple(values))))
     return grade_sheets(results([record("ada", [told], notebook=question[:2])], asked(question)))
 
 
-def test_a_field_is_drawn_beside_the_right_one():
-    """Where there are numbers to compare there is one picture, with a caption."""
+def test_a_wrong_field_is_drawn_beside_the_right_field():
+    """The page has one picture with a caption."""
     page = feedback(wrong_field("02.7", lambda v: v * 1.5))
     (image,) = [its for tag, its in Tags(page).tags if tag == "img"]
     assert "what gradient returns, and what is right" in image["alt"]
@@ -98,15 +98,15 @@ def test_a_field_is_drawn_beside_the_right_one():
     "change",
     [lambda v: v * 1e12, lambda v: v[:2], lambda v: v.ravel(), lambda v: v * 0 + 1e300],
 )
-def test_what_cannot_be_drawn_is_left_out(change):
-    """Other shapes and absurd numbers have their sentence, and no picture."""
+def test_a_field_that_cannot_be_drawn_has_a_sentence_only(change):
+    """Arrays of other shapes and absurd numbers are not drawn."""
     page = feedback(wrong_field("02.7", change))
     assert "<img" not in page
     assert "not right yet" in page
 
 
-def test_pages_are_small_and_stand_for_themselves():
-    """Without figures a page of eight notebooks has less than 60 kB, and loads nothing."""
+def test_pages_are_small_and_self_contained():
+    """Without figures, a page of all notebooks has less than 60 kB and loads nothing."""
     asked_ = list(questions().values())
     sentence = max((e.sentence for e in entries(source("02"), "misconceptions")), key=len)
     found = [
@@ -127,8 +127,8 @@ def test_pages_are_small_and_stand_for_themselves():
     assert page.count(sentence.split(".")[0]) >= len(asked_)
 
 
-def test_a_sentence_of_each_outcome_is_said():
-    """Right, known mistakes, nothing written, unread words, lateness and overrides are told."""
+def test_each_outcome_has_its_sentence_in_feedback():
+    """Right, misconception, unwritten, not graded yet, and stopped."""
     told = {
         "right": grade("01.1", 2.0),
         "known": grade("01.2", 0.0, rung="misconception", sentence="Squared twice."),
@@ -148,8 +148,8 @@ def test_a_sentence_of_each_outcome_is_said():
         assert sentence in text
 
 
-def test_names_of_files_are_safe_and_differ():
-    """No name leaves the folder, is a device's, or is another's on a system that ignores case."""
+def test_file_names_are_safe_and_distinct():
+    """No name leaves the folder or is a device name, and names differ in more than case."""
     students = ["ada", "Ada", "../../etc/passwd", "..", "con", "a/b", "a\\b", "", "ß", "\udcff"]
     students.append("x" * 300)
     names = file_names(students)
@@ -171,15 +171,15 @@ def fit(points, values):
 """
 
 
-def numbers(arrays):
-    """Return numbers as somebody would print them, those that are telling."""
+def printed_numbers(arrays):
+    """Return the distinctive numbers of some arrays as a student might print them."""
     found = {x for a in arrays for x in np.ravel(a).tolist() if abs(x) % 1 > 1e-6}
     return {text for x in found for text in (repr(x), f"{x:.8g}")}
 
 
 @pytest.fixture(scope="module")
 def leaking():
-    """Sheets of students who fail hidden cases, and the numbers of these."""
+    """Sheets of students who fail hidden cases, and the secret numbers of these cases."""
     here = source("01")
     course = grade_submission.Course([here], "a secret salt")
     books = {
@@ -191,7 +191,9 @@ def leaking():
             "        raise ValueError(points.tolist())\n"
             "    return int(np.linalg.matrix_rank(np.insert(points, 0, 1.0, axis=1)))",
         ),
-        "known": with_function(notebook("01"), "evaluate", mistaken("01.3", "slopes only")),
+        "known": with_function(
+            notebook("01"), "evaluate", misconception_code("01.3", "slopes only")
+        ),
     }
     with Server(tiers()[0]).started() as server:
         found = [
@@ -204,14 +206,14 @@ def leaking():
         for name in ("01.2", "01.4"):
             question = questions()[name]
             tried = trials(question, here.functions(), [], hidden, student, course.salt)[1:]
-            secret |= numbers(
+            secret |= printed_numbers(
                 a
                 for trial in tried
                 for call in trial.calls
                 for a in call.arguments
                 if isinstance(a, np.ndarray)
             )
-    public = numbers(
+    public = printed_numbers(
         a
         for q in questions().values()
         for c in public_calls(q)
@@ -232,7 +234,7 @@ def leaking():
     return grade_sheets(results(found, worth, students)), secret - public
 
 
-def all_that_is_handed_out(sheets):
+def all_texts_for_students(sheets):
     """Return every text that is made for students and exports."""
     rows = exports.by_student(sheets)
     return [
@@ -247,26 +249,26 @@ def all_that_is_handed_out(sheets):
 
 
 def drawings(text):
-    """Return the drawings within a page."""
+    """Return the drawings embedded in a page."""
     found = re.findall(r'base64,([A-Za-z0-9+/=]+)"', text)
     return [base64.b64decode(content).decode() for content in found]
 
 
 @pytest.mark.slow
-def test_hidden_inputs_are_nowhere(leaking):
-    """Answers that fail hidden cases, and shout what they saw, tell nothing of it to anybody."""
+def test_no_hidden_input_reaches_students(leaking):
+    """Answers that fail hidden cases and raise errors quoting their inputs reveal nothing."""
     sheets, secret = leaking
     verdicts = {s.student["student"]: {g.question: g for g in s.record.grades} for s in sheets}
     assert verdicts["leak"]["01.2"].check not in ("", "public cases")
     assert verdicts["rank"]["01.4"].check not in ("", "public cases")
     assert len(secret) > 500
-    for text in all_that_is_handed_out(sheets):
+    for text in all_texts_for_students(sheets):
         for part in (text, *drawings(text)):
             assert not [number for number in secret if number in part]
 
 
-def test_a_leak_would_be_seen(leaking):
-    """Were the error of a hidden case told as it came, the test above would find its numbers."""
+def test_an_unfiltered_error_of_a_hidden_case_would_be_found(leaking):
+    """A mutant that the test of hidden inputs catches."""
     sheets, secret = leaking
     (number, *_) = sorted(secret)
     first = sheets[0]
@@ -274,12 +276,11 @@ def test_a_leak_would_be_seen(leaking):
     verdict = replace(line.grade.verdict, sentence=f"stops with ValueError: [[{number}, 1]]")
     damaged = replace(line, grade=replace(line.grade, verdict=verdict))
     lines = tuple(damaged if x is line else x for x in first.lines)
-    texts = all_that_is_handed_out([replace(first, lines=lines), *sheets[1:]])
+    texts = all_texts_for_students([replace(first, lines=lines), *sheets[1:]])
     assert [text for text in texts if number in text]
 
 
-def test_the_sentence_of_a_hidden_case_is_told(leaking):
-    """What was written for students of the hidden case stands on the page, and not its name."""
+def test_feedback_contains_the_sentence_of_a_hidden_case_and_not_its_name(leaking):
     sheets, _ = leaking
     page = feedback([next(s for s in sheets if s.student["student"] == "leak")])
     assert "It is right on the public cases" in page or "It must hold in every dimension" in page

@@ -1,4 +1,4 @@
-"""How questions did: discrimination, failures, and the commonest mistakes."""
+"""Statistics of the questions: discrimination, failures, and the most frequent misconceptions."""
 
 import numpy as np
 import pytest
@@ -20,8 +20,8 @@ scores = st.lists(st.tuples(st.integers(0, 4), st.integers(0, 20)), min_size=3, 
 
 
 @given(scores)
-def test_discrimination_is_pearsons_correlation(pairs):
-    """It is what NumPy finds, in [-1, 1], and not known where one of the two is constant."""
+def test_discrimination_is_the_pearson_correlation(pairs):
+    """It agrees with NumPy, is in [-1, 1], and is None if one of the two is constant."""
     x, y = np.array(pairs, dtype=float).T
     r = discrimination(x, y)
     if np.ptp(x) == 0 or np.ptp(y) == 0:
@@ -32,8 +32,8 @@ def test_discrimination_is_pearsons_correlation(pairs):
 
 
 @given(scores, st.floats(0.1, 10), st.floats(-5, 5))
-def test_the_unit_of_points_does_not_matter(pairs, unit, shift):
-    """A question that is worth more discriminates no better; reversed marks change the sign."""
+def test_discrimination_does_not_depend_on_the_unit_of_points(pairs, unit, shift):
+    """An affine change of the points keeps the correlation; reversed points change its sign."""
     x, y = np.array(pairs, dtype=float).T
     r = discrimination(x, y)
     if r is not None:
@@ -41,8 +41,8 @@ def test_the_unit_of_points_does_not_matter(pairs, unit, shift):
         assert discrimination(-x, y) == pytest.approx(-r, abs=1e-12)
 
 
-def test_two_submissions_tell_nothing():
-    """A line goes through any two points, so their correlation is no evidence."""
+def test_two_submissions_give_no_discrimination():
+    """A line passes through any two points, so their correlation is not evidence."""
     assert discrimination(np.array([0.0, 1.0]), np.array([0.0, 1.0])) is None
 
 
@@ -56,9 +56,9 @@ def classes(*rows):
     return grade_sheets(results(found, asked(*names)))
 
 
-def test_the_question_itself_is_not_in_the_rest():
-    """A question that tells nothing of the others has no correlation with them, though it has one
-    with the sum that contains it.
+def test_discrimination_compares_a_question_with_the_other_questions():
+    """A question that is independent of the others has no correlation with them, although it is
+    correlated with the total that contains it.
     """
     sheets = classes((0, 0), (0, 2), (2, 0), (2, 2))
     assert [item.discrimination for item in items(sheets)] == pytest.approx([0, 0])
@@ -66,8 +66,8 @@ def test_the_question_itself_is_not_in_the_rest():
     assert discrimination(np.array([0.0, 0.0, 1.0, 1.0]), whole) > 0.7
 
 
-def test_failures_and_means_are_parts_of_what_was_graded():
-    """Half points fail and count half; what nobody has read is in no denominator."""
+def test_failures_and_means_are_fractions_of_graded_answers():
+    """Half the points is a failure and counts half; ungraded answers do not count."""
     first, second = items(classes((0, 2), (1, 2), (2, 2), (2, 2)))
     assert (first.failed, first.mean) == (0.5, 0.625)
     assert (second.failed, second.mean, second.discrimination) == (0, 1, None)
@@ -75,8 +75,8 @@ def test_failures_and_means_are_parts_of_what_was_graded():
     assert items(grade_sheets(unread)) == []
 
 
-def test_commonest_mistakes_come_first_and_rungs_stand_for_the_unknown():
-    """Misconceptions are counted by name; where none was recognised, how far the answer came."""
+def test_misconceptions_are_sorted_by_frequency():
+    """An answer without a recognised misconception is not counted among them."""
 
     def answer(name):
         return grade("01.1", 0.0, rung="misconception" if name else "shape", mistake=name)
@@ -87,8 +87,8 @@ def test_commonest_mistakes_come_first_and_rungs_stand_for_the_unknown():
     assert item.mistakes == (("c", 3), ("b", 2), ("a", 1))
 
 
-def test_the_table_and_the_page_say_the_same():
-    """Numbers of the analysis stand in the CSV file and on the page; doubtful ones are marked."""
+def test_the_table_and_the_page_show_the_same_statistics():
+    """Doubtful values are marked on the page."""
     found = [
         ItemStatistics("01.1", 8, 0.25, 0.75, 0.1, (("no constant", 2),)),
         ItemStatistics("01.2", 8, 0, 1, None),
@@ -102,8 +102,8 @@ def test_the_table_and_the_page_say_the_same():
     assert "Least &lt;squares&gt;" in page
 
 
-def test_a_mutant_that_leaves_the_question_in_the_rest_is_caught(monkeypatch):
-    """Where the question counted among the others the law of independence would fail."""
+def test_including_the_question_in_the_rest_changes_discrimination(monkeypatch):
+    """A mutant that the test of independent questions catches."""
     right = module.discrimination
     monkeypatch.setattr(module, "discrimination", lambda x, rest: right(x, rest + 2 * x))
     found = items(classes((0, 0), (0, 2), (2, 0), (2, 2)))

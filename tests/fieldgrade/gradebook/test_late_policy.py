@@ -1,4 +1,4 @@
-"""What a late hand-in costs: the mathematics of the policy, and the tables it is read from."""
+"""The penalty for late submissions: mathematics of the policy, and the tables it is read from."""
 
 import inspect
 from datetime import UTC, datetime, timedelta, timezone
@@ -32,15 +32,15 @@ def at(offset):
 
 
 @given(policies, seconds, st.integers(0, 86400))
-def test_later_never_costs_less(policy, offset, more):
-    """What is kept does not grow with the time of the hand-in, and lies between 1 - m and 1."""
+def test_the_late_factor_never_grows_with_time(policy, offset, more):
+    """The factor is between 1 - m and 1, where m is the largest penalty."""
     assert late_factor(at(offset + more), policy) <= late_factor(at(offset), policy)
     assert 1 - policy.most - 1e-12 <= late_factor(at(offset), policy) <= 1
 
 
 @given(policies, seconds, seconds)
-def test_an_extension_never_hurts(policy, offset, until):
-    """With more time as much is kept as without, or more; an earlier date changes nothing."""
+def test_an_extension_never_lowers_the_late_factor(policy, offset, until):
+    """An extension that ends before the deadline has no effect."""
     extended = late_factor(at(offset), policy, at(until))
     assert extended >= late_factor(at(offset), policy)
     if until <= 0:
@@ -48,15 +48,14 @@ def test_an_extension_never_hurts(policy, offset, until):
 
 
 @given(policies, seconds, st.integers(-12, 14))
-def test_a_moment_is_the_same_in_every_time_zone(policy, offset, hours):
-    """The clock on the wall has no say: only the moment has."""
+def test_the_late_factor_does_not_depend_on_the_time_zone(policy, offset, hours):
     elsewhere = at(offset).astimezone(timezone(timedelta(hours=hours)))
     assert late_factor(elsewhere, policy) == late_factor(at(offset), policy)
 
 
 @given(seconds, st.integers(-5000, 5000))
-def test_moving_deadline_and_hand_in_together_changes_nothing(offset, days):
-    """Only their distance counts: summer time and leap years have no say."""
+def test_only_the_time_between_deadline_and_submission_counts(offset, days):
+    """Daylight saving time and leap years have no effect."""
     shift = timedelta(days=days)
     assert days_late(at(offset) + shift, DUE + shift) == days_late(at(offset), DUE)
 
@@ -65,21 +64,20 @@ def test_moving_deadline_and_hand_in_together_changes_nothing(offset, days):
     ("offset", "days"),
     [(-1, 0), (0, 0), (1, 1), (86400, 1), (86401, 2), (2 * 86400, 2)],
 )
-def test_each_day_begun_counts(offset, days):
-    """A second after the deadline is a day; the deadline itself is in time."""
+def test_each_started_day_counts(offset, days):
+    """One second after the deadline is one day late; the deadline itself is in time."""
     assert days_late(at(offset), DUE) == days
 
 
-def test_the_grace_forgives_and_does_not_move_the_deadline():
-    """Within the grace nothing is late; after it the days count from the deadline."""
+def test_the_grace_period_does_not_move_the_deadline():
+    """Within the grace period nothing is late; after it, days count from the deadline."""
     grace = timedelta(minutes=15)
     assert days_late(at(900), DUE, grace) == 0
     assert days_late(at(901), DUE, grace) == 1
     assert days_late(at(86400 + 60), DUE, grace) == 2
 
 
-def test_without_a_deadline_or_a_time_nothing_is_lost():
-    """What is not known costs nothing."""
+def test_without_a_deadline_or_a_submission_time_there_is_no_penalty():
     assert late_factor(None, LatePolicy(DUE, per_day=1.0)) == 1
     assert late_factor(DUE, LatePolicy(None, per_day=1.0)) == 1
 
@@ -88,8 +86,8 @@ def test_without_a_deadline_or_a_time_nothing_is_lost():
     ("right", "wrong"),
     [("ceil(over / DAY)", "int(over / DAY)"), ("max(policy.due, until)", "until")],
 )
-def test_the_laws_catch_a_wrong_policy(right, wrong):
-    """Days completed in place of days begun, and extensions that shorten, are found out."""
+def test_mutants_of_the_late_policy_are_caught(right, wrong):
+    """Mutants: completed days instead of started days, and extensions that shorten the time."""
     source = inspect.getsource(late_policy)
     assert right in source
     mutant = {"__name__": late_policy.__name__}
@@ -101,7 +99,7 @@ def test_the_laws_catch_a_wrong_policy(right, wrong):
 
 
 def test_a_time_without_a_zone_is_refused():
-    """A time might be any of twenty-four, so the zone is asked for."""
+    """Without a time zone, a time of day is ambiguous."""
     with pytest.raises(ValueError, match=r"has no time zone: write it as .*\+01:00"):
         moment("2026-11-30T23:59")
     with pytest.raises(ValueError, match="a time must be written as 2026-11-30T23:59"):
@@ -110,7 +108,7 @@ def test_a_time_without_a_zone_is_refused():
 
 
 def test_the_longest_of_several_extensions_counts(tmp_path):
-    """Two lines for one student do not depend on their order."""
+    """The order of two lines for one student does not matter."""
     file = tmp_path / "extensions.csv"
     lines = ["ada,1,2026-12-04T12:00Z,ill", "ada,01,2026-12-02T12:00Z,moved"]
     for order in (lines, lines[::-1]):
@@ -118,8 +116,8 @@ def test_the_longest_of_several_extensions_counts(tmp_path):
         assert read_extensions(file)["ada", "01"].until == moment("2026-12-04T12:00Z")
 
 
-def test_each_bad_line_is_told_with_its_number(tmp_path):
-    """All that is wrong with a table is told at once, line by line."""
+def test_all_bad_lines_are_reported_with_their_numbers(tmp_path):
+    """All errors of a table are reported at once."""
     file = tmp_path / "extensions.csv"
     file.write_text(
         "student,notebook,until,reason\nada,01,tomorrow,ill\n\nalan,x,2026-12-04T12:00Z,"

@@ -1,4 +1,4 @@
-"""Answers in words: pages to read them on, and tables that never lose what was entered."""
+"""Manual grading: pages that show written answers, and tables that keep every entered mark."""
 
 import re
 
@@ -38,8 +38,8 @@ def file(tmp_path):
     return tmp_path / "01.7.csv"
 
 
-def test_points_go_from_the_table_to_the_sheets(file):
-    """What a reader writes behind a name is what the student earns."""
+def test_marks_in_the_table_reach_the_grade_sheets(file):
+    """An unanswered question has zero points without a reader."""
     assert update_table(file, {"ada": "My words.", "bob": "", "cy": "Mine."}) == []
     text = file.read_text()
     assert text == (
@@ -60,8 +60,8 @@ def test_points_go_from_the_table_to_the_sheets(file):
 
 @settings(max_examples=30)
 @given(st.lists(names, min_size=1, unique_by=str.strip), st.integers(0, 5))
-def test_running_again_loses_nothing(tmp_path_factory, students, split):
-    """Lines that are there stay byte by byte; each student has one line, whatever the name."""
+def test_updating_a_table_keeps_its_lines(tmp_path_factory, students, split):
+    """Existing lines keep their bytes, and each student has one line, whatever the name."""
     file = tmp_path_factory.mktemp("m") / "01.7.csv"
     first, later = students[:split], students[split:]
     update_table(file, dict.fromkeys(first, "words"))
@@ -73,16 +73,16 @@ def test_running_again_loses_nothing(tmp_path_factory, students, split):
     assert len(file.read_text().splitlines()) == 1 + len(students)
 
 
-def test_a_table_from_a_spreadsheet_keeps_its_form(file):
-    """Semicolons, another order of columns, and a last line without an end are carried on."""
+def test_a_table_saved_by_a_spreadsheet_keeps_its_format(file):
+    """Semicolons, another order of columns, and a missing final newline are accepted."""
     file.write_bytes(b"points;student\r\n1,5;ada")
     assert update_table(file, {"bob": "words", "ada": "x"}) == []
     assert file.read_bytes() == b"points;student\r\n1,5;ada\n;bob\n"
     assert read_marks(file.parent) == [Mark("ada", "01.7", 1.5)]
 
 
-def test_a_changed_answer_is_told_to_the_reader(file):
-    """Points that were given for other words stay, and somebody is told to look again."""
+def test_a_changed_answer_is_reported_to_the_marker(file):
+    """Points given for the previous answer stay, and the student is reported."""
     update_table(file, {"ada": "first", "bob": "", "cy": "unread"})
     file.write_text(file.read_text().replace("ada,,", "ada,2,"))
     before = file.read_bytes()
@@ -93,16 +93,15 @@ def test_a_changed_answer_is_told_to_the_reader(file):
     assert file.read_bytes() == before
 
 
-def test_a_mistyped_table_is_not_touched(file):
-    """A line that makes no sense is told, and nothing is written."""
+def test_an_invalid_table_is_reported_and_not_changed(file):
     file.write_text("student,points,comment\nada,many,\n")
     with pytest.raises(ValueError, match=r"01.7.csv:2: points must be a number such as 1.5"):
         update_table(file, {"bob": "words"})
     assert file.read_text() == "student,points,comment\nada,many,\n"
 
 
-def test_the_page_has_question_rubric_model_answer_and_everybodys_words():
-    """A reader needs nothing else; formulas are set, and students' words are not interpreted."""
+def test_the_marking_page_has_rubric_model_answer_and_all_answers():
+    """Formulas are rendered, and other markup in the answers of students is not interpreted."""
     question = next(q for q in written_questions(source("01")) if q.name == "01.7")
     evil = 'My $x$ <script>alert(1)</script> [link](http://evil) ![](http://evil/i.png)\n  "q"'
     marks = {"ada": Mark("ada", "01.7", 2, "nearly <b>")}
@@ -137,15 +136,15 @@ HOSTILE = [
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_formulas_of_students_are_set_and_nothing_else_is_run(text):
-    """Whatever is typed between dollar signs, or outside, becomes no tag that does anything."""
+def test_markup_in_answers_of_students_is_not_interpreted(text):
+    """No text, between dollar signs or outside, becomes an active HTML element."""
     (html,) = with_formulas([text])
     assert harmless(html)
     assert not {tag for tag, _ in Tags(html).tags} & {"a", "b", "img", "h1", "ul", "code"}
 
 
-def test_one_answer_does_not_spoil_the_others():
-    """Each text has its own HTML, in order, though one cannot be set."""
+def test_an_invalid_formula_does_not_affect_other_answers():
+    """Each text has its own HTML, in order."""
     found = with_formulas([*HOSTILE, "so $x^2$ holds", "last"])
     assert len(found) == len(HOSTILE) + 2
     assert "<msup><mi>x</mi><mn>2</mn></msup>" in found[-2]
@@ -153,20 +152,19 @@ def test_one_answer_does_not_spoil_the_others():
     assert with_formulas([]) == []
 
 
-def test_lines_end_where_markdown_ends_them():
-    """A single end of a line is a space; empty lines and lists stay as they are."""
+def test_line_breaks_follow_markdown():
+    """A single newline is a space; empty lines and lists are kept."""
     (html,) = with_formulas(["one\ntwo\n\nthree:\n- a\n  1) b"])
     breaks = re.sub(r"\s*<br />\s*", "|", html).replace("\n", " ").strip()
     assert breaks == "<p>one two||three:|- a|1) b</p>"
 
 
-def test_prices_are_no_formulas():
-    """A dollar sign before a space begins nothing."""
+def test_a_dollar_sign_before_a_space_is_not_a_formula():
     assert "<math" not in with_formulas(["from $ 5 to $ 6"])[0]
 
 
-def test_words_are_found_where_they_were_written():
-    """The model answer, handed in, is found under its question; the empty notebook has none."""
+def test_written_answers_are_found_under_their_questions():
+    """The model answers are found in the solved notebook; the empty notebook has none."""
     asked_ = [question.name for question in written_questions(source("01"))]
     solved = written_answers(submission("ada", notebook("01")), asked_)
     assert set(solved) == set(asked_)

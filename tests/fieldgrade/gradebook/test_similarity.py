@@ -1,4 +1,4 @@
-"""Similar answers: what changes nothing, what does, and what is taken away."""
+"""Similarity of answers: which edits leave it unchanged, and which shared code is ignored."""
 
 import ast
 import random
@@ -56,18 +56,17 @@ def fit(points, values):
 """
 
 
-def told(text):
+def nodes_of(text):
     return [what for what, _ in normalised(ast.parse(text).body[0])]
 
 
-def test_names_comments_docstrings_and_layout_change_nothing():
-    """Renamed variables, other comments, annotations and white space leave the tree as it is."""
-    assert told(FIT) == told(RENAMED)
+def test_names_comments_docstrings_and_layout_do_not_affect_similarity():
+    """Variable names, comments, annotations and white space are not part of the normalised tree."""
+    assert nodes_of(FIT) == nodes_of(RENAMED)
     assert code("a", [FIT]).all_prints() == code("b", [RENAMED]).all_prints()
 
 
-def test_names_of_helpers_change_nothing():
-    """A helper of one's own may be called anything."""
+def test_names_of_helper_functions_do_not_affect_similarity():
     one = "def helper(a):\n    return a * 2 + 1\n" + FIT.replace("right)", "helper(right))")
     other = one.replace("helper", "something_else")
     assert code("a", [one]).prints["fit"].keys() == code("b", [other]).prints["fit"].keys()
@@ -82,13 +81,12 @@ def test_names_of_helpers_change_nothing():
         ("0, 1.0", "1, 1.0"),
     ],
 )
-def test_what_is_computed_does_change_it(old, new):
-    """Operators, numbers, attributes and the functions of libraries are what an answer is."""
-    assert told(FIT) != told(FIT.replace(old, new))
+def test_operators_numbers_and_library_calls_affect_similarity(old, new):
+    assert nodes_of(FIT) != nodes_of(FIT.replace(old, new))
 
 
-def test_another_algorithm_shares_nothing():
-    """Two ways to the same numbers are not alike."""
+def test_different_algorithms_share_no_fingerprint():
+    """Two algorithms for the same numbers are not similar."""
     assert not code("a", [FIT]).all_prints() & code("b", [OTHER]).all_prints()
 
 
@@ -96,8 +94,8 @@ words = st.lists(st.sampled_from("abcdefg"), min_size=0, max_size=60)
 
 
 @given(words, words, words, words)
-def test_a_shared_run_is_always_found(before, after, others, rest):
-    """Winnowing's guarantee: a run of w + k - 1 nodes in both leaves a fingerprint in both."""
+def test_a_long_shared_run_leaves_a_shared_fingerprint(before, after, others, rest):
+    """Guarantee of winnowing: a shared run of w + k - 1 nodes leaves a common fingerprint."""
     shared = [f"s{i}" for i in range(WINDOW + K - 1)]
     one = [(w, 1) for w in [*before, *shared, *after]]
     other = [(w, 1) for w in [*others, *shared, *rest]]
@@ -106,8 +104,8 @@ def test_a_shared_run_is_always_found(before, after, others, rest):
 
 
 @given(words)
-def test_fingerprints_are_few_and_cover_every_window(nodes):
-    """Of each window one hash is kept, so that none is without, and no short run has any."""
+def test_winnowing_keeps_a_hash_from_every_window(nodes):
+    """Runs shorter than k nodes have no fingerprint."""
     kept = sorted(at for _, at in winnowed([(w, 1) for w in nodes]))
     hashes = max(len(nodes) - K + 1, 0)
     assert bool(kept) == (hashes > 0)
@@ -116,15 +114,15 @@ def test_fingerprints_are_few_and_cover_every_window(nodes):
         assert all(b - a <= WINDOW for a, b in pairwise(edges))
 
 
-def test_the_density_is_that_of_the_theory():
-    """On random nodes 2 of w + 1 hashes are kept (Schleimer et al., section 3.3)."""
+def test_the_density_of_fingerprints_agrees_with_the_theory():
+    """On random nodes 2/(w + 1) of the hashes are kept (Schleimer et al., section 3.3)."""
     random_ = random.Random(3)
     nodes = [(str(random_.random()), 1) for _ in range(20_000)]
     assert len(winnowed(nodes)) / len(nodes) == pytest.approx(2 / (WINDOW + 1), rel=0.03)
 
 
-def test_a_mutant_that_keeps_every_wth_hash_misses_a_shared_run():
-    """Hashes at fixed places, in place of the smallest, break when a line is put in front."""
+def test_keeping_every_wth_hash_misses_a_shared_run():
+    """A mutant: hashes at fixed positions instead of the smallest change with one inserted line."""
 
     def at_places(nodes):
         runs = range(0, len(nodes) - K + 1, WINDOW)
@@ -136,38 +134,37 @@ def test_a_mutant_that_keeps_every_wth_hash_misses_a_shared_run():
     assert {v for v, _ in winnowed(shared)} & moved
 
 
-def test_what_was_handed_out_is_taken_away():
-    """Two students who share only the template do not resemble each other."""
+def test_code_of_the_template_is_ignored():
+    """Two students who share only the template are not similar."""
     helper = OTHER.replace("def fit", "def given")
     one, other = code("a", [helper, FIT]), code("b", [helper, "def fit(p, v):\n    return v"])
     assert pairs([one, other])
     assert not pairs([one, other], code("", [helper]))
 
 
-def test_a_stub_is_no_answer():
-    """What nobody wrote resembles nothing."""
+def test_a_stub_has_no_fingerprints():
     stub = 'def fit(points, values):\n    """Return."""\n    raise NotImplementedError\n'
     assert code("a", [stub]).prints == {}
 
 
-def test_what_many_share_is_how_the_question_is_answered():
-    """An answer that half of the class found tells nothing of any two of them."""
+def test_code_shared_by_half_of_the_class_is_ignored():
+    """An answer that half of the class found is not evidence about any pair."""
     many = [code(f"s{i}", [FIT]) for i in range(10)]
     two = [code("x", [OTHER]), code("y", [OTHER.replace("result", "c")])]
     found = pairs([*many, *two])
     assert [(p.one.student, p.other.student, p.part) for p in found] == [("x", "y", 1.0)]
 
 
-def test_cells_that_are_no_python_are_left_out():
-    """Broken, hostile or very deep code stops nothing."""
+def test_cells_that_cannot_be_parsed_are_skipped():
+    """Invalid, hostile and deeply nested code raises no error."""
     deep = "x = " + "(" * 3000 + ")" * 3000
     long = "def fit(x):\n    return " + " + ".join(["x"] * 300)
     assert code("a", ["def (", "\0", deep]).prints == {}
     assert code("a", [long]).prints["fit"]
 
 
-def test_the_page_shows_both_sides_and_runs_nothing():
-    """Shared lines are marked, students' text is escaped, and the caution is there."""
+def test_the_similarity_page_marks_shared_lines_and_escapes_code():
+    """The page states that similarity is evidence and not a verdict."""
     evil = FIT.replace("np.insert(points, 0", "np.insert('<script>alert(1)</script>', 0")
     (found,) = pairs([code("<b>ada", [evil]), code("bob", [evil])])
     page = similarity_page("01", [found], 2)

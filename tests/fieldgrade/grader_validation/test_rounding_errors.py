@@ -1,4 +1,4 @@
-"""Verdicts do not depend on rounding errors; a mistake whose numbers are such errors is found."""
+"""Verdicts do not depend on rounding; misconceptions that consist of rounding errors are found."""
 
 import re
 from dataclasses import replace
@@ -64,13 +64,13 @@ def rounding_of_zero(coefficients, x):
 
 @pytest.fixture
 def noisy(course):
-    """The first notebook with two mistakes whose numbers are an arbitrary basis, and rounding."""
+    """Notebook 01 with two added misconceptions: an arbitrary basis vector, and pure rounding."""
     path = mistakes_file(course)
     path.write_text(path.read_text(encoding="utf-8") + NOISE, encoding="utf-8")
     return course
 
 
-def of_draws(source, question):
+def changes_under_perturbation(source, question):
     found = rounding_errors.rounding_test(source, SALT, question)
     return rounding_errors.changes_of_draws(found, found.baseline())
 
@@ -79,8 +79,8 @@ numbers = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-6)
 
 
 @given(st.lists(numbers, min_size=1), numbers, st.integers(0, 99))
-def test_inputs_change_in_their_last_digits(array, number, draw):
-    """By 1e-14 up or down; zeros, whole numbers and arguments that are exact keep all digits."""
+def test_perturbations_change_the_last_digits_only(array, number, draw):
+    """The relative change is 1e-14; zeros, integers and arguments declared exact do not change."""
     given_arguments = (np.array(array), number, np.arange(3), 7, np.array(array))
     call = Call("f", given_arguments, "numbers", exact=(4,))
     (changed,) = rounding_errors.perturbed([call], draw)
@@ -95,25 +95,24 @@ def test_inputs_change_in_their_last_digits(array, number, draw):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("question", ["04.3", "09.2"])
-def test_verdicts_do_not_depend_on_the_last_digits(question):
-    """Of the solution, all other right answers and all mistakes, for three students."""
-    assert not of_draws(SOURCES[question[:2]], question)
+def test_verdicts_of_two_questions_do_not_depend_on_the_last_digits(question):
+    """The verdicts on solution, alternatives and misconceptions, for three students."""
+    assert not changes_under_perturbation(SOURCES[question[:2]], question)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", SOURCES)
-def test_no_verdict_depends_on_the_last_digits(number):
-    """Of any question."""
-    assert not of_draws(SOURCES[number], "")
+def test_no_verdict_of_any_question_depends_on_the_last_digits(number):
+    assert not changes_under_perturbation(SOURCES[number], "")
 
 
 @pytest.mark.parametrize(
     ("question", "name"),
     [("01.2", "vector of a null space"), ("01.5", "rounding of zero")],
 )
-def test_a_mistake_that_is_rounding_is_found(noisy, question, name):
-    """By its name, and nothing else of the question."""
-    (sentence,) = of_draws(noisy, question)[question]
+def test_a_misconception_that_depends_on_rounding_is_reported(noisy, question, name):
+    """The report names this misconception, and no other of the question."""
+    (sentence,) = changes_under_perturbation(noisy, question)[question]
     assert re.match(
         rf"the mistake '{name}' is judged wrong and no longer '{name}' "
         r"when the inputs change by 1e-14 \(draw \d\): .* \(and \d+ times more\)",
@@ -121,28 +120,31 @@ def test_a_mistake_that_is_rounding_is_found(noisy, question, name):
     )
 
 
-def test_the_command_refuses_such_a_mistake(noisy, capsys, monkeypatch):
-    """With status 1, and a sentence that names question, mistake and change."""
+def test_the_check_command_refuses_a_misconception_that_depends_on_rounding(
+    noisy, capsys, monkeypatch
+):
+    """The exit status is 1; the message names the question, the misconception and the change."""
     monkeypatch.setattr("fieldgrade.commands.course.settings", list)
     root = noisy.path.parents[1]
     assert main(["course", "--root", str(root), "check", "--question", "01.5"]) == 1
-    (told,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("01.5")]
-    assert told.startswith("01.5: the mistake 'rounding of zero' is judged wrong and no longer")
+    (reported,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("01.5")]
+    assert reported.startswith("01.5: the mistake 'rounding of zero' is judged wrong and no longer")
 
 
-def test_inputs_on_one_line_must_be_declared_exact(monkeypatch):
-    """Else the rank of points on one line changes with their last digits."""
+def test_collinear_inputs_must_be_declared_exact(monkeypatch):
+    """Otherwise the rank of collinear points changes with their last digits."""
     question = get("01.4")
     inexact = replace(
         question, inputs=lambda seed: tuple(replace(c, exact=()) for c in question.inputs(seed))
     )
     monkeypatch.setattr(rounding_errors, "questions", lambda: {"01.4": inexact})
     assert any(
-        "'by differences' is judged wrong" in s for s in of_draws(SOURCES["01"], "01.4")["01.4"]
+        "'by differences' is judged wrong" in s
+        for s in changes_under_perturbation(SOURCES["01"], "01.4")["01.4"]
     )
 
 
-def judged_by_processes(source, question, settings):
+def judged_under_kernels(source, question, settings):
     baseline = rounding_errors.rounding_test(source, SALT, question).baseline()
     request = JudgeRequest((source,), SALT, question, baseline.known)
     runs = [(setting, blas_kernels.run(setting, request)) for setting in settings]
@@ -151,31 +153,31 @@ def judged_by_processes(source, question, settings):
 
 
 @pytest.mark.slow
-def test_other_kernels_find_an_arbitrary_basis(noisy):
-    """Where kernels can be chosen, one of them at least is another than here."""
+def test_another_kernel_reveals_an_arbitrary_basis(noisy):
+    """Where kernels can be chosen, at least one of them differs from the default kernel."""
     two = (
         blas_kernels.settings()[:2]
         if blas_kernels.has_choice_of_kernels()
         else blas_kernels.settings()
     )
-    runs, changes = judged_by_processes(noisy, "01.2", two)
+    runs, changes = judged_under_kernels(noisy, "01.2", two)
     assert not list(blas_kernels.not_as_chosen(runs))
-    told = changes.get("01.2", [])
-    assert len(told) == int(blas_kernels.has_choice_of_kernels())
-    assert all("'vector of a null space' is judged wrong" in sentence for sentence in told)
+    reported = changes.get("01.2", [])
+    assert len(reported) == int(blas_kernels.has_choice_of_kernels())
+    assert all("'vector of a null space' is judged wrong" in sentence for sentence in reported)
 
 
 @pytest.mark.slow
-def test_no_verdict_depends_on_the_kernels():
-    """Of two notebooks full of linear algebra; `fieldrecon course check` tries all."""
+def test_no_verdict_of_two_notebooks_depends_on_the_kernels():
+    """Both notebooks use much linear algebra; `fieldrecon course check` tests all notebooks."""
     for number in ("04", "09"):
-        runs, changes = judged_by_processes(SOURCES[number], "", blas_kernels.settings())
+        runs, changes = judged_under_kernels(SOURCES[number], "", blas_kernels.settings())
         assert not changes
         assert not list(blas_kernels.not_as_chosen(runs))
 
 
-def test_all_dispatched_instructions_are_turned_off():
-    """All that the running NumPy names, whichever processor it was built for."""
+def test_the_plain_setting_disables_all_dispatched_simd():
+    """The names come from the running NumPy, whatever processor it was built for."""
     *_, plain = blas_kernels.settings()
     names = set(np._core._multiarray_umath.__cpu_dispatch__)
     assert set(plain.environment["NPY_DISABLE_CPU_FEATURES"].split()) == names
@@ -186,8 +188,8 @@ def run_of(numpy, scipy="A", simd=()):
     return KernelRun({"NumPy": numpy, "SciPy": scipy}, simd, {})
 
 
-def test_settings_that_run_the_same_kernels_are_refused():
-    """A name that OpenBLAS does not know is ignored, and some kernels have several names."""
+def test_settings_that_run_the_same_kernels_are_reported():
+    """OpenBLAS ignores unknown names, and some kernels have several names."""
     zen, haswell = (Setting(f"the {core} kernels", {"OPENBLAS_CORETYPE": core}) for core in "ZH")
     off = Setting("SIMD off", {"NPY_DISABLE_CPU_FEATURES": "AVX2"})
     good = [(zen, run_of("Zen", "Zen")), (haswell, run_of("Haswell", "Haswell"))]
@@ -199,8 +201,7 @@ def test_settings_that_run_the_same_kernels_are_refused():
 
 
 @pytest.mark.slow
-def test_a_run_that_stops_is_told(course):
-    """In the last line that it wrote."""
+def test_a_failed_run_is_reported_with_its_last_line(course):
     (*_, plain), missing = blas_kernels.settings(), Source(course.path.with_name("02_none.py"))
     with pytest.raises(
         RuntimeError, match=r"SIMD of NumPy off stopped with status 1: FileNotFound"
@@ -208,11 +209,11 @@ def test_a_run_that_stops_is_told(course):
         blas_kernels.run(plain, JudgeRequest((missing,), SALT, "", {}))
 
 
-# Mistakes without a name, and the file of known answers
+# Unnamed misconceptions, and the file of known answers
 
 
-def test_a_mistake_without_a_name_is_not_among_the_known_ones(course):
-    """It must lose its points all the same, and no other name may be given to it."""
+def test_an_unnamed_misconception_is_not_a_known_answer(course):
+    """It must still lose its points, and must not be given the name of another misconception."""
     path = mistakes_file(course)
     text = path.read_text(encoding="utf-8")
     old = '@answers("01.5")\ndef times_the_place'
@@ -226,8 +227,8 @@ def test_a_mistake_without_a_name_is_not_among_the_known_ones(course):
     assert not [problem for p in grader_reports(course, SALT, "01.5") for problem in p.problems]
 
 
-def test_known_answers_that_differ_by_rounding_are_kept():
-    """So another processor changes no file; another number, sentence or mistake does."""
+def test_known_answers_that_differ_by_rounding_are_the_same():
+    """Another processor does not change the file; another number or sentence does."""
     text = answers_file(SOURCES["01"])
 
     def changed(factor, sentence=""):
@@ -242,8 +243,8 @@ def test_known_answers_that_differ_by_rounding_are_kept():
     assert not same_answers("{}", text)
 
 
-def test_the_known_answers_of_a_question_are_written_with_its_named_mistakes():
-    """One of those of 11.1 is rounding errors, by its own sentence."""
+def test_known_answers_contain_the_named_misconceptions():
+    """One misconception of 11.1 is unnamed, since its numbers are rounding errors."""
     question, source = get("11.1"), SOURCES["11"]
     found = [m for m in entries(source, "misconceptions") if m.question == "11.1"]
     written = to_json(known_answers(question, public_calls(question), source.functions(), found))

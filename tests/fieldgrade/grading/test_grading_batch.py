@@ -1,4 +1,4 @@
-"""The batch: every submission is graded, once, by any executor, whatever happens to the run."""
+"""Grading a class: every submission is graded once, by any executor, also after interruptions."""
 
 import json
 import os
@@ -24,12 +24,12 @@ from fieldgrade.grading.grade_class import grade_class as graded
 from fieldgrade.isolation import worker_servers
 from fieldgrade.isolation.server import Limits
 from graded_class import ROOT, STUB, TIER, checkout, ledger, points, right, run
-from submission_files import lay, notebook
+from submission_files import notebook, write_files
 
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
-    """A small class, graded, with what came out."""
+    """A small class and the result of grading it."""
     folder = tmp_path_factory.mktemp("class")
     todo = run(folder, jobs=2)
     return todo, graded(todo)
@@ -39,8 +39,8 @@ def statuses(grading):
     return {(r.student, r.notebook): r.status for r in grading.results.records}
 
 
-def test_everybody_is_graded(small):
-    """The right, the wrong and the unwritten answer; who cannot be read has a status, too."""
+def test_every_submission_has_a_status_and_its_verdicts(small):
+    """Right, wrong and unwritten answers, and an unreadable file."""
     _, grading = small
     assert statuses(grading) == {
         ("ada", "01"): "graded",
@@ -58,8 +58,8 @@ def test_everybody_is_graded(small):
     assert lost == {("bob", "01.2"): "wrong", ("cai", "01.4"): "unwritten"}
 
 
-def test_the_file_holds_what_was_found(small):
-    """In the form of the schema."""
+def test_the_results_file_contains_the_results(small):
+    """The file conforms to the schema."""
     todo, grading = small
     file = todo.out / "results.json"
     assert invalid(json.loads(file.read_text())) == ""
@@ -68,8 +68,8 @@ def test_the_file_holds_what_was_found(small):
     )
 
 
-def test_wrong_numbers_of_the_public_case_are_kept_to_be_drawn(small):
-    """Those of wrong answers only."""
+def test_only_wrong_numbers_of_the_public_case_are_stored(small):
+    """Feedback draws them beside the right numbers."""
     _, grading = small
     shown = {
         (r.student, g.question): g.returned
@@ -82,8 +82,8 @@ def test_wrong_numbers_of_the_public_case_are_kept_to_be_drawn(small):
     assert not shown
 
 
-def test_grading_again_does_nothing_again(small):
-    """All is known, the bytes are the same, and nothing is put aside."""
+def test_grading_again_runs_nothing(small):
+    """The cache knows every verdict; the results keep their bytes, and no history is written."""
     todo, _ = small
     before, lines = (todo.out / "results.json").read_bytes(), ledger(todo.out)
     assert not graded(replace(todo)).changed
@@ -94,7 +94,7 @@ def test_grading_again_does_nothing_again(small):
 
 @contextmanager
 def pool_of(kind):
-    """An executor: threads or processes of this one, or a cluster of Dask's."""
+    """An executor: a thread, worker processes, or a Dask cluster."""
     if kind == "one thread":
         yield ThreadPoolExecutor(1)
     elif kind == "processes":
@@ -116,8 +116,8 @@ KINDS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-def test_any_executor_gives_the_same_bytes(small, tmp_path, kind):
-    """What is to be done can be sent to other processes; each starts walls of its own."""
+def test_every_executor_gives_the_same_results_file(small, tmp_path, kind):
+    """The work can be sent to other processes, and each of them starts its own sandbox."""
     todo, _ = small
     other = replace(todo, out=tmp_path / "out")
     with pool_of(kind) as pool:
@@ -126,14 +126,13 @@ def test_any_executor_gives_the_same_bytes(small, tmp_path, kind):
     assert (other.out / "results.json").read_bytes() == (todo.out / "results.json").read_bytes()
 
 
-def test_nothing_is_left_running_or_lying_about(small):
-    """The servers end with the run."""
+def test_sandbox_servers_end_with_the_run(small):
     assert small
     assert not worker_servers._open.get(os.getpid())
 
 
-def test_the_ledger_names_the_year_and_not_the_salt(small):
-    """And what a line needs to be understood."""
+def test_the_ledger_names_the_year_of_the_salt_and_not_the_salt(small):
+    """Each line has the fields that are needed to interpret it."""
     todo, _ = small
     line = json.loads((todo.out / "ledger.jsonl").read_text().splitlines()[0])
     assert set(line) == {
@@ -158,8 +157,8 @@ def test_the_ledger_names_the_year_and_not_the_salt(small):
 
 
 @pytest.mark.slow
-def test_what_is_kept_and_cannot_be_read_is_found_again(small, tmp_path):
-    """A file for each submission, torn, of another kind, or with one finding that is none."""
+def test_damaged_cache_files_are_replaced(small, tmp_path):
+    """A truncated file, a file of another format, and a file with one invalid entry."""
     todo, _ = small
     other = replace(todo, out=tmp_path / "out")
     shutil.copytree(todo.out, other.out)
@@ -176,7 +175,7 @@ def test_what_is_kept_and_cannot_be_read_is_found_again(small, tmp_path):
     assert (other.out / "results.json").read_bytes() == (todo.out / "results.json").read_bytes()
 
 
-# What depends on what
+# Dependencies of verdicts
 
 
 ELEVEN = """
@@ -199,7 +198,7 @@ def rank(points):
 
 
 def with_two_hidden_cases(folder, line="1e5 * line"):
-    """A copy of the course that tries the rank on two hidden cases, the first one as told."""
+    """A copy of the course with two hidden cases for the rank; `line` is part of the first case."""
     root = checkout(folder, "01")
     file = root / "solutions" / "grading" / "01_least_squares.py"
     file.write_text(file.read_text().replace("1e5 * line", line) + ELEVEN)
@@ -208,7 +207,7 @@ def with_two_hidden_cases(folder, line="1e5 * line"):
 
 @pytest.fixture
 def edited(tmp_path, monkeypatch):
-    """A class that is graded before and after a hidden case is edited, and what is called then."""
+    """A class that is graded before and after a hidden case is edited, and the calls made then."""
     called = []
 
     def counted(server, cells, tasks):
@@ -228,28 +227,28 @@ def edited(tmp_path, monkeypatch):
     before = run(tmp_path, files, root=with_two_hidden_cases(tmp_path / "before"))
     after = replace(before, root=with_two_hidden_cases(tmp_path / "after", "1e9 * line"))
 
-    def graded_twice():
+    def grade_twice():
         first = graded(before).results
         called.clear()
         return first, graded(after).results
 
-    return before, after, called, graded_twice
+    return before, after, called, grade_twice
 
 
-def stands(results):
-    """The status of each submission, and the check that its rank did not pass."""
+def failed_checks(results):
+    """The status of each submission, and the first check that its rank failed."""
     asked = ((r, g) for r in results.records for g in r.grades if g.question == "01.4")
     return {r.student: (r.status, g.check) for r, g in asked}
 
 
 @pytest.mark.slow
-def test_after_a_check_is_edited_only_that_check_is_made(edited, tmp_path):
-    """Only on answers that reach it; what is known of the checks before and behind it is kept.
+def test_after_a_check_is_edited_only_that_check_is_repeated(edited, tmp_path):
+    """It is repeated on the answers that reach it; other verdicts come from the cache.
 
-    One answer broke down at this check before: with it, it is to be tried on the next.
+    The answer that broke down in this check before the edit is also tried on the next check.
     """
-    before, after, called, graded_twice = edited
-    first, second = graded_twice()
+    before, after, called, grade_twice = edited
+    first, second = grade_twice()
     written = (after.out / "results.json").read_bytes()
     assert sorted(called) == ["01.4 2"] * 3 + ["01.4 3"]
     lines = [json.loads(line) for line in (after.out / "ledger.jsonl").read_text().splitlines()]
@@ -263,10 +262,10 @@ def test_after_a_check_is_edited_only_that_check_is_made(edited, tmp_path):
         "lost": ("graded", "public cases"),
         "dying": ("partly", "tiny and huge"),
     }
-    assert stands(first) == known | {"odd": ("graded", "eleven points")}
-    assert stands(second) == known | {"odd": ("graded", "tiny and huge")}
+    assert failed_checks(first) == known | {"odd": ("graded", "eleven points")}
+    assert failed_checks(second) == known | {"odd": ("graded", "tiny and huge")}
     called.clear()
-    assert stands(graded(replace(before)).results) == stands(first)
+    assert failed_checks(graded(replace(before)).results) == failed_checks(first)
     assert not called
     fresh = replace(after, out=tmp_path / "fresh")
     graded(fresh)
@@ -274,22 +273,22 @@ def test_after_a_check_is_edited_only_that_check_is_made(edited, tmp_path):
 
 
 @pytest.mark.slow
-def test_with_one_digest_for_a_question_all_its_checks_would_be_made(edited, monkeypatch):
-    """So the digests of the checks are what spares the calls."""
-    _, _, called, graded_twice = edited
+def test_with_one_digest_per_question_all_its_checks_are_repeated(edited, monkeypatch):
+    """A mutant: the digests of single checks are what avoids repeated calls."""
+    _, _, called, grade_twice = edited
     own = Course.checks
     monkeypatch.setattr(
         Course, "checks", lambda course, q: dict.fromkeys(own(course, q), course.made_by(q))
     )
-    graded_twice()
+    grade_twice()
     assert set(called) == {"01.4 0", "01.4 1", "01.4 2", "01.4 3"}
 
 
 @pytest.mark.slow
-def test_points_are_no_reason_to_grade_again(small, tmp_path):
-    """They are applied to what was found."""
+def test_changed_points_do_not_repeat_any_check(small, tmp_path):
+    """Points are applied to the cached verdicts."""
     todo, _ = small
-    lay(tmp_path / "class", {"points.csv": b"question,points\n01.2,30\n"})
+    write_files(tmp_path / "class", {"points.csv": b"question,points\n01.2,30\n"})
     before = ledger(todo.out)
     grading = graded(replace(todo, tables=tmp_path / "class"))
     assert ledger(todo.out) == before
@@ -298,8 +297,8 @@ def test_points_are_no_reason_to_grade_again(small, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_part_is_graded_and_the_rest_stays(tmp_path):
-    """By notebook, by student, by question; what was graded before stays as it was."""
+def test_grading_a_selection_keeps_other_results(tmp_path):
+    """A selection by question, and one by student and notebook."""
     todo = run(tmp_path, question="01.4")
     graded(todo)
     assert sorted(ledger(todo.out)) == [(s, "01.4") for s in ("ada", "bob", "cai")]
@@ -309,8 +308,8 @@ def test_a_part_is_graded_and_the_rest_stays(tmp_path):
     assert {s for s, q in asked if q == "01.4"} == {"ada", "bob", "cai"}
 
 
-def hindered(monkeypatch, task, busy):
-    """Let the machine be busy with a task at first, and return what is run each time."""
+def slow_at_first(monkeypatch, task, busy):
+    """Let the first `busy` runs of a task take long, and return the tasks of each run."""
     runs = []
 
     def slowed(server, cells, tasks):
@@ -333,31 +332,29 @@ SLOW_AT = [(check, busy, left) for check in range(3) for busy, left in ((1, 2.0)
     ("check", "busy", "left"),
     SLOW_AT,
 )
-def test_what_was_slow_is_tried_once_more(tmp_path, monkeypatch, check, busy, left):
-    """From the slow check on: a machine that is busy for a moment costs nobody points."""
-    runs = hindered(monkeypatch, f"01.4 {check}", busy)
+def test_a_slow_answer_is_tried_again(tmp_path, monkeypatch, check, busy, left):
+    """The run starts again at the slow check, so a busy machine costs no points."""
+    runs = slow_at_first(monkeypatch, f"01.4 {check}", busy)
     found = graded(run(tmp_path, {"ada/01.ipynb": notebook(*right())})).results
     assert points(found)["ada", "01.4"] == left
     assert runs[1:] == [[f"01.4 {k}" for k in range(check, 3)]]
 
 
 @pytest.mark.slow
-def test_an_answer_that_is_fast_on_second_thoughts_has_to_pass_the_other_checks(
-    tmp_path, monkeypatch
-):
-    """Its verdict is that of the first check that it does not pass."""
-    hindered(monkeypatch, "01.4 0", 1)
+def test_an_answer_that_is_fast_when_repeated_must_pass_the_other_checks(tmp_path, monkeypatch):
+    """Its verdict is that of the first check that it fails."""
+    slow_at_first(monkeypatch, "01.4 0", 1)
     wrong = ODD.replace("1e7", "2e3")
     found = graded(run(tmp_path, {"ada/01.ipynb": notebook(*right(), wrong)})).results
-    assert stands(found) == {"ada": ("graded", "tiny and huge")}
+    assert failed_checks(found) == {"ada": ("graded", "tiny and huge")}
 
 
-# What goes wrong
+# Failures
 
 
 @pytest.mark.slow
-def test_a_submission_that_breaks_down_stops_nobody(tmp_path):
-    """Its other answers keep their points, and the others are graded."""
+def test_a_submission_that_crashes_does_not_affect_others(tmp_path):
+    """Its other answers keep their points, and other submissions are graded."""
     deadly = "def fit(points, values):\n    import os\n    os._exit(3)\n"
     files = {"eve/01.ipynb": notebook(*right(), deadly), "zoe/01.ipynb": notebook(*right())}
     found = points(graded(run(tmp_path, files)).results)
@@ -373,7 +370,7 @@ def test_a_submission_that_breaks_down_stops_nobody(tmp_path):
 
 
 def test_no_hidden_input_reaches_the_results(tmp_path):
-    """Not by what is returned, and not by an error: public cases are tried before all others."""
+    """Neither return values nor errors reveal one, since public cases are tried first."""
     thief = """
 _seen = []
 def _stolen(function):
@@ -401,8 +398,8 @@ def gradient(coefficients, x):
 
 
 @pytest.mark.slow
-def test_a_check_that_fails_on_the_right_answer_is_the_graders_fault(tmp_path):
-    """The record says so, and nothing is kept of it: after it is mended it is made again."""
+def test_a_check_that_fails_on_the_solution_is_reported_as_a_grader_fault(tmp_path):
+    """The record has the status fault, and nothing is cached: a corrected check is run again."""
     root = checkout(tmp_path, "01")
     file = root / "solutions" / "grading" / "01_least_squares.py"
     file.write_text(file.read_text().replace("(1e5 * line,)", "(line, line)"))
@@ -413,8 +410,8 @@ def test_a_check_that_fails_on_the_right_answer_is_the_graders_fault(tmp_path):
     assert [r.status for r in graded(replace(todo, root=ROOT)).results.records] == ["graded"]
 
 
-def stopped(todo, temporary, by):
-    """Grade in processes of its own, and stop that when a quarter is done; return its end."""
+def grade_and_stop(todo, temporary, by):
+    """Grade in a new process, stop it after a quarter of the work, and return its exit status."""
     command = [sys.executable, "-m", "fieldrecon.cli.main", "grade", "in", "--root", str(ROOT)]
     command += ["--out", "out", "--jobs", "2", "--tier", TIER]
     temporary.mkdir()
@@ -422,17 +419,17 @@ def stopped(todo, temporary, by):
     process = subprocess.Popen(
         command, cwd=todo.out.parent, stderr=subprocess.DEVNULL, env=environment
     )
-    until(lambda: len(ledger(todo.out)) >= 3)
+    wait_until(lambda: len(ledger(todo.out)) >= 3)
     assert list(temporary.glob("grading-*"))
     process.send_signal(by)
     process.wait(600)
-    until(lambda: not list(temporary.glob("grading-*")))
+    wait_until(lambda: not list(temporary.glob("grading-*")))
     return process.returncode
 
 
-def until(true):
+def wait_until(condition):
     deadline = time.monotonic() + 600
-    while not true():
+    while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.02)
 
@@ -445,15 +442,15 @@ def until(true):
         (signal.SIGINT, 130, "too long for sockets" * 5),
     ],
 )
-def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):
-    """Killed or interrupted, it leaves no results, and its workers end and leave nothing behind.
+def test_an_interrupted_run_is_resumed(tmp_path, by, status, name):
+    """A killed or interrupted run writes no results, and its workers end and remove their files.
 
-    Started again, it does the rest, once.
+    A second run grades the remaining submissions, each once.
     """
     slow = "import time\ntime.sleep(0.25)\n"
     files = {f"s{k}/01.ipynb": notebook(*right(), f"{slow}# {k}") for k in range(12)}
     todo = run(tmp_path, files)
-    assert stopped(todo, tmp_path / name, by) == status
+    assert grade_and_stop(todo, tmp_path / name, by) == status
     done = ledger(todo.out)
     assert 3 <= len(done) < 12
     assert not (todo.out / "results.json").exists()
@@ -465,8 +462,8 @@ def test_a_run_that_is_stopped_goes_on_where_it_did(tmp_path, by, status, name):
 
 
 @pytest.mark.slow
-def test_an_executor_that_breaks_down_ends_the_run(tmp_path):
-    """It is no submission's fault, so no grade comes of it."""
+def test_a_broken_executor_ends_the_run_without_results(tmp_path):
+    """A broken executor is not the fault of a submission, so no grade is given."""
 
     class BrokenPool(ThreadPoolExecutor):
         def submit(self, *_):
@@ -478,11 +475,11 @@ def test_an_executor_that_breaks_down_ends_the_run(tmp_path):
     assert not (todo.out / "results.json").exists()
 
 
-# The parts
+# Parts of the batch
 
 
-def test_few_submissions_are_in_memory_at_a_time():
-    """So many are begun ahead, and one more only when one is done."""
+def test_only_a_window_of_submissions_is_in_memory():
+    """The next submission begins only when an earlier one ends."""
     begun, waiting = [], []
 
     def begin(item):
@@ -503,8 +500,8 @@ def test_few_submissions_are_in_memory_at_a_time():
 
 
 @pytest.mark.slow
-def test_a_server_in_doubt_is_replaced_once():
-    """Then the grader is at fault; a submission is never graded by chance."""
+def test_a_failing_server_is_replaced_once():
+    """A second failure is a fault of the grader and gives no grade."""
     tried = []
 
     def do(server):
@@ -517,8 +514,8 @@ def test_a_server_in_doubt_is_replaced_once():
     assert first is not second
 
 
-def test_no_server_is_started_once_the_work_is_over():
-    """Threads that are still at it when a run is interrupted end, and leave nothing behind."""
+def test_no_server_is_started_after_the_work_has_ended():
+    """Threads that still run when a run is interrupted end and leave nothing behind."""
     with worker_servers.serving():
         pass
     with pytest.raises(worker_servers.WorkEnded):

@@ -1,4 +1,4 @@
-"""pytest as the engine: items to be chosen, reports to be read, checks that an instructor adds."""
+"""Grading by pytest: selected items, reports, and checks that an instructor adds."""
 
 import os
 import re
@@ -22,9 +22,9 @@ from fieldgrade.grading import options
 from fieldgrade.grading.grade_class import grade_class as graded
 from fieldrecon.cli import main as cli
 from graded_class import ROOT, TIER, checkout, class_files, points, right, run
-from submission_files import lay, notebook
+from submission_files import notebook, write_files
 
-pytestmark = pytest.mark.slow  # each grades anew, and starts pytest inside of pytest
+pytestmark = pytest.mark.slow  # each test grades a class and starts pytest inside pytest
 
 CHECKS = """
 import numpy as np
@@ -50,12 +50,12 @@ def fit(points, values):
     plane = np.linalg.lstsq(basis_matrix(points), values, rcond=None)[0]
     return plane * (2 if len(points) == 9 else 1)
 """
-"""Right on all inputs that the course tries, wrong on those of the instructor."""
+"""This answer is right on all inputs of the course and wrong on those of the instructor."""
 
 
 @pytest.fixture
 def calls(monkeypatch):
-    """The calls that instructors' checks make behind the walls, counted."""
+    """The functions that instructors' checks call in the sandbox."""
     made = []
 
     def counted(server, cells, tasks):
@@ -67,8 +67,8 @@ def calls(monkeypatch):
     return made
 
 
-def with_own_checks(folder, text=CHECKS, files=None):
-    lay(folder / "class", {"checks/test_own.py": text.encode()})
+def run_with_own_checks(folder, text=CHECKS, files=None):
+    write_files(folder / "class", {"checks/test_own.py": text.encode()})
     files = {"ada/01.ipynb": notebook(*right()), "eve/01.ipynb": notebook(*right(), STEEP)} | (
         files or {}
     )
@@ -79,12 +79,12 @@ def grades(grading):
     return {(r.student, g.question): g for r in grading.results.records for g in r.grades}
 
 
-# Checks of instructors
+# Instructors' checks
 
 
-def test_a_check_of_an_instructor_has_its_say(tmp_path):
-    """Its sentence is told, it costs what it says, and its inputs are not told."""
-    found = grades(graded(with_own_checks(tmp_path)))
+def test_an_instructors_check_deducts_its_points(tmp_path):
+    """The feedback contains the sentence of the check and not its inputs."""
+    found = grades(graded(run_with_own_checks(tmp_path)))
     lost, kept = found["eve", "01.2"], found["ada", "01.2"]
     assert (lost.points, kept.points) == (2.0, 3.0)
     assert str(lost.verdict).endswith("Values that all grow by one move the plane up by one.")
@@ -92,59 +92,60 @@ def test_a_check_of_an_instructor_has_its_say(tmp_path):
     assert lost.made_by == kept.made_by != found["ada", "01.1"].made_by
 
 
-def test_the_check_that_is_shown_to_instructors_works(tmp_path, calls):
-    """As it stands in the docs."""
+def test_the_check_in_the_documentation_works(tmp_path, calls):
+    """The code block of docs/instructors.md is run as it is printed."""
     page = (ROOT / "docs" / "instructors.md").read_text(encoding="utf-8")
     shown = textwrap.dedent(re.search(r"^ *```python\n(.*?)^ *```", page, re.M | re.S)[1])
     text = shown.replace("test_order", "test_shown")
-    found = grades(graded(with_own_checks(tmp_path, text)))
+    found = grades(graded(run_with_own_checks(tmp_path, text)))
     assert calls == ["fit"] * 4
     assert found["ada", "01.2"].points == found["eve", "01.2"].points == 3.0
 
 
-def test_an_edited_check_is_made_again_and_no_other(tmp_path, calls):
-    """Nor is anything when nothing was changed."""
-    todo = with_own_checks(tmp_path)
+def test_only_an_edited_check_is_repeated(tmp_path, calls):
+    """Without an edit no check is repeated."""
+    todo = run_with_own_checks(tmp_path)
     graded(todo)
     assert sorted(set(calls)) == ["fit", "rank"]
     calls.clear()
     graded(replace(todo))
     assert calls == []
     text = CHECKS.replace("[1, 0, 0]", "(1, 0, 0)")
-    lay(tmp_path / "class", {"checks/test_own.py": text.encode()})
+    write_files(tmp_path / "class", {"checks/test_own.py": text.encode()})
     graded(replace(todo))
     assert set(calls) == {"fit"}
 
 
-def test_a_fixture_that_is_edited_counts(tmp_path, calls):
-    """It is a part of the checks that use it."""
-    todo = with_own_checks(tmp_path)
+def test_editing_a_fixture_repeats_the_checks_that_use_it(tmp_path, calls):
+    todo = run_with_own_checks(tmp_path)
     graded(todo)
     calls.clear()
-    lay(tmp_path / "class", {"checks/test_own.py": CHECKS.replace("rng(3)", "rng(4)").encode()})
+    write_files(
+        tmp_path / "class", {"checks/test_own.py": CHECKS.replace("rng(3)", "rng(4)").encode()}
+    )
     graded(todo)
     assert set(calls) == {"fit", "rank"}
 
 
-def test_a_check_that_fails_on_the_solution_costs_nobody(tmp_path):
-    """It is the grader's fault, which is told."""
+def test_an_instructors_check_that_fails_on_the_solution_deducts_nothing(tmp_path):
+    """The failure is reported as a fault of the grader."""
     unfair = CHECKS.replace("[1, 0, 0], atol", "[2, 0, 0], atol")
-    grading = graded(with_own_checks(tmp_path, unfair))
+    grading = graded(run_with_own_checks(tmp_path, unfair))
     assert [f for f in grading.collector.faults if "constants add fails on the solution" in f]
     assert points(grading.results)["eve", "01.2"] == points(grading.results)["ada", "01.2"] == 3.0
 
 
-def test_what_is_wrong_anyway_is_not_tried(tmp_path, calls):
-    """A check is for answers that are right so far."""
+def test_wrong_answers_are_not_run_through_instructors_checks(tmp_path, calls):
+    """Instructors' checks apply to answers that have passed all other checks."""
     files = {name: content for name, content in class_files().items() if name[:3] == "bob"}
-    todo = with_own_checks(tmp_path, files=files)
+    todo = run_with_own_checks(tmp_path, files=files)
     grading = graded(replace(todo, choice=run(tmp_path, {}, student="bob", question="01.2").choice))
     assert points(grading.results)["bob", "01.2"] == 0.0
     assert calls == []
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         ('"01.2", "Values', '"01.99", "Values', "no function to write in question '01.99'"),
         ("Values that all grow by one move the plane up by one.", " ", "needs a sentence"),
@@ -153,24 +154,24 @@ def test_what_is_wrong_anyway_is_not_tried(tmp_path, calls):
         ("(answer, cloud):", "(cloud):", "needs both"),
     ],
 )
-def test_a_check_that_is_marked_wrongly_is_refused(tmp_path, old, new, told):
-    """The sentence says what is wrong, and nothing is graded."""
+def test_a_check_with_an_invalid_mark_is_refused(tmp_path, old, new, message):
+    """The message names the error, and nothing is graded."""
     assert old in CHECKS
-    todo = with_own_checks(tmp_path, CHECKS.replace(old, new, 1))
-    with pytest.raises(ValueError, match=told):
+    todo = run_with_own_checks(tmp_path, CHECKS.replace(old, new, 1))
+    with pytest.raises(ValueError, match=message):
         graded(todo)
     assert not (todo.out / "results.json").exists()
 
 
-def test_what_does_not_return_numbers_does_not_pass(tmp_path):
-    """Whatever the check does with it, and without harm to other answers."""
+def test_an_answer_that_returns_text_fails_the_instructors_check(tmp_path):
+    """The other answers of the student are not affected."""
     odd = """
 def rank(points):
     points = np.asarray(points)
     return "many" if points.shape == (9, 2) else np.linalg.matrix_rank(basis_matrix(points))
 """
     files = {"odd/01.ipynb": notebook(*right(), odd)}
-    found = grades(graded(with_own_checks(tmp_path, files=files)))
+    found = grades(graded(run_with_own_checks(tmp_path, files=files)))
     assert found["odd", "01.4"].points == 0.0
     assert found["odd", "01.2"].points == 3.0
 
@@ -182,8 +183,8 @@ def grade(rung="right", points=3.0):
 @pytest.mark.parametrize(
     ("costs", "left"), [((1.0,), 2.0), ((1.0, 1.5), 0.5), ((1.0, None), 0.0), ((2.0, 2.0), 0.0)]
 )
-def test_what_checks_cost_adds_up(costs, left):
-    """To all that there is, at most."""
+def test_the_costs_of_failed_checks_add_up(costs, left):
+    """The sum is at most the points of the question."""
     record = Record("a", "a.ipynb", "d", "01", "graded", "none", grades=(grade(),))
     made = [
         InstructorCheckResult(
@@ -197,12 +198,12 @@ def test_what_checks_cost_adds_up(costs, left):
     assert apply_instructor_checks(record, reversed(made)).grades == (found,)
 
 
-# Items
+# Items of pytest
 
 
 @pytest.fixture(scope="module")
 def reported(tmp_path_factory):
-    """What pytest writes of a small class, test by test."""
+    """The JUnit report that pytest writes for a small class."""
     folder = tmp_path_factory.mktemp("reported")
     files = {n: c for n, c in class_files().items() if n[:3] in ("bob", "cai", "dan")}
     todo = run(folder, files)
@@ -210,8 +211,8 @@ def reported(tmp_path_factory):
     return folder, todo
 
 
-def test_each_check_of_each_answer_is_told_in_the_report(reported):
-    """Those before the one that is not passed are passed, those behind it not reached."""
+def test_the_report_contains_each_check_of_each_answer(reported):
+    """Checks before the failed check are passed, and checks after it are skipped."""
     folder, _ = reported
     cases = {
         (case.get("classname"), case.get("name")): [part.tag for part in case]
@@ -222,24 +223,23 @@ def test_each_check_of_each_answer_is_told_in_the_report(reported):
     assert cases["bob.01.ipynb.01.4", "tiny and huge"] == []
     assert cases["cai.01.ipynb.01.4", "public cases"] == ["failure"]
     assert cases["dan.01.ipynb", "can be read"] == ["failure"]
-    told = {
+    message = {
         c.get("name"): f.get("message")
         for c in ET.parse(folder / "junit.xml").iter("testcase")
         for f in c.iter("failure")
         if c.get("classname") == "cai.01.ipynb.01.4"
     }
-    assert "not written yet" in told["public cases"]
+    assert "not written yet" in message["public cases"]
 
 
-def test_with_x_the_first_failure_ends_it(reported, tmp_path, capsys):
-    """As with any tests."""
+def test_option_x_ends_the_run_at_the_first_failure(reported, tmp_path, capsys):
     _, todo = reported
     graded(replace(todo, out=tmp_path), options=["-x", "-q", "-p", "no:randomly"])
     assert "1 failed" in capsys.readouterr().out
 
 
-def test_with_k_only_whole_questions_reach_the_results(reported, tmp_path):
-    """A grade stands on all checks of its question, so a part of them writes none."""
+def test_option_k_writes_grades_of_completely_checked_questions_only(reported, tmp_path):
+    """A grade depends on all checks of its question, so a part of them gives no grade."""
     _, todo = reported
     some = graded(replace(todo, out=tmp_path), options=["-k", "cai and 01.1", "-q"])
     assert set(points(some.results)) == {("cai", "01.1")}
@@ -247,20 +247,21 @@ def test_with_k_only_whole_questions_reach_the_results(reported, tmp_path):
     assert set(points(part.results)) == {("cai", "01.1")}
 
 
-def test_nothing_chosen_is_an_error(reported, tmp_path):
-    """In words."""
+def test_an_empty_selection_is_refused(reported, tmp_path):
     _, todo = reported
-    with pytest.raises(ValueError, match="nothing was chosen"):
+    with pytest.raises(ValueError, match="no check was selected"):
         graded(replace(todo, out=tmp_path), options=["-k", "nobody", "-q"])
 
 
 HOSTILE = "raise SystemError('a file of somebody else is read')"
 
 
-def test_pytest_hears_of_nothing_but_the_run(reported, tmp_path, monkeypatch):
-    """Settings, tests and conftest.py of the folder in which it is called do not count."""
+def test_pytest_ignores_settings_and_tests_of_the_working_directory(
+    reported, tmp_path, monkeypatch
+):
+    """Files conftest.py and pytest.ini, other tests, and environment variables have no effect."""
     _, todo = reported
-    lay(
+    write_files(
         tmp_path,
         {
             "conftest.py": HOSTILE.encode(),
@@ -276,9 +277,9 @@ def test_pytest_hears_of_nothing_but_the_run(reported, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_processes_of_pytest_give_the_same_bytes(tmp_path):
-    """Each has walls of its own; a submission is graded by one of them, and checks come along."""
-    todo = with_own_checks(tmp_path, files=class_files())
+def test_pytest_xdist_gives_the_same_results_file(tmp_path):
+    """Each process has a sandbox of its own, and instructors' checks run too."""
+    todo = run_with_own_checks(tmp_path, files=class_files())
     graded(todo)
     other = replace(todo, out=tmp_path / "other")
     graded(other, options=["-n", "2", "-q"])
@@ -286,8 +287,8 @@ def test_processes_of_pytest_give_the_same_bytes(tmp_path):
 
 
 @pytest.mark.slow
-def test_pytest_can_be_called_by_itself(reported, tmp_path):
-    """With the plugin and the folders; its exit status says that not all is right."""
+def test_the_plugin_works_with_the_pytest_command(reported, tmp_path):
+    """The exit status reports failed answers and wrong options."""
     _, todo = reported
     command = [sys.executable, "-m", "pytest", "-p", "fieldgrade.grading.pytest_plugin", "-q"]
     command += ["--submissions", todo.submissions, "--out", tmp_path / "out", "--root", ROOT]
@@ -321,8 +322,8 @@ def grade_by_command(folder, *more):
     )
 
 
-def test_the_command_tells_what_came_out(tmp_path, capsys):
-    """However bad answers are, the exit status is 0."""
+def test_the_grade_command_prints_a_summary(tmp_path, capsys):
+    """The exit status is 0 even if answers are wrong."""
     run(tmp_path)
     assert grade_by_command(tmp_path) == 0
     printed = capsys.readouterr()
@@ -339,8 +340,8 @@ def test_the_command_tells_what_came_out(tmp_path, capsys):
     assert "no grade changed" in printed
 
 
-def test_names_of_files_do_no_harm(tmp_path, capsys):
-    """Neither to the terminal, nor to the report, nor to others."""
+def test_control_characters_in_file_names_are_not_printed(tmp_path, capsys):
+    """The terminal, the JUnit report and other submissions are not affected."""
     odd = os.fsdecode(b"eve\xe4\x1b[2J\n.ipynb")
     files = {odd: notebook(*right()), "zoe/01.ipynb": notebook(*right()), "\x1b]0;.ipynb": b"{"}
     run(tmp_path, files)
@@ -353,8 +354,8 @@ def test_names_of_files_do_no_harm(tmp_path, capsys):
     assert read_results(tmp_path / "out" / "results.json").records
 
 
-def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
-    """A script notices that something has to be done."""
+def test_a_grader_fault_gives_exit_status_1(tmp_path, capsys):
+    """A script can detect that the grader needs attention."""
     root = checkout(tmp_path, "01")
     file = root / "solutions" / "grading" / "01_least_squares.py"
     file.write_text(file.read_text().replace("(1e5 * line,)", "(line, line)"))
@@ -364,7 +365,7 @@ def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("more", "told"),
+    ("more", "message"),
     [
         (["--only", "99"], "there is no notebook 99"),
         (["--question", "01.99"], "no function to write in question '01.99'"),
@@ -375,27 +376,27 @@ def test_the_graders_own_fault_is_an_exit_status(tmp_path, capsys):
         (["--pytest", "--no-such"], "pytest does not understand --no-such"),
     ],
 )
-def test_what_cannot_be_is_said(tmp_path, capsys, more, told):
-    """With the exit status of a mistake of the user's."""
+def test_invalid_options_of_the_grade_command_are_reported(tmp_path, capsys, more, message):
+    """The exit status is 2."""
     run(tmp_path, {"ada/01.ipynb": notebook(*right())})
     more = [word.replace("IN", str(tmp_path / "in")) for word in more]
     more = ["=".join(more)] if more[0] == "--pytest" else more
     assert grade_by_command(tmp_path, *more) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
-def test_errors_in_tables_are_told_line_by_line(tmp_path, capsys):
-    """Before anything is run."""
+def test_errors_in_the_tables_of_a_class_are_reported_with_their_lines(tmp_path, capsys):
+    """They are reported before any submission is run."""
     run(tmp_path, {"ada/01.ipynb": notebook(*right())})
-    lay(tmp_path / "class", {"points.csv": b"question,points\n01.2,many\n01.99,3\n"})
+    write_files(tmp_path / "class", {"points.csv": b"question,points\n01.2,many\n01.99,3\n"})
     assert grade_by_command(tmp_path, "--class", str(tmp_path / "class")) == 2
     printed = capsys.readouterr().err
     assert "points.csv:2" in printed
     assert "points.csv:3: there is no question 01.99" in printed
 
 
-def test_without_walls_it_is_loud_or_refuses(monkeypatch):
-    """As the instructor wishes."""
+def test_grading_without_a_sandbox_warns_or_is_refused(monkeypatch):
+    """The option require_isolation decides."""
     monkeypatch.setattr("fieldgrade.grading.run.tiers", lambda: ("none",))
     assert options.chosen_tier()[1].startswith("NOT ISOLATED")
     with pytest.raises(ValueError, match="neither bubblewrap nor Landlock"):

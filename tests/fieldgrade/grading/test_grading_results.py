@@ -1,4 +1,4 @@
-"""Results: the same in memory and in the file, complete or not there, and merged run by run."""
+"""The results file: reading and writing, the schema, the history, and merging of runs."""
 
 import json
 from dataclasses import replace
@@ -71,21 +71,20 @@ FULL = Results(
 )
 
 
-def test_results_come_back_from_their_file(tmp_path):
-    """Every field is written and read; names of files that are no text too."""
+def test_results_are_reproduced_from_their_file(tmp_path):
+    """Every field is written and read, also file names that are not valid UTF-8."""
     write_results(FULL, tmp_path / "results.json")
     assert read_results(tmp_path / "results.json") == FULL
 
 
 @pytest.mark.parametrize("status", STATUSES)
-def test_results_have_the_form_of_the_schema(status):
-    """Whatever the status."""
+def test_results_of_every_status_conform_to_the_schema(status):
     records = (replace(FULL.records[0], status=status),)
     assert invalid(json.loads(json.dumps(to_json(replace(FULL, records=records))))) == ""
 
 
 @pytest.mark.parametrize(
-    ("place", "value", "told"),
+    ("place", "value", "message"),
     [
         (("secret",), "yes", r"\$.secret: 'yes' is not of type 'boolean'"),
         (("records", 0, "status"), "lost", r"records\[0\].status: 'lost' is not one of"),
@@ -94,8 +93,8 @@ def test_results_have_the_form_of_the_schema(status):
         (("records", 0, "grades", 1, "returned", 0, "numbers"), [0] * 2001, "too long"),
     ],
 )
-def test_what_has_another_form_is_refused(tmp_path, place, value, told):
-    """The sentence names the file and the place."""
+def test_results_that_violate_the_schema_are_refused(tmp_path, place, value, message):
+    """The message names the file and the JSON path."""
     data = json.loads(json.dumps(to_json(FULL)))
     part = data
     for step in place[:-1]:
@@ -103,12 +102,12 @@ def test_what_has_another_form_is_refused(tmp_path, place, value, told):
     part[place[-1]] = value
     file = tmp_path / "results.json"
     file.write_text(json.dumps(data))
-    with pytest.raises(ValueError, match=f"results.json: the results are damaged: .*{told}"):
+    with pytest.raises(ValueError, match=f"results.json: the results are damaged: .*{message}"):
         read_results(file)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("{}", "not a file of results"),
         ("[1]", "not a file of results"),
@@ -116,22 +115,22 @@ def test_what_has_another_form_is_refused(tmp_path, place, value, told):
         ("{", "results.json: "),
     ],
 )
-def test_other_files_are_refused(tmp_path, text, told):
-    """Those of a later version by its number."""
+def test_files_that_are_not_results_are_refused(tmp_path, text, message):
+    """Results of a later version are refused with their version number."""
     file = tmp_path / "results.json"
     file.write_text(text)
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=message):
         read_results(file)
 
 
-def test_what_was_measured_stays_out():
-    """Times differ from run to run, and results must not."""
+def test_measured_times_are_not_written_to_the_results():
+    """Times differ from run to run, and the results file must not."""
     slow = replace(FULL.records[0], seconds=3.0, cpu_seconds=2.0, peak=9)
     assert to_json(replace(FULL, records=(slow, FULL.records[1]))) == to_json(FULL)
 
 
-def test_results_before_are_kept(tmp_path):
-    """Each in a file of its own, of which none is ever written over; equal ones count once."""
+def test_earlier_results_are_kept_in_the_history(tmp_path):
+    """No file of the history is overwritten, and equal results are kept once."""
     file, history = tmp_path / "results.json", tmp_path / "history"
     for environment in ("1", "2", "2", "3"):
         write_results(replace(FULL, environment=environment), file)
@@ -144,8 +143,8 @@ def test_results_before_are_kept(tmp_path):
 
 
 @pytest.mark.parametrize("step", ["write_bytes", "replace"])
-def test_a_file_is_there_whole_or_not_at_all(tmp_path, monkeypatch, step):
-    """When a disk is full at any step, what was there before is there still, and nothing else."""
+def test_an_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
+    """If the disk is full, the old file stays, and no other file is added."""
     file = tmp_path / "results.json"
     write_atomically(file, b"before")
 
@@ -163,8 +162,8 @@ def test_a_file_is_there_whole_or_not_at_all(tmp_path, monkeypatch, step):
 # Merging
 
 
-def test_grades_of_other_questions_stay_with_the_same_file():
-    """In the order of the questions, of which the tenth comes after the second."""
+def test_merging_keeps_the_grades_of_other_questions():
+    """The grades are in the order of the questions, in which 10 comes after 2."""
     before = record(grades=[grade("01.2"), grade("01.3")])
     now = record(grades=[grade("01.10"), grade("01.2", 0.0)])
     (found,) = merged([before], [now])
@@ -175,27 +174,27 @@ def test_grades_of_other_questions_stay_with_the_same_file():
     ]
 
 
-def test_grades_of_another_file_go():
-    """What was handed in again is graded anew."""
+def test_merging_drops_the_grades_of_an_earlier_file():
+    """A new submission is graded anew."""
     (found,) = merged([record(grades=[grade("01.2")])], [record(digest=OTHER, grades=[grade()])])
     assert [g.question for g in found.grades] == ["01.1"]
 
 
-def test_the_worse_status_stays_while_its_grades_do():
-    """A question of a submission that was killed does not make the rest whole."""
+def test_merging_keeps_the_worse_status_while_its_grades_remain():
+    """Regrading one question of a submission that was killed does not make its status graded."""
     before = record(grades=[grade(), grade("01.2")], status="killed: time")
     assert merged([before], [record(grades=[grade()])])[0].status == "killed: time"
     assert merged([before], [record(grades=before.grades)])[0].status == "graded"
 
 
-def test_others_stay_and_all_are_in_order():
-    """By student, then by notebook."""
+def test_merging_keeps_other_students_and_sorts_the_records():
+    """Records are sorted by student, then by notebook."""
     bob, ada = record("bob"), record("ada", notebook="02")
     assert merged([bob], [ada, record("ada")]) == ordered([record("ada"), ada, bob])
 
 
-def test_what_could_not_be_read_goes_once_it_can():
-    """Under the same name; another file that cannot be read stays."""
+def test_merging_drops_an_unreadable_record_once_the_file_is_readable():
+    """An unreadable file with another name stays."""
     torn = record(notebook="", status="unreadable")
     other = record(notebook="", status="unreadable", file="b.ipynb")
     assert merged([torn, other], [record()]) == ordered([record(), other])

@@ -1,4 +1,4 @@
-"""What is on the students' side: Python and its packages, none of the course."""
+"""File access of sandboxed code: Python and its packages are readable, the course is not."""
 
 import json
 from itertools import pairwise
@@ -11,13 +11,13 @@ from fieldgrade.isolation import file_access
 
 
 @pytest.fixture
-def place(tmp_path):
+def folders(tmp_path):
     return file_access.SandboxFolders.create(tmp_path)
 
 
-def test_no_answer_is_on_the_stage(place):
-    """Neither known answers, nor stubs, nor a module of the library or of the course's own."""
-    names = {str(p.relative_to(place.stage)) for p in place.stage.rglob("*") if p.is_file()}
+def test_the_sandbox_contains_no_answers(folders):
+    """Neither known answers, nor stubs, nor modules of the library or of the grader."""
+    names = {str(p.relative_to(folders.stage)) for p in folders.stage.rglob("*") if p.is_file()}
     assert "fieldcheck/calls.py" in names
     assert "fieldgrade/sandbox/worker.py" in names
     ours = {
@@ -26,24 +26,24 @@ def test_no_answer_is_on_the_stage(place):
         if n.startswith(("fieldgrade", "fieldrecon", "fieldreport")) and "/sandbox/" not in n
     }
     assert ours == {"fieldgrade/__init__.py"}
-    assert all((place.stage / name).read_text() == "" for name in ours)
+    assert all((folders.stage / name).read_text() == "" for name in ours)
     assert not any(name.endswith(".json") for name in names)
     assert not any("answers/" in name for name in names)
 
 
-def test_the_course_cannot_be_read(place):
-    """No folder that can be read holds the sources, the package or the library."""
-    told = place.settings()
+def test_no_readable_folder_contains_the_course(folders):
+    """The sources, the packages and the library are in no readable folder."""
+    settings = folders.settings()
     for hidden in file_access.hidden_folders():
         assert hidden.is_dir()
-        for path in told["readable"]:
+        for path in settings["readable"]:
             assert not hidden.is_relative_to(Path(path).resolve()), path
     assert ROOT.resolve() in file_access.hidden_folders()
-    json.dumps(told)
+    json.dumps(settings)
 
 
-def test_what_is_hidden_is_left_out_wherever_it_lies(tmp_path):
-    """Beside it everything can be read; a link to it, or out, is no way around."""
+def test_hidden_folders_are_excluded_from_the_readable_folders(tmp_path):
+    """Their siblings stay readable; links into and out of them do not bypass the exclusion."""
     for name in ("a/ours/x", "a/theirs", "b", "outside"):
         (tmp_path / "usr" / name if name != "outside" else tmp_path / name).mkdir(parents=True)
     usr = tmp_path / "usr"
@@ -56,8 +56,8 @@ def test_what_is_hidden_is_left_out_wherever_it_lies(tmp_path):
     assert list(file_access._without(usr, [usr])) == []
 
 
-def test_bubblewrap_covers_what_is_hidden_before_it_shows_what_lies_in_it(tmp_path):
-    """An environment below the course can be read, the course around it not."""
+def test_bubblewrap_hides_a_folder_before_it_binds_its_subfolders(tmp_path):
+    """An environment inside the course is readable, the rest of the course is not."""
     usr, course = tmp_path / "usr", tmp_path / "usr" / "course"
     packages = course / "venv"
     packages.mkdir(parents=True)
@@ -69,8 +69,8 @@ def test_bubblewrap_covers_what_is_hidden_before_it_shows_what_lies_in_it(tmp_pa
     assert remounted == [str(course), "/tmp", "/dev", "/"]
 
 
-def test_bubblewrap_that_fails_is_none(monkeypatch):
-    """Where the program is missing, or the kernel does not let it, its tier is not offered."""
+def test_the_bubblewrap_tier_requires_a_working_program(monkeypatch):
+    """The tier is unavailable if the program is missing or the kernel refuses it."""
     monkeypatch.setattr(file_access.shutil, "which", lambda _: None)
     assert not file_access.bubblewrap_works()
     monkeypatch.setattr(file_access.shutil, "which", lambda _: "/bin/false")

@@ -1,4 +1,4 @@
-"""Tiers: what a machine offers is used, the safest first, and nothing is offered that is not."""
+"""Tiers of isolation: the available ones in order of safety, and servers that clean up."""
 
 import subprocess
 import sys
@@ -22,16 +22,16 @@ from fieldgrade.sandbox import homes, landlock, seccomp
         (False, True, 7, ("none",)),
     ],
 )
-def test_the_safest_comes_first(locks, bubblewrap, version, expected, monkeypatch):
-    """Both kinds of walls need the filter of calls, without which processes are not counted."""
+def test_tiers_are_ordered_from_safest_to_none(locks, bubblewrap, version, expected, monkeypatch):
+    """Both sandboxes need the seccomp filter, without which processes cannot be limited."""
     monkeypatch.setattr(seccomp, "is_known", lambda: locks)
     monkeypatch.setattr(server_module.file_access, "bubblewrap_works", lambda: bubblewrap)
     monkeypatch.setattr(landlock, "version", lambda: version)
     assert server_module.tiers() == expected
 
 
-def test_other_systems_have_no_bubblewrap_command(monkeypatch):
-    """On macOS, as on machines whose calls are not known, only the last tier is left."""
+def test_macos_and_unknown_machines_offer_no_sandbox(monkeypatch):
+    """Only the tier `none` is left there."""
     monkeypatch.setattr(seccomp.sys, "platform", "darwin")
     assert not seccomp.is_known()
     assert landlock.version() == 0
@@ -41,8 +41,8 @@ def test_other_systems_have_no_bubblewrap_command(monkeypatch):
     assert server_module.tiers() == ("none",)
 
 
-def test_a_server_leaves_nothing_behind():
-    """Its folders and its process are gone at the end of the block, also after an error."""
+def test_a_server_removes_its_folders_and_process():
+    """This also holds after an error in the block."""
     server = server_module.Server("none")
     with suppress(KeyError), server.started():
         scratch, process = server._scratch, server._process
@@ -62,7 +62,7 @@ with server_module.Server(sys.argv[1]).started() as server:
 """
 
 
-def of(scratch):
+def processes_in(scratch):
     """The processes that run in a folder."""
     lines = (p for p in Path("/proc").glob("[0-9]*/cmdline"))
     found = []
@@ -73,8 +73,8 @@ def of(scratch):
     return found
 
 
-def awaited(condition):
-    """Whether something comes true; a busy machine may take its time."""
+def becomes_true(condition):
+    """Whether a condition becomes true; a busy machine may take long."""
     end = time.monotonic() + 300
     while not condition() and time.monotonic() < end:
         time.sleep(0.02)
@@ -85,13 +85,13 @@ if sys.platform == "linux":
 
     @pytest.mark.slow
     @pytest.mark.parametrize("tier", server_module.tiers())
-    def test_nothing_outlives_a_grader_that_is_killed(tier):
-        """The server and what it made end with it, whatever that is at."""
+    def test_the_server_ends_when_the_grader_is_killed(tier):
+        """The server and its children end, whatever they are doing."""
         command = [sys.executable, "-c", GRADER, tier]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as grader:
             scratch = Path(grader.stdout.readline().strip())
-            assert awaited(lambda: list((scratch / "homes").glob("*/here")))
-            assert of(str(scratch))
+            assert becomes_true(lambda: list((scratch / "homes").glob("*/here")))
+            assert processes_in(str(scratch))
             grader.kill()
-        assert awaited(lambda: not of(str(scratch)))
+        assert becomes_true(lambda: not processes_in(str(scratch)))
         homes.remove(str(scratch))

@@ -1,4 +1,4 @@
-"""A submission at work: what breaks is left out, the rest is run again, and all of it ends."""
+"""A session with one submission: failing cells are left out, and the others are run again."""
 
 import os
 import re
@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from fieldcheck.calls import Call
-from fieldgrade.isolation import file_access, process
+from fieldgrade.isolation import file_access, session
 from fieldgrade.isolation.server import MEBIBYTE, Limits, Server, tiers
 from fieldgrade.isolation.session import CallGroup, run
 from fieldgrade.sandbox import frames
 
-# Patient, so that no busy machine comes too late; tests of what takes too long are `hasty`.
+# Generous limits for busy machines; tests of time limits use the fixture `hasty`.
 LIMITS = Limits(
     memory=256 * MEBIBYTE,
     cpu_seconds=2,
@@ -76,7 +76,7 @@ def server():
 
 @pytest.fixture
 def hasty(server, monkeypatch):
-    """The server, with some of its limits of time lowered."""
+    """The server with some of its time limits lowered."""
 
     def lowered(**seconds):
         monkeypatch.setattr(server, "limits", replace(LIMITS, **seconds))
@@ -85,8 +85,8 @@ def hasty(server, monkeypatch):
     return lowered
 
 
-def test_cells_run_and_calls_are_made(server):
-    """Arrays go in, arrays come out, and the process ends."""
+def test_cells_are_run_and_functions_are_called(server):
+    """Arrays are passed in and returned, and the process ends."""
     outcomes, log = run(server, ["import numpy as np", DOUBLE], [task(count=2)])
     assert statuses(outcomes) == {"double": ["returned", "returned"]}
     np.testing.assert_array_equal(outcomes["double"][0].values, [[2, 2, 2]])
@@ -109,8 +109,8 @@ def test_cells_run_and_calls_are_made(server):
         ),
     ],
 )
-def test_a_cell_that_breaks_is_left_out(server, code, reason, sentence):
-    """The cells before and behind it count, and why it broke is told."""
+def test_a_cell_that_crashes_is_left_out(server, code, reason, sentence):
+    """The cells before and after it are run, and the reason is reported."""
     outcomes, log = run(server, [DOUBLE, code, "double = double"], [task()])
     assert statuses(outcomes) == {"double": ["returned"]}
     assert list(log.cell_errors) == [1]
@@ -120,8 +120,8 @@ def test_a_cell_that_breaks_is_left_out(server, code, reason, sentence):
 
 
 @pytest.mark.slow
-def test_a_cell_that_does_not_end_is_left_out(hasty):
-    """After the seconds that a cell may take; it waits and uses up no processor time."""
+def test_a_cell_that_exceeds_its_time_limit_is_left_out(hasty):
+    """The cell sleeps, so that it uses no processor time."""
     sleep = "import time\ntime.sleep(9999)"
     outcomes, log = run(hasty(seconds_per_cell=3.0), [DOUBLE, sleep], [task()])
     assert statuses(outcomes) == {"double": ["returned"]}
@@ -129,8 +129,8 @@ def test_a_cell_that_does_not_end_is_left_out(hasty):
     assert "stopped after 3 seconds" in log.cell_errors[1]
 
 
-def test_a_call_that_breaks_costs_its_question_alone(server):
-    """Tasks of its question are not tried again; those of others are, in a new process."""
+def test_a_call_that_crashes_affects_its_question_only(server):
+    """Other calls for this question are skipped; other questions continue in a new process."""
     cells = [DOUBLE, "import os\ndef broken(x):\n    os._exit(1)"]
     tasks = [
         task("1 a", question="1"),
@@ -140,8 +140,8 @@ def test_a_call_that_breaks_costs_its_question_alone(server):
         task("3 a", question="3"),
     ]
     outcomes, log = run(server, cells, tasks)
-    told = statuses(outcomes)
-    assert told == {
+    statuses_found = statuses(outcomes)
+    assert statuses_found == {
         "1 a": ["returned"],
         "2 a": ["raised"] * 2,
         "1 b": ["returned"],
@@ -151,8 +151,8 @@ def test_a_call_that_breaks_costs_its_question_alone(server):
     assert len(log.processes) == 2
 
 
-def test_a_call_that_does_not_end_is_ended_from_outside(hasty):
-    """Whoever swallows the interruption is killed soon after, and timed out."""
+def test_a_call_that_ignores_its_interruption_is_killed(hasty):
+    """Its outcome is `timed out`."""
     code = """
 import time
 def double(x):
@@ -168,16 +168,16 @@ def double(x):
 
 
 @pytest.mark.slow
-def test_a_process_that_does_not_read_holds_up_nobody(hasty):
-    """Code answers in the worker's place and reads no more: what is sent has a deadline too."""
+def test_sending_to_a_process_that_does_not_read_times_out(hasty):
+    """The code answers in place of the worker and then reads no more."""
     large = CallGroup("large", (Call("double", (np.zeros(10**6),), "many"),), 9.0)
     outcomes, log = run(hasty(seconds_per_call=0.3), [DOUBLE, DEAF], [large])
     assert statuses(outcomes) == {"large": ["timed out"]}
     assert log.killed == ["time"]
 
 
-def test_after_many_starts_it_is_given_up(server):
-    """Each process may break down on another cell, but not for ever."""
+def test_a_submission_with_too_many_crashes_is_abandoned(server):
+    """The number of process starts is limited."""
     cells = ["import os; os._exit(1)"] * 10
     outcomes, log = run(server, [*cells, DOUBLE], [task()])
     assert statuses(outcomes) == {"double": ["raised"]}
@@ -186,8 +186,8 @@ def test_after_many_starts_it_is_given_up(server):
 
 
 @pytest.mark.slow
-def test_after_a_long_time_it_is_given_up():
-    """No number of cells, each a little shorter than it may be, takes longer than all may."""
+def test_a_submission_that_takes_too_long_in_total_is_abandoned():
+    """Many cells below the limit of a cell cannot exceed the limit of the whole submission."""
     limits = replace(LIMITS, seconds_in_all=1.0)
     with Server(tiers()[0], limits).started() as short:
         cells = [f"done = {k}\nimport time; time.sleep(0.3)" for k in range(9999)]
@@ -198,15 +198,15 @@ def test_after_a_long_time_it_is_given_up():
 if sys.platform == "linux":
 
     @pytest.mark.slow
-    def test_processor_time_is_told_apart_from_memory(hasty):
-        """Threads that compute in the background use it up, whatever else is waited for."""
+    def test_exceeded_processor_time_is_reported(hasty):
+        """Background threads use up the processor time while the cell sleeps."""
         _, log = run(hasty(most_starts=1), [BUSY, "import time; time.sleep(9999)"], [task()])
         assert log.killed == ["time"]
         assert "processor time" in " ".join(log.cell_errors.values())
 
 
-def test_a_server_that_is_gone_is_started_again(server):
-    """It is nobody's fault: the submission is graded by the next one."""
+def test_a_killed_server_is_restarted(server):
+    """The submission is graded by the new server."""
     before = server._process.pid
     os.kill(before, signal.SIGKILL)
     server._process.wait()
@@ -218,8 +218,8 @@ def test_a_server_that_is_gone_is_started_again(server):
 
 if sys.platform == "linux":
 
-    def test_a_server_that_goes_in_the_middle_costs_one_start(server):
-        """What then ran is run again."""
+    def test_a_server_that_is_killed_during_a_run_is_restarted(server):
+        """The interrupted work is repeated."""
         to_it, from_it = server.run()
         frames.receive(from_it, time.monotonic() + 600)
         os.kill(server._process.pid, signal.SIGKILL)
@@ -234,8 +234,8 @@ if sys.platform == "linux":
 
 
 @pytest.mark.slow
-def test_after_a_time_out_the_others_begin_anew(hasty):
-    """What was interrupted in the middle, a lock perhaps that it holds, troubles nobody else."""
+def test_after_a_timeout_other_calls_run_in_a_new_process(hasty):
+    """The interrupted call may hold a lock that other calls need."""
     slow = """
 import threading, time
 lock = threading.Lock()
@@ -253,16 +253,16 @@ def double(x):
     assert len(log.processes) == 2
 
 
-def test_a_process_that_does_not_start_is_a_fault(monkeypatch):
-    """Nobody is given nothing because a machine lacks something: the grader says so."""
+def test_a_process_that_does_not_start_is_a_grader_fault(monkeypatch):
+    """A defect of the machine does not cost a student points."""
     with Server("none", LIMITS).started() as bare:
-        monkeypatch.setattr(process, "SECONDS_TO_START", 0.0)
-        with pytest.raises(process.NotStarted, match=r"no process starts in the sandbox \(none\)"):
+        monkeypatch.setattr(session, "SECONDS_TO_START", 0.0)
+        with pytest.raises(session.NotStarted, match=r"no process starts in the sandbox \(none\)"):
             run(bare, [DOUBLE], [task()])
 
 
-def test_a_server_that_does_not_start_is_a_fault(monkeypatch):
-    """It is said, and nothing is left behind."""
+def test_a_server_that_does_not_start_is_a_grader_fault(monkeypatch):
+    """The error is raised, and no folder is left behind."""
     monkeypatch.setattr(file_access.SandboxFolders, "python", lambda _: ["false"])
     made = Server("none", LIMITS)
     with pytest.raises(RuntimeError, match=r"\(none\) does not start"), made.started():
@@ -270,9 +270,9 @@ def test_a_server_that_does_not_start_is_a_fault(monkeypatch):
     assert not made._scratch.exists()
 
 
-def test_what_a_student_tells_is_short_and_steers_no_terminal():
-    """Words are kept, as far as they can be shown; anything else is no word."""
-    assert process._text("caf\u00e9\nok") == "caf\u00e9\nok"
-    assert process._text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
-    assert len(process._text("x" * 10**6)) == process.MOST_TEXT
-    assert process._text(["x"]) == process._text(None) == ""
+def test_text_from_submissions_is_shortened_and_stripped_of_control_characters():
+    """Text that can be printed is kept, and objects that are not text are dropped."""
+    assert session._text("caf\u00e9\nok") == "caf\u00e9\nok"
+    assert session._text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
+    assert len(session._text("x" * 10**6)) == session.MOST_TEXT
+    assert session._text(["x"]) == session._text(None) == ""

@@ -1,4 +1,4 @@
-"""Hostile input: an answer that obeys the law, or a refusal in words; no NaN, no warning."""
+"""Arbitrary input to the library: a finite answer that obeys the law, or an error in words."""
 
 import warnings
 from collections.abc import Callable
@@ -28,7 +28,7 @@ from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, dense
 
 REFUSALS = (ValueError, np.linalg.LinAlgError, OverflowError, MemoryError)
-# What Python, NumPy and LAPACK say by themselves; it tells the user nothing.
+# Messages of Python, NumPy and LAPACK themselves, which do not help the user.
 BARE = (
     "math range error",
     "numerical result out of range",
@@ -47,8 +47,8 @@ BARE = (
 hostile = settings(max_examples=150)
 
 
-def answered_or_refused(ask: Callable[[], object]) -> np.ndarray | None:
-    """The finite answer, or None where it was refused in words."""
+def answer_or_none(ask: Callable[[], object]) -> np.ndarray | None:
+    """Return the finite answer, or None if the call raised an error with a proper message."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
@@ -66,7 +66,7 @@ def answered_or_refused(ask: Callable[[], object]) -> np.ndarray | None:
     return answer
 
 
-# --- what may come --------------------------------------------------------------------------------
+# --- inputs ---------------------------------------------------------------------------------------
 
 lengths = st.one_of(
     st.sampled_from([1e-300, 1e-150, 1e-12, 1e-3, 0.1, 1.0, 10.0, 1e6, 1e150, 1e300]),
@@ -89,7 +89,7 @@ kernels = st.one_of(
 
 @st.composite
 def clouds(draw) -> np.ndarray:
-    """Points in ugly places: duplicates, lattices, lines, clusters, any offset and unit."""
+    """Difficult points: duplicates, lattices, lines, clusters, with any offset and unit."""
     d, n = draw(st.integers(1, 3)), draw(st.integers(1, 14))
     entries = st.one_of(st.integers(-2, 2).map(float), st.floats(-1.0, 1.0, allow_subnormal=False))
     x = draw(arrays(np.float64, (n, d), elements=entries))
@@ -110,7 +110,7 @@ def clouds(draw) -> np.ndarray:
 
 @st.composite
 def reconstructions(draw) -> Callable[[], Reconstruction]:
-    """A method on such points, not yet made; lengths in the unit of the points, or not."""
+    """A function that makes a method on such points; lengths may be in the unit of the points."""
     x = draw(clouds())
     size = float(np.ptp(x / 4, axis=0).max()) * 4
     unit = size if 0 < size < np.inf and draw(st.booleans()) else 1.0
@@ -139,7 +139,7 @@ def reconstructions(draw) -> Callable[[], Reconstruction]:
 
 @st.composite
 def queries(draw, sites: np.ndarray) -> np.ndarray:
-    """At sites, between them, beside them and far away."""
+    """Queries at sites, between sites, near sites and far away."""
     n, d = sites.shape
     i, j = draw(st.integers(0, n - 1)), draw(st.integers(0, n - 1))
     t = draw(st.sampled_from([0.0, 1e-15, 1e-9, 0.3, 0.5, 1.0, -2.0]))
@@ -161,73 +161,72 @@ data_of = st.sampled_from(
 )
 
 
-# --- what must be so ------------------------------------------------------------------------------
+# --- laws -----------------------------------------------------------------------------------------
 
 
 @hostile
 @given(st.data())
-def test_every_question_is_answered_or_refused(data):
+def test_every_method_answers_or_refuses_any_query(data):
     """Values, gradients, weights, adjoints, coefficients, matrices, objectives, leave-one-out."""
-    m = answered_or_refused(data.draw(reconstructions()))
+    m = answer_or_none(data.draw(reconstructions()))
     if m is None:
         return
     with np.errstate(all="ignore"):
         x = data.draw(queries(m.points))
     assume(np.isfinite(x).all())
     f = data.draw(data_of)(m.points)
-    answered_or_refused(lambda: m.field(f)(x))
-    answered_or_refused(lambda: m.field(f).gradient(x))
-    answered_or_refused(lambda: m.weights(x))
-    answered_or_refused(lambda: m.gradient_weights(x))
-    answered_or_refused(lambda: m.adjoint(x, np.ones(len(x))))
-    answered_or_refused(lambda: leave_one_out(m, f))
+    answer_or_none(lambda: m.field(f)(x))
+    answer_or_none(lambda: m.field(f).gradient(x))
+    answer_or_none(lambda: m.weights(x))
+    answer_or_none(lambda: m.gradient_weights(x))
+    answer_or_none(lambda: m.adjoint(x, np.ones(len(x))))
+    answer_or_none(lambda: leave_one_out(m, f))
     if isinstance(m, LeastSquares | RBF):
-        answered_or_refused(lambda: m.coefficients(f))
-        answered_or_refused(m.matrix)
+        answer_or_none(lambda: m.coefficients(f))
+        answer_or_none(m.matrix)
     if isinstance(m, LeastSquares):
-        answered_or_refused(lambda: m.objective(f))
-        answered_or_refused(lambda: normal_equations(m.points, f, m.degree))
+        answer_or_none(lambda: m.objective(f))
+        answer_or_none(lambda: normal_equations(m.points, f, m.degree))
     if isinstance(m, MovingLeastSquares):
-        answered_or_refused(lambda: m.matrix(x))
-        answered_or_refused(lambda: m.objective(f, x))
-        answered_or_refused(lambda: m.objective(f, x, normalized=True))
+        answer_or_none(lambda: m.matrix(x))
+        answer_or_none(lambda: m.objective(f, x))
+        answer_or_none(lambda: m.objective(f, x, normalized=True))
 
 
 @hostile
 @given(st.data())
-def test_constants_come_back_wherever_there_is_an_answer(data):
-    """In any unit, at any offset, on any cloud that determines them."""
-    m = answered_or_refused(data.draw(reconstructions()))
+def test_constants_are_reproduced_wherever_there_is_an_answer(data):
+    """In any unit, at any offset, on any point cloud that determines constants."""
+    m = answer_or_none(data.draw(reconstructions()))
     if m is None or m.degree < 0:
         return
     with np.errstate(all="ignore"):
         x = data.draw(queries(m.points))[:1]
     inside = (x >= m.points.min(axis=0)) & (x <= m.points.max(axis=0))
     assume(inside.all())
-    value = answered_or_refused(lambda: m.field(np.full(len(m.points), 3.0))(x))
+    value = answer_or_none(lambda: m.field(np.full(len(m.points), 3.0))(x))
     if value is not None:
         assert_close(value, np.full(len(x), 3.0), 1e-6)
 
 
 @hostile
 @given(st.data())
-def test_an_interpolant_comes_near_its_data(data):
-    """Or says that rounding prevents it. Sites 1e-60 of the cloud's size apart count as one."""
-    m = answered_or_refused(data.draw(reconstructions()))
+def test_an_interpolant_reproduces_its_data_or_is_refused(data):
+    """Sites closer than 1e-60 of the size of the point cloud count as one."""
+    m = answer_or_none(data.draw(reconstructions()))
     if m is None or not m.interpolates:
         return
     if isinstance(m, MovingLeastSquares):
         assume(pdist(m.sites).min(initial=1.0) > 1e-60)
     f = np.cos(7.0 * np.arange(len(m.points)))
-    values = answered_or_refused(lambda: m.field(f)(m.points))
+    values = answer_or_none(lambda: m.field(f)(m.points))
     if values is not None:
         assert_close(values, f, 0.1)
 
 
 @hostile
 @given(clouds(), st.integers(0, 3))
-def test_too_few_points_are_always_refused(x, degree):
-    """Fewer distinct points than coefficients cannot determine them."""
+def test_fewer_distinct_points_than_coefficients_are_refused(x, degree):
     if len(np.unique(x, axis=0)) < dimension(x.shape[1], degree):
         for make in (
             lambda: LeastSquares(x, degree),
@@ -257,33 +256,33 @@ SITES = np.random.default_rng(1).random((9, 2))
 
 @hostile
 @given(ANYTHING)
-def test_anything_may_be_given_for_points_data_queries_and_loads(thing):
-    """It is used if it has the form, and refused in words if not."""
+def test_invalid_points_data_queries_and_loads_are_refused_with_a_message(thing):
+    """Any object is either accepted or refused with a proper message."""
     m = LeastSquares(SITES)
-    answered_or_refused(lambda: LeastSquares(thing))
-    answered_or_refused(lambda: m.field(np.ones(9))(thing))
-    answered_or_refused(lambda: m.weights(thing))
-    answered_or_refused(lambda: m.adjoint(SITES[:2], thing))
-    answered_or_refused(lambda: m.coefficients(thing))
-    answered_or_refused(lambda: leave_one_out(m, thing))
+    answer_or_none(lambda: LeastSquares(thing))
+    answer_or_none(lambda: m.field(np.ones(9))(thing))
+    answer_or_none(lambda: m.weights(thing))
+    answer_or_none(lambda: m.adjoint(SITES[:2], thing))
+    answer_or_none(lambda: m.coefficients(thing))
+    answer_or_none(lambda: leave_one_out(m, thing))
 
 
 @hostile
 @given(ANYTHING)
-def test_anything_may_be_given_for_a_parameter(thing):
+def test_invalid_parameters_are_refused_with_a_message(thing):
     """Degrees, neighbours, weights, kernels, smoothings, lengths."""
-    answered_or_refused(lambda: LeastSquares(SITES, thing))
-    answered_or_refused(lambda: MovingLeastSquares(SITES, thing))
-    answered_or_refused(lambda: MovingLeastSquares(SITES, gaussian(0.5), thing))
-    answered_or_refused(lambda: MovingLeastSquares(SITES, gaussian(0.5), 1, thing))
-    answered_or_refused(lambda: RBF(SITES, thing))
-    answered_or_refused(lambda: RBF(SITES, thin_plate_spline(), thing))
-    answered_or_refused(lambda: RBF(SITES, thin_plate_spline(), smoothing=thing))
-    answered_or_refused(lambda: PartitionOfUnityRBF(SITES, thing))
-    answered_or_refused(lambda: PartitionOfUnityRBF(SITES, degree=thing))
-    answered_or_refused(lambda: PartitionOfUnityRBF(SITES, patch_size=thing))
-    answered_or_refused(lambda: PartitionOfUnityRBF(SITES, smoothing=thing))
-    answered_or_refused(lambda: RBF(SITES, gaussian(thing)))
-    answered_or_refused(lambda: RBF(SITES, polyharmonic(thing)))
-    answered_or_refused(lambda: RBF(SITES, wendland(thing, thing, thing)))
-    answered_or_refused(lambda: RBF(SITES, matern(thing, thing)))
+    answer_or_none(lambda: LeastSquares(SITES, thing))
+    answer_or_none(lambda: MovingLeastSquares(SITES, thing))
+    answer_or_none(lambda: MovingLeastSquares(SITES, gaussian(0.5), thing))
+    answer_or_none(lambda: MovingLeastSquares(SITES, gaussian(0.5), 1, thing))
+    answer_or_none(lambda: RBF(SITES, thing))
+    answer_or_none(lambda: RBF(SITES, thin_plate_spline(), thing))
+    answer_or_none(lambda: RBF(SITES, thin_plate_spline(), smoothing=thing))
+    answer_or_none(lambda: PartitionOfUnityRBF(SITES, thing))
+    answer_or_none(lambda: PartitionOfUnityRBF(SITES, degree=thing))
+    answer_or_none(lambda: PartitionOfUnityRBF(SITES, patch_size=thing))
+    answer_or_none(lambda: PartitionOfUnityRBF(SITES, smoothing=thing))
+    answer_or_none(lambda: RBF(SITES, gaussian(thing)))
+    answer_or_none(lambda: RBF(SITES, polyharmonic(thing)))
+    answer_or_none(lambda: RBF(SITES, wendland(thing, thing, thing)))
+    answer_or_none(lambda: RBF(SITES, matern(thing, thing)))

@@ -1,4 +1,4 @@
-"""The locks: with each of them something is refused that succeeds without it."""
+"""The parts of the sandbox: each forbids something that succeeds without it."""
 
 import ctypes
 import fcntl
@@ -24,30 +24,30 @@ LANDLOCK = landlock.version()
 
 
 def in_a_child(*steps):
-    """How the last of some steps ended in a process of its own: "done", or the kind of error."""
+    """Run steps in a child process; return "done", or the kind of error of the last step."""
     out, into = os.pipe()
     child = os.fork()
     if child == 0:
-        told = "done"
+        outcome = "done"
         try:
             for step in steps:
                 step()
         except BaseException as error:
-            told = type(error).__name__
+            outcome = type(error).__name__
         finally:
             try:
-                os.write(into, told.encode())
+                os.write(into, outcome.encode())
             finally:
                 os._exit(0)
     os.close(into)
     with os.fdopen(out) as file:
-        told = file.read()
+        outcome = file.read()
     _, status = os.waitpid(child, 0)
-    return f"signal {os.WTERMSIG(status)}" if os.WIFSIGNALED(status) else told
+    return f"signal {os.WTERMSIG(status)}" if os.WIFSIGNALED(status) else outcome
 
 
 def libc(name, *arguments):
-    """A call of the C library, which raises where it fails."""
+    """Call a function of the C library, and raise OSError if it fails."""
     c = ctypes.CDLL(None, use_errno=True)
     if getattr(c, name)(*arguments) == -1:
         raise OSError(ctypes.get_errno(), name)
@@ -62,7 +62,7 @@ def program():
     try:
         os.execv("/no such program", ["program"])
     except FileNotFoundError:
-        return  # the kernel has looked for it
+        return  # the kernel has looked for the program
 
 
 def system_v_memory():
@@ -121,8 +121,8 @@ if seccomp.is_known():
 
     @pytest.mark.slow
     @pytest.mark.parametrize("what", FORBIDDEN)
-    def test_what_seccomp_refuses(what, folder):
-        """A call that is refused with the lock succeeds without it."""
+    def test_seccomp_refuses_forbidden_calls(what, folder):
+        """The call is refused with the filter and succeeds without it."""
         assert in_a_child(FORBIDDEN[what]) == "done"
         (folder / "pipe").unlink(missing_ok=True)
         (folder / "file").write_text("content")
@@ -131,12 +131,11 @@ if seccomp.is_known():
 
     @pytest.mark.parametrize("what", ALLOWED)
     @pytest.mark.usefixtures("folder")
-    def test_what_seccomp_allows(what):
-        """What honest programs do goes on."""
+    def test_seccomp_allows_harmless_calls(what):
         assert in_a_child(seccomp.refuse, ALLOWED[what]) == "done"
 
-    def test_seccomp_holds_for_threads_and_newer_calls():
-        """A thread made later is under the same lock; calls that are not known are not there."""
+    def test_seccomp_covers_later_threads_and_unknown_system_calls():
+        """A thread started later has the same filter, and unknown system calls do not exist."""
 
         def in_a_thread():
             failed = []
@@ -159,8 +158,8 @@ if seccomp.is_known():
 
 
 @pytest.mark.parametrize("machine", seccomp.ARCHITECTURES)
-def test_the_filter_is_a_program(machine):
-    """On each machine: eight bytes an instruction, no jump past the end, the kernel's limit."""
+def test_the_seccomp_filter_is_a_valid_program(machine):
+    """Eight bytes per instruction, no jump past the end, and below the kernel's limit of length."""
     lines = list(seccomp._program(machine, 1234))
     assert all(len(line) == 8 for line in lines)
     assert len(lines) < 4096
@@ -180,28 +179,28 @@ HEADERS = {
     "x86_64": Path("/usr/include/x86_64-linux-gnu/asm/unistd_64.h"),
     "aarch64": Path("/usr/include/asm-generic/unistd.h"),
 }
-"""Where the kernel tells its numbers; not every machine has these files."""
+"""Files in which the kernel lists its system calls; not every machine has them."""
 
 
-TOLD = [machine for machine, header in HEADERS.items() if header.is_file()]
-if TOLD:
+LISTED = [machine for machine, header in HEADERS.items() if header.is_file()]
+if LISTED:
 
-    @pytest.mark.parametrize("machine", TOLD)
-    def test_the_numbers_are_those_of_the_kernel(machine):
-        """Of every call that is named, on both kinds of machines."""
+    @pytest.mark.parametrize("machine", LISTED)
+    def test_the_system_call_numbers_are_those_of_the_kernel(machine):
+        """Every named call is compared, on both architectures."""
         lines = re.findall(r"__NR(?:3264)?_(\w+)[ \t]+(\d+)", HEADERS[machine].read_text())
-        told = {name: int(number) for name, number in lines}
+        outcome = {name: int(number) for name, number in lines}
         column = list(seccomp.ARCHITECTURES).index(machine)
         for name, numbers in (seccomp.REFUSED | seccomp.ABSENT).items():
-            assert told.get(name, numbers[column]) == numbers[column], name
-            assert numbers[column] is not None or name not in told, name
+            assert outcome.get(name, numbers[column]) == numbers[column], name
+            assert numbers[column] is not None or name not in outcome, name
 
 
 if LANDLOCK:
 
     @pytest.fixture
-    def fence(folder):
-        """A place with what may be read, listed and written, and what may not."""
+    def fenced(folder):
+        """Make readable, listable, writable and forbidden folders; return a function that locks."""
         for name in ("read", "listed", "written", "outside"):
             (folder / name).mkdir()
             (folder / name / "file").write_text(name)
@@ -228,21 +227,20 @@ if LANDLOCK:
     }
 
     @pytest.mark.parametrize("what", REFUSED)
-    def test_what_landlock_refuses(what, fence, folder):
-        """What lies outside of the fence cannot be touched; without the fence it can."""
+    def test_landlock_refuses_access_outside_the_allowed_folders(what, fenced, folder):
+        """Nothing outside the allowed folders changes; without Landlock each access succeeds."""
         (folder / "written/way").symlink_to(folder / "outside")
         before = sorted(
             (p.relative_to(folder), p.is_file() and p.read_text()) for p in folder.rglob("*")
         )
-        assert in_a_child(fence, REFUSED[what]) in ("PermissionError", "OSError")
+        assert in_a_child(fenced, REFUSED[what]) in ("PermissionError", "OSError")
         after = sorted(
             (p.relative_to(folder), p.is_file() and p.read_text()) for p in folder.rglob("*")
         )
         assert after == before
         assert in_a_child(REFUSED[what]) == "done"
 
-    def test_what_landlock_allows(fence):
-        """Reading, listing, and everything in the folder that may be written."""
+    def test_landlock_allows_reading_listing_and_writing_where_permitted(fenced):
         steps = [
             lambda: Path("read/file").read_text(),
             lambda: list(Path("listed").iterdir()),
@@ -252,34 +250,33 @@ if LANDLOCK:
             lambda: Path("written/folder").mkdir(),
             lambda: Path(os.devnull).write_text("x"),
         ]
-        assert in_a_child(fence, *steps) == "done"
+        assert in_a_child(fenced, *steps) == "done"
 
     if LANDLOCK >= 4:
 
-        def test_landlock_refuses_connections(fence):
-            """A port of this machine cannot be connected to by TCP."""
+        def test_landlock_refuses_tcp_connections(fenced):
+            """A port of this machine is the target."""
             with closing(socket.create_server(("127.0.0.1", 0))) as server:
 
                 def connect():
                     socket.create_connection(server.getsockname(), 5).close()
 
                 assert in_a_child(connect) == "done"
-                assert in_a_child(fence, connect) == "PermissionError"
+                assert in_a_child(fenced, connect) == "PermissionError"
 
     if LANDLOCK >= 6:
 
-        def test_landlock_refuses_signals(fence):
-            """Processes outside cannot be sent a signal."""
+        def test_landlock_refuses_signals_to_outside_processes(fenced):
 
             def send():
                 os.kill(os.getppid(), 0)
 
             assert in_a_child(send) == "done"
-            assert in_a_child(fence, send) == "PermissionError"
+            assert in_a_child(fenced, send) == "PermissionError"
 
 
-def test_limits_hold(folder):
-    """Memory, the size of files, and how many are open; without the limits all of it succeeds."""
+def test_resource_limits_are_enforced(folder):
+    """Memory, file size and open files are limited; without the limits each attempt succeeds."""
 
     def limited():
         confine.limit(confine.address_space() + (64 << 20), 60, 1 << 16)
@@ -300,8 +297,8 @@ def test_limits_hold(folder):
             assert in_a_child(limited, attempt) == error
 
 
-def test_files_are_closed_whatever_their_number():
-    """Also those with numbers above the limit of open files."""
+def test_all_other_file_descriptors_are_closed():
+    """This includes descriptors above the limit of open files."""
     out, into = os.pipe()
     high = fcntl.fcntl(into, fcntl.F_DUPFD, confine.MOST_FILES + 100)
     try:
@@ -321,8 +318,8 @@ def test_files_are_closed_whatever_their_number():
 if LINUX:
 
     @pytest.mark.slow
-    def test_processor_time_ends():
-        """Whoever computes on and on is ended by the system, also who listens to no signal."""
+    def test_exceeded_processor_time_kills_the_process():
+        """The process is killed even if it ignores the warning signal."""
 
         def busy():
             signal.signal(signal.SIGXCPU, signal.SIG_IGN)
@@ -333,12 +330,14 @@ if LINUX:
 
         assert in_a_child(busy) == f"signal {signal.SIGKILL}"
 
-    def test_capabilities_are_gone():
-        """None is left, which the superuser had."""
+    def test_all_capabilities_are_dropped():
+        """This is checked against the superuser, who has them."""
 
         def effective():
-            told = Path("/proc/self/status").read_text()
-            return next(int(line.split()[1], 16) for line in told.splitlines() if "CapEff" in line)
+            outcome = Path("/proc/self/status").read_text()
+            return next(
+                int(line.split()[1], 16) for line in outcome.splitlines() if "CapEff" in line
+            )
 
         def none_left():
             if effective():
@@ -349,7 +348,7 @@ if LINUX:
             assert in_a_child(none_left) == "AssertionError"
 
     def outlives(seconds, *steps):
-        """Whether a process that wants so many seconds more outlives the one that made it."""
+        """Whether a process that runs for so many seconds outlives its parent."""
         out, into = os.pipe()
         child = os.fork()
         if child == 0:
@@ -369,13 +368,13 @@ if LINUX:
         os.close(out)
         return last_words == b"still here"
 
-    def test_a_process_ends_with_its_parent():
-        """With the tie it ends at once, without it when it wants to."""
+    def test_die_with_parent_ends_a_process_with_its_parent():
+        """Without it the process outlives its parent."""
         assert not outlives(30, confine.die_with_parent)
         assert outlives(0.2)
 
-    def test_orphans_are_adopted():
-        """A process whose parent has ended is a child of the one that adopts."""
+    def test_adopt_orphans_makes_orphans_children():
+        """A process whose parent has ended becomes a child of the adopting process."""
 
         def adopted():
             own, (out, into) = os.getpid(), os.pipe()
@@ -393,17 +392,17 @@ if LINUX:
         assert in_a_child(confine.adopt_orphans, adopted) == "done"
         assert in_a_child(adopted) == "AssertionError"
 
-    def test_memory_is_hidden():
-        """A process of the same user that has no capabilities cannot read another's memory."""
+    def test_hide_memory_prevents_other_processes_from_reading_memory():
+        """The reader is a process of the same user without capabilities."""
 
         def parents_memory():
             confine.drop_capabilities()
             Path(f"/proc/{os.getppid()}/maps").read_text()
 
         def look():
-            told = in_a_child(parents_memory)
-            if told != "done":
-                raise PermissionError(told)
+            outcome = in_a_child(parents_memory)
+            if outcome != "done":
+                raise PermissionError(outcome)
 
         assert in_a_child(confine.drop_capabilities, look) == "done"
         hidden = [confine.drop_capabilities, confine.hide_memory]

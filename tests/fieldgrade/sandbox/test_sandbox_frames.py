@@ -1,4 +1,4 @@
-"""Frames: what is sent arrives, and whatever else comes is refused in time."""
+"""Frames between grader and worker: valid frames arrive, and others are refused in time."""
 
 import json
 import os
@@ -38,7 +38,7 @@ def pipe():
 
 
 def received(data, seconds=600.0):
-    """What is received when these bytes come, and then no more."""
+    """Return the frame received from these bytes, after which the pipe is closed."""
     with pipe() as (out, into):
 
         def write():
@@ -60,10 +60,10 @@ def received(data, seconds=600.0):
 
 @quickly
 @given(SENT, st.lists(VALUES, max_size=3))
-def test_what_is_sent_arrives(head, values):
-    """Words come as they were, numbers too, widened to eight bytes, in their shapes."""
-    told, came = received(frames.pack(head, tuple(values)))
-    assert told == head
+def test_a_frame_arrives_as_it_was_sent(head, values):
+    """Texts are unchanged; arrays keep shape and values, widened to eight bytes per number."""
+    head_received, came = received(frames.pack(head, tuple(values)))
+    assert head_received == head
     assert len(came) == len(values)
     for one, other in zip(came, values, strict=True):
         assert one.shape == other.shape
@@ -73,8 +73,7 @@ def test_what_is_sent_arrives(head, values):
 
 @quickly
 @given(st.binary(max_size=200))
-def test_bytes_are_a_frame_or_refused(data):
-    """Any bytes at all are refused in one of three ways, or are a frame."""
+def test_arbitrary_bytes_are_a_frame_or_refused(data):
     try:
         head, values = received(data)
     except (frames.BadFrame, frames.PipeClosed):
@@ -92,9 +91,9 @@ ENTRY = st.recursive(
 
 @quickly
 @given(ENTRY, st.binary(max_size=64))
-def test_a_head_that_lies_about_its_arrays_is_refused(told, body):
-    """Whatever a head says of its arrays, the numbers are those of the body, byte for byte."""
-    text = json.dumps({"arrays": told}).encode()
+def test_a_head_that_misdescribes_its_arrays_is_refused(head_received, body):
+    """Whatever the head claims about its arrays, exactly the numbers of the body are returned."""
+    text = json.dumps({"arrays": head_received}).encode()
     try:
         _, values = received(struct.pack("!II", len(text), len(body)) + text + body)
     except frames.BadFrame:
@@ -104,8 +103,8 @@ def test_a_head_that_lies_about_its_arrays_is_refused(told, body):
 
 @quickly
 @given(st.sampled_from(["f", "b"]), st.lists(st.sampled_from([0, 1, 2**25, 2**24]), max_size=16))
-def test_no_shape_is_too_odd(kind, shape):
-    """A shape whose sizes multiply to more than there is, or to nothing, breaks nobody."""
+def test_any_shape_is_read_or_refused(kind, shape):
+    """This includes shapes of size zero, and sizes whose product overflows."""
     text = json.dumps({"arrays": [[kind, shape]]}).encode()
     try:
         _, (value,) = received(struct.pack("!II", len(text), 0) + text)
@@ -129,14 +128,13 @@ def test_no_shape_is_too_odd(kind, shape):
         (struct.pack("!II", 22, 8) + b'{"arrays":[["O",[1]]]}' + bytes(8), "not numeric"),
     ],
 )
-def test_what_is_no_frame_is_refused_in_words(data, words):
-    """The sentence says what is wrong."""
+def test_an_invalid_frame_is_refused_with_its_reason(data, words):
     with pytest.raises(frames.BadFrame, match=words):
         received(data)
 
 
-def test_a_torn_frame_is_waited_for_until_the_deadline():
-    """Who sends half a frame and keeps the pipe open holds up nobody for longer."""
+def test_receiving_an_incomplete_frame_times_out():
+    """The sender sends half a frame and keeps the pipe open."""
     begin = time.monotonic()
     with pipe() as (out, into):
         os.write(into, struct.pack("!II", 100, 0) + b"{")
@@ -145,8 +143,8 @@ def test_a_torn_frame_is_waited_for_until_the_deadline():
     assert time.monotonic() - begin > 0.15
 
 
-def test_a_pipe_that_nobody_reads_is_written_to_until_the_deadline():
-    """A frame larger than the pipe, and a reader that does not read: the writer goes on."""
+def test_sending_to_a_pipe_that_nobody_reads_times_out():
+    """The frame is larger than the buffer of the pipe."""
     begin = time.monotonic()
     with pipe() as (_, into):
         os.set_blocking(into, False)
@@ -155,8 +153,8 @@ def test_a_pipe_that_nobody_reads_is_written_to_until_the_deadline():
     assert time.monotonic() - begin > 0.15
 
 
-def test_a_pipe_that_is_closed_is_told():
-    """To read or to write where nobody is at the other end is an end of its own kind."""
+def test_a_closed_pipe_raises_an_error_of_its_own():
+    """This applies to reading and to writing."""
     with pipe() as (out, into):
         os.close(into)
         with pytest.raises(frames.PipeClosed):
@@ -176,14 +174,14 @@ def test_a_pipe_that_is_closed_is_told():
         ((np.zeros(1),) * (frames.MOST_ARRAYS + 1), "too long"),
     ],
 )
-def test_what_the_other_side_would_refuse_is_not_sent(values, words):
-    """Objects, texts and more than may be are refused by the sender too."""
+def test_frames_that_the_receiver_would_refuse_are_not_sent(values, words):
+    """Objects, texts, and frames that are too long."""
     with pytest.raises(frames.BadFrame, match=words):
         frames.pack({}, values)
 
 
-def test_nothing_is_unpickled():
-    """A pickle is bytes like others, which no frame gives a meaning to."""
+def test_pickles_are_not_loaded():
+    """A pickle is refused like any other invalid frame."""
 
     class Evil:
         def __reduce__(self):

@@ -1,4 +1,4 @@
-"""Homes are measured and emptied, whatever is in them."""
+"""Home folders in the sandbox are measured and emptied, whatever they contain."""
 
 import os
 from pathlib import Path
@@ -15,7 +15,7 @@ def home(tmp_path):
 
 
 def deep(folder, depth):
-    """Folders in folders, deeper than any path may be long."""
+    """Nested folders whose path is longer than any path may be."""
     here = os.open(folder, os.O_RDONLY)
     for _ in range(depth):
         os.mkdir("d" * 100, dir_fd=here)
@@ -26,7 +26,7 @@ def deep(folder, depth):
 
 
 def closed(folder, _):
-    """Folders that cannot be listed, with something in them."""
+    """Folders without permissions, with files in them."""
     for name in ("a", "b"):
         (folder / name / "inner").mkdir(parents=True)
         (folder / name / "inner" / "file").write_text("x")
@@ -35,7 +35,7 @@ def closed(folder, _):
 
 
 def linked(folder, _):
-    """Links to what must stay, to nothing, and to themselves; a pipe."""
+    """Links to files that must stay, to nothing, and to themselves; a named pipe."""
     (folder / "out").symlink_to(folder.parent / "kept")
     (folder / "root").symlink_to("/")
     (folder / "nothing").symlink_to("nothing at all")
@@ -44,14 +44,14 @@ def linked(folder, _):
 
 
 def many(folder, count):
-    """Many files, with names that are odd."""
+    """Many files with unusual names."""
     for k in range(count):
         (folder / f"-{k}\n\udcff").touch()
 
 
 @pytest.mark.parametrize(("fill", "size"), [(deep, 200), (closed, 0), (linked, 0), (many, 3000)])
-def test_a_home_is_emptied(fill, size, home):
-    """Nothing is left, and what links lead to is untouched; the folder itself stays the same."""
+def test_a_home_folder_is_emptied(fill, size, home):
+    """The folder itself and the targets of links are untouched."""
     kept = home.parent / "kept"
     kept.mkdir()
     (kept / "file").write_text("kept")
@@ -65,8 +65,8 @@ def test_a_home_is_emptied(fill, size, home):
     assert not home.exists()
 
 
-def test_what_cannot_be_removed_stays(home, monkeypatch):
-    """A folder that the system does not let go holds up nobody."""
+def test_a_folder_that_cannot_be_removed_is_left(home, monkeypatch):
+    """No error is raised."""
     (home / "a" / "b").mkdir(parents=True)
 
     def refuse(*_):
@@ -77,8 +77,8 @@ def test_what_cannot_be_removed_stays(home, monkeypatch):
     assert (home / "a" / "b").is_dir()
 
 
-def test_a_home_is_measured(home):
-    """By the number of what is in it, by the room it takes on the disk, and by its depth."""
+def test_an_overfull_home_folder_is_detected(home):
+    """By the number of entries, by the disk space used, and by the depth."""
     assert not homes.is_overfull(str(home))
     linked(home, 0)
     many(home, 10)

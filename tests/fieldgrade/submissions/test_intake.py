@@ -1,4 +1,4 @@
-"""Every file finds its student and its notebook, and whatever came is graded or told."""
+"""Intake of submissions: every file finds its student and notebook, and is graded or reported."""
 
 import hashlib
 import io
@@ -19,7 +19,7 @@ from fieldgrade.class_folder.roster import Student
 from fieldgrade.submissions import collection
 from fieldgrade.submissions.archive import Archive
 from fieldgrade.submissions.intake import Intake
-from submission_files import ANSWER, FUNCTIONS, STUB, code, lay, notebook, packed
+from submission_files import ANSWER, FUNCTIONS, STUB, code, notebook, packed, write_files
 
 RIGHT, OTHER = notebook(ANSWER), notebook("x = 2", ANSWER)
 SECOND = notebook("def weights(x): return x\ndef field(x): return x")
@@ -32,13 +32,13 @@ def intake(tmp_path, **options):
     return Intake(Archive(tmp_path / "received"), FUNCTIONS, **options)
 
 
-def taken(tmp_path, files, **options):
-    """What is taken of files that lie in a folder."""
-    return intake(tmp_path, **options).take(lay(tmp_path / "class", files))
+def take(tmp_path, files, **options):
+    """The submissions found among files that are written to a folder."""
+    return intake(tmp_path, **options).take(write_files(tmp_path / "class", files))
 
 
-def graded(handed):
-    """Which file of whom is graded as which notebook."""
+def graded_files(handed):
+    """The name of the graded file for each student and notebook."""
     return {(h.student, h.notebook): h.name for h in handed if h.notebook}
 
 
@@ -96,27 +96,27 @@ FORMS = {
 }
 
 
-def bulk(files):
-    """What platforms make of it: one zip file."""
+def as_zip(files):
+    """One zip file, as platforms deliver a class."""
     return packed(dict(sorted(files.items())))
 
 
 @pytest.mark.parametrize("files", FORMS.values(), ids=FORMS)
 @pytest.mark.parametrize("way", ["folder", "zip", "zip in a folder", "zip with a folder"])
-def test_every_form_of_a_class_is_taken(tmp_path, files, way):
-    """Unpacked or not, each file goes to its student."""
+def test_every_layout_of_a_class_is_read(tmp_path, files, way):
+    """In folders or zip files, each file is assigned to its student."""
     place = tmp_path / "class"
     if way == "folder":
-        lay(place, files)
+        write_files(place, files)
     elif way == "zip":
-        place.write_bytes(bulk(files))
+        place.write_bytes(as_zip(files))
     elif way == "zip with a folder":
-        place.write_bytes(bulk({f"hand-ins/{n}": c for n, c in files.items()}))
-        if files in (LOOSE, ZIPS):  # files of people in one folder of a zip file of a class
-            place.write_bytes(bulk(files))
+        place.write_bytes(as_zip({f"hand-ins/{n}": c for n, c in files.items()}))
+        if files in (LOOSE, ZIPS):  # a zip file with one folder would belong to one student
+            place.write_bytes(as_zip(files))
     else:
-        lay(place, {"submissions.zip": bulk(files)})
-        if files in (LOOSE, ZIPS):  # might be what one student packed
+        write_files(place, {"submissions.zip": as_zip(files)})
+        if files in (LOOSE, ZIPS):  # a zip file in the class folder could belong to one student
             place = place / "submissions.zip"
     handed = intake(tmp_path, roster=ROSTER).take(place)
     content = {h.student: h.submission(Archive(tmp_path / "received")).content for h in handed}
@@ -125,33 +125,33 @@ def test_every_form_of_a_class_is_taken(tmp_path, files, way):
     assert not [note for h in handed for note in h.notes if "roster" in note]
 
 
-def test_what_a_platform_tells_is_kept(tmp_path):
-    """The mark of Canvas; the time of Gradescope, in UTC, of the submission and not of another."""
-    canvas = taken(tmp_path / "canvas", CANVAS, roster=ROSTER)
+def test_late_marks_and_times_of_platforms_are_recorded(tmp_path):
+    """Canvas marks late files; Gradescope gives the time of each submission, recorded in UTC."""
+    canvas = take(tmp_path / "canvas", CANVAS, roster=ROSTER)
     assert [h.late_mark for h in canvas] == [False, True]
-    scope = taken(tmp_path / "scope", GRADESCOPE, roster=ROSTER)
+    scope = take(tmp_path / "scope", GRADESCOPE, roster=ROSTER)
     assert [(h.received, h.received_by) for h in scope] == [
         ("2026-11-20T12:00:00+00:00", "platform"),
         ("2026-11-21T06:30:00+00:00", "platform"),
     ]
 
 
-def test_several_downloads_are_taken_together(tmp_path):
-    """One for each notebook, as a platform makes them; each tells whose its folders are."""
+def test_several_bulk_downloads_are_read_together(tmp_path):
+    """Platforms make one download per notebook; each one identifies the owners of its folders."""
     second = METADATA.replace(b"submission_90", b"submission_80")
     files = {
-        "one.zip": bulk(GRADESCOPE),
-        "two.zip": bulk({"submission_metadata.yml": second, "submission_802/b.ipynb": SECOND}),
+        "one.zip": as_zip(GRADESCOPE),
+        "two.zip": as_zip({"submission_metadata.yml": second, "submission_802/b.ipynb": SECOND}),
     }
-    handed = taken(tmp_path, files, roster=ROSTER)
+    handed = take(tmp_path, files, roster=ROSTER)
     assert [(h.student, h.notebook) for h in handed] == [("s1", "01"), ("s2", "01"), ("s2", "02")]
     folders = {f"hw{k}/{name}": content for k in (1, 2) for name, content in CANVAS.items()}
-    handed = taken(tmp_path / "folders", folders, roster=ROSTER)
+    handed = take(tmp_path / "folders", folders, roster=ROSTER)
     assert [(h.student, h.notebook) for h in handed] == [("s1", "01"), ("s2", "01")]
 
 
-def test_a_list_of_owners_that_cannot_be_read_is_told(tmp_path):
-    """The folders are graded under their own names."""
+def test_an_unreadable_list_of_owners_is_reported(tmp_path):
+    """The submissions are graded under the names of their folders."""
     place = tmp_path / "class.zip"
     files = {"submission_metadata.yml": METADATA, "submission_901/01.ipynb": RIGHT}
     place.write_bytes(encrypted(packed(files)))
@@ -161,12 +161,12 @@ def test_a_list_of_owners_that_cannot_be_read_is_told(tmp_path):
     assert taking.strays == ["submission_metadata.yml: it is encrypted"]
 
 
-def test_a_group_of_gradescope_hands_in_for_each(tmp_path):
-    """One file, a record for each member."""
+def test_a_group_submission_of_gradescope_counts_for_each_member(tmp_path):
+    """There is one file and one record for each member."""
     bob = b"  - :name: Bob Byte\n    :sid: '78'\n  :created_at"
     group = METADATA.replace(b"  :created_at", bob, 1)
     files = {"submission_metadata.yml": group, "submission_901/01.ipynb": RIGHT}
-    handed = taken(tmp_path, files, roster=ROSTER)
+    handed = take(tmp_path, files, roster=ROSTER)
     assert [h.student for h in handed] == ["s1", "s2"]
     assert len({h.digest for h in handed}) == 1
 
@@ -191,13 +191,13 @@ ATTACKS = {
 
 @pytest.mark.parametrize("attack", ATTACKS.values(), ids=ATTACKS)
 @pytest.mark.parametrize("beside", [{"s2/01.ipynb": OTHER}, {"s2.ipynb": OTHER}, {}])
-def test_nobody_hands_in_for_somebody_else(tmp_path, attack, beside):
-    """Whatever names a student gives to files, they are that student's."""
+def test_a_student_cannot_submit_for_another_student(tmp_path, attack, beside):
+    """Whatever a student names the files, they belong to this student."""
     name, content = attack
     files = {name: content} | beside
     if name == "s1/submission_902/01.ipynb":
         files["s1/submission_metadata.yml"] = METADATA
-    handed = taken(tmp_path, files, roster=ROSTER)
+    handed = take(tmp_path, files, roster=ROSTER)
     theirs = [h for h in handed if h.student == "s2"]
     assert {h.student for h in handed} == ({"s1", "s2"} if beside else {"s1"})
     assert [(h.name, h.notes) for h in theirs] == [
@@ -205,23 +205,25 @@ def test_nobody_hands_in_for_somebody_else(tmp_path, attack, beside):
     ]
 
 
-def test_names_that_lead_out_of_a_bulk_download_are_nobodys(tmp_path):
-    """They are told, and the others are graded."""
+def test_paths_that_lead_out_of_a_bulk_download_are_reported(tmp_path):
+    """Other submissions are graded."""
     place = tmp_path / "class.zip"
-    place.write_bytes(bulk({"../s2/01.ipynb": RIGHT, "/s2/01.ipynb": RIGHT, "s1/01.ipynb": OTHER}))
+    place.write_bytes(
+        as_zip({"../s2/01.ipynb": RIGHT, "/s2/01.ipynb": RIGHT, "s1/01.ipynb": OTHER})
+    )
     taking = intake(tmp_path, roster=ROSTER)
-    assert graded(taking.take(place)) == {("s1", "01"): "01.ipynb"}
+    assert graded_files(taking.take(place)) == {("s1", "01"): "01.ipynb"}
     assert taking.strays == ["s2/01.ipynb: its name leads out of the folder"] * 2
 
 
-def test_the_latest_attempt_counts_and_the_others_are_told(tmp_path):
-    """By the number behind the name, where the times are the same."""
+def test_the_latest_attempt_counts_and_earlier_ones_are_reported(tmp_path):
+    """If the times are equal, the number at the end of the file name decides."""
     files = {
         f"s1/{name}.ipynb": notebook(f"k = {k}", ANSWER)
         for k, name in enumerate(["01", "01 (10)", "01 (9)", "01-2"])
     }
-    handed = taken(tmp_path, files)
-    assert graded(handed) == {("s1", "01"): "01 (10).ipynb"}
+    handed = take(tmp_path, files)
+    assert graded_files(handed) == {("s1", "01"): "01 (10).ipynb"}
     assert handed[0].notes == (
         "01.ipynb is not graded: 01-2.ipynb came later",
         "01-2.ipynb is not graded: 01 (9).ipynb came later",
@@ -229,35 +231,34 @@ def test_the_latest_attempt_counts_and_the_others_are_told(tmp_path):
     )
 
 
-def test_the_time_goes_before_the_number(tmp_path):
-    """What came later is later, whatever it is called."""
-    folder = lay(tmp_path / "class", {"s1/01 (2).ipynb": RIGHT, "s1/b.ipynb": OTHER})
+def test_the_time_of_an_attempt_has_precedence_over_its_number(tmp_path):
+    folder = write_files(tmp_path / "class", {"s1/01 (2).ipynb": RIGHT, "s1/b.ipynb": OTHER})
     os.utime(folder / "s1/01 (2).ipynb", (100, 100))
     os.utime(folder / "s1/b.ipynb", (200, 200))
-    assert graded(intake(tmp_path).take(folder)) == {("s1", "01"): "b.ipynb"}
+    assert graded_files(intake(tmp_path).take(folder)) == {("s1", "01"): "b.ipynb"}
 
 
-def test_a_notebook_goes_before_a_script(tmp_path):
-    """A module that was handed in too does not take the place of the notebook."""
-    handed = taken(tmp_path, {"s1/a.ipynb": RIGHT, "s1/z.py": ANSWER.encode()})
-    assert graded(handed) == {("s1", "01"): "a.ipynb"}
+def test_a_notebook_has_precedence_over_a_script(tmp_path):
+    """A module that was submitted with the notebook does not replace it."""
+    handed = take(tmp_path, {"s1/a.ipynb": RIGHT, "s1/z.py": ANSWER.encode()})
+    assert graded_files(handed) == {("s1", "01"): "a.ipynb"}
     assert handed[0].notes == ("z.py is not graded: a.ipynb is the notebook",)
 
 
 def test_two_notebooks_of_a_student_are_both_graded(tmp_path):
-    """And what is no notebook is told with the first."""
+    """Files that are not notebooks are reported with the first of them."""
     files = {"s1/a.ipynb": RIGHT, "s1/b.ipynb": SECOND, "s1/report.pdf": b"%PDF", "s1/x.py": b"1"}
-    handed = taken(tmp_path, files)
-    assert graded(handed) == {("s1", "01"): "a.ipynb", ("s1", "02"): "b.ipynb"}
+    handed = take(tmp_path, files)
+    assert graded_files(handed) == {("s1", "01"): "a.ipynb", ("s1", "02"): "b.ipynb"}
     assert handed[0].notes == (
         "x.py is not graded: it defines none of the functions that are asked for",
         "report.pdf is not graded: it is not a notebook",
     )
 
 
-def test_a_damaged_notebook_beside_a_whole_one_is_told(tmp_path):
+def test_a_damaged_notebook_beside_an_intact_one_is_reported(tmp_path):
     """It was meant to be graded, so it has a record of its own."""
-    handed = taken(tmp_path, {"s1/a.ipynb": RIGHT, "s1/b.ipynb": SECOND[:50]})
+    handed = take(tmp_path, {"s1/a.ipynb": RIGHT, "s1/b.ipynb": SECOND[:50]})
     assert [(h.notebook, h.problem) for h in handed] == [
         ("01", ""),
         ("", "the file is not a complete notebook: its JSON is broken"),
@@ -273,28 +274,28 @@ BROKEN = {
 
 
 @pytest.mark.parametrize(("content", "problem"), BROKEN.values(), ids=BROKEN)
-def test_one_that_cannot_be_read_stops_nobody(tmp_path, content, problem):
-    """The student has a record that says so, and the next one is graded."""
-    first, second = taken(tmp_path, {"s1/01.ipynb": content, "s2/01.ipynb": RIGHT})
+def test_an_unreadable_submission_does_not_affect_others(tmp_path, content, problem):
+    """The record of the student states the problem."""
+    first, second = take(tmp_path, {"s1/01.ipynb": content, "s2/01.ipynb": RIGHT})
     assert (first.student, first.notebook) == ("s1", "")
     assert problem in first.problem
-    assert graded([second]) == {("s2", "01"): "01.ipynb"}
+    assert graded_files([second]) == {("s2", "01"): "01.ipynb"}
 
 
 def test_a_student_without_any_notebook_has_a_record(tmp_path):
-    """Nobody who handed something in is forgotten."""
-    (only,) = taken(tmp_path, {"s1/letter.docx": b"PK", "s1/photo.png": b"\x89PNG"})
+    """Every student who submitted a file has a record."""
+    (only,) = take(tmp_path, {"s1/letter.docx": b"PK", "s1/photo.png": b"\x89PNG"})
     assert (only.student, only.problem) == ("s1", "it is not a notebook")
     assert len(only.notes) == 1
 
 
 def bomb(members=20, size=40 << 20):
-    """A zip file whose members unpack to a thousand times their size."""
+    """A zip file whose members are a thousand times larger when unpacked."""
     return packed({f"{k}.ipynb": b"0" * size for k in range(members)})
 
 
 def nested(times=6):
-    """A zip file in a zip file, and so on."""
+    """A zip file in a zip file, several levels deep."""
     pack = packed({"01.ipynb": RIGHT})
     for _ in range(times):
         pack = packed({"in.zip": pack})
@@ -313,49 +314,48 @@ PACKS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("pack", "problem"), PACKS.values(), ids=PACKS)
-def test_a_zip_file_that_cannot_be_unpacked_is_told(tmp_path, pack, problem):
-    """With the reason, and its bytes are kept."""
+def test_a_zip_file_that_cannot_be_unpacked_is_reported(tmp_path, pack, problem):
+    """The reason is recorded, and the bytes are archived."""
     pack = pack()
-    handed = taken(tmp_path, {"s1.zip": pack, "s2/01.ipynb": RIGHT})
+    handed = take(tmp_path, {"s1.zip": pack, "s2/01.ipynb": RIGHT})
     assert problem in handed[0].problem
     assert {h.student for h in handed} == {"s1", "s2"}
-    assert graded(handed) == {("s2", "01"): "01.ipynb"}
+    assert graded_files(handed) == {("s2", "01"): "01.ipynb"}
     digest = hashlib.sha256(pack).hexdigest()
     assert Archive(tmp_path / "received").path(digest).read_bytes() == pack
 
 
-def test_a_bomb_fills_no_disk(tmp_path, monkeypatch):
-    """What is unpacked of a student's zip files is bounded, all together."""
+def test_the_unpacked_size_of_a_students_zip_files_is_limited(tmp_path, monkeypatch):
+    """The limit is for all zip files of a student together."""
     monkeypatch.setattr(collection, "MOST_UNPACKED", 3 << 20)
     inner = packed({f"{k}.txt": bytes([k]) * (1 << 20) for k in range(20)})
-    taken(tmp_path, {"s1.zip": packed({"a.zip": inner, "b.zip": inner, "01.ipynb": RIGHT})})
+    take(tmp_path, {"s1.zip": packed({"a.zip": inner, "b.zip": inner, "01.ipynb": RIGHT})})
     kept = sum(f.stat().st_size for f in (tmp_path / "received").rglob("*") if f.is_file())
     assert kept < 4 << 20
 
 
-def test_a_zip_file_in_a_zip_file_is_unpacked(tmp_path):
-    """As when somebody packs a download once more."""
+def test_a_nested_zip_file_is_unpacked(tmp_path):
     inner = packed({"work/01.ipynb": RIGHT})
-    handed = taken(tmp_path, {"s1.zip": packed({"more.zip": inner}), "s2/01.ipynb": RIGHT})
-    assert graded(handed)["s1", "01"] == "s1.zip/more.zip/work/01.ipynb"
+    handed = take(tmp_path, {"s1.zip": packed({"more.zip": inner}), "s2/01.ipynb": RIGHT})
+    assert graded_files(handed)["s1", "01"] == "s1.zip/more.zip/work/01.ipynb"
 
 
-def test_of_thousands_of_files_the_notebooks_come_first(tmp_path):
-    """What is left out is told, and counted."""
+def test_among_thousands_of_files_notebooks_have_precedence(tmp_path):
+    """The number of files that are left out is reported."""
     files = {f"data/{k:04}.csv": b"%d" % k for k in range(3000)} | {"z/01.ipynb": RIGHT}
-    (only,) = taken(tmp_path, {"s1/all.zip": packed(files)})
+    (only,) = take(tmp_path, {"s1/all.zip": packed(files)})
     assert only.notebook == "01"
     left_out = 3001 - (collection.MOST_FILES - 1)
-    told = f"all.zip/… is not graded: there are too many files: {left_out} are left out"
-    assert told in only.notes
+    notes = f"all.zip/… is not graded: there are too many files: {left_out} are left out"
+    assert notes in only.notes
 
 
-def test_a_class_of_thousands_of_files_is_taken(tmp_path):
-    """Each student has a record, and it takes seconds."""
+def test_a_class_with_thousands_of_files_is_read(tmp_path):
+    """Each student has a record, and reading takes seconds."""
     roster = {f"s{k}": Student(f"s{k}", f"First{k} Last{k}") for k in range(1000)}
     place = tmp_path / "class.zip"
     place.write_bytes(
-        bulk(
+        as_zip(
             {
                 f"last{k}first{k}_{k}_{k}_{n}.ipynb": RIGHT if n == "01" else SECOND
                 for k in range(1000)
@@ -364,99 +364,98 @@ def test_a_class_of_thousands_of_files_is_taken(tmp_path):
         )
     )
     handed = intake(tmp_path, roster=roster).take(place)
-    assert {*graded(handed)} == {(s, n) for s in roster for n in ("01", "02")}
+    assert {*graded_files(handed)} == {(s, n) for s in roster for n in ("01", "02")}
 
 
-def test_a_zip_file_for_each_of_many_is_taken(tmp_path):
-    """More than a process may have open at a time."""
+def test_more_zip_files_than_open_files_are_allowed_are_read(tmp_path):
+    """The limit of open files is lowered for the test."""
     most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     count = 60
     resource.setrlimit(resource.RLIMIT_NOFILE, (len([*Path("/dev/fd").iterdir()]) + 40, _))
     try:
         pack = packed({"01.ipynb": RIGHT})
-        handed = taken(tmp_path, {f"s{k}.zip": pack for k in range(count)})
+        handed = take(tmp_path, {f"s{k}.zip": pack for k in range(count)})
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, _))
-    assert len(graded(handed)) == count
+    assert len(graded_files(handed)) == count
 
 
-def test_two_students_with_the_same_file_are_both_graded(tmp_path):
-    """The archive holds it once."""
-    handed = taken(tmp_path, {"s1/01.ipynb": RIGHT, "s2/01.ipynb": RIGHT})
-    assert graded(handed) == {("s1", "01"): "01.ipynb", ("s2", "01"): "01.ipynb"}
+def test_identical_files_of_two_students_are_both_graded(tmp_path):
+    """The archive contains the file once."""
+    handed = take(tmp_path, {"s1/01.ipynb": RIGHT, "s2/01.ipynb": RIGHT})
+    assert graded_files(handed) == {("s1", "01"): "01.ipynb", ("s2", "01"): "01.ipynb"}
     assert len([f for f in (tmp_path / "received").rglob("*") if f.is_file()]) == 1
 
 
-def test_the_same_file_twice_is_one(tmp_path):
-    """A copy is no other attempt."""
-    (only,) = taken(tmp_path, {"s1/01.ipynb": RIGHT, "s1/copy.ipynb": RIGHT})
+def test_identical_files_of_a_student_count_once(tmp_path):
+    """A copy is not another attempt."""
+    (only,) = take(tmp_path, {"s1/01.ipynb": RIGHT, "s1/copy.ipynb": RIGHT})
     assert only.notes == ()
 
 
-def test_who_is_not_on_the_roster_is_graded_and_told(tmp_path):
-    """Somebody may have joined late, or misspelled the name."""
-    first, _ = taken(tmp_path, {"eve/01.ipynb": RIGHT, "s1/01.ipynb": RIGHT}, roster=ROSTER)
+def test_students_missing_from_the_roster_are_graded_and_reported(tmp_path):
+    """The student may have joined late, or the name may be misspelled."""
+    first, _ = take(tmp_path, {"eve/01.ipynb": RIGHT, "s1/01.ipynb": RIGHT}, roster=ROSTER)
     assert (first.student, first.notes) == ("eve", ("eve is not on the roster",))
 
 
-def test_two_strangers_of_one_name_are_two(tmp_path):
-    """Without a roster, the numbers of the platform tell them apart."""
-    handed = taken(tmp_path, {"leeann_1_10_01.ipynb": RIGHT, "leeann_2_11_01.ipynb": OTHER})
+def test_unknown_students_of_the_same_name_are_kept_apart(tmp_path):
+    """Without a roster, the platform's numbers distinguish them."""
+    handed = take(tmp_path, {"leeann_1_10_01.ipynb": RIGHT, "leeann_2_11_01.ipynb": OTHER})
     assert [h.student for h in handed] == ["leeann (1)", "leeann (2)"]
 
 
-def test_a_list_of_times_goes_before_files(tmp_path):
-    """It says by whom the time is told."""
+def test_a_table_of_times_has_precedence_over_file_times(tmp_path):
+    """The record names the source of its time."""
     times = {("s1", "01"): "2026-11-20T12:00:00+01:00"}
-    (only,) = taken(tmp_path, {"s1/01.ipynb": RIGHT}, times=times)
+    (only,) = take(tmp_path, {"s1/01.ipynb": RIGHT}, times=times)
     assert (only.received, only.received_by) == (times["s1", "01"], "list")
 
 
-def test_the_time_of_what_a_student_packed_is_that_of_the_zip_file(tmp_path):
-    """What stands in it is of the student's clock."""
+def test_a_file_in_a_students_zip_file_has_the_time_of_the_zip_file(tmp_path):
+    """Times inside the zip file come from the clock of the student."""
     early = zipfile.ZipInfo("01.ipynb", date_time=(1999, 1, 1, 0, 0, 0))
-    folder = lay(tmp_path / "class", {"s1/all.zip": packed([(early, RIGHT)])})
+    folder = write_files(tmp_path / "class", {"s1/all.zip": packed([(early, RIGHT)])})
     os.utime(folder / "s1/all.zip", (1_000_000_000, 1_000_000_000))
     (only,) = intake(tmp_path).take(folder)
     assert only.received == "2001-09-09T01:46:40+00:00"
 
 
-def test_received_files_are_not_touched(tmp_path):
-    """Neither their bytes nor their names, nor is anything added."""
+def test_received_files_are_not_changed(tmp_path):
+    """Bytes and names stay the same, and no file is added."""
     files = PLAIN | ZIPS | CANVAS
-    folder = lay(tmp_path / "class", files)
+    folder = write_files(tmp_path / "class", files)
     intake(tmp_path).take(folder)
     there = [path for path in folder.rglob("*") if path.is_file()]
     assert {str(path.relative_to(folder)): path.read_bytes() for path in there} == files
 
 
-def test_taking_twice_gives_the_same(tmp_path):
-    """In the same order, and nothing is archived again."""
-    folder = lay(tmp_path / "class", PLAIN | ZIPS | CANVAS | {"s9/x.ipynb": b""})
+def test_reading_a_class_twice_gives_the_same_submissions(tmp_path):
+    """The order is the same, and nothing is archived again."""
+    folder = write_files(tmp_path / "class", PLAIN | ZIPS | CANVAS | {"s9/x.ipynb": b""})
     first, second = (intake(tmp_path, roster=ROSTER).take(folder) for _ in range(2))
     assert first == second
 
 
 @pytest.mark.parametrize("files", [{}, {".hidden": b""}, {"student.txt": b"s1"}])
-def test_an_empty_class_is_told(tmp_path, files):
+def test_an_empty_class_is_refused(tmp_path, files):
     (tmp_path / "class").mkdir()
     with pytest.raises(ValueError, match="there is no submission"):
-        taken(tmp_path, files)
+        take(tmp_path, files)
 
 
-def test_a_file_in_place_of_the_class_is_told(tmp_path):
-    """A notebook is no class."""
+def test_a_notebook_in_place_of_a_class_is_refused(tmp_path):
     with pytest.raises(ValueError, match="the zip file is damaged"):
-        intake(tmp_path).take(lay(tmp_path, {"a.ipynb": RIGHT}) / "a.ipynb")
+        intake(tmp_path).take(write_files(tmp_path, {"a.ipynb": RIGHT}) / "a.ipynb")
 
 
-def test_a_stale_stub_behind_an_answer_is_told(tmp_path):
-    """It takes the place of the answer, whatever ids and metadata say, and the instructor hears."""
+def test_a_stub_after_an_answer_is_reported(tmp_path):
+    """The stub replaces the answer when the notebook runs, whatever ids and metadata say."""
     answer, copy = (code(text, id="q-01-2") for text in (ANSWER, STUB))
     stale, fresh = notebook(answer, copy), notebook(copy, answer)
-    handed = taken(tmp_path, {"s1/01.ipynb": stale, "s2/01.ipynb": fresh})
-    told = [list(_notes_on(h, Archive(tmp_path / "received"))) for h in handed]
-    assert told == [["01.2: a stub is defined after an answer and replaces it"], []]
+    handed = take(tmp_path, {"s1/01.ipynb": stale, "s2/01.ipynb": fresh})
+    notes = [list(_notes_on(h, Archive(tmp_path / "received"))) for h in handed]
+    assert notes == [["01.2: a stub is defined after an answer and replaces it"], []]
 
 
 def _notes_on(handed, archive):
@@ -468,15 +467,15 @@ names = st.text(st.characters(exclude_characters="/\0", codec="utf-8"), min_size
 kinds = st.sampled_from([".ipynb", ".py", ".zip", "", "/01.ipynb", "/submission_metadata.yml"])
 contents = (
     st.binary(max_size=200)
-    | st.sampled_from([RIGHT, RIGHT[:40], METADATA, packed({"../a.ipynb": RIGHT}), bulk(CANVAS)])
+    | st.sampled_from([RIGHT, RIGHT[:40], METADATA, packed({"../a.ipynb": RIGHT}), as_zip(CANVAS)])
     | st.binary(max_size=60).map(lambda junk: packed({"01.ipynb": RIGHT})[:-30] + junk)
     | st.binary(max_size=60).map(lambda junk: b'{"cells": [' + zlib.compress(junk))
 )
 
 
 @given(st.dictionaries(st.tuples(names, kinds).map("".join), contents, min_size=1, max_size=5))
-def test_no_bytes_and_no_names_stop_a_class(tmp_path_factory, files):
-    """Whatever else lies in a bulk download, the honest student's work is graded as it was."""
+def test_arbitrary_files_do_not_affect_other_submissions(tmp_path_factory, files):
+    """Whatever files a bulk download contains, an honest student's work is graded."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as pack:
         for name, content in files.items():
@@ -487,4 +486,4 @@ def test_no_bytes_and_no_names_stop_a_class(tmp_path_factory, files):
     (folder / "class.zip").write_bytes(stream.getvalue())
     handed = Intake(Archive(folder / "received"), FUNCTIONS, ROSTER).take(folder / "class.zip")
     assert all(h.notebook in FUNCTIONS or h.problem for h in handed)
-    assert {("s1", "01"), ("s2", "01")} <= set(graded(handed))
+    assert {("s1", "01"), ("s2", "01")} <= set(graded_files(handed))

@@ -1,4 +1,4 @@
-"""The tables of a class say what is meant or what is wrong, and names find their students."""
+"""Tables of a class are read or their errors are reported, and names are matched to students."""
 
 import pytest
 from hypothesis import given
@@ -22,8 +22,8 @@ def example(tmp_path, name):
     return table(tmp_path, "\n".join([",".join(HEADERS[name]), *LINES[name]]))
 
 
-def test_the_examples_are_read(tmp_path):
-    """The lines that instructors copy mean something."""
+def test_the_example_tables_are_read(tmp_path):
+    """Instructors copy these lines."""
     students = read_roster(example(tmp_path, "roster.csv"))
     assert students["ada"].name == "Lovelace, Ada"
     assert columns(students["alan"])["canvas_id"] == "1205"
@@ -33,8 +33,8 @@ def test_the_examples_are_read(tmp_path):
     }
 
 
-def test_only_the_first_column_of_a_roster_must_be_there(tmp_path):
-    """In any order, as spreadsheets save it."""
+def test_only_the_student_column_of_a_roster_is_required(tmp_path):
+    """Columns may have any order; the file has the format of a spreadsheet program."""
     file = tmp_path / "roster.csv"
     file.write_bytes("\ufeffName;Student\r\nAda Müller;s1\r\n;s2\r\n\r\n# gone;s3\r\n".encode())
     assert read_roster(file) == {"s1": Student("s1", "Ada Müller"), "s2": Student("s2")}
@@ -80,8 +80,8 @@ BAD = {
 
 
 @pytest.mark.parametrize(("read", "text", "problems"), BAD.values(), ids=BAD)
-def test_all_bad_lines_are_told_at_once(tmp_path, read, text, problems):
-    """With their numbers, each in a sentence."""
+def test_all_bad_lines_of_a_table_are_reported_at_once(tmp_path, read, text, problems):
+    """Each error is one sentence with its line number."""
     with pytest.raises(ValueError, match="table") as error:
         read(table(tmp_path, text))
     assert str(error.value).splitlines() == problems
@@ -106,8 +106,8 @@ SIGNS = {
 
 
 @pytest.mark.parametrize("owner", SIGNS.values(), ids=SIGNS)
-def test_a_student_is_found_by_any_sign(owner):
-    """By numbers and addresses, by names as platforms turn them, by a number in a text."""
+def test_a_student_is_identified_by_any_of_several_hints(owner):
+    """Numbers, addresses, names as platforms change them, and a number within a text."""
     assert students_of([owner], ROSTER) == {owner: "s123"}
 
 
@@ -120,13 +120,13 @@ STRANGERS = {
 
 
 @pytest.mark.parametrize("owner", STRANGERS.values(), ids=STRANGERS)
-def test_a_stranger_is_nobody_on_the_roster(owner):
-    """A likeness is not enough: work must not count as another's."""
+def test_an_unknown_owner_is_not_matched_to_a_student(owner):
+    """Similarity is not enough, since a submission must not count for another student."""
     assert students_of([owner], ROSTER) == {owner: owner.text}
 
 
-def test_where_two_fit_equally_well_nobody_is_chosen():
-    """Two of one name are told apart by a surer sign, or not at all."""
+def test_an_ambiguous_name_is_not_matched():
+    """Two students of one name are distinguished by their numbers, or not at all."""
     twins = {k: Student(k, "Kim Lee", canvas_id=n) for k, n in (("k1", "1"), ("k2", "2"))}
     plain = OwnerHint("Kim Lee")
     assert students_of([plain], twins) == {plain: "Kim Lee"}
@@ -136,15 +136,14 @@ def test_where_two_fit_equally_well_nobody_is_chosen():
 
 @pytest.mark.slow
 @given(st.text(max_size=60), st.text(max_size=20), st.text(max_size=20))
-def test_any_text_belongs_to_one_student_at_most(text, number, email):
-    """Nothing in a name is an error."""
+def test_any_text_is_matched_to_at_most_one_student(text, number, email):
+    """No text raises an error."""
     owner = OwnerHint(text, number, email, "moodle")
     assert students_of([owner], ROSTER)[owner] in {text, f"{text} ({number})", "s123", "bob"}
 
 
 @given(st.text(min_size=1).filter(lambda name: "/" not in name), st.text(max_size=5))
-def test_any_name_is_placed(first, rest):
-    """A path tells of one owner, whatever stands in it."""
+def test_any_path_has_one_owner(first, rest):
     where = parse_path([first, *([rest] if rest else [])], {})
     assert len(where.owners) == 1
     assert isinstance(is_platform(first), bool)

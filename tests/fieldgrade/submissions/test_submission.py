@@ -1,4 +1,4 @@
-"""Code is found in whatever state it is handed in, and nothing of it is run."""
+"""Submissions: code is found in every form in which students submit it, without running it."""
 
 import json
 import pickle
@@ -44,8 +44,8 @@ WAYS = {
 
 
 @pytest.mark.parametrize(("name", "content"), WAYS.values(), ids=WAYS)
-def test_an_answer_is_found_by_the_name_of_its_function(name, content):
-    """However the file is called, and whatever became of its form."""
+def test_an_answer_is_found_by_its_function_name(name, content):
+    """The name and the format of the file do not matter."""
     found = Submission("ada", name, content)
     assert found.definitions["fit"][-1] is False
     assert found.notebook(FUNCTIONS) == "01"
@@ -68,8 +68,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("content", "sentence"), BAD.values(), ids=BAD)
-def test_what_cannot_be_graded_is_told_in_a_sentence(content, sentence):
-    """Each way in which a file is no notebook has its words, and no other error."""
+def test_an_unreadable_file_is_refused_with_its_reason(content, sentence):
     with pytest.raises(Unreadable, match=sentence):
         Submission("ada", "01.ipynb", content).notebook(FUNCTIONS)
 
@@ -99,8 +98,7 @@ noise = (
 
 @pytest.mark.slow
 @given(noise, st.sampled_from(["01.ipynb", "01.py", "", "x/\ud800.ipynb"]))
-def test_no_bytes_raise_anything_but_that(content, name):
-    """Whatever bytes are handed in, they are a submission or unreadable."""
+def test_arbitrary_bytes_are_a_submission_or_unreadable(content, name):
     found = Submission("ada", name, content)
     with suppress(Unreadable):
         assert found.notebook(FUNCTIONS) in FUNCTIONS
@@ -124,28 +122,28 @@ NESTED = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cell", NESTED.values(), ids=NESTED)
-def test_no_code_is_too_intricate_to_be_left_aside(cell):
-    """A cell that no parser can stand defines nothing; the others still do."""
+def test_a_cell_that_cannot_be_parsed_defines_nothing(cell):
+    """The other cells still define their functions."""
     assert defined(cell) == ()
     found = Submission("ada", "01.ipynb", notebook(cell, ANSWER))
     assert list(found.definitions) == ["fit"]
     assert "".join(statements(cell)) == cell
 
 
-def test_a_tree_is_made_of_so_much_code_only():
-    """A cell of more than a person writes is not parsed, since trees take a thousand times more."""
+def test_a_cell_that_is_too_long_is_not_parsed():
+    """A syntax tree takes about a thousand times the memory of its code."""
     long = "x = 1\n" * (definitions.MOST_PARSED // 6 + 1)
     assert defined(long + ANSWER) == ()
     assert defined(long[:6000] + ANSWER)[-1] == ("fit", False)
 
 
-def test_bad_escapes_are_no_errors():
-    """Code that Python only warns of counts, though warnings are errors here."""
+def test_invalid_escape_sequences_are_accepted():
+    """Python only warns about them, and warnings are errors in these tests."""
     assert defined('def fit(x):\n    return "\\d"\n') == (("fit", False),)
 
 
-def test_only_what_is_no_python_is_taken_for_a_magic():
-    """A line that begins with % and goes on with an expression stays."""
+def test_only_invalid_python_is_treated_as_a_magic_command():
+    """A line that begins with % and continues an expression is kept."""
     cell = "x = (7\n  % 2)\n"
     assert plain(cell) == cell
     assert plain("%%writefile x.py\nfit = 1") == plain("%%bash\nls") == ""
@@ -153,8 +151,8 @@ def test_only_what_is_no_python_is_taken_for_a_magic():
     assert plain("found = !ls\n  %timeit f()\nx = 1") == "found = None\n  pass\nx = 1"
 
 
-def test_what_stands_in_functions_and_classes_is_no_answer():
-    """Only names at top level can be called."""
+def test_definitions_inside_functions_and_classes_are_not_answers():
+    """Only names at the top level can be called."""
     assert defined("class A:\n    def fit(self): ...\ndef outer():\n    def rank(p): ...") == (
         ("outer", False),
     )
@@ -177,27 +175,27 @@ def test_what_stands_in_functions_and_classes_is_no_answer():
         ("return None", False),
     ],
 )
-def test_a_stub_is_told_from_an_answer(body, stub):
-    """What was handed out has not been written, also where some lines are given."""
+def test_a_stub_is_distinguished_from_an_answer(body, stub):
+    """A stub may contain some given lines."""
     assert defined(f"def fit(points):\n    {body}\n") == (("fit", stub),)
 
 
-def test_a_stub_behind_an_answer_is_seen():
-    """The order of definitions is kept, so that what takes the place of what can be told."""
+def test_a_stub_after_an_answer_is_recorded():
+    """Definitions keep their order, so that a replaced answer can be reported."""
     found = Submission("ada", "01.ipynb", notebook(ANSWER, STUB))
     assert found.definitions["fit"] == (False, True)
 
 
-def test_pieces_of_a_script_are_the_script():
-    """Nothing of a script is lost, and decorated functions stay whole."""
+def test_the_statements_of_a_script_are_the_whole_script():
+    """No character is lost, and decorated functions stay whole."""
     function = "@a.b\n# why\n@a.c(\n  1)\ndef f():\n    x = '''\n\x0cdef g(): ...\n'''\n\n\n"
     script = f"import a\n\n{function}y = 1"
     assert "".join(statements(script)) == script
     assert statements(script) == ["import a\n\n", function, "y = 1"]
 
 
-def test_a_question_of_two_notebooks_is_settled_by_what_was_handed_out():
-    """Metadata goes before identifiers, and both before the name of the file."""
+def test_an_ambiguous_notebook_is_identified_by_its_metadata():
+    """Metadata has precedence over cell ids, and both have precedence over the file name."""
     shared = "def gradient(c, x):\n    return c\n"
     course = {"course": {"source": "02_moving_least_squares"}}
     by_id = code(shared, id="q-02-7")
@@ -207,14 +205,13 @@ def test_a_question_of_two_notebooks_is_settled_by_what_was_handed_out():
     assert number("2024-2031.ipynb", notebook(shared)) == "01"
 
 
-def test_functions_go_before_hints():
-    """What is defined decides, whatever metadata, identifiers and names say."""
+def test_functions_have_precedence_over_metadata_ids_and_names():
     lies = {"course": {"source": "02_moving_least_squares"}}
     assert number("02.ipynb", notebook(code(ANSWER, id="q-02-7"), **lies)) == "01"
 
 
-def test_a_notebook_without_any_function_is_known_by_what_was_handed_out():
-    """It is graded, with nothing in it; a name alone does not make a notebook of the course."""
+def test_a_notebook_without_functions_is_identified_by_metadata_or_ids():
+    """It is graded as empty; a file name alone is not enough."""
     course = {"course": {"source": "02_moving_least_squares"}}
     assert number("x.ipynb", notebook("def weights(:", **course)) == "02"
     assert number("x.ipynb", notebook(prose("text", id="q-02-3"))) == "02"
@@ -226,13 +223,13 @@ def number(name, content):
     return Submission("ada", name, content).notebook(FUNCTIONS)
 
 
-def test_what_was_found_travels():
-    """A process elsewhere need not look for the definitions again."""
+def test_a_pickled_submission_keeps_its_definitions():
+    """Another process need not parse the cells again."""
     found = Submission("ada", "01.ipynb", notebook(ANSWER))
     assert found.definitions == {"fit": (False,)}
     assert "definitions" in vars(pickle.loads(pickle.dumps(found)))
 
 
-def test_the_limits_are_above_what_people_write():
-    """The notebooks of this course are a tenth of what is read."""
+def test_the_limit_of_code_is_far_above_real_notebooks():
+    """The notebooks of this course have a tenth of it."""
     assert submission.MOST_CODE >= 10 * 50_000

@@ -1,4 +1,4 @@
-"""Folders and zip files are read file by file, and nothing in them leads anywhere else."""
+"""Folders and zip files are read file by file, and no name in them leads outside."""
 
 import io
 import os
@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fieldgrade.submissions import unpack
 from fieldgrade.submissions.archive import Archive, CannotArchive
 from fieldgrade.submissions.unpack import BadZip, folder_items, zip_items
-from submission_files import lay, packed
+from submission_files import packed, write_files
 
 
 def items_of(tmp_path, content):
@@ -24,7 +24,7 @@ def items_of(tmp_path, content):
     return zip_items(file)
 
 
-def told(items):
+def refusals(items):
     return {item.name: item.refused for item in items}
 
 
@@ -48,19 +48,19 @@ NAMES = {
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_name_that_leads_elsewhere_is_refused(tmp_path, name):
-    """Parents, roots and drives; what is told of it is a harmless name."""
-    assert told(items_of(tmp_path, packed({name: b""}))) == {NAMES[name]: unpack.LEADS_OUT}
+def test_a_path_that_leads_outside_is_refused(tmp_path, name):
+    """Parent folders, root folders and drives; the reported name is harmless."""
+    assert refusals(items_of(tmp_path, packed({name: b""}))) == {NAMES[name]: unpack.LEADS_OUT}
 
 
-def test_names_of_windows_are_folders_and_names(tmp_path):
-    """Backslashes part them, and a colon in the middle of a title is no drive."""
+def test_windows_paths_are_split_into_folders(tmp_path):
+    """Backslashes separate folders, and a colon inside a title is not a drive."""
     found = items_of(tmp_path, packed({"work\\01.ipynb": b"1", "Homework: 1.ipynb": b"2"}))
-    assert told(found) == {"Homework: 1.ipynb": "", "work/01.ipynb": ""}
+    assert refusals(found) == {"Homework: 1.ipynb": "", "work/01.ipynb": ""}
 
 
 def test_links_and_long_names_in_a_zip_file_are_refused(tmp_path):
-    """The content of a link is a path, not a file."""
+    """The content of a link in a zip file is a path."""
     pack = packed(
         [
             (link("01.ipynb"), b"/etc/passwd"),
@@ -69,7 +69,7 @@ def test_links_and_long_names_in_a_zip_file_are_refused(tmp_path):
             ("d/" * 5000 + "x", b""),
         ]
     )
-    assert told(items_of(tmp_path, pack)) == {
+    assert refusals(items_of(tmp_path, pack)) == {
         "01.ipynb": "it is a link",
         "n" * 255: "its name is too long",
         "d/" * 99 + "x": "its name is too long",
@@ -77,7 +77,7 @@ def test_links_and_long_names_in_a_zip_file_are_refused(tmp_path):
 
 
 def encrypted(pack):
-    """Set the mark of encryption on every member."""
+    """Set the encryption flag on every member."""
     data = bytearray(pack)
     for magic, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
         at = data.find(magic)
@@ -87,14 +87,14 @@ def encrypted(pack):
     return bytes(data)
 
 
-def test_encrypted_files_are_told(tmp_path):
-    """Nobody asks for a password."""
+def test_encrypted_files_are_refused(tmp_path):
+    """No password is requested."""
     pack = encrypted(packed({"01.ipynb": b"{}"}))
-    assert told(items_of(tmp_path, pack)) == {"01.ipynb": "it is encrypted"}
+    assert refusals(items_of(tmp_path, pack)) == {"01.ipynb": "it is encrypted"}
 
 
-def test_what_is_not_the_students_work_is_left_out(tmp_path):
-    """Junk of systems, caches, hidden files, and the checks that were handed out."""
+def test_files_that_are_not_the_students_work_are_skipped(tmp_path):
+    """System files, caches, hidden files, and the checks that were handed out."""
     junk = [
         "__MACOSX/._01.ipynb",
         "._01.ipynb",
@@ -108,25 +108,25 @@ def test_what_is_not_the_students_work_is_left_out(tmp_path):
     ]
     files = dict.fromkeys([*junk, "a/01.ipynb"], b"x")
     assert [item.name for item in items_of(tmp_path, packed(files))] == ["a/01.ipynb"]
-    assert [i.name for i in folder_items(lay(tmp_path / "class", files))] == ["a/01.ipynb"]
+    assert [i.name for i in folder_items(write_files(tmp_path / "class", files))] == ["a/01.ipynb"]
 
 
-def test_the_bytes_are_those_of_the_member(tmp_path):
-    """Also of two members of one name."""
+def test_an_item_has_the_bytes_of_its_member(tmp_path):
+    """This also holds for two members of the same name."""
     with pytest.warns(UserWarning, match="Duplicate name"):
         pack = packed([("01.ipynb", b"first"), ("01.ipynb", b"second")])
     assert [item.open().read() for item in items_of(tmp_path, pack)] == [b"first", b"second"]
 
 
 @pytest.mark.parametrize("content", [b"", b"no zip", b"PK\x05\x06" + b"\0" * 17])
-def test_what_is_no_zip_file_is_told(tmp_path, content):
+def test_a_file_that_is_not_a_zip_file_is_refused(tmp_path, content):
     with pytest.raises(BadZip, match="the zip file is damaged"):
         items_of(tmp_path, content)
 
 
 @given(st.data())
-def test_no_damage_to_a_zip_file_raises_anything_else(tmp_path_factory, data):
-    """Any byte may be any other: it is no zip file, or its members are taken or not."""
+def test_a_damaged_zip_file_is_refused_or_read(tmp_path_factory, data):
+    """Any bytes may be changed; no other error is raised."""
     pack = bytearray(packed({"a/01.ipynb": b"{}" * 50, "b.txt": b"text"}))
     for at in data.draw(st.lists(st.integers(0, len(pack) - 1), max_size=6)):
         pack[at] = data.draw(st.integers(0, 255))
@@ -139,7 +139,7 @@ def test_no_damage_to_a_zip_file_raises_anything_else(tmp_path_factory, data):
     for item in found:
         try:
             stream = item.open()
-        except Exception:  # what the intake makes a problem of the file
+        except Exception:  # the intake turns it into a problem of the file
             continue
         with stream:
             try:
@@ -148,8 +148,8 @@ def test_no_damage_to_a_zip_file_raises_anything_else(tmp_path_factory, data):
                 assert str(error)  # noqa: PT017
 
 
-def test_a_zip_file_of_too_many_is_not_read(tmp_path, monkeypatch):
-    """They are counted before a list of them is made in memory."""
+def test_a_zip_file_with_too_many_members_is_refused(tmp_path, monkeypatch):
+    """Members are counted before a list of them is made in memory."""
     pack = packed({f"{k}.txt": b"" for k in range(30)})
     monkeypatch.setattr(unpack, "MOST_MEMBERS", 29)
     monkeypatch.setattr(unpack.zipfile, "ZipFile", None)
@@ -157,15 +157,15 @@ def test_a_zip_file_of_too_many_is_not_read(tmp_path, monkeypatch):
         items_of(tmp_path, pack)
 
 
-def test_a_zip_file_that_says_that_it_unpacks_to_too_much_is_told(tmp_path, monkeypatch):
-    """What it says is believed, if it is against it."""
+def test_a_zip_file_with_too_large_a_declared_size_is_refused(tmp_path, monkeypatch):
+    """The declared size is trusted if it exceeds the limit."""
     monkeypatch.setattr(unpack, "MOST_UNPACKED", 2_000_000)
     with pytest.raises(BadZip, match="more than 1 MiB"):
         items_of(tmp_path, packed({"a": b"0" * 1_500_000, "b": b"0" * 1_500_000}))
 
 
-def test_a_member_that_is_larger_than_it_says_is_cut(tmp_path):
-    """No more is unpacked than the list of the zip file tells."""
+def test_a_member_larger_than_its_declared_size_is_refused(tmp_path):
+    """No more than the declared size is unpacked."""
     pack = bytearray(packed({"a": b"0" * 100_000}))
     at = pack.find(b"PK\x01\x02")
     pack[at + 24 : at + 28] = struct.pack("<I", 10)
@@ -175,21 +175,21 @@ def test_a_member_that_is_larger_than_it_says_is_cut(tmp_path):
 
 
 def test_links_pipes_and_devices_in_a_folder_are_refused(tmp_path):
-    """None of them is opened, and no link is followed, to a folder or to a file."""
-    folder = lay(tmp_path / "class", {"ada/01.ipynb": b"{}"})
+    """None of them is opened, and no link is followed."""
+    folder = write_files(tmp_path / "class", {"ada/01.ipynb": b"{}"})
     (folder / "bob.ipynb").symlink_to("/etc/passwd")
     (folder / "cid").symlink_to(tmp_path)
     os.mkfifo(folder / "dan.ipynb")
-    assert told(folder_items(folder)) == {
+    assert refusals(folder_items(folder)) == {
         "ada/01.ipynb": "",
         "bob.ipynb": "it is a link",
         "cid": "it is a link",
-        "dan.ipynb": "it is no file",
+        "dan.ipynb": "it is not a regular file",
     }
 
 
-def test_folders_may_lie_deep_in_each_other(tmp_path):
-    """Deeper than functions may call each other."""
+def test_deeply_nested_folders_are_read(tmp_path):
+    """They are nested deeper than Python's recursion limit."""
     folder = tmp_path / "class"
     folder.mkdir()
     start = os.open(folder, os.O_RDONLY)
@@ -206,12 +206,14 @@ def test_folders_may_lie_deep_in_each_other(tmp_path):
     try:
         assert [item.name for item in folder_items(folder)] == ["01.ipynb"]
     finally:
-        subprocess.run(["rm", "-rf", folder], check=True)  # what pytest uses would go too deep
+        subprocess.run(
+            ["rm", "-rf", folder], check=True
+        )  # pytest's own removal would recurse too deep
 
 
-def test_a_folder_that_cannot_be_read_is_told(tmp_path, monkeypatch):
-    """The others are taken."""
-    folder = lay(tmp_path / "class", {"ada/01.ipynb": b"{}", "bob/01.ipynb": b"{}"})
+def test_an_unreadable_folder_is_reported(tmp_path, monkeypatch):
+    """The other folders are read."""
+    folder = write_files(tmp_path / "class", {"ada/01.ipynb": b"{}", "bob/01.ipynb": b"{}"})
     whole = Path.iterdir
 
     def iterdir(path):
@@ -220,21 +222,21 @@ def test_a_folder_that_cannot_be_read_is_told(tmp_path, monkeypatch):
         return whole(path)
 
     monkeypatch.setattr(Path, "iterdir", iterdir)
-    assert told(folder_items(folder)) == {
+    assert refusals(folder_items(folder)) == {
         "ada/01.ipynb": "",
         "bob": "it cannot be read (Permission denied)",
     }
 
 
-def test_strange_names_are_told_as_text(tmp_path):
-    """Controls for terminals, and bytes that are no UTF-8 as Python reads them."""
+def test_unprintable_file_names_are_reported_as_text(tmp_path):
+    """Control characters, and bytes that are not valid UTF-8."""
     (tmp_path / "a\x1b[2J\nb.ipynb").touch()
     assert [item.name for item in folder_items(tmp_path)] == ["a?[2J?b.ipynb"]
     assert unpack._printable(os.fsdecode(b"\xff.ipynb")).encode() == b"\\udcff.ipynb"
 
 
-def test_times_are_told_in_utc(tmp_path):
-    """Those of files as they are, those of zip files as of here; impossible ones are none."""
+def test_times_are_given_in_utc(tmp_path):
+    """Times in zip files are local times; impossible times are left empty."""
     (tmp_path / "01.ipynb").touch()
     os.utime(tmp_path / "01.ipynb", (0, 0))
     assert folder_items(tmp_path)[0].time == "1970-01-01T00:00:00+00:00"
@@ -245,8 +247,8 @@ def test_times_are_told_in_utc(tmp_path):
     assert (first.by, second.time) == ("zip", "")
 
 
-def test_what_is_archived_stays_as_it_was_received(tmp_path):
-    """Under its digest, once, whole, and not to be written."""
+def test_the_archive_keeps_the_received_bytes(tmp_path):
+    """A file is stored once, under its digest, and is read-only."""
     archive = Archive(tmp_path / "received")
     digests = {archive.put(io.BytesIO(b"content"), 100) for _ in range(2)}
     (digest,) = digests
@@ -266,15 +268,15 @@ class Failing(io.BytesIO):
     ("stream", "sentence"),
     [(io.BytesIO(b"0" * (2 << 20)), "more than 1 MiB"), (Failing(), "cannot be read .compressed")],
 )
-def test_what_cannot_be_kept_leaves_nothing(tmp_path, stream, sentence):
-    """Too much, or damaged."""
+def test_a_failed_archiving_leaves_no_file(tmp_path, stream, sentence):
+    """The content is too large, or the zip file is damaged."""
     with pytest.raises(CannotArchive, match=sentence):
         Archive(tmp_path).put(stream, 1 << 20)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_fault_of_the_archive_is_not_the_students(tmp_path):
-    """A full disk stops the grader, and is not written into somebody's record."""
+def test_an_error_of_the_archive_folder_is_raised(tmp_path):
+    """A full disk stops the grader and is not recorded as the fault of a student."""
     (tmp_path / "received").touch()
     with pytest.raises(FileExistsError):
         Archive(tmp_path / "received").put(io.BytesIO(b"x"), 10)

@@ -1,4 +1,4 @@
-"""Answers in words are found where students leave them, and nothing else is taken for one."""
+"""Written answers are found where students write them, and no other text is taken for one."""
 
 import pytest
 from hypothesis import given
@@ -48,8 +48,8 @@ PLACES = {
 
 
 @pytest.mark.parametrize("cells", PLACES.values(), ids=PLACES)
-def test_words_are_found(cells):
-    """By the surest sign that is left."""
+def test_a_written_answer_is_found(cells):
+    """The most reliable indication that is present decides."""
     name = "01.py" if isinstance(cells[0], bytes) else "01.ipynb"
     assert answers(*cells, name=name) == {"01.7": MINE}
 
@@ -67,30 +67,29 @@ NONE = {
 
 
 @pytest.mark.parametrize("cells", NONE.values(), ids=NONE)
-def test_what_is_no_answer_is_none(cells):
-    """A question that is not answered is left out."""
+def test_text_that_is_not_an_answer_is_ignored(cells):
+    """An unanswered question is not in the result."""
     assert answers(*cells) == {}
 
 
-def test_two_cells_for_one_question_are_both_read():
-    """Copies of each other are read once."""
+def test_two_different_cells_for_one_question_are_both_read():
+    """Identical copies are read once."""
     assert answers(marked("One."), marked("Two."), marked("One.")) == {"01.7": "One.\n\nTwo."}
 
 
-def test_answers_stay_with_their_questions():
-    """The words behind one question are no answer to another."""
+def test_a_written_answer_belongs_to_one_question():
+    """Text after one question is not an answer to another."""
     assert answers(ASKED, prose("A"), NEXT, prose("B")) == {"01.7": "A", "01.8": "B"}
     assert answers(ASKED, marked("B", "01.8")) == {"01.8": "B"}
 
 
-def test_nobody_reads_a_book():
-    """An answer is cut where no reader would go on."""
+def test_a_long_answer_is_truncated():
     assert len(answers(marked("x" * 10**6))["01.7"]) == LONGEST
 
 
 @pytest.mark.slow
 @given(noise)
-def test_no_bytes_raise_anything(content):
-    """Whatever was handed in has words or none."""
+def test_any_bytes_are_read_without_errors(content):
+    """Every file has written answers or none."""
     for name in ("01.ipynb", "01.py"):
         assert all(written_answers(Submission("ada", name, content), ["01.7"]).values())

@@ -284,7 +284,7 @@ def test_entry_points_and_times_are_of_fourth_order():
     assert slope(steps, np.array(errors)) > 3.7
 
 
-def test_inflow_of_vectors():
+def test_inflow_may_be_a_vector_field():
     """Inflow values of another shape are refused."""
     x = np.linspace(0, 1, 11)[:, None]
     f = np.column_stack([x, 1 - x])
@@ -340,8 +340,8 @@ def test_powers_of_the_weight_matrix_grow_with_extrapolation():
     assert np.linalg.norm(np.linalg.matrix_power(h, 100), 2) > 10
 
 
-def test_means_stay_between_the_data_for_ever():
-    """Weights that are positive and sum to one: the powers of H have the norm one."""
+def test_weighted_means_stay_within_the_range_of_the_data():
+    """Nonnegative weights that sum to one give powers of H with the maximum norm one."""
     x = disc(200)
     method = MovingLeastSquares(x, gaussian(0.15), 0)
     h = np.asarray(method.weights(departure_points(x, rotation, 0.1, 0.1)))

@@ -15,7 +15,7 @@ from fieldrecon.velocity.cells import raviart_thomas
 from fieldrecon.velocity.vertices import divergence, normal_velocities
 from fieldreport import experiments
 from fieldreport.experiments.advection import fluid_animation
-from fieldreport.experiments.meshes.graded_meshes import box_mesh
+from fieldreport.experiments.advection.fluid_animation import box_mesh
 from laws import VISIBLE, assert_close
 
 

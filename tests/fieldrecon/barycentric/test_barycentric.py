@@ -264,7 +264,7 @@ def split(corners, i, delta):
 def test_the_polar_dual_is_the_limit_of_split_corners(corners, i):
     """The slides perturb a corner of four faces to four corners of three faces.
 
-    The difference is of order one in the perturbation.
+    The difference of the weights is proportional to the perturbation.
     """
     x = 0.6 * inside(corners, 10, seed=5) + 0.4 * corners.mean(axis=0)
     exact = BarycentricCoordinates(corners).weights(x)
@@ -342,7 +342,7 @@ class UnitVolumes(Mutant):
 def test_wrong_volumes_violate_linear_reproduction(mutant, name):
     wrong = replace(case(f"coordinates of the {name}"), make=lambda p, _: mutant(p))
     with pytest.raises((AssertionError, np.linalg.LinAlgError)):
-        laws.polynomials_of_its_degree_are_reproduced(wrong)
+        laws.polynomials_of_the_degree_are_reproduced(wrong)
 
 
 # --- invariance ---------------------------------------------------------------------------------

@@ -8,11 +8,10 @@ import pytest
 
 from fieldrecon.cli.main import main
 from fieldrecon.io.meshes import read_triangles, write_triangles
-from fieldrecon.plotting import audit_picture
+from fieldrecon.plotting import mesh_pictures
 from fieldrecon.plotting.mesh_pictures import COLORS, MeshPicture, marks
 from fieldrecon.triangles.audit import CONCERNS, audit_mesh
-from fieldreport.experiments.triangles.damaged_meshes import damaged
-from fieldreport.experiments.triangles.planted_errors import TOWARD, planted_errors
+from fieldreport.experiments.triangles.planted_errors import TOWARD, damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import band, cube, sphere
 
 PLANTED = planted_errors(1)
@@ -22,7 +21,7 @@ PLANTED = planted_errors(1)
 def folder(tmp_path, monkeypatch):
     """Change to an empty folder and draw small pictures."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(audit_picture, "_PIXELS", 150)
+    monkeypatch.setattr(mesh_pictures, "_PIXELS", 150)
     return tmp_path
 
 

@@ -442,6 +442,26 @@ def test_many_samples_are_cross_validated_in_blocks(tmp_path, capsys):
             "there is no parameter 'n'; there are powers, points",
         ),
         (
+            ["experiments", "run", "power_sampling", "--set", "Pionts=3"],
+            "there is no parameter 'Pionts'; did you mean points?",
+        ),
+        (
+            ["experiments", "show", "power-samplin"],
+            "there is no experiment 'power-samplin'; did you mean power_sampling?",
+        ),
+        (
+            ["experiments", "run", "power_sampling", "--seed", "1", "--set", "seed=2"],
+            "parameter seed must be set once; got '2' and '1'",
+        ),
+        (
+            ["experiments", "run", "power_sampling", "--set", "points=20", "--set", "points=30"],
+            "parameter points must be set once; got '20' and '30'",
+        ),
+        (
+            ["experiments", "run", "power_sampling", "--seed", ""],
+            "parameter seed must be a whole number; got ''",
+        ),
+        (
             ["experiments", "run", "power_sampling", "--set", "draws=few"],
             "parameter draws must be a whole number; got 'few'",
         ),

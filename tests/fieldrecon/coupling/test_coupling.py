@@ -1,5 +1,6 @@
-"""Coupling of meshes: what is kept, under which condition, and what is lost otherwise."""
+"""Coupling of meshes: conservation laws, their conditions, and the loss otherwise."""
 
+import warnings
 from collections.abc import Callable
 from functools import partial
 from unittest import mock
@@ -21,7 +22,7 @@ from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
-from fieldreport.experiments.coupling import precice_mappings
+from fieldreport.experiments.coupling.coupling import integrated, separate
 from laws import VISIBLE, assert_close
 
 plates = partial(RBF, kernel=thin_plate_spline())
@@ -32,18 +33,18 @@ def nodes(d: int, n: int = 40) -> np.ndarray:
     return halton(n, d)
 
 
-def skin(d: int, m: int = 90) -> np.ndarray:
-    """Points that overlap the nodes in part: a quarter of the unit cube further along x."""
+def skin_points(d: int, m: int = 90) -> np.ndarray:
+    """Points in the unit cube shifted by 1/4 along x, so that they overlap the nodes in part."""
     return halton(m, d, seed=5) + np.eye(d)[0] / 4
 
 
 def flat(d: int) -> np.ndarray:
-    """Nodes in a plane of space or on a line of the plane, askew."""
+    """Nodes in a plane of space or on a line of the plane, rotated and shifted."""
     x = np.column_stack([halton(40, d - 1), np.zeros(40)])
-    return x @ turn(d) + 0.3
+    return x @ random_rotation(d) + 0.3
 
 
-def turn(d: int) -> np.ndarray:
+def random_rotation(d: int) -> np.ndarray:
     return np.linalg.qr(np.random.default_rng(d).normal(size=(d, d)))[0]
 
 
@@ -58,11 +59,11 @@ METHODS: dict[str, Callable[[np.ndarray], object]] = {
 }
 
 COUPLINGS: dict[str, Callable[[], Transfer]] = {
-    f"{name} in {d}-D": lambda make=make, d=d: Coupling(make(nodes(d)), skin(d))
+    f"{name} in {d}-D": lambda make=make, d=d: Coupling(make(nodes(d)), skin_points(d))
     for name, make in METHODS.items()
     for d in (2, 3)
 } | {
-    f"{name}, flat in {d}-D": lambda make=make, d=d: FlatCoupling(flat(d), skin(d), make)
+    f"{name}, flat in {d}-D": lambda make=make, d=d: FlatCoupling(flat(d), skin_points(d), make)
     for name, make in {
         "cubics": cubics,
         "a fit of degree 0": partial(LeastSquares, degree=0),
@@ -73,13 +74,12 @@ COUPLINGS: dict[str, Callable[[], Transfer]] = {
 
 @pytest.mark.parametrize("law", transfer_laws.LAWS, ids=lambda law: law.__name__)
 @pytest.mark.parametrize("name", COUPLINGS)
-def test_laws_of_transfer(name, law):
-    """Each coupling obeys each law, whichever side of its condition it is on."""
+def test_every_transfer_obeys_the_laws(name, law):
     law(COUPLINGS[name]())
 
 
-def test_both_sides_of_each_condition_occur():
-    """Force and moment kept; force alone; neither: by the degree of the method."""
+def test_conservation_depends_on_the_degree_of_the_method():
+    """Degree 1 conserves force and moment, degree 0 the force only, and no polynomial neither."""
     for d in (2, 3):
         for make, force, moment in [
             (METHODS["linear fit"], True, True),
@@ -87,7 +87,7 @@ def test_both_sides_of_each_condition_occur():
             (METHODS["kernel with a constant"], True, False),
             (METHODS["kernel alone"], False, False),
         ]:
-            t = Coupling(make(nodes(d)), skin(d))
+            t = Coupling(make(nodes(d)), skin_points(d))
             lost = np.abs(t.defects(transfer_laws.loads_on(t)))
             assert (lost[:d].max() < 1e-9) == force
             assert (lost[d:].max() < 1e-9) == moment
@@ -97,14 +97,17 @@ def test_both_sides_of_each_condition_occur():
 
 
 class InterpolatedLoads(Coupling):
-    """Loads by evaluation of an interpolant on the surface, as they are at each place."""
+    """Mutant: loads by interpolation of the surface loads at the nodes."""
 
     def _load(self, f):
         return plates(self.surface).field(f)(self.structure)
 
 
 class NearestNode(Coupling):
-    """Loads to the nearest node, displacements by H: force kept, work not."""
+    """Mutant: loads to the nearest node, displacements by H.
+
+    The force is conserved, work is not.
+    """
 
     def _load(self, f):
         total = np.zeros((len(self.structure), *f.shape[1:]))
@@ -113,22 +116,22 @@ class NearestNode(Coupling):
 
 
 class Rescaled(InterpolatedLoads):
-    """Interpolated loads, scaled so that the sums agree in each component."""
+    """Mutant: interpolated loads, scaled so that the sums of each component agree."""
 
     def _load(self, f):
         loads = super()._load(f)
         return loads * (f.sum(axis=0) / loads.sum(axis=0))
 
 
-class ForgottenTurn(FlatCoupling):
-    """Points off the plane move as their feet do."""
+class RotationForgotten(FlatCoupling):
+    """Mutant: points off the plane move as their projections do."""
 
     def _displace(self, u):
         return applied(self._weights, u)
 
 
 class CouplesBackward(FlatCoupling):
-    """The couples of loads off the plane turn the wrong way."""
+    """Mutant: the couples of loads off the plane have the wrong sign."""
 
     def _load(self, f):
         here, self.heights = self.heights, -self.heights
@@ -137,15 +140,15 @@ class CouplesBackward(FlatCoupling):
         return loads
 
 
-class DefectsOfForceOnly(Coupling):
-    """Takes moments about the origin whatever is asked."""
+class DefectsAboutOrigin(Coupling):
+    """Mutant: moments are always taken about the origin."""
 
     def defects(self, f, about=None):  # noqa: ARG002
         return super().defects(f)
 
 
 class SharesOfAll(Coupling):
-    """Gives each part of the surface the loads of all."""
+    """Mutant: each part of the surface gets the loads of all parts."""
 
     def shares(self, f, surface, structure):
         right = super().shares(f, surface, structure)
@@ -153,39 +156,44 @@ class SharesOfAll(Coupling):
 
 
 class MassForgotten(Coupling):
-    """Takes loads per area for loads."""
+    """Mutant: loads per area are treated as loads."""
 
     def densities(self, f, surface_mass, structure_mass=None):  # noqa: ARG002
         return super().densities(f, np.ones(len(f)), structure_mass)
 
 
 MUTANTS = [
-    (transfer_laws.work_is_kept, InterpolatedLoads),
-    (transfer_laws.work_is_kept, NearestNode),
-    (transfer_laws.work_is_kept, Rescaled),
-    (transfer_laws.work_is_kept, CouplesBackward),
-    (transfer_laws.work_is_kept, ForgottenTurn),
-    (transfer_laws.forces_are_kept_if_and_only_if_translations_come_back, InterpolatedLoads),
-    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, InterpolatedLoads),
-    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, NearestNode),
-    (transfer_laws.moments_are_kept_if_and_only_if_rotations_come_back, CouplesBackward),
-    (transfer_laws.what_is_lost_is_known_beforehand, InterpolatedLoads),
-    (transfer_laws.what_is_lost_is_known_beforehand, DefectsOfForceOnly),
-    (transfer_laws.parts_get_what_parts_give, SharesOfAll),
-    (transfer_laws.densities_keep_the_total_force_as_loads_do, MassForgotten),
+    (transfer_laws.virtual_work_is_conserved, InterpolatedLoads),
+    (transfer_laws.virtual_work_is_conserved, NearestNode),
+    (transfer_laws.virtual_work_is_conserved, Rescaled),
+    (transfer_laws.virtual_work_is_conserved, CouplesBackward),
+    (transfer_laws.virtual_work_is_conserved, RotationForgotten),
+    (
+        transfer_laws.forces_are_conserved_if_and_only_if_translations_are_reproduced,
+        InterpolatedLoads,
+    ),
+    (
+        transfer_laws.moments_are_conserved_if_and_only_if_rotations_are_reproduced,
+        InterpolatedLoads,
+    ),
+    (transfer_laws.moments_are_conserved_if_and_only_if_rotations_are_reproduced, NearestNode),
+    (transfer_laws.moments_are_conserved_if_and_only_if_rotations_are_reproduced, CouplesBackward),
+    (transfer_laws.defects_equal_the_lost_force_and_moment, InterpolatedLoads),
+    (transfer_laws.defects_equal_the_lost_force_and_moment, DefectsAboutOrigin),
+    (transfer_laws.shares_of_parts_add_up_to_the_conserved_force_and_moment, SharesOfAll),
+    (transfer_laws.densities_conserve_the_total_force_as_loads_do, MassForgotten),
 ]
 
 
 @pytest.mark.parametrize(
     ("law", "mutant"), MUTANTS, ids=lambda part: getattr(part, "__name__", None)
 )
-def test_each_law_can_fail(law, mutant):
-    """A wrong coupling, all else about it right."""
+def test_each_law_rejects_its_mutants(law, mutant):
     if issubclass(mutant, FlatCoupling):
-        wrong = mutant(flat(3), skin(3), cubics)
+        wrong = mutant(flat(3), skin_points(3), cubics)
     else:
-        make = METHODS["kernel alone" if mutant is DefectsOfForceOnly else "thin plates"]
-        wrong = mutant(make(nodes(3)), skin(3))
+        make = METHODS["kernel alone" if mutant is DefectsAboutOrigin else "thin plates"]
+        wrong = mutant(make(nodes(3)), skin_points(3))
     with pytest.raises(AssertionError):
         law(wrong)
 
@@ -193,8 +201,8 @@ def test_each_law_can_fail(law, mutant):
 # --- pointwise loads ------------------------------------------------------------------------------
 
 
-def test_constant_nodal_loads_cannot_come_back_and_keep_their_sum():
-    """Twelve nodes and forty: sums are 12 and 40; densities do both."""
+def test_constant_nodal_loads_cannot_be_reproduced_with_their_sum():
+    """The sums over 12 and 40 nodes differ. Densities can be both reproduced and conserved."""
     t = Coupling(plates(nodes(2, 12)), halton(40, 2, seed=5))
     ones = np.ones((40, 2))
     pointwise = plates(t.surface).field(ones)(t.structure)
@@ -207,8 +215,8 @@ def test_constant_nodal_loads_cannot_come_back_and_keep_their_sum():
     assert_close((got[:, None] * density).sum(axis=0), np.full(2, areas.sum()), 1e-9)
 
 
-def test_a_constant_density_comes_back_if_and_only_if_the_masses_match():
-    """C^T M_Y 1 = M_X 1, for masses that are given."""
+def test_a_constant_density_is_reproduced_if_and_only_if_the_masses_match():
+    """The condition on the given masses is Cᵀ M_Y 1 = M_X 1."""
     t = Coupling(plates(nodes(2, 12)), halton(40, 2, seed=5))
     areas = 0.5 + np.random.default_rng(0).random(40)
     matching = t.method.adjoint(t.surface, areas)
@@ -219,15 +227,20 @@ def test_a_constant_density_comes_back_if_and_only_if_the_masses_match():
     assert np.abs(found - 1).max() > 0.05
 
 
-# --- nodes without thickness ----------------------------------------------------------------------
+# --- flat structures ------------------------------------------------------------------------------
 
 
-def test_flat_nodes_are_found_wherever_they_lie():
-    """In any plane, far away and in any unit; and nodes that are almost flat are not."""
+def test_flat_structures_are_detected():
+    """This holds for any plane, far from the origin and in any unit.
+
+    Almost flat nodes are not flat.
+    """
     for d in (2, 3):
         for unit, offset in ((1.0, 0.0), (1e-9, 0.0), (1e6, 3.0)):
             x = (flat(d) + offset) * unit
-            t = couple(x, (skin(d) + offset) * unit, cubics)
+            t = quietly(
+                couple, x, (skin_points(d) + offset) * unit, cubics
+            )  # beyond a line by its length
             assert isinstance(t, FlatCoupling)
             f = transfer_laws.loads_on(t)
             lost = net_force_and_moment(t.structure, t.loads(f)) - net_force_and_moment(
@@ -237,52 +250,104 @@ def test_flat_nodes_are_found_wherever_they_lie():
             assert np.abs(lost[d:]).max() < 1e-8 * unit * (1 + offset)
         away = np.linalg.svd(flat(d) - flat(d).mean(axis=0))[2][-1]
         thick = flat(d) + 1e-3 * np.cos(np.arange(40))[:, None] * away
-        assert type(couple(thick, skin(d), cubics)) is Coupling
+        assert type(quietly(couple, thick, skin_points(d), cubics)) is Coupling
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_flatness_is_judged_for_the_digits_of_a_file(d):
+    """Rounded to `digits` in any unit: flat if and only if flatness admits it, and then right.
+
+    A bent plate, whose sagitta is ten times the flatness, is not flat.
+    """
+    exact = flat(d)
+    normal = np.linalg.svd(exact - exact.mean(axis=0))[2][-1]
+    y = exact[::3] + 0.05 * normal
+    u = np.sum((exact - exact.mean(axis=0)) ** 2, axis=1)[:, None] * normal
+    expected = FlatCoupling(exact, y, cubics).displacements(u)
+    for digits, unit in ((4, 1.0), (5, 1e6), (6, 1.0), (7, 1e-6), (8, 1e6)):
+        x, flatness = np.round(exact, digits) * unit, 10.0**-digits
+        for t in [couple(x, y * unit, cubics, flatness=flatness)] + (
+            [couple(x, y * unit, cubics)] if digits >= 6 else []
+        ):
+            assert type(t) is FlatCoupling
+            assert np.abs(t.displacements(u) - expected).max() < 30 * flatness
+        if digits < 6:
+            assert type(quietly(couple, x, y * unit, cubics)) is Coupling
+        bent = (exact + 10 * flatness * u / u.max()) * unit
+        assert type(quietly(couple, bent, y * unit, cubics, flatness=flatness)) is Coupling
+
+
+def quietly(make, *arguments, **options):
+    """Whatever it warns of."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return make(*arguments, **options)
+
+
+def test_weights_that_amplify_are_announced():
+    """Exactly those above the bound: almost flat nodes in space, and points far away."""
+    almost = np.round(flat(3), 4)
+    normal = np.linalg.svd(almost - almost.mean(axis=0))[2][-1]
+    with pytest.warns(RuntimeWarning, match=r"node \d+ of the surface sum to .*flatness=\de-05"):
+        couple(almost, flat(3) + 0.05 * normal, cubics)
+    with pytest.warns(RuntimeWarning, match=r"structural nodes nearer to it$"):
+        couple(flat(2), flat(2)[:3] * 1e3, cubics)
+    couple(nodes(3), skin_points(3), cubics)
+    for t in (couple(nodes(3), skin_points(3), cubics), couple(flat(3), skin_points(3), cubics)):
+        sums = np.abs(t.method.weights(t.projections)).sum(axis=1)
+        assert_close(t.row_norms(), sums, 1e-12)
+    with mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 1000):
+        t = Coupling(cubics(nodes(3)), skin_points(3))
+    sums = np.abs(cubics(nodes(3)).weights(skin_points(3))).sum(axis=1)
+    assert (t.row_norms() <= sums * (1 + 1e-9)).all()
+    assert (t.row_norms() >= sums / 10).all()
 
 
 def test_a_method_in_space_refuses_flat_nodes_or_loses_moments():
-    """Radial basis functions refuse; blended patches keep what is determined, and say so."""
+    """RBF refuses flat nodes. Blended patches reduce their degree to 0 and lose the moments."""
     with pytest.raises(np.linalg.LinAlgError, match="do not determine a polynomial of degree 1"):
         plates(flat(3))
-    t = Coupling(PartitionOfUnityRBF(flat(3), degree=1), skin(3))
+    t = Coupling(PartitionOfUnityRBF(flat(3), degree=1), skin_points(3))
     lost = t.defects(transfer_laws.loads_on(t))
     assert t.method.degree == 0
     assert np.abs(lost[:3]).max() < 1e-9
     assert np.abs(lost[3:]).max() > VISIBLE
 
 
-def test_a_bent_plate_carries_its_normals():
-    """u = x² upwards turns the normal by 2 x: a point at height ζ moves back by 2 x ζ."""
+def test_points_off_a_bent_plate_move_with_its_normals():
+    """u = x² rotates the normal by -2x, so a point at height ζ moves by -2xζ along x."""
     x = np.column_stack([np.linspace(-1, 1, 81), np.zeros(81)])
     u = np.column_stack([np.zeros(81), x[:, 0] ** 2])
     y = np.array([[0.31, 0.2], [-0.57, 0.2], [0.31, -0.4], [0.31, 0.0]])
-    moved = FlatCoupling(x, y, partial(RBF, kernel=polyharmonic(3), degree=2)).displacements(u)
+    displacements = FlatCoupling(
+        x, y, partial(RBF, kernel=polyharmonic(3), degree=2)
+    ).displacements(u)
     expected = np.column_stack([-2 * y[:, 0] * y[:, 1], y[:, 0] ** 2])
-    assert_close(moved, expected, 1e-6)
+    assert_close(displacements, expected, 1e-6)
 
 
-def test_a_force_at_a_height_arrives_with_its_couple():
-    """One along the plate, at height ζ: normal forces that sum to zero and turn by ζ."""
+def test_a_force_off_the_plane_gives_a_couple():
+    """A force along the plate at height ζ gives normal forces with sum zero and moment ζ."""
     x = np.column_stack([np.linspace(-1, 1, 9), np.zeros(9)])
     loads = FlatCoupling(x, [[0.1, 0.5]], cubics).loads([[1.0, 0.0]])
     assert_close(loads.sum(axis=0), np.array([1.0, 0.0]), 1e-12)
     assert_close(net_force_and_moment(x, loads), np.array([1.0, 0.0, -0.5]), 1e-12)
 
 
-def test_nodes_on_a_line_are_refused_in_words():
-    """In space, where their displacements do not tell how they twist."""
+def test_nodes_on_a_line_in_space_are_refused():
+    """Displacements of the line do not determine its torsion."""
     line = np.linspace(0, 1, 9)[:, None] * [1.0, 2.0, 3.0]
     with pytest.raises(np.linalg.LinAlgError, match=r"lie on a line.*rigid arms"):
-        couple(line, skin(3))
+        couple(line, skin_points(3))
     with pytest.raises(np.linalg.LinAlgError, match="lie at one point"):
-        couple(np.ones((3, 2)), skin(2))
+        couple(np.ones((3, 2)), skin_points(2))
 
 
-def test_flat_pieces_larger_than_neighbourhoods_are_refused_in_words():
-    """The skins of a box far apart: patches on one skin see a plane; larger ones see the box."""
+def test_patches_within_one_flat_side_are_refused():
+    """Small patches on one side of a box lie in a plane. Larger patches contain both sides."""
     g = np.stack(np.meshgrid(np.linspace(0, 1, 20), np.linspace(0, 1, 20)), -1).reshape(-1, 2)
     box = np.vstack([np.column_stack([g, np.full(400, z)]) for z in (0.0, 0.5)])
-    y = skin(3)
+    y = skin_points(3)
     with pytest.raises(
         np.linalg.LinAlgError, match="degree 0 on these nodes, and the total moment"
     ):
@@ -291,26 +356,26 @@ def test_flat_pieces_larger_than_neighbourhoods_are_refused_in_words():
     assert np.abs(t.defects(transfer_laws.loads_on(t))).max() < 1e-9
 
 
-# --- another project's formulas -------------------------------------------------------------------
+# --- the mappings of preCICE ----------------------------------------------------------------------
 
 
 KERNEL = wendland(3, 2, 0.8)
 
 
-def test_the_mappings_of_precice_with_an_integrated_polynomial_are_these():
-    """Consistent: H; conservative: its transpose. By their block system."""
-    x, y = nodes(3), skin(3)
-    consistent, conservative = precice_mappings.integrated(x, y, KERNEL)
+def test_precice_mappings_with_an_integrated_polynomial_agree():
+    """The consistent mapping is H, the conservative one Hᵀ, by preCICE's block system."""
+    x, y = nodes(3), skin_points(3)
+    consistent, conservative = integrated(x, y, KERNEL)
     u, f = np.cos(5 * x), np.sin(7 * y)
     t = Coupling(RBF(x, KERNEL, degree=1), y)
     assert_close(t.displacements(u), consistent @ u, 1e-9)
     assert_close(t.loads(f), conservative @ f, 1e-9)
 
 
-def test_the_mappings_of_precice_with_a_separate_polynomial_are_others_with_the_same_laws():
-    """A fit is subtracted first, and kernels alone interpolate the rest."""
-    x, y = nodes(3), skin(3)
-    consistent, conservative = precice_mappings.separate(x, y, KERNEL)
+def test_precice_mappings_with_a_separate_polynomial_differ_and_conserve():
+    """preCICE first subtracts a polynomial fit and interpolates the rest without polynomials."""
+    x, y = nodes(3), skin_points(3)
+    consistent, conservative = separate(x, y, KERNEL)
     q = np.column_stack([np.ones(len(x)), x])
     u, f = np.cos(5 * x), np.sin(7 * y)
     rest = u - q @ np.linalg.lstsq(q, u, rcond=None)[0]
@@ -323,12 +388,12 @@ def test_the_mappings_of_precice_with_a_separate_polynomial_are_others_with_the_
     assert np.abs(t.loads(f) - conservative @ f).max() > VISIBLE
 
 
-# --- routes, parts, size --------------------------------------------------------------------------
+# --- evaluation without matrices, load cases, parts -----------------------------------------------
 
 
-def test_weights_too_large_to_keep_are_not_formed():
-    """Then the field and the adjoint do it, with the same result."""
-    x, y = nodes(3), skin(3)
+def test_weights_too_large_to_store_are_not_formed():
+    """Then field and adjoint give the same result."""
+    x, y = nodes(3), skin_points(3)
     u, f = np.cos(5 * x), np.sin(7 * y)
     kept = Coupling(plates(x), y)
     with mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 1000):
@@ -338,9 +403,12 @@ def test_weights_too_large_to_keep_are_not_formed():
         assert_close(t.loads(f), kept.loads(f), 1e-10)
 
 
-def test_several_load_cases_are_each_alone():
-    """And displacements (n, d, ...) too."""
-    for t in (Coupling(plates(nodes(3)), skin(3)), FlatCoupling(flat(3), skin(3), cubics)):
+def test_load_cases_are_independent():
+    """Loads (m, d, ...) and displacements (n, d, ...) may have additional axes."""
+    for t in (
+        Coupling(plates(nodes(3)), skin_points(3)),
+        FlatCoupling(flat(3), skin_points(3), cubics),
+    ):
         f = np.random.default_rng(1).normal(size=(90, 3, 2, 4))
         u = np.random.default_rng(2).normal(size=(40, 3, 2, 4))
         areas = np.ones(90)
@@ -353,8 +421,8 @@ def test_several_load_cases_are_each_alone():
             assert_close(t.defects(f)[(slice(None), *k)], t.defects(f[each]), 1e-11)
 
 
-def test_local_methods_leave_far_parts_alone():
-    """Two surfaces at a distance: patches hand each one's load to its own nodes only."""
+def test_local_methods_do_not_load_distant_parts():
+    """For two distant surfaces, patches transfer the load of each to its own nodes only."""
     x = halton(400, 3)
     x[:, 0] = np.where(np.arange(400) % 2, 3 + x[:, 0], x[:, 0])
     y = x[::3] + 0.01
@@ -368,9 +436,9 @@ def test_local_methods_leave_far_parts_alone():
     assert leaked[1] > VISIBLE
 
 
-def test_moments_are_those_of_the_cross_product():
-    """In space; and in the plane its third component."""
-    p, f = skin(3), np.cos(9 * skin(3))
+def test_moments_equal_cross_products():
+    """In the plane the moment is the third component."""
+    p, f = skin_points(3), np.cos(9 * skin_points(3))
     about = np.array([0.2, -0.1, 0.4])
     moment = np.cross(p - about, f).sum(axis=0)
     assert_close(net_force_and_moment(p, f, about), np.concatenate([f.sum(axis=0), moment]), 1e-12)
@@ -405,14 +473,14 @@ def test_moments_are_those_of_the_cross_product():
         (lambda t: Coupling(t.method, np.ones((5, 2))), "x must have as many coordinates"),
     ],
 )
-def test_what_makes_no_sense_is_refused(call, words):
-    """In words that name it."""
+def test_invalid_arguments_are_refused(call, words):
+    """The message names the argument."""
     with pytest.raises(ValueError, match=words):
-        call(Coupling(plates(nodes(3)), skin(3)))
+        call(Coupling(plates(nodes(3)), skin_points(3)))
 
 
-def test_densities_need_areas():
-    """A node far from the surface has none to refer to."""
+def test_densities_of_nodes_without_area_are_refused():
+    """A node far from the surface has area zero."""
     x = np.vstack([nodes(2), [[9.0, 9.0]]])
     t = Coupling(PartitionOfUnityRBF(x, degree=1, kernel=thin_plate_spline()), nodes(2) * 0.9)
     with pytest.raises(np.linalg.LinAlgError, match=r"structural node \d+ gets the area"):

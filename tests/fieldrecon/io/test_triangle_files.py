@@ -125,3 +125,14 @@ def test_unknown_formats_are_refused(tmp_path):
         write_triangles(tmp_path / "mesh.dxf", *cube(1))
     with pytest.raises(FileNotFoundError):
         read_triangles(tmp_path / "nowhere.stl")
+
+
+def test_indices_of_obj_files_count_back_if_negative(tmp_path):
+    """From the vertices that stand above, also with tabs and on two lines; none is beyond them."""
+    above, below = "v 0 0 0\nv\t1 0 0\nv 0 1 0\n", "v 0 0 1\n"
+    for faces in ("f -3 -2 -1\n", "f 1// -2/4 \\\n-1/4/4\n", "f\t-3/1 2 3\n"):
+        path = written(tmp_path, above + faces + below + "f -1 1 -3\n", "mesh.obj")
+        assert read_triangles(path)[1].tolist() == [[0, 1, 2], [3, 0, 1]]
+    for wrong in ("f 0 1 2", "f -4 1 2"):
+        with pytest.raises(ValueError, match=f"mesh.obj, line 4: '{wrong}'"):
+            read_triangles(written(tmp_path, above + wrong, "mesh.obj"))

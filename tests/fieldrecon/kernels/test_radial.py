@@ -277,7 +277,7 @@ RADIAL_MUTANTS = {
 
 
 @pytest.mark.parametrize(("law", "mutant"), [*RADIAL_MUTANTS.items()], ids=named)
-def test_the_law_catches_the_mutant(law, mutant):
+def test_the_law_rejects_the_mutant(law, mutant):
     """A wrong radial function violates the law that it was written for."""
     with pytest.raises(AssertionError):
         law(mutant)

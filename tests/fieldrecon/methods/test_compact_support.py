@@ -1,4 +1,4 @@
-"""Kernels of compact support: the sparse route and the dense one, and a hundred thousand sites."""
+"""Kernels of compact support: sparse and dense systems, and a hundred thousand sites."""
 
 import pickle
 import subprocess
@@ -25,16 +25,16 @@ def both(sites, kernel):
     return NearPairs(sites, kernel), AllPairs(sites, kernel)
 
 
-def test_the_sparse_route_is_taken_where_its_factor_is_smaller():
-    """Not for wide supports or kernels without end."""
+def test_the_sparse_system_is_chosen_if_its_factor_is_smaller():
+    """Wide or unbounded supports give a dense system."""
     assert isinstance(pairs_of(SITES, NEAR), NearPairs)
     assert isinstance(pairs_of(SITES, wendland(3, 2, 2.0)), AllPairs)
     assert isinstance(pairs_of(SITES, gaussian(0.01)), AllPairs)
 
 
 @pytest.mark.parametrize("k", range(4))
-def test_near_pairs_are_those_that_count(k):
-    """Values and gradients of the kernel, sparse and dense."""
+def test_near_pairs_contain_all_nonzero_entries(k):
+    """Values and gradients of the kernel agree with those of all pairs."""
     blocks = []
     for pairs in both(SITES, wendland(3, k, 0.12)):
         ((_, values),) = pairs.values(QUERIES)
@@ -46,8 +46,8 @@ def test_near_pairs_are_those_that_count(k):
 
 @pytest.mark.parametrize("degree", [-1, 0, 1, 2])
 @pytest.mark.parametrize("complex_data", [False, True])
-def test_the_two_systems_have_one_solution(degree, complex_data):
-    """A λ + P c = f and Pᵀλ = g, by a sparse factor of A and by one on the null space of Pᵀ."""
+def test_sparse_and_dense_systems_have_the_same_solution(degree, complex_data):
+    """A λ + P c = f and Pᵀλ = g, by factorizations of A and on the null space of Pᵀ."""
     p = monomials(2 * SITES - 1, degree)
     rng = np.random.default_rng(3)
     f, g = rng.standard_normal((600, 3)), rng.standard_normal((p.shape[1], 3))
@@ -62,32 +62,32 @@ def test_the_two_systems_have_one_solution(degree, complex_data):
     assert_close(near.inverse_diagonal(), far.inverse_diagonal(), 1e-8)
 
 
-def test_a_pickled_sparse_system_is_factored_again():
-    """SuperLU's factor cannot travel; the matrix can, and gives the same bits."""
+def test_a_pickled_sparse_system_gives_the_same_bits():
+    """SuperLU's factor cannot be pickled, so the copy factors the matrix again."""
     method = RBF(SITES, NEAR, 1)
     copy = pickle.loads(pickle.dumps(method))
     assert_close(copy.weights(QUERIES), method.weights(QUERIES), 0.0)
 
 
 def test_a_singular_sparse_system_is_refused():
-    """In words, when a pivot vanishes."""
+    """One of the pivots vanishes."""
     a = sparse.csc_array(np.array([[1.0, 1.0], [1.0, 1.0]]))
     with pytest.raises(np.linalg.LinAlgError, match="singular in floating-point numbers"):
         SparseSaddlePoint(a, np.zeros((2, 0)))
 
 
 @pytest.mark.parametrize(("n", "d"), [(500, 2), (3000, 2), (500, 3), (3000, 3)])
-def test_the_size_of_the_factor_is_foreseen(n, d):
-    """From above, and by no more than twenty times."""
+def test_the_estimated_size_of_the_factor_is_an_upper_bound(n, d):
+    """The estimate is at most twenty times the true number of entries."""
     sites = halton(n, d)
     pairs = NearPairs(sites, wendland(3, 1, 1.7 * n ** (-1 / d)))
     system = pairs.system(np.zeros((n, 0)), 0.0)
-    foreseen = entries_of_factor(pairs.pairs, n, d)
-    assert system._lu.nnz < foreseen < 20 * system._lu.nnz
+    estimated = entries_of_factor(pairs.pairs, n, d)
+    assert system._lu.nnz < estimated < 20 * system._lu.nnz
 
 
-def test_a_factor_beyond_this_machine_is_refused_at_once():
-    """With its size; before anything is allocated."""
+def test_a_factor_that_exceeds_memory_is_refused():
+    """The error is raised before allocation; the message has the size."""
     pairs = NearPairs(halton(3000, 3), wendland(3, 1, 0.4))
     pairs.pairs *= 10**6
     with pytest.raises(
@@ -96,8 +96,8 @@ def test_a_factor_beyond_this_machine_is_refused_at_once():
         pairs.system(np.zeros((3000, 0)), 0.0)
 
 
-def test_dense_weights_are_refused_and_the_adjoint_serves():
-    """20 000 sites: H of 20 000 queries would take 3 GiB; Hᵀf and the field take a second."""
+def test_field_and_adjoint_work_where_dense_weights_are_refused():
+    """H for 20 000 sites and queries would take 3 GiB. Hᵀf and the field take a second."""
     sites = halton(20_000, 2)
     method = RBF(sites, wendland(3, 1, 0.025))
     queries = sites + 1e-3
@@ -124,7 +124,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 
 @pytest.mark.slow
 def test_a_hundred_thousand_sites_fit_into_four_gigabytes():
-    """Fitted and evaluated in a process of its own, whose peak is read (bytes on macOS)."""
+    """Fit and evaluation run in a separate process, whose peak is read (bytes on macOS)."""
     done = subprocess.run(
         [sys.executable, "-c", HUNDRED_THOUSAND], capture_output=True, text=True, check=True
     )

@@ -1,4 +1,4 @@
-"""On the globe nothing happens at date line or poles, and gradients are derivatives."""
+"""Methods on the globe: the date line, the poles, rotations and gradients."""
 
 import numpy as np
 import pytest
@@ -9,20 +9,20 @@ import fieldrecon as fr
 from fieldrecon.methods.globe import OnGlobe, principal, to_unit
 
 
-def places(n, seed):
-    """Longitudes and latitudes, evenly over the sphere."""
+def random_points(n, seed):
+    """Longitudes and latitudes, uniformly distributed over the sphere."""
     u = fr.datasets.uniform(n, 2, seed)
     return np.column_stack([360 * u[:, 0] - 180, np.degrees(np.arcsin(2 * u[:, 1] - 1))])
 
 
 def smooth(lonlat):
-    """A smooth field in space, on the sphere."""
+    """A smooth function of the unit vectors."""
     x, y, z = to_unit(lonlat).T
     return np.sin(3 * x) * y + z**2
 
 
-SITES = places(300, 0)
-QUERIES = places(80, 1)
+SITES = random_points(300, 0)
+QUERIES = random_points(80, 1)
 MAKERS = {
     "RBF": lambda u: fr.RBF(u, fr.polyharmonic(3)),
     "RBF positive definite": lambda u: fr.RBF(u, fr.wendland(3, 1, 1.0)),
@@ -35,7 +35,7 @@ each_method = pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 
 
 def maker_of(method):
-    """What a method was made with."""
+    """The function that the method was made with."""
     return next(maker for name, maker in MAKERS.items() if METHODS[name] is method)
 
 
@@ -45,7 +45,7 @@ def maker_of(method):
     turns=st.integers(-3, 3),
 )
 def test_unit_vectors_and_principal_longitudes(lon, lat, turns):
-    """They have length one, do not change by whole turns, and tell latitude and longitude."""
+    """Vectors have length one and do not change with multiples of 360°. Latitudes are recovered."""
     unit = to_unit([lon, lat])
     assert np.linalg.norm(unit) == pytest.approx(1, abs=1e-15)
     np.testing.assert_allclose(to_unit([lon + 360 * turns, lat]), unit, atol=1e-11)
@@ -54,8 +54,8 @@ def test_unit_vectors_and_principal_longitudes(lon, lat, turns):
     assert np.degrees(np.arcsin(np.clip(unit[2], -1, 1))) == pytest.approx(lat, abs=1e-5)
 
 
-def test_chords_grow_with_great_circles():
-    """The distance in space is 2 sin(angle / 2), by the haversine formula."""
+def test_chords_equal_the_haversine_formula():
+    """The distance in space is 2 sin(angle / 2)."""
     (l1, b1), (l2, b2) = np.radians(SITES[:150].T), np.radians(SITES[150:].T)
     haversine = np.sin((b2 - b1) / 2) ** 2 + np.cos(b1) * np.cos(b2) * np.sin((l2 - l1) / 2) ** 2
     chords = np.linalg.norm(to_unit(SITES[:150]) - to_unit(SITES[150:]), axis=1)
@@ -63,11 +63,11 @@ def test_chords_grow_with_great_circles():
 
 
 @each_method
-def test_whole_turns_and_the_date_line_change_nothing(method):
-    """Sites and queries may be given with any longitude that means the same meridian."""
+def test_fields_are_periodic_in_longitude(method):
+    """Any longitude of the same meridian gives the same result, also across the date line."""
     values = smooth(SITES)
-    turned = SITES + np.outer(SITES[:, 0] < 0, [360, 0])
-    other = OnGlobe(turned, maker_of(method)).field(values)
+    shifted = SITES + np.outer(SITES[:, 0] < 0, [360, 0])
+    other = OnGlobe(shifted, maker_of(method)).field(values)
     field = method.field(values)
     np.testing.assert_allclose(other(QUERIES), field(QUERIES - [720, 0]), rtol=1e-9, atol=1e-9)
     east, west = (
@@ -78,8 +78,8 @@ def test_whole_turns_and_the_date_line_change_nothing(method):
 
 
 @each_method
-def test_at_a_pole_the_longitude_means_nothing(method):
-    """All longitudes have one value there, and the gradient has no part along them."""
+def test_at_a_pole_values_do_not_depend_on_the_longitude(method):
+    """The derivative with respect to longitude vanishes there."""
     field = method.field(smooth(SITES))
     for pole in (-90.0, 90.0):
         around = np.column_stack([np.linspace(-180, 180, 13), np.full(13, pole)])
@@ -88,24 +88,24 @@ def test_at_a_pole_the_longitude_means_nothing(method):
 
 
 @each_method
-def test_the_globe_may_be_turned(method):
-    """A field turned by any rotation of the sphere is the field of the turned data."""
+def test_fields_are_equivariant_under_rotations(method):
+    """The field of rotated data is the rotated field."""
     rotation = np.linalg.qr(np.random.default_rng(3).standard_normal((3, 3)))[0]
     rotation *= np.sign(np.linalg.det(rotation))
 
-    def turned(lonlat):
+    def rotated(lonlat):
         x, y, z = rotation @ to_unit(lonlat).T
         return np.degrees(np.column_stack([np.arctan2(y, x), np.arcsin(np.clip(z, -1, 1))]))
 
     values = smooth(SITES)
-    there = OnGlobe(turned(SITES), maker_of(method)).field(values)(turned(QUERIES))
+    there = OnGlobe(rotated(SITES), maker_of(method)).field(values)(rotated(QUERIES))
     tolerance = 1e-4 if isinstance(method.method, fr.PartitionOfUnityRBF) else 1e-8  # boxes differ
     np.testing.assert_allclose(there, method.field(values)(QUERIES), atol=tolerance)
 
 
 @each_method
-def test_gradients_are_derivatives_by_degrees(method):
-    """Against differences of the values, by a degree of longitude and of latitude."""
+def test_gradients_equal_central_differences_per_degree(method):
+    """They are derivatives with respect to longitude and latitude in degrees."""
     field, h = method.field(smooth(SITES)), 1e-4
     inner = QUERIES[abs(QUERIES[:, 1]) < 89]
     steps = [(field(inner + e) - field(inner - e)) / (2 * h) for e in h * np.eye(2)]
@@ -113,8 +113,8 @@ def test_gradients_are_derivatives_by_degrees(method):
 
 
 @each_method
-def test_all_routes_agree(method):
-    """Values, gradients and adjoint are those of the weights, dense or sparse."""
+def test_fields_gradients_and_adjoints_agree_with_the_weights(method):
+    """Weights may be dense or sparse."""
     values = np.column_stack([smooth(SITES), SITES[:, 0]])
     field = method.field(values)
     np.testing.assert_allclose(method.weights(QUERIES) @ values, field(QUERIES), atol=1e-7)
@@ -127,8 +127,8 @@ def test_all_routes_agree(method):
 
 
 @each_method
-def test_leaving_out_is_that_of_the_method_in_space(method):
-    """And, for one site, that of the method made without it."""
+def test_leave_one_out_residuals_equal_those_in_space(method):
+    """For one site they also equal a refit."""
     values = smooth(SITES)
     residuals = fr.leave_one_out(method, values)
     assert np.array_equal(residuals, fr.leave_one_out(method.method, values))
@@ -138,18 +138,20 @@ def test_leaving_out_is_that_of_the_method_in_space(method):
 
 
 @pytest.mark.parametrize("name", ["RBF", "PU"])
-def test_chords_beat_degrees(name):
-    """Near date line and poles the error is far below that of degrees taken for lengths."""
-    edge = np.vstack([[[179.9, b] for b in range(-60, 70, 10)], places(40, 5) / [1, 45] + [0, 88]])
+def test_chords_are_more_accurate_than_degrees(name):
+    """Near date line and poles the error is a fifth of that of degrees taken as lengths."""
+    edge = np.vstack(
+        [[[179.9, b] for b in range(-60, 70, 10)], random_points(40, 5) / [1, 45] + [0, 88]]
+    )
     edge = edge[abs(edge[:, 1]) <= 90]
     values = smooth(SITES)
     flat = fr.RBF(SITES, fr.polyharmonic(3)).field(values)
-    round_ = METHODS[name].field(values)
-    assert abs(round_(edge) - smooth(edge)).max() < 0.2 * abs(flat(edge) - smooth(edge)).max()
+    on_globe = METHODS[name].field(values)
+    assert abs(on_globe(edge) - smooth(edge)).max() < 0.2 * abs(flat(edge) - smooth(edge)).max()
 
 
-def test_latitudes_beyond_a_pole_are_told():
-    """Most often the columns are the other way round."""
+def test_latitudes_beyond_a_pole_are_refused():
+    """Usually longitude and latitude are exchanged, and the message asks about that."""
     with pytest.raises(ValueError, match="within ±90 degrees; got 120 at longitude 10: are they"):
         to_unit([[0.0, 0.0], [10.0, 120.0]])
     with pytest.raises(ValueError, match="x must have 2 coordinates per point"):

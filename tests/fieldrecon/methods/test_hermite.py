@@ -1,4 +1,4 @@
-"""Data of any kind: what comes back, splines as witness, surfaces from normals, Poisson."""
+"""Hermite-Birkhoff interpolation: laws, splines, surfaces from normals, Poisson's equation."""
 
 import numpy as np
 import pytest
@@ -66,7 +66,10 @@ def wave_laplacian(x):
 
 
 def mixed(sites=SITES, unit=1.0):
-    """Values, normal components and Laplacians, each at a third of the sites, and both at one."""
+    """Values, normal components and Laplacians, each at a third of the sites.
+
+    Some sites have two.
+    """
     return together(
         [
             values_at(sites[:9]),
@@ -81,12 +84,12 @@ def data_of(f: Functionals) -> np.ndarray:
     return f.value * wave(f.points) + slope + f.laplacian * wave_laplacian(f.points)
 
 
-# --- derivatives of kernels -----------------------------------------------------------------------
+# --- radial derivatives of kernels ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kernel", KERNELS + ROUGHER, ids=repr)
 @pytest.mark.parametrize("times", range(4))
-def test_each_descent_is_the_slope_of_the_one_before(kernel, times):
+def test_each_radial_derivative_is_the_slope_of_the_previous_one(kernel, times):
     """φ_(j+1) = φ_j'/r, by differences of order six."""
     r = np.linspace(0.1, 0.7, 25)
     h = 1e-3
@@ -102,8 +105,8 @@ def test_each_descent_is_the_slope_of_the_one_before(kernel, times):
 
 
 @pytest.mark.parametrize("kernel", KERNELS + ROUGHER, ids=repr)
-def test_descents_begin_with_the_kernel_and_its_slope(kernel):
-    """φ_0 = φ, φ_1 = φ'/r, and at zero, where φ_2 may be infinite, a number."""
+def test_radial_derivatives_begin_with_the_kernel_and_its_slope(kernel):
+    """φ_0 = φ and φ_1 = φ'/r. At zero, where φ_2 may be infinite, a finite number is returned."""
     s = np.array([0.0, 1e-300, 0.01, 0.3, 0.9, 4.0])
     assert_close(radial_derivative(kernel, s, 0), kernel.of_squared(s), 0.0)
     scale = 1 + np.abs(kernel.slope_of_squared(s[2:]))
@@ -115,8 +118,8 @@ def test_descents_begin_with_the_kernel_and_its_slope(kernel):
 
 
 @pytest.mark.parametrize("kernel", KERNELS + ROUGHER, ids=repr)
-def test_smoothness_is_where_the_descents_end(kernel):
-    """C^(2j) if φ_j has a limit at zero and C^(2j+1) if r φ_(j+1) has the limit zero; not both."""
+def test_smoothness_equals_the_number_of_finite_radial_derivatives(kernel):
+    """φ(|x|) is C^(2j) if φ_j has a limit at zero, and C^(2j+1) if r φ_(j+1) tends to zero."""
     last = smoothness(kernel)
     for j in range(1, 4):
         far, near = np.abs(radial_derivative(kernel, np.array([1e-8, 1e-14]), j))
@@ -127,16 +130,16 @@ def test_smoothness_is_where_the_descents_end(kernel):
 # --- laws -----------------------------------------------------------------------------------------
 
 
-def data_come_back(method: HermiteRBF) -> None:
-    """Each functional of the field is its datum."""
+def data_are_reproduced(method: HermiteRBF) -> None:
+    """Each functional of the field must equal its datum."""
     assert_close(method.weights_of(method.functionals), np.eye(len(method.points)), 1e-6)
     data = data_of(method.functionals)
     size = np.abs(data).max()
     assert_close(method.field(data).apply(method.functionals) / size, data / size, 1e-7)
 
 
-def polynomials_come_back(method: HermiteRBF) -> None:
-    """Data of a plane give the plane, if the degree says so, values, slopes and Laplacians."""
+def linear_polynomials_are_reproduced(method: HermiteRBF) -> None:
+    """Data of a linear polynomial must give its values, gradients and Laplacians."""
     if method.degree >= 1:
         f = method.functionals
         plane = f.value * (1 + f.points @ [2.0, -3.0]) + f.gradient @ [2.0, -3.0]
@@ -146,15 +149,15 @@ def polynomials_come_back(method: HermiteRBF) -> None:
         assert_close(s.apply(laplacians_at(QUERIES)), np.zeros(15), 1e-5)
 
 
-def it_is_near_the_function_of_the_data(method: HermiteRBF) -> None:
-    """Between the sites, nearer than r³ is with the values at the nine sites that have one."""
+def the_error_is_smaller_than_that_of_values_alone(method: HermiteRBF) -> None:
+    """Between the sites the error must be smaller than that of r³ with the nine values only."""
     error = method.field(data_of(method.functionals))(QUERIES) - wave(QUERIES)
     rough = RBF(SITES[:9], polyharmonic(3)).field(wave(SITES[:9]))(QUERIES) - wave(QUERIES)
     assert np.sqrt(np.mean(error**2)) < 0.9 * np.sqrt(np.mean(rough**2))
 
 
-def functionals_of_the_field_are_its_derivatives(method: HermiteRBF) -> None:
-    """By differences of the values; the gradient is d of them."""
+def functionals_of_the_field_equal_difference_quotients(method: HermiteRBF) -> None:
+    """Gradients, directional derivatives and Laplacians must equal differences of the values."""
     s = method.field(data_of(method.functionals))
     quotient = difference_quotient(s, QUERIES, 1e-3)
     size = np.abs(quotient).max()
@@ -167,8 +170,8 @@ def functionals_of_the_field_are_its_derivatives(method: HermiteRBF) -> None:
     assert_close(s.apply(laplacians_at(QUERIES)) / size, laplacian / size, 1e-4)
 
 
-def its_energy_is_positive_and_grows_with_the_data(method: HermiteRBF) -> None:
-    """λᵀ f is the least energy of these data; with fewer of them it is no larger."""
+def the_energy_is_positive_and_increases_with_the_data(method: HermiteRBF) -> None:
+    """λᵀ f is the minimal energy for these data; with fewer data it must be smaller."""
 
     def energy(m: HermiteRBF) -> float:
         return float(
@@ -182,46 +185,46 @@ def its_energy_is_positive_and_grows_with_the_data(method: HermiteRBF) -> None:
 
 
 HERMITE_LAWS = [
-    data_come_back,
-    polynomials_come_back,
-    it_is_near_the_function_of_the_data,
-    functionals_of_the_field_are_its_derivatives,
-    its_energy_is_positive_and_grows_with_the_data,
+    data_are_reproduced,
+    linear_polynomials_are_reproduced,
+    the_error_is_smaller_than_that_of_values_alone,
+    functionals_of_the_field_equal_difference_quotients,
+    the_energy_is_positive_and_increases_with_the_data,
 ]
 
 
 @pytest.mark.parametrize("law", HERMITE_LAWS, ids=lambda law: law.__name__)
 @pytest.mark.parametrize("kernel", KERNELS, ids=repr)
 def test_every_smooth_kernel_obeys_the_law(law, kernel):
-    """With values, normal components and Laplacians, each at some of the sites."""
+    """The data are values, normal components and Laplacians, each at some of the sites."""
     law(HermiteRBF(mixed(), kernel, max(1, kernel.order - 1)))
 
 
 class Unsymmetric(HermiteRBF):
-    """Kernels on which the functionals of the data were not applied, as Kansa has them."""
+    """Kernels to which the functionals of the data are not applied, as in Kansa's method."""
 
     def _of_kernel(self, local):
         return local.of_kernel(values_at(self._local.points), self._unit_kernel)
 
 
 class SignOfTheSecondArgument(HermiteRBF):
-    """Derivatives by y taken for those by x."""
+    """Derivatives with respect to y instead of x."""
 
     def _of_kernel(self, local):
         f = self._local
-        turned = Functionals(f.points, f.value, -f.gradient, f.laplacian)
-        return local.of_kernel(turned, self._unit_kernel)
+        reversed_gradients = Functionals(f.points, f.value, -f.gradient, f.laplacian)
+        return local.of_kernel(reversed_gradients, self._unit_kernel)
 
 
 class ValuesOnly(HermiteRBF):
-    """Ignores what is no value: its data are lost."""
+    """Ignores all data that are not values."""
 
     def _prepare(self, values):
         return super()._prepare(np.where(self._local.value[:, None] == 0, 0.0, values))
 
 
 class GradientsOfTheFrame(HermiteRBF):
-    """Derivatives asked for in the coordinates of the frame."""
+    """Derivatives with respect to local coordinates."""
 
     def _applied(self, asked, prepared):
         return super()._applied(asked, prepared) * np.where(asked.value == 0, 2.0, 1.0)[:, None]
@@ -230,16 +233,16 @@ class GradientsOfTheFrame(HermiteRBF):
 @pytest.mark.parametrize(
     ("law", "mutant"),
     [
-        (data_come_back, ValuesOnly),
-        (data_come_back, GradientsOfTheFrame),
-        (polynomials_come_back, ValuesOnly),
-        (it_is_near_the_function_of_the_data, ValuesOnly),
-        (functionals_of_the_field_are_its_derivatives, GradientsOfTheFrame),
-        (its_energy_is_positive_and_grows_with_the_data, SignOfTheSecondArgument),
+        (data_are_reproduced, ValuesOnly),
+        (data_are_reproduced, GradientsOfTheFrame),
+        (linear_polynomials_are_reproduced, ValuesOnly),
+        (the_error_is_smaller_than_that_of_values_alone, ValuesOnly),
+        (functionals_of_the_field_equal_difference_quotients, GradientsOfTheFrame),
+        (the_energy_is_positive_and_increases_with_the_data, SignOfTheSecondArgument),
     ],
 )
-def test_the_law_catches_the_mutant(law, mutant):
-    """A wrong method breaks the law that is about its mistake."""
+def test_the_law_rejects_the_mutant(law, mutant):
+    """A wrong method violates the law that it was written for."""
     with pytest.raises(AssertionError):
         law(mutant(mixed(), polyharmonic(5)))
 
@@ -249,7 +252,7 @@ def test_the_law_catches_the_mutant(law, mutant):
 
 @pytest.mark.parametrize("kernel", KERNELS, ids=repr)
 def test_the_matrix_is_symmetric_and_positive_where_the_polynomials_vanish(kernel):
-    """Inertia (n, q, 0), as for values."""
+    """Its inertia is (n, q, 0), as for values."""
     f = mixed()
     a = f.of_kernel(f, kernel)
     assert_close(a, a.T, 1e-12 * np.abs(a).max())
@@ -259,8 +262,8 @@ def test_the_matrix_is_symmetric_and_positive_where_the_polynomials_vanish(kerne
     assert np.linalg.eigvalsh(d[:, None] * (z.T @ a @ z) * d).min() > 0
 
 
-def test_the_entries_are_derivatives_of_the_kernel():
-    """Of sympy, for a kernel and two points: all nine pairs of functionals."""
+def test_the_entries_equal_symbolic_derivatives_of_the_kernel():
+    """sympy computes all nine pairs of functionals for one kernel and two points."""
     import sympy
 
     x = sympy.symbols("x0 x1 y0 y1", real=True)
@@ -273,9 +276,9 @@ def test_the_entries_are_derivatives_of_the_kernel():
         along = sum(c * s for c, s in zip(direction, slopes, strict=True))
         return [f, along, sum(sympy.diff(f, v, 2) for v in at)]
 
-    place = dict(zip(x, (0.3, -0.2, 1.1, 0.7), strict=True))
+    point = dict(zip(x, (0.3, -0.2, 1.1, 0.7), strict=True))
     expected = [
-        [float(g.subs(place)) for g in applied(f, x[2:], b)] for f in applied(phi, x[:2], a)
+        [float(g.subs(point)) for g in applied(f, x[2:], b)] for f in applied(phi, x[:2], a)
     ]
     here, there = np.array([[0.3, -0.2]]), np.array([[1.1, 0.7]])
     left = together([values_at(here), derivatives_at(here, [2.0, -3.0]), laplacians_at(here)])
@@ -283,27 +286,29 @@ def test_the_entries_are_derivatives_of_the_kernel():
     assert_close(left.of_kernel(right, polyharmonic(5)), expected, 1e-12)
 
 
-def test_values_alone_are_rbf():
-    """The same field by both classes."""
+def test_values_alone_equal_rbf():
     for kernel in (polyharmonic(3), gaussian(0.3)):
         field = HermiteRBF(values_at(SITES), kernel).field(wave(SITES))
         assert_close(field(QUERIES), RBF(SITES, kernel).field(wave(SITES))(QUERIES), 1e-8)
 
 
 def test_values_and_slopes_on_a_line_are_the_cubic_hermite_spline():
-    """r³ has the least ∫ s''²; with both data at every site that is piecewise Hermite (SciPy)."""
+    """r³ minimizes ∫ s''².
+
+    With both data at every site the minimizer is SciPy's piecewise Hermite spline.
+    """
     x = np.sort(np.random.default_rng(7).random(12))
     f, g = np.sin(7 * x), 7 * np.cos(7 * x)
     method = HermiteRBF([values_at(x[:, None]), derivatives_at(x[:, None], [1.0])], polyharmonic(3))
-    s, witness = method.field(np.concatenate([f, g])), CubicHermiteSpline(x, f, g)
+    s, reference = method.field(np.concatenate([f, g])), CubicHermiteSpline(x, f, g)
     q = np.linspace(x[0], x[-1], 101)
-    assert_close(s(q[:, None]), witness(q), 1e-7)
-    assert_close(s.gradient(q[:, None])[:, 0], witness(q, 1), 1e-5)
+    assert_close(s(q[:, None]), reference(q), 1e-7)
+    assert_close(s.gradient(q[:, None])[:, 0], reference(q, 1), 1e-5)
 
 
 @pytest.mark.parametrize(("unit", "offset"), [(1e-6, 0.0), (1e6, 0.0), (1.0, 2.0**20)])
-def test_neither_unit_nor_origin_matter(unit, offset):
-    """Lengths in another unit: derivatives by 1/unit, Laplacians by 1/unit²."""
+def test_fields_do_not_depend_on_unit_and_origin(unit, offset):
+    """In another unit derivatives scale with 1/unit and Laplacians with 1/unit²."""
     kernel = polyharmonic(5)
     here = mixed(np.round(SITES * 2**20) / 2**20)
     there = mixed(np.round(SITES * 2**20) / 2**20 * unit + offset)
@@ -319,8 +324,11 @@ def test_neither_unit_nor_origin_matter(unit, offset):
 # --- surfaces and equations -----------------------------------------------------------------------
 
 
-def test_a_sphere_from_points_and_normals_alone():
-    """F = 0 and ∂F/∂n = -1: no off-surface points; positive inside, the radius right to 1e-3."""
+def test_a_sphere_is_reconstructed_from_points_and_normals():
+    """F = 0 and ∂F/∂n = -1, without off-surface points.
+
+    F is positive inside, and the radius is accurate to 1e-3.
+    """
     golden = np.pi * (3 - np.sqrt(5))
     i = np.arange(120)
     z = 1 - (2 * i + 1) / 120
@@ -341,7 +349,7 @@ def test_a_sphere_from_points_and_normals_alone():
 
 
 def poisson(n: int, kernel: Radial, right, boundary):
-    """Collocation of Δu = right in the unit square, u = boundary on it, on about n sites."""
+    """Collocation of Δu = right in the unit square, u = boundary on its sides, on about n sites."""
     side = round(np.sqrt(n))
     t = np.arange(side) / side
     edge = np.concatenate(
@@ -358,8 +366,8 @@ def poisson(n: int, kernel: Radial, right, boundary):
     return method.field(np.concatenate([right(inside), boundary(edge)]))
 
 
-def test_poisson_s_equation_is_solved_with_an_order():
-    """r⁷, cubics: the error falls by more than h² from 100 to 900 sites inside."""
+def test_poisson_s_equation_converges_with_more_than_second_order():
+    """r⁷ and cubic polynomials, with 100 and 900 sites inside."""
     x = np.random.default_rng(9).random((300, 2))
     errors = []
     for n in (100, 900):
@@ -369,8 +377,11 @@ def test_poisson_s_equation_is_solved_with_an_order():
     assert errors[1] < 1e-4
 
 
-def test_the_torsion_of_a_square_is_that_of_its_series():
-    """Δu = -1, u = 0 on the edge: u at the centre against the double sine series."""
+def test_the_torsion_of_a_square_equals_its_series():
+    """Δu = -1 with u = 0 on the boundary.
+
+    The value at the centre is compared with the double sine series.
+    """
     k = np.arange(1, 400, 2)
     sign = (-1.0) ** ((k - 1) // 2)
     series = (
@@ -418,20 +429,20 @@ def test_the_torsion_of_a_square_is_that_of_its_series():
         ),
     ],
 )
-def test_what_has_no_meaning_is_refused(make, words):
-    """In words."""
+def test_invalid_functionals_are_refused(make, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         make()
 
 
-def test_data_that_leave_the_polynomial_open_are_refused():
-    """Derivatives say nothing of the constant."""
+def test_data_that_do_not_determine_the_polynomial_are_refused():
+    """Derivatives do not determine the constant."""
     with pytest.raises(np.linalg.LinAlgError, match="the data do not determine a polynomial"):
         HermiteRBF(derivatives_at(SITES, [1.0, 0.0]), polyharmonic(3))
 
 
-def test_a_kernel_of_another_maker_is_refused():
-    """Its higher derivatives are not known."""
+def test_a_kernel_with_unknown_derivatives_is_refused():
+    """A kernel defined by the user has no formulas for higher derivatives."""
 
     class Own(gaussian):
         pass

@@ -1,4 +1,4 @@
-"""Least squares: against the normal equations of the slides, NumPy, and digits that do not end."""
+"""Least squares: normal equations of the slides, NumPy, rational arithmetic and refusals."""
 
 from fractions import Fraction
 
@@ -17,8 +17,8 @@ POLYNOMIALS = [c for c in CASES if isinstance(c.method, LeastSquares)]
 
 
 @pytest.mark.parametrize("case", POLYNOMIALS, ids=lambda case: case.name)
-def test_it_is_the_least_squares_solution_of_numpy(case: Case):
-    """c = argmin |Bc - V|² in the monomials of the slides, by numpy.linalg.lstsq."""
+def test_coefficients_equal_the_least_squares_solution_of_numpy(case: Case):
+    """c = argmin |Bc - V|² in monomials of the coordinates, by numpy.linalg.lstsq."""
     b = monomials(case.sites, case.method.degree)
     c = np.linalg.lstsq(b, case.data, rcond=None)[0]
     assert_close(case.method.coefficients(case.data) / abs(c).max(), c / abs(c).max(), 1e-8)
@@ -37,7 +37,7 @@ def test_the_normal_equations_agree_near_the_origin(degree):
     assert_close(method.coefficients(VALUES), c, 1e-6)
 
 
-def test_the_matrix_squares_the_condition_number():
+def test_the_matrix_has_the_squared_condition_number():
     """cond(BᵀB) = cond(B)²."""
     h = LeastSquares(POINTS, 2).matrix()
     b = monomials(POINTS, 2)
@@ -45,7 +45,10 @@ def test_the_matrix_squares_the_condition_number():
 
 
 def test_far_from_the_origin_only_the_textbook_form_fails():
-    """At an offset of 1e6 H_LS loses all digits; the local frame loses those of the points."""
+    """At an offset of 1e6 normal equations have no correct digit.
+
+    The local frame only loses the digits of the points.
+    """
     far = POINTS + 1e6
     values = 1 + 2 * POINTS[:, 0] - 3 * POINTS[:, 1] + POINTS[:, 0] ** 2
     exact = values[:5]
@@ -55,7 +58,7 @@ def test_far_from_the_origin_only_the_textbook_form_fails():
 
 
 def test_the_objective_is_half_the_squared_residual():
-    """ψ_LS = ½ |Bc - V|², one number for each component."""
+    """ψ_LS = ½ |Bc - V|², one number per component."""
     method = LeastSquares(POINTS, 2)
     values = np.stack([VALUES, 2 * VALUES], axis=1)
     residual = values - method.field(values)(POINTS)
@@ -66,7 +69,10 @@ def test_the_objective_is_half_the_squared_residual():
 
 
 def test_the_residual_is_orthogonal_to_the_polynomials():
-    """Bᵀ(V - Bc) = 0: the gradient of ψ_LS vanishes, and any other polynomial is worse."""
+    """Bᵀ(V - Bc) = 0: the gradient of ψ_LS vanishes.
+
+    Any other polynomial has a larger objective.
+    """
     method = LeastSquares(POINTS, 2)
     b = monomials(POINTS, 2)
     assert_close(b.T @ method.residuals(VALUES), np.zeros(6), EXACT)
@@ -77,7 +83,7 @@ def test_the_residual_is_orthogonal_to_the_polynomials():
 
 
 def test_leverages_are_the_diagonal_of_the_hat_matrix():
-    """Between 0 and 1, and their sum is the number of coefficients."""
+    """They lie between 0 and 1, and their sum is the number of coefficients."""
     method = LeastSquares(POINTS, 2)
     h = method.leverages()
     assert_close(h, np.diagonal(method.weights(POINTS)), EXACT)
@@ -86,14 +92,14 @@ def test_leverages_are_the_diagonal_of_the_hat_matrix():
 
 
 def test_the_gradient_of_a_linear_fit_is_its_coefficients():
-    """∇f_LS = (c₁, ..., c_D), everywhere."""
+    """∇f_LS = (c₁, ..., c_D) everywhere."""
     method = LeastSquares(POINTS)
     g = method.field(VALUES).gradient(POINTS[:4])
     assert_close(g, np.tile(method.coefficients(VALUES)[1:], (4, 1)), EXACT)
 
 
 def line_through(x: list[Fraction], y: list[Fraction]) -> tuple[Fraction, Fraction]:
-    """Intercept and slope of the least-squares line, in rational numbers."""
+    """Intercept and slope of the least-squares line in rational arithmetic."""
     n, sx, sy = len(x), sum(x), sum(y)
     sxx, sxy = sum(a * a for a in x), sum(a * b for a, b in zip(x, y, strict=True))
     slope = (n * sxy - sx * sy) / (n * sxx - sx * sx)
@@ -102,8 +108,8 @@ def line_through(x: list[Fraction], y: list[Fraction]) -> tuple[Fraction, Fracti
 
 @pytest.mark.parametrize("offset", [0.0, 1e6, 1e12])
 @pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
-def test_the_line_is_exact_in_rational_numbers(unit, offset):
-    """Wherever the origin lies and whatever the unit, to the last digits."""
+def test_a_line_equals_rational_arithmetic(unit, offset):
+    """The relative error is below 1e-13 for any origin and unit."""
     x = (np.array([0.0, 1.0, 2.5, 3.0, 7.0, 11.0]) + offset) * unit
     y = np.array([1.0, -2.0, 0.5, 4.0, 3.0, 8.0])
     intercept, slope = line_through([*map(Fraction, x)], [*map(Fraction, y)])
@@ -114,8 +120,8 @@ def test_the_line_is_exact_in_rational_numbers(unit, offset):
     assert float(s.gradient([query])[0]) == pytest.approx(float(slope), rel=1e-13)
 
 
-def test_nearly_collinear_points_keep_their_plane():
-    """Points within 1e-9 of a line determine the plane, and it comes back on them."""
+def test_nearly_collinear_points_reproduce_their_plane():
+    """Points within 1e-9 of a line determine a linear polynomial, which is reproduced."""
     rng = np.random.default_rng(3)
     along = rng.random(20)
     p = np.stack([along, 1e-9 * rng.random(20)], axis=1)
@@ -125,8 +131,8 @@ def test_nearly_collinear_points_keep_their_plane():
     assert_close(s.gradient(p[0]), np.array([2.0, -3e8]), 1e-5)
 
 
-def test_a_high_degree_on_a_line_is_no_trouble():
-    """Degree twelve on fifty points."""
+def test_a_high_degree_in_one_variable_is_accurate():
+    """Degree 12 on 50 points."""
     x = np.linspace(0, 1, 50)[:, None]
     s = LeastSquares(x, 12).field(x[:, 0] ** 12)
     assert_close(s([[0.33]]), np.array([0.33**12]), 1e-9)
@@ -136,15 +142,15 @@ def test_a_high_degree_on_a_line_is_no_trouble():
 
 
 @pytest.mark.parametrize("bad", [-1, 1.0, True, "1", None])
-def test_a_degree_is_a_whole_number(bad):
-    """0, 1, 2, ..."""
+def test_invalid_degrees_are_refused(bad):
+    """The degree must be a nonnegative integer."""
     with refused("degree must be an integer, 0 or more; got "):
         LeastSquares(POINTS, bad)
 
 
 @pytest.mark.parametrize("degree", [1, 2])
 def test_too_few_points_are_refused(degree):
-    """N below the size of the basis: with the rank that there is."""
+    """With fewer points than coefficients the message has the rank."""
     n = dimension(2, degree) - 1
     words = f"the points do not determine a polynomial of degree {degree} in 2 variables"
     with refused(f"{words}: rank {n} of {n + 1}", np.linalg.LinAlgError):
@@ -152,7 +158,7 @@ def test_too_few_points_are_refused(degree):
 
 
 def test_one_point_determines_a_constant():
-    """And nothing more."""
+    """It does not determine a linear polynomial."""
     s = LeastSquares([[2.0, 3.0]], 0).field([5.0])
     assert s([[1.0, 1.0]]).tolist() == [5.0]
     assert s.gradient([1.0, 1.0]).tolist() == [0.0, 0.0]
@@ -161,8 +167,8 @@ def test_one_point_determines_a_constant():
 
 
 @pytest.mark.parametrize("unit", [1e-200, 1e200])
-def test_what_does_not_fit_into_the_unit_is_refused(unit):
-    """Values and gradients survive; coefficients and the matrix say why they do not."""
+def test_overflow_of_coefficients_and_matrix_is_refused(unit):
+    """In extreme units values and gradients are accurate, but coefficients overflow."""
     method = LeastSquares(POINTS * unit, 2)
     here = LeastSquares(POINTS, 2).field(VALUES)(POINTS)
     assert_close(method.field(VALUES)(POINTS * unit), here, EXACT)
@@ -175,22 +181,25 @@ def test_what_does_not_fit_into_the_unit_is_refused(unit):
 
 
 @pytest.mark.parametrize("size", [1e-200, 1e200])
-def test_an_objective_that_does_not_fit_is_refused(size):
-    """Squares of residuals of 1e200 or 1e-200 are no numbers; of zero residuals they are zero."""
+def test_overflow_of_the_objective_is_refused(size):
+    """The squares of residuals of size 1e200 or 1e-200 overflow or underflow.
+
+    Zero residuals give zero.
+    """
     with refused("the squares of residuals of size .* do not fit", OverflowError):
         LeastSquares(POINTS).objective(size * VALUES)
     assert float(LeastSquares(POINTS).objective(np.zeros(30))) == 0.0
 
 
-def test_singular_normal_equations_are_refused_in_words():
-    """Points on a line, or so far away that BᵀB is singular in floating-point numbers."""
+def test_singular_normal_equations_are_refused():
+    """BᵀB is singular for points on a line."""
     line = np.outer(np.arange(5.0), [1.0, 2.0])
     with refused("BᵀB is singular", np.linalg.LinAlgError):
         normal_equations(line, np.ones(5))
 
 
 def test_dense_weights_beyond_the_limit_are_refused():
-    """With the size they would have, and what to call instead."""
+    """The message has their size and names the alternative."""
     method = LeastSquares(np.random.default_rng(4).random((20_000, 2)))
     x = np.broadcast_to(np.zeros(2), (20_000, 2))
     with refused(r"would take 3\.0 GiB; use field\(values\) or adjoint", MemoryError):
@@ -200,8 +209,8 @@ def test_dense_weights_beyond_the_limit_are_refused():
     assert method.field(np.ones(20_000))(x).shape == (20_000,)
 
 
-def test_a_result_out_of_range_is_refused_with_the_place():
-    """Where a quadratic exceeds all numbers."""
+def test_an_overflowing_result_is_refused():
+    """The message has the query point."""
     s = LeastSquares(POINTS, 2).field(VALUES)
     with refused(r"the result at \(1e\+200, 0\) exceeds the range", OverflowError):
         s([[0.5, 0.5], [1e200, 0.0]])
@@ -219,19 +228,18 @@ def test_a_result_out_of_range_is_refused_with_the_place():
         ([[None, 2]], "points must be an array of real numbers; got the type object"),
     ],
 )
-def test_what_are_no_points_is_refused(points, words):
-    """In words that say what came and what was wanted."""
+def test_invalid_points_are_refused(points, words):
+    """The message says what came and what was wanted."""
     with refused(words):
         LeastSquares(points)
 
 
-def test_a_number_is_no_query():
-    """In one variable the axis stays, and the error says how to write it."""
+def test_a_scalar_query_is_refused():
+    """In one variable queries keep their axis; the message shows how to add it."""
     s = LeastSquares([[0.0], [1.0]]).field([1.0, 2.0])
     with refused(r"x must have 1 coordinate per point.*; got \(\); .* write x\[..., None\]"):
         s(0.5)
 
 
-def test_the_square_case_interpolates():
-    """As many sites as coefficients."""
+def test_as_many_sites_as_coefficients_interpolate():
     assert case("LS as many sites as coefficients, degree 2 in 2-D").method.interpolates

@@ -1,4 +1,4 @@
-"""Methods whose values depend on near sites: on any executor, told on the way, stopped at once."""
+"""Methods with local weights: executors, progress and interrupts."""
 
 import subprocess
 import sys
@@ -26,36 +26,36 @@ METHODS = {
 SITES, QUERIES = halton(250, 2), uniform(400, 2, seed=1)
 
 
-def noted(told, *call):
-    told.append(call)
+def record(steps, *call):
+    steps.append(call)
 
 
 @pytest.fixture
 def small_chunks(monkeypatch):
-    """Chunks so small that a few thousand queries are many."""
+    """Chunks so small that a few hundred queries need many."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**14)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.usefixtures("small_chunks")
-def test_any_executor_gives_the_same_bits_and_tells_the_way(name):
-    """Values and gradients; the numbers of queries rise to all of them."""
+def test_values_and_progress_do_not_depend_on_the_executor(name):
+    """Values and gradients agree bit for bit; progress increases to the number of queries."""
     s = METHODS[name](SITES).field(franke(SITES))
     with ThreadPoolExecutor(3) as executor:
         for evaluate in (s, s.gradient):
-            told = []
-            there = evaluate(QUERIES, executor=executor, progress=partial(noted, told))
+            steps = []
+            there = evaluate(QUERIES, executor=executor, progress=partial(record, steps))
             assert_close(there, evaluate(QUERIES), 0.0)
-            assert len(told) > 5
-            assert [done for done, _ in told] == sorted({done for done, _ in told})
-            assert told[-1] == (len(QUERIES), len(QUERIES))
+            assert len(steps) > 5
+            assert [done for done, _ in steps] == sorted({done for done, _ in steps})
+            assert steps[-1] == (len(QUERIES), len(QUERIES))
 
 
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.usefixtures("small_chunks")
-def test_after_an_interrupt_field_and_executor_are_as_before(name):
-    """Nothing more is begun than was ahead, and nothing is lost."""
+def test_field_and_executor_can_be_used_after_an_interrupt(name):
+    """No chunk is started beyond those already submitted."""
     s = METHODS[name](SITES).field(franke(SITES))
     before, begun = s(QUERIES), []
 
@@ -76,14 +76,14 @@ def test_after_an_interrupt_field_and_executor_are_as_before(name):
 
 @pytest.mark.parametrize("name", ["MLS", "PU", "PU on the globe"])
 @pytest.mark.usefixtures("small_chunks")
-def test_leaving_out_tells_the_way(name):
-    """The numbers rise to all of them, and the residuals are the same."""
-    method, told = METHODS[name](SITES), []
-    residuals = leave_one_out(method, franke(SITES), progress=partial(noted, told))
+def test_leave_one_out_reports_progress(name):
+    """Progress increases to the total, and the residuals are the same as without it."""
+    method, steps = METHODS[name](SITES), []
+    residuals = leave_one_out(method, franke(SITES), progress=partial(record, steps))
     assert_close(residuals, leave_one_out(method, franke(SITES)), 0.0)
-    assert len(told) > 5
-    assert [done for done, _ in told] == sorted({done for done, _ in told})
-    assert told[-1][0] == told[-1][1]
+    assert len(steps) > 5
+    assert [done for done, _ in steps] == sorted({done for done, _ in steps})
+    assert steps[-1][0] == steps[-1][1]
 
 
 CTRL_C = """
@@ -129,8 +129,11 @@ assert threading.active_count() <= 2, "running on"
 
 
 @pytest.mark.slow
-def test_ctrl_c_stops_at_once_and_loses_nothing():
-    """A real interrupt, of set-up, fit, values and gradients, long before each is done."""
+def test_ctrl_c_stops_set_up_fit_and_evaluation():
+    """A real SIGINT stops set-up, fit, values and gradients early.
+
+    Afterwards the field is unchanged.
+    """
     done = subprocess.run(
         [sys.executable, "-c", CTRL_C], capture_output=True, text=True, timeout=600, check=False
     )

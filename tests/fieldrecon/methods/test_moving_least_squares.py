@@ -1,4 +1,4 @@
-"""Moving least squares: against the slides' formulas done literally, and in five hundred digits."""
+"""Moving least squares: the formulas of the slides, 500 digits, neighbourhoods and orders."""
 
 from dataclasses import dataclass
 
@@ -26,11 +26,11 @@ POINTS = np.random.default_rng(1).random((30, 2))
 VALUES = np.cos(POINTS @ [3.0, 2.0])
 
 
-# --- the slides, literally ------------------------------------------------------------------------
+# --- the formulas of the slides -------------------------------------------------------------------
 
 
-def counted(method: MovingLeastSquares, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weights w_i(x) of all sites, by the definition of the neighbourhood, and their indices."""
+def weights_and_indices(method: MovingLeastSquares, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weights w_i(x) of the sites in the neighbourhood, by its definition, and their indices."""
     r = np.linalg.norm(method.points - x, axis=1)
     order = np.argsort(r)
     if method.neighbors is None:
@@ -39,35 +39,35 @@ def counted(method: MovingLeastSquares, x: np.ndarray) -> tuple[np.ndarray, np.n
     return method.weight(r[near] / r[order[method.neighbors]]), near
 
 
-def it_minimises_the_weighted_squares(case: Case) -> None:
-    """f(x) = b(x)ᵀc with c = argmin |W(Bc - V)|², each query alone, by numpy.linalg.lstsq."""
+def the_value_minimizes_the_weighted_squares(case: Case) -> None:
+    """f(x) = b(x)ᵀc with c = argmin |W(Bc - V)|², by numpy.linalg.lstsq for each query."""
     m = case.method
     values = m.field(case.data)(case.queries)
     for x, value in zip(case.queries, values, strict=True):
-        w, near = counted(m, x)
+        w, near = weights_and_indices(m, x)
         b = monomials(m.points[near] - x, m.degree)
         w = w / w.max()
         c = np.linalg.lstsq(w[:, None] * b, w * case.data[near], rcond=1e-15)[0]
         assert_close(value, c[0], 1e-8)
 
 
-def its_matrix_is_that_of_the_slides(case: Case) -> None:
-    """H_MLS(x) = Bᵀ W(x)² B in the monomials of the coordinates, p. 9."""
+def the_matrix_equals_that_of_the_slides(case: Case) -> None:
+    """H_MLS(x) = Bᵀ W(x)² B in monomials of the coordinates, p. 9."""
     m = case.method
     for x, h in zip(case.queries, m.matrix(case.queries), strict=True):
-        w, near = counted(m, x)
+        w, near = weights_and_indices(m, x)
         b = monomials(m.points[near], m.degree)
         expected = sum(w[i] ** 2 * np.outer(b[i], b[i]) for i in range(len(near)))
         assert_close(h / np.abs(expected).max(), expected / np.abs(expected).max(), EXACT)
 
 
-def its_objective_is_the_weighted_residual(case: Case) -> None:
-    """ψ_MLS(x) = ½ Σ w_i² (b_iᵀc - f_i)², and normalized it is divided by Σ w_i²."""
+def the_objective_is_the_weighted_residual(case: Case) -> None:
+    """ψ_MLS(x) = ½ Σ w_i² (b_iᵀc - f_i)². The normalized one is divided by Σ w_i²."""
     m = case.method
     psi = m.objective(case.data, case.queries)
     normalized = m.objective(case.data, case.queries, normalized=True)
     for k, x in enumerate(case.queries):
-        w, near = counted(m, x)
+        w, near = weights_and_indices(m, x)
         b = monomials(m.points[near] - x, m.degree)
         data = case.data[near]
         c = np.linalg.lstsq(w[:, None] * b, w * data, rcond=1e-15)[0]
@@ -77,21 +77,21 @@ def its_objective_is_the_weighted_residual(case: Case) -> None:
 
 
 MOVING_LAWS = [
-    it_minimises_the_weighted_squares,
-    its_matrix_is_that_of_the_slides,
-    its_objective_is_the_weighted_residual,
+    the_value_minimizes_the_weighted_squares,
+    the_matrix_equals_that_of_the_slides,
+    the_objective_is_the_weighted_residual,
 ]
 
 
 @pytest.mark.parametrize("case", FINITE, ids=lambda case: case.name)
-def test_every_case_is_what_the_slides_say(case):
-    """Done literally and slowly, one query at a time."""
+def test_every_case_obeys_the_formulas_of_the_slides(case):
+    """The reference computes one query at a time."""
     assert_obeyed(MOVING_LAWS, case, case.name)
 
 
 @dataclass(frozen=True)
 class square_root(inverse_square):
-    """The root of the weight: BᵀWB, as most books have it, in place of BᵀW²B."""
+    """The square root of the weight: BᵀWB, as in most books, instead of BᵀW²B."""
 
     def of_squared(self, s):
         return np.sqrt(super().of_squared(s))
@@ -104,7 +104,7 @@ class square_root(inverse_square):
 
 
 class RootForgotten(MovingLeastSquares):
-    """Weights that enter once; it says they are those of the slides."""
+    """Uses weights that enter once and declares the weights of the slides."""
 
     def __init__(self, points):
         super().__init__(points, square_root(0.1))
@@ -118,15 +118,15 @@ class RootForgotten(MovingLeastSquares):
 
 
 @pytest.mark.parametrize("law", MOVING_LAWS, ids=lambda law: law.__name__)
-def test_the_law_catches_the_forgotten_root(law):
-    """BᵀWB is another method than BᵀW²B, and each law sees it."""
+def test_the_laws_reject_the_forgotten_root(law):
+    """BᵀWB is another method than BᵀW²B, and each law rejects it."""
     right = case("MLS ε = 0.1, degree 1 in 2-D")
     mutant = Case("RootForgotten", lambda p, _: RootForgotten(p), 2, right.n)
     with pytest.raises(AssertionError):
         law(mutant)
 
 
-def test_the_objective_is_at_its_minimum():
+def test_the_objective_is_minimal():
     """Any other polynomial has a larger ψ."""
     m, x = MovingLeastSquares(POINTS, inverse_square(0.1)), np.array([0.4, 0.3])
     w2 = m.weight(np.linalg.norm(POINTS - x, axis=1)) ** 2
@@ -140,8 +140,8 @@ def test_the_objective_is_at_its_minimum():
 
 
 @pytest.mark.parametrize("epsilon", [0.01, 0.1, 1.0])
-def test_the_objective_falls_as_epsilon_grows(epsilon):
-    """Envelope theorem: dψ/d(ε²) = -Σ w³ r², since ∂ψ/∂c vanishes and dw/d(ε²) = -w²."""
+def test_the_derivative_of_the_objective_by_epsilon_is_negative(epsilon):
+    """Envelope theorem: dψ/d(ε²) = -Σ w³ r², because ∂ψ/∂c vanishes and dw/d(ε²) = -w²."""
     x = np.array([0.4, 0.3])
 
     def psi(e2):
@@ -156,8 +156,8 @@ def test_the_objective_falls_as_epsilon_grows(epsilon):
     assert (45 * by[1] - 9 * by[2] + by[3]) / (60 * h) == pytest.approx(expected, rel=1e-7)
 
 
-def test_a_wide_weight_is_plain_least_squares():
-    """ε⁴ψ → ψ_LS and f_MLS → f_LS as ε grows, even beyond all lengths there are."""
+def test_a_wide_weight_gives_least_squares():
+    """For large ε, ε⁴ψ → ψ_LS and f_MLS → f_LS, even for ε far beyond all lengths."""
     plain, x = LeastSquares(POINTS), np.array([[0.4, 0.3], [1.5, 0.2]])
     for epsilon in (1e6, 1e160, 1e300):
         m = MovingLeastSquares(POINTS, inverse_square(epsilon))
@@ -167,13 +167,13 @@ def test_a_wide_weight_is_plain_least_squares():
     assert_close(1e16 * psi, np.full(2, float(plain.objective(VALUES))), 1e-7)
 
 
-# --- at and about a site --------------------------------------------------------------------------
+# --- at and near a site ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("neighbors", [None, 12])
-def test_with_epsilon_zero_a_site_is_its_limit(degree, neighbors):
-    """Value, gradient and ψ at a site are the limits from beside it."""
+def test_with_epsilon_zero_results_at_a_site_are_limits(degree, neighbors):
+    """Value, gradient and ψ at a site are the limits for queries that approach it."""
     m = MovingLeastSquares(POINTS, inverse_square(0.0), degree, neighbors)
     s, site = m.field(VALUES), POINTS[3]
     beside = site + 1e-9 * np.array([0.6, 0.8])
@@ -185,8 +185,8 @@ def test_with_epsilon_zero_a_site_is_its_limit(degree, neighbors):
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
-def test_a_small_epsilon_tends_to_zero(degree):
-    """f at a site misses the datum by O(ε⁴): an order of four, by two sizes of ε."""
+def test_the_error_at_a_site_is_of_fourth_order_in_epsilon(degree):
+    """The error of f at a site is O(ε⁴), for two values of ε."""
     errors = [
         abs(
             float(MovingLeastSquares(POINTS, inverse_square(e), degree).field(VALUES)(POINTS[3]))
@@ -197,8 +197,8 @@ def test_a_small_epsilon_tends_to_zero(degree):
     assert np.log10(errors[0] / errors[1]) == pytest.approx(4, abs=0.1)
 
 
-def test_shepard_s_field_is_flat_at_the_sites():
-    """Degree zero and ε = 0: every site is a flat spot; with degree one it is not."""
+def test_shepard_s_field_has_gradient_zero_at_the_sites():
+    """This holds for degree 0 and ε = 0. For degree 1 it does not."""
     flat = MovingLeastSquares(POINTS, inverse_square(0.0), 0).field(VALUES).gradient(POINTS)
     assert_close(flat, np.zeros((30, 2)), 1e-12)
     sloped = MovingLeastSquares(POINTS, inverse_square(0.0), 1).field(VALUES).gradient(POINTS)
@@ -206,7 +206,7 @@ def test_shepard_s_field_is_flat_at_the_sites():
 
 
 def test_coincident_sites_give_the_mean_of_their_data():
-    """And a method that cannot give all data back does not say that it interpolates."""
+    """A method that cannot reproduce all data must not declare that it interpolates."""
     twice = np.concatenate([POINTS, POINTS[:1]])
     values = np.append(VALUES, VALUES[0] + 2)
     m = MovingLeastSquares(twice, inverse_square(0.0))
@@ -216,18 +216,18 @@ def test_coincident_sites_give_the_mean_of_their_data():
     assert MovingLeastSquares(POINTS, inverse_square(0.0)).interpolates
 
 
-def test_places_are_counted_once():
-    """Sites that coincide share a place, -0.0 and 0.0 too; the first of a row stands for them."""
+def test_coincident_sites_have_equal_labels():
+    """-0.0 equals 0.0. The first of several coincident sites represents them."""
     p = np.array([[0.0, 1.0], [2.0, 1.0], [-0.0, 1.0], [2.0, 1.0], [2.0, 0.0], [0.0, 1.0]])
-    place = coincidence_labels(p)
-    assert [place[i] == place[0] for i in range(6)] == [True, False, True, False, False, True]
-    assert sorted(set(place)) == [0, 1, 2]
-    lead, count = group_rows(place[None])
+    labels = coincidence_labels(p)
+    assert [labels[i] == labels[0] for i in range(6)] == [True, False, True, False, False, True]
+    assert sorted(set(labels)) == [0, 1, 2]
+    lead, count = group_rows(labels[None])
     assert lead.tolist() == [[0, 1, 0, 1, 4, 0]]
     assert count.tolist() == [[3, 2, 3, 2, 1, 3]]
 
 
-# --- digits ---------------------------------------------------------------------------------------
+# --- accuracy against 500 digits ------------------------------------------------------------------
 
 FEW = np.random.default_rng(5).random((15, 2))
 SHAPES = {
@@ -240,7 +240,7 @@ EPSILONS = (0.0, 1e-70, 1e-12, 1e-4, 1.0, *(pytest.param(e, marks=pytest.mark.sl
 
 
 def smooth(p: np.ndarray) -> np.ndarray:
-    """Data of size one, whatever the shape of the cloud."""
+    """Data of size one for any shape of the point set."""
     y = (p - p.min(axis=0)) / np.ptp(p, axis=0)
     return np.cos(y @ [3.0, 2.0])
 
@@ -248,8 +248,11 @@ def smooth(p: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("epsilon", EPSILONS)
 @pytest.mark.parametrize("shape", SHAPES)
-def test_values_gradients_and_psi_have_all_their_digits(shape, epsilon, degree):
-    """At distances from 1e-1 to 1e-14 of a site and at it, for weights up to 1e140 and beyond."""
+def test_values_gradients_and_psi_are_accurate(shape, epsilon, degree):
+    """The distance of the query from a site is between 1e-1 and 1e-14 or zero.
+
+    Weights exceed 1e140.
+    """
     points = SHAPES[shape]
     values, weight = smooth(points), high_precision.inverse_square(epsilon)
     m = MovingLeastSquares(points, inverse_square(epsilon), degree)
@@ -271,8 +274,11 @@ def test_values_gradients_and_psi_have_all_their_digits(shape, epsilon, degree):
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("epsilon", EPSILONS)
-def test_values_about_two_sites_1e_11_apart_are_as_good_as_their_data(epsilon, degree):
-    """The slope there is a difference of data over 1e-11, known to 1e-5; 1e-6 away, to 1e-11."""
+def test_values_near_two_sites_1e_11_apart_are_accurate(epsilon, degree):
+    """The slope there is a difference of data over 1e-11, accurate to 1e-5.
+
+    At a distance of 1e-6 its effect is 1e-11.
+    """
     points = np.vstack([FEW[:14], FEW[4:5] + np.array([1e-11, 2e-11])])
     values, weight = smooth(points), high_precision.inverse_square(epsilon)
     s = MovingLeastSquares(points, inverse_square(epsilon), degree).field(values)
@@ -282,11 +288,11 @@ def test_values_about_two_sites_1e_11_apart_are_as_good_as_their_data(epsilon, d
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_heavy_sites_on_a_line_leave_the_slope_across_it_to_the_light_ones(seed):
-    """Five collinear sites 1e-13 from the query outweigh twenty others by 1e24.
+def test_collinear_sites_of_large_weight_do_not_affect_the_normal_slope(seed):
+    """Five collinear sites 1e-13 from the query have weights 1e24 times those of twenty others.
 
-    Two sites on a line determine all that five do. The rest of the five rows is rounding, and must
-    not outweigh the others.
+    Two sites determine everything along the line. The remainder of the five rows is rounding, and
+    must not dominate the other sites.
     """
     rng, spacing = np.random.default_rng(seed), 2.0**-44
     on_line = np.outer(np.arange(1, 6), rng.integers(1, 9, 2)) * spacing
@@ -300,8 +306,8 @@ def test_heavy_sites_on_a_line_leave_the_slope_across_it_to_the_light_ones(seed)
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("epsilon", [1e-12, 1e-8, 1e-4, 1e-2, 0.1])
-def test_coincident_sites_that_disagree_have_their_digits(epsilon, degree):
-    """Three data at one site and two at another, seen from near and far."""
+def test_coincident_sites_with_different_data_are_accurate(epsilon, degree):
+    """Three data belong to one site and two to another; queries are near and far."""
     points = FEW.copy()
     points[5] = points[6] = points[4]
     points[9] = points[8]
@@ -325,8 +331,8 @@ def test_coincident_sites_that_disagree_have_their_digits(epsilon, degree):
 @pytest.mark.parametrize(
     "scale", [0.1, *(pytest.param(s, marks=pytest.mark.slow) for s in (0.3, 10.0))]
 )
-def test_gaussian_weights_have_their_digits(scale, degree):
-    """Weights that fall by a hundred powers of ten within the cloud."""
+def test_gaussian_weights_are_accurate(scale, degree):
+    """The weights decrease by a hundred orders of magnitude within the point set."""
     m = MovingLeastSquares(FEW, gaussian(scale), degree)
     values = smooth(FEW)
     s, weight = m.field(values), high_precision.gaussian(scale)
@@ -340,8 +346,8 @@ def test_gaussian_weights_have_their_digits(scale, degree):
         assert_close(s.gradient(x) / size, gradient / size, 1e-10)
 
 
-def test_the_digits_know_their_own_derivative():
-    """The witness is a witness: in 1-D its gradient of a line's field is the line's slope."""
+def test_the_high_precision_gradient_of_a_line_is_its_slope():
+    """This checks the reference itself."""
     x = np.linspace(0, 1, 6)[:, None]
     g = high_precision.gradient(
         lambda at: high_precision.moving(x, 3 * x[:, 0], at, high_precision.inverse_square(0.1), 1),
@@ -353,8 +359,8 @@ def test_the_digits_know_their_own_derivative():
 # --- neighbourhoods -------------------------------------------------------------------------------
 
 
-def test_only_the_nearest_count():
-    """Data of the other sites change nothing, and H is sparse."""
+def test_only_the_nearest_sites_have_weights():
+    """Data of the other sites have no influence, and H is sparse."""
     m = MovingLeastSquares(POINTS, wendland(3, 1), neighbors=8)
     x = np.array([[0.4, 0.3]])
     h = m.weights(x)
@@ -363,8 +369,8 @@ def test_only_the_nearest_count():
     assert set(h.indices) == set(near)
 
 
-def test_only_sites_within_the_radius_count():
-    """Those nearer than the radius of the weight, each of them."""
+def test_only_sites_within_the_radius_have_weights():
+    """Every site within the radius has a nonzero weight."""
     m = MovingLeastSquares(POINTS, wendland(3, 1, 0.4))
     x = np.array([[0.4, 0.3], [0.6, 0.6]])
     h = m.weights(x).toarray()
@@ -374,7 +380,10 @@ def test_only_sites_within_the_radius_count():
 
 
 def test_the_field_is_continuous_where_neighbours_change():
-    """With a weight that vanishes at the (k + 1)-th site, a small step is a small change."""
+    """The weight vanishes at the (k + 1)-th site.
+
+    A weight that does not gives a discontinuous field.
+    """
     m = MovingLeastSquares(POINTS, wendland(3, 1), neighbors=8)
     path = np.linspace([0.1, 0.2], [0.9, 0.7], 4001)
     steps = np.abs(np.diff(m.field(VALUES)(path)))
@@ -383,8 +392,8 @@ def test_the_field_is_continuous_where_neighbours_change():
     assert np.abs(np.diff(jumping)).max() > 3 * steps.max()
 
 
-def test_all_neighbours_but_one_is_all_sites_with_a_moving_radius():
-    """neighbors = n - 1 with the radius ρ(x) is the weight of that radius on all sites."""
+def test_n_minus_one_neighbours_equal_a_weight_of_radius_rho():
+    """With neighbors = n - 1 the radius is ρ(x), the distance of the farthest site."""
     m = MovingLeastSquares(POINTS, wendland(3, 1), neighbors=29)
     x = np.array([0.4, 0.3])
     rho = np.linalg.norm(POINTS - x, axis=1).max()
@@ -393,16 +402,16 @@ def test_all_neighbours_but_one_is_all_sites_with_a_moving_radius():
     )
 
 
-def test_one_neighbour_is_the_nearest_datum():
-    """Degree zero, one site: Voronoi's cells."""
+def test_one_neighbour_gives_nearest_neighbour_interpolation():
+    """The degree is 0."""
     m = MovingLeastSquares(POINTS, gaussian(1.0), 0, 1)
     x = np.random.default_rng(6).random((50, 2))
     assert_close(m.field(VALUES)(x), VALUES[cdist(x, POINTS).argmin(axis=1)], 1e-15)
     assert m.interpolates
 
 
-def test_coincident_neighbours_are_no_trouble_for_constants():
-    """Even as many as there are neighbours and one, at the query itself."""
+def test_coincident_neighbours_are_accepted_with_degree_zero():
+    """There may be more than `neighbors` coincident sites at the query itself."""
     p = np.concatenate([np.zeros((6, 2)), POINTS + 1])
     f = np.concatenate([np.full(6, 4.0), VALUES])
     m = MovingLeastSquares(p, wendland(3, 1), 0, 4)
@@ -422,14 +431,17 @@ def observed_order(sizes: list[float], errors: list[float]) -> float:
 
 
 def require_order(sizes: list[float], errors: list[float], order: float) -> None:
-    """At least the order, less the slack, and errors that are no rounding."""
+    """The observed order must be at least this order minus the slack.
+
+    Errors must exceed rounding.
+    """
     assert min(errors) > 1e-12, "errors are rounding"
     assert observed_order(sizes, errors) > order - SLACK
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
-def test_the_ruler_reads_known_orders(order):
-    """And rejects a lower one declared as higher, growth, and rounding."""
+def test_the_order_of_known_sequences_is_observed(order):
+    """Sequences of lower order, growing errors and rounding errors are rejected."""
     sizes = [0.1, 0.05, 0.025]
     errors = [7 * h**order for h in sizes]
     assert observed_order(sizes, errors) == pytest.approx(order)
@@ -443,8 +455,8 @@ def test_the_ruler_reads_known_orders(order):
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2, 3])
-def test_errors_fall_with_the_order_of_the_degree(degree):
-    """Levin (1998): order m + 1 for values and m for gradients, k nearest on Halton's points."""
+def test_errors_converge_with_the_order_of_the_degree(degree):
+    """Levin (1998): order m + 1 for values and m for gradients, with k nearest Halton points."""
     a = np.array([2.0, 3.0])
     sizes, errors, slopes = [], [], []
     x = halton(200, 2) * 0.6 + 0.2
@@ -466,36 +478,36 @@ def test_errors_fall_with_the_order_of_the_degree(degree):
 
 
 @pytest.mark.parametrize("bad", ["gaussian", None, lambda r: 1 / r, 0.1])
-def test_a_weight_is_a_radial_function(bad):
-    """Not its name, not a number."""
+def test_weights_of_other_types_are_refused(bad):
+    """Neither a name nor a number is accepted."""
     with refused(r"weight must be a radial function such as inverse_square\(0\.1\); got "):
         MovingLeastSquares(POINTS, bad)
 
 
-def test_a_kernel_that_grows_is_no_weight():
-    """It would count the farthest most."""
+def test_growing_kernels_are_refused_as_weights():
+    """The farthest site would have the largest weight."""
     with refused(r"weight must be positive and fall with the distance; thin_plate_spline\(\)"):
         MovingLeastSquares(POINTS, thin_plate_spline())
 
 
 @pytest.mark.parametrize("bad", [0, -1, 30, 31, 2.0, True, "5"])
-def test_neighbours_are_fewer_than_the_points(bad):
-    """The next one sets the scale."""
+def test_invalid_numbers_of_neighbours_are_refused(bad):
+    """There must be one more site, which determines the radius."""
     with refused("neighbors must be an integer from 1 to 29, fewer than the 30 points, or None"):
         MovingLeastSquares(POINTS, wendland(3, 1), neighbors=bad)
 
 
-def test_a_query_out_of_reach_is_named():
-    """With how many sites count there, and the rank they give."""
+def test_a_query_without_sites_in_reach_is_named():
+    """The message has the number of sites with weight and the rank of their polynomials."""
     m = MovingLeastSquares(POINTS, wendland(3, 1, 0.3))
     words = r"the 0 sites that count at the query \(5, 0\.5\) do not determine .* rank 0 of 3"
-    for ask in (m.field(VALUES), m.field(VALUES).gradient, m.weights):
+    for evaluate in (m.field(VALUES), m.field(VALUES).gradient, m.weights):
         with refused(words, np.linalg.LinAlgError):
-            ask([[0.5, 0.5], [5.0, 0.5]])
+            evaluate([[0.5, 0.5], [5.0, 0.5]])
 
 
-def test_neighbours_on_a_line_are_named():
-    """The sites determine the plane, those about the query do not."""
+def test_a_query_with_collinear_neighbours_is_named():
+    """All sites together are unisolvent, but the neighbours of the query are not."""
     line = np.stack([np.linspace(0, 1, 20), np.zeros(20)], axis=1)
     elsewhere = POINTS + np.array([0.0, 5.0])
     m = MovingLeastSquares(np.vstack([line, elsewhere]), wendland(3, 1), neighbors=6)
@@ -505,13 +517,16 @@ def test_neighbours_on_a_line_are_named():
 
 
 def test_points_on_a_line_are_refused_before_any_query():
-    """No query could be answered."""
+    """No query could be evaluated."""
     with refused("the points do not determine a polynomial of degree 1", np.linalg.LinAlgError):
         MovingLeastSquares(np.outer(np.arange(9.0), [1, 2]), inverse_square(0.1))
 
 
-def test_what_is_infinite_or_does_not_fit_is_refused():
-    """H at a site with ε = 0, and squares in extreme units; the value itself is no trouble."""
+def test_overflow_of_matrix_and_objective_is_refused():
+    """H at a site is infinite for ε = 0, and squares overflow in extreme units.
+
+    The value is accurate.
+    """
     m = MovingLeastSquares(POINTS, inverse_square(0.0))
     with refused("the weights in H_MLS exceed the range of floating-point numbers", OverflowError):
         m.matrix(POINTS[:1])
@@ -526,7 +541,7 @@ def test_what_is_infinite_or_does_not_fit_is_refused():
 
 
 def test_dense_weights_beyond_the_limit_are_refused():
-    """With the figure; weights on neighbours are sparse and have no limit."""
+    """The message has their size. Weights on neighbours are sparse and have no limit."""
     p = np.random.default_rng(7).random((20_000, 2))
     x = np.broadcast_to(np.zeros(2), (20_000, 2))
     with refused("GiB; use field", MemoryError):
@@ -536,8 +551,8 @@ def test_dense_weights_beyond_the_limit_are_refused():
     assert h.nnz == 200_000
 
 
-def test_a_place_of_many_coordinates_is_told_in_short():
-    """The first three of fifty, and how many there are."""
+def test_a_point_of_many_coordinates_is_abbreviated():
+    """The message has the first three of fifty coordinates, and their number."""
     x = np.random.default_rng(1).random((60, 50))
     s = MovingLeastSquares(x, wendland(3, 1), 1, 40).field(x[:, 0])
     words = r"at the query \(0\.5, 0\.5, 0\.5, … of 50 coordinates\) do not determine"

@@ -1,4 +1,4 @@
-"""Natural cubic splines against SciPy and against r³, and what makes them natural."""
+"""Natural cubic splines: SciPy, r³, and the defining properties."""
 
 from fractions import Fraction as F
 
@@ -26,49 +26,51 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 # --- the laws of a natural spline -----------------------------------------------------------------
 
 
-def inside_it_is_scipy_s(method) -> None:
-    """Values and derivatives of CubicSpline with s'' = 0 at both ends."""
+def the_spline_equals_scipy_s_inside(method) -> None:
+    """Values and derivatives must equal those of CubicSpline with s'' = 0 at both ends."""
     knots = np.sort(SITES)
-    witness = CubicSpline(knots, VALUES[np.argsort(SITES)], bc_type="natural")
+    reference = CubicSpline(knots, VALUES[np.argsort(SITES)], bc_type="natural")
     s = method.field(VALUES)
-    assert_close(s(INSIDE), witness(INSIDE), EXACT)
-    assert_close(s.gradient(INSIDE), witness(INSIDE, 1), 100 * EXACT)
+    assert_close(s(INSIDE), reference(INSIDE), EXACT)
+    assert_close(s.gradient(INSIDE), reference(INSIDE, 1), 100 * EXACT)
 
 
-def outside_it_is_a_line(method) -> None:
-    """The tangent at the outer site; SciPy's goes on as a cubic and is far away from it."""
+def the_spline_is_linear_outside(method) -> None:
+    """It must be the tangent at the outer site. SciPy's spline continues as a cubic instead."""
     s = method.field(VALUES)
     for end, x in ((SITES.min(), OUTSIDE[:2]), (SITES.max(), OUTSIDE[2:])):
         assert_close(s(x), s(end) + s.gradient(end) * (x - end), EXACT * 100)
         assert_close(s.gradient(x), np.full(2, s.gradient(end)), EXACT * 100)
 
 
-def it_is_twice_differentiable(method) -> None:
-    """s' has the same slope on both sides of every site, by one-sided differences."""
+def the_spline_is_twice_differentiable(method) -> None:
+    """s' must have the same one-sided differences on both sides of every site."""
     s, h = method.field(VALUES), 1e-5
     right = (s.gradient(SITES + h) - s.gradient(SITES)) / h
     left = (s.gradient(SITES) - s.gradient(SITES - h)) / h
     assert_close(left, right, 0.3)
 
 
-def its_bending_is_orthogonal_to_what_it_leaves(method) -> None:
-    """(f'' - s'', s'') = 0 for every f through the data: here f = s + a function zero at sites."""
+def the_second_derivative_is_orthogonal_to_the_difference(method) -> None:
+    """(f'' - s'', s'') = 0 must hold for every interpolant f; here f is a polynomial."""
     x, w = _gauss(np.sort(SITES))
     c = np.polynomial.Polynomial.fit(SITES, VALUES, 29, domain=[0, 1])
-    bent = c.deriv(2)(x)
-    mine = _second(method, x)
-    assert abs((w * (bent - mine)) @ mine) < 1e-6 * (w @ bent**2)
-    assert w @ bent**2 == pytest.approx(w @ mine**2 + w @ (bent - mine) ** 2, rel=1e-6)
+    curvature = c.deriv(2)(x)
+    of_spline = _second(method, x)
+    assert abs((w * (curvature - of_spline)) @ of_spline) < 1e-6 * (w @ curvature**2)
+    assert w @ curvature**2 == pytest.approx(
+        w @ of_spline**2 + w @ (curvature - of_spline) ** 2, rel=1e-6
+    )
 
 
-def its_energy_is_the_integral(method) -> None:
-    """∫ s''² by Gauss's rule, exact for the square of a line on each interval."""
+def the_energy_is_the_integral(method) -> None:
+    """∫ s''² by Gauss quadrature, which is exact on each interval."""
     x, w = _gauss(np.sort(SITES))
     assert float(method.energy(VALUES)) == pytest.approx(w @ _second(method, x) ** 2, rel=1e-6)
 
 
-def its_coefficients_are_those_of_r_cubed(method) -> None:
-    """In O(n) the same numbers as the saddle-point system of RBF gives."""
+def coefficients_equal_those_of_r_cubed(method) -> None:
+    """They must equal the solution of the saddle-point system of RBF, although computed in O(n)."""
     alpha, beta = method.coefficients(VALUES)
     lam, c = RBF(SITES[:, None], polyharmonic(3)).coefficients(VALUES)
     assert_close(alpha / np.abs(lam).max(), lam / np.abs(lam).max(), 1e-9)
@@ -77,12 +79,12 @@ def its_coefficients_are_those_of_r_cubed(method) -> None:
 
 
 SPLINE_LAWS = [
-    inside_it_is_scipy_s,
-    outside_it_is_a_line,
-    it_is_twice_differentiable,
-    its_bending_is_orthogonal_to_what_it_leaves,
-    its_energy_is_the_integral,
-    its_coefficients_are_those_of_r_cubed,
+    the_spline_equals_scipy_s_inside,
+    the_spline_is_linear_outside,
+    the_spline_is_twice_differentiable,
+    the_second_derivative_is_orthogonal_to_the_difference,
+    the_energy_is_the_integral,
+    coefficients_equal_those_of_r_cubed,
 ]
 
 
@@ -93,14 +95,14 @@ def _gauss(knots):
 
 
 def _second(method, x):
-    """s'' by central differences of s', exact to rounding, since s' is quadratic here."""
+    """s'' by central differences of s', which are exact up to rounding because s' is quadratic."""
     s, h = method.field(VALUES), 1e-6
     return (s.gradient(x + h) - s.gradient(x - h)) / (2 * h)
 
 
 @pytest.mark.parametrize("law", SPLINE_LAWS, ids=lambda law: law.__name__)
 def test_the_natural_spline_obeys_the_law(law):
-    """Sites unsorted, as they come."""
+    """The sites are not sorted."""
     law(METHOD)
 
 
@@ -112,7 +114,7 @@ class WithoutMoments(NaturalCubicSpline):
 
 
 class CubicOutside(NaturalCubicSpline):
-    """The outer cubics go on, as SciPy's do."""
+    """The outer cubics are continued, as in SciPy."""
 
     def _value_rows(self, x, prepared):
         knots = np.sort(self.points[:, 0])
@@ -121,7 +123,7 @@ class CubicOutside(NaturalCubicSpline):
 
 
 class Clamped(NaturalCubicSpline):
-    """s' = 0 at the ends in place of s'' = 0."""
+    """s' = 0 at the ends instead of s'' = 0."""
 
     def _prepare(self, values):
         f, moments = super()._prepare(values)
@@ -131,7 +133,7 @@ class Clamped(NaturalCubicSpline):
 
 
 class Halved(NaturalCubicSpline):
-    """Half the energy, and the coefficients of the truncated powers for those of r³."""
+    """Half of the energy, and coefficients of truncated powers instead of r³."""
 
     def energy(self, values):
         return super().energy(values) / 2
@@ -143,34 +145,34 @@ class Halved(NaturalCubicSpline):
 @pytest.mark.parametrize(
     ("law", "mutant"),
     [
-        (inside_it_is_scipy_s, WithoutMoments),
-        (inside_it_is_scipy_s, Clamped),
-        (outside_it_is_a_line, CubicOutside),
-        (it_is_twice_differentiable, WithoutMoments),
-        (its_bending_is_orthogonal_to_what_it_leaves, Clamped),
-        (its_energy_is_the_integral, Halved),
-        (its_coefficients_are_those_of_r_cubed, Halved),
+        (the_spline_equals_scipy_s_inside, WithoutMoments),
+        (the_spline_equals_scipy_s_inside, Clamped),
+        (the_spline_is_linear_outside, CubicOutside),
+        (the_spline_is_twice_differentiable, WithoutMoments),
+        (the_second_derivative_is_orthogonal_to_the_difference, Clamped),
+        (the_energy_is_the_integral, Halved),
+        (coefficients_equal_those_of_r_cubed, Halved),
     ],
 )
-def test_the_law_catches_the_mutant(law, mutant):
-    """Another spline breaks the law that is about its difference."""
+def test_the_law_rejects_the_mutant(law, mutant):
+    """Another spline violates the law that it was written for."""
     with pytest.raises(AssertionError):
         law(mutant(SITES))
 
 
-# --- the space ------------------------------------------------------------------------------------
+# --- the space of natural splines -----------------------------------------------------------------
 
 
 def _truncated_basis(knots, x):
-    """(x - x_j)₊³ and 1, x, x², x³ at x, in whole numbers."""
+    """(x - x_j)₊³ and 1, x, x², x³ at x, in integers."""
     return [[max(v - k, 0) ** 3 for k in knots] + [v**p for p in range(4)] for v in x]
 
 
 @pytest.mark.parametrize("n", [2, 3, 6])
 def test_cubic_splines_have_n_plus_four_dimensions_and_natural_ones_n(n):
-    """In rational numbers: dim S₃ = n + 4; the conditions of both ends leave n (Wendland p. 8).
+    """In rational arithmetic: dim S₃ = n + 4, and the end conditions leave n (Wendland p. 8).
 
-    Linear before the first site: no x², x³. Linear after the last: (1.6), on which they vanish.
+    Linear before the first site: no x², x³. Linear after the last site: (1.6).
     """
     knots = [F(k * k + 1) for k in range(n)]
     x = [F(k, 3) - 2 for k in range(12 * n * n)]
@@ -181,19 +183,19 @@ def test_cubic_splines_have_n_plus_four_dimensions_and_natural_ones_n(n):
     assert n + 4 - rank(conditions) == n
 
 
-def test_the_interpolation_of_n_data_in_them_is_regular():
-    """The cardinal splines span n dimensions, as many as there are data."""
+def test_cardinal_splines_are_linearly_independent():
+    """They span n dimensions, as many as there are data."""
     assert np.linalg.matrix_rank(METHOD.weights(np.linspace(-1, 2, 200))) == len(SITES)
 
 
-def test_one_site_determines_none():
-    """All lines through one point are natural splines: dimension two, for n = 1 alone."""
+def test_one_site_does_not_determine_a_spline():
+    """All lines through one point are natural splines. For n = 1 their space has dimension two."""
     with pytest.raises(np.linalg.LinAlgError, match="degree 1 in 1 variable: rank 1 of 2"):
         NaturalCubicSpline([3.0])
 
 
 def test_the_third_derivative_jumps_at_the_ends():
-    """s''' is zero outside; from inside it is not: Wendland's condition is one-sided (p. 8)."""
+    """s''' is zero outside but not inside: Wendland's condition is one-sided (p. 8)."""
     s, first = METHOD.field(VALUES), SITES.min()
     h = 1e-4
     third = [
@@ -204,8 +206,11 @@ def test_the_third_derivative_jumps_at_the_ends():
     assert abs(third[1]) > 10
 
 
-def test_truncated_powers_are_the_same_spline():
-    """(1.5): zero before its site, a cubic after; (1.6) makes it linear after the last."""
+def test_truncated_powers_give_the_same_spline():
+    """(1.5) is zero before its site and a cubic after it.
+
+    (1.6) makes the spline linear after the last site.
+    """
     alpha, beta = METHOD.truncated_powers(VALUES)
     for x in (INSIDE, OUTSIDE):
         powers = np.maximum(x[:, None] - SITES, 0) ** 3
@@ -215,7 +220,7 @@ def test_truncated_powers_are_the_same_spline():
 
 
 def test_the_conversion_of_the_book_is_an_identity():
-    """(1.4) to (1.7) in rational numbers, for α that satisfy (1.6) and any β."""
+    """(1.4) to (1.7) in rational arithmetic, for α that satisfy (1.6) and any β."""
     x = [F(0), F(1), F(3), F(7)]
     alpha = [F(2), F(-3), F(1), F(0)]
     assert sum(alpha) == sum(a * b for a, b in zip(alpha, x, strict=True)) == 0
@@ -229,8 +234,8 @@ def test_the_conversion_of_the_book_is_an_identity():
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e6])
-def test_it_is_the_spline_of_rbf_everywhere(offset):
-    """r³ with linear polynomials: values and gradients by two routes, inside and out."""
+def test_the_spline_equals_rbf_everywhere(offset):
+    """RBF uses r³ with linear polynomials. Values and gradients agree inside and outside."""
     radial = RBF(SITES[:, None] + offset, polyharmonic(3)).field(VALUES)
     s = NaturalCubicSpline(SITES + offset).field(VALUES)
     for x in (INSIDE + offset, OUTSIDE + offset):
@@ -238,10 +243,10 @@ def test_it_is_the_spline_of_rbf_everywhere(offset):
         assert_close(s.gradient(x), radial.gradient(x[:, None])[:, 0], 1e-5)
 
 
-# --- doors ----------------------------------------------------------------------------------------
+# --- input and refusals ---------------------------------------------------------------------------
 
 
-def test_shapes_have_no_axis():
+def test_sites_and_queries_have_no_coordinate_axis():
     """x (...) and data (n, *v) give (..., *v), and so does the derivative."""
     s = METHOD.field(np.stack([VALUES, -VALUES], axis=1))
     assert s(0.5).shape == s.gradient(0.5).shape == (2,)
@@ -262,30 +267,29 @@ def test_shapes_have_no_axis():
         ([0.0, 1.0, -0.0], "these coincide: 0 and 2; merge them$"),
     ],
 )
-def test_other_sites_are_refused(sites, words):
-    """In words."""
+def test_invalid_sites_are_refused(sites, words):
     with pytest.raises(ValueError, match=words):
         NaturalCubicSpline(sites)
 
 
-def test_through_two_sites_it_is_their_line():
-    """Of no energy, and without cubes."""
+def test_the_spline_through_two_sites_is_a_line():
+    """Its energy is zero."""
     method = NaturalCubicSpline([3.0, 1.0])
     assert_close(method.field([7.0, 3.0])([0.0, 2.0, 9.0]), [1.0, 5.0, 19.0], 1e-13)
     assert float(method.energy([7.0, 3.0])) == 0.0
     assert_close(method.coefficients([7.0, 3.0])[1], [1.0, 2.0], 1e-13)
 
 
-def test_a_million_sites_are_no_trouble():
-    """The banded route is linear in their number; the r³ form would need 8 TB."""
+def test_a_million_sites_are_interpolated():
+    """The banded system has linear cost. The r³ form would need 8 TB."""
     sites = np.arange(1_000_000) / 1e6
     s = NaturalCubicSpline(sites).field(np.sin(20 * sites))
     x = np.linspace(0.1, 0.9, 1001) + 3e-7
     assert_close(s(x), np.sin(20 * x), 1e-12)
 
 
-def test_sites_may_be_at_any_distance():
-    """A gap of 1e-250 between two of them, and data that rise over it."""
+def test_sites_may_have_tiny_gaps():
+    """Two sites have a distance of 1e-250."""
     s = NaturalCubicSpline([0.0, 1e-250, 1.0]).field([0.0, 0.0, 1.0])
     assert float(s(1.0)) == 1.0
     assert np.isfinite(s([0.5e-250, 0.5, 2.0])).all()

@@ -1,4 +1,4 @@
-"""Blended patches: smooth across borders, exact on odd clouds, bounded, and refused in words."""
+"""Partition-of-unity RBF: smoothness, accuracy, unusual point sets, memory and refusals."""
 
 import multiprocessing
 import tracemalloc
@@ -36,7 +36,7 @@ def wave(x: np.ndarray) -> np.ndarray:
 
 
 def tracks() -> np.ndarray:
-    """Eight lines of a scan, two hundred sites on each."""
+    """Eight parallel scan lines with two hundred sites on each."""
     along, across = np.meshgrid(np.linspace(0, 1, 200), np.linspace(0, 1, 8))
     x = np.stack([along, across], axis=-1).reshape(-1, 2)
     return x + 1e-5 * np.random.default_rng(1).random(x.shape)
@@ -47,8 +47,8 @@ def tracks() -> np.ndarray:
 
 @pytest.mark.parametrize("d", [1, 2, 3, 5])
 @pytest.mark.parametrize("n", [1, 2, 7, 8, 15, 100, 333])
-def test_boxes_hold_each_site_once_and_nearly_equally_many(n, d):
-    """None has more than asked for, nor much less; and each site lies in its own."""
+def test_boxes_contain_each_site_once_in_nearly_equal_numbers(n, d):
+    """The numbers of sites differ by at most one, and each site lies in its box."""
     x = np.random.default_rng(n).random((n, d))
     boxes = KDPartition.around(x, 6.5)
     counts = (boxes.sites >= 0).sum(axis=1)
@@ -63,7 +63,7 @@ def test_boxes_hold_each_site_once_and_nearly_equally_many(n, d):
 @settings(max_examples=40)
 @given(st.integers(1, 4), st.integers(0, 10**6), st.booleans())
 def test_the_patches_of_a_query_are_those_whose_balls_contain_it(d, seed, lattice):
-    """Compared with trying them all, also where coordinates coincide."""
+    """The reference tests all balls, also for points with equal coordinates."""
     rng = np.random.default_rng(seed)
     x = np.unique(rng.integers(0, 9, (300, d)), axis=0) / 9 if lattice else rng.random((300, d))
     method = PartitionOfUnityRBF(x, polyharmonic(1), 0, 6)
@@ -78,8 +78,11 @@ def test_the_patches_of_a_query_are_those_whose_balls_contain_it(d, seed, lattic
 
 
 @pytest.mark.parametrize("k", [2, 3, 5, 11, 50])
-def test_levels_have_fewer_and_fewer_sites(k):
-    """Also where patches are as small as they can be; the last is a single one."""
+def test_levels_have_decreasing_numbers_of_sites(k):
+    """Each level has less than half of the sites of the previous one.
+
+    The last one is a single patch.
+    """
     levels = PartitionOfUnityRBF(X, polyharmonic(1), 0, k)._levels
     sizes = np.array([len(level.sites) for level in levels])
     assert (sizes[1:] < sizes[:-1] / 2).all()
@@ -87,8 +90,8 @@ def test_levels_have_fewer_and_fewer_sites(k):
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_few_sites_are_one_patch_and_that_is_a_radial_basis_function(d):
-    """The same values and gradients as `RBF`."""
+def test_one_patch_equals_rbf(d):
+    """Values and gradients agree with `RBF`."""
     x = np.random.default_rng(d).random((40, d))
     q = np.random.default_rng(9).random((50, d))
     one = PartitionOfUnityRBF(x, polyharmonic(3), 1).field(wave(x))
@@ -100,8 +103,8 @@ def test_few_sites_are_one_patch_and_that_is_a_radial_basis_function(d):
 # --- smoothness -----------------------------------------------------------------------------------
 
 
-def largest_step_of_the_second_derivative(step: float) -> float:
-    """Along a line that crosses the borders of many balls and leaves the cloud."""
+def largest_jump_of_the_second_derivative(step: float) -> float:
+    """Largest jump along a line that crosses many balls and leaves the point set."""
     s = PartitionOfUnityRBF(X, polyharmonic(5), 2, 16).field(wave(X))
     t = np.arange(0.6, 1.5, step)
     slope = s.gradient(np.column_stack([t, 0.3 + 0.5 * t])) @ [1.0, 0.5]
@@ -110,13 +113,13 @@ def largest_step_of_the_second_derivative(step: float) -> float:
 
 
 def test_fields_are_twice_continuously_differentiable():
-    """Across borders of balls and where coarser patches take over, as they do on this line."""
-    coarse, fine = map(largest_step_of_the_second_derivative, (1e-4, 2.5e-5))
+    """The line crosses the boundaries of balls and enters the region of coarser patches."""
+    coarse, fine = map(largest_jump_of_the_second_derivative, (1e-4, 2.5e-5))
     assert fine < 0.35 * coarse
 
 
-def test_a_weight_with_a_kink_is_not(monkeypatch):
-    """The check above sees (1 - r)^2, whose second derivative jumps at the border."""
+def test_a_weight_with_a_kink_is_not_twice_differentiable(monkeypatch):
+    """The test above detects (1 - r)², whose second derivative jumps at the boundary."""
 
     def kinked(offset):
         r = np.linalg.norm(offset, axis=1)
@@ -124,7 +127,7 @@ def test_a_weight_with_a_kink_is_not(monkeypatch):
         return (1 - r) ** 2, inward[:, None] * offset
 
     monkeypatch.setattr(_blending, "bump", kinked)
-    coarse, fine = map(largest_step_of_the_second_derivative, (1e-4, 2.5e-5))
+    coarse, fine = map(largest_jump_of_the_second_derivative, (1e-4, 2.5e-5))
     assert fine > 0.7 * coarse
 
 
@@ -133,8 +136,8 @@ def test_a_weight_with_a_kink_is_not(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("power", "degree", "order"), [(3, 1, 1.8), (3, 3, 3.5), (5, 2, 2.8)])
-def test_the_error_falls_with_the_spacing(power, degree, order):
-    """At least as fast as the polynomials let it, degree + 1 or nearly."""
+def test_the_error_converges_with_the_degree(power, degree, order):
+    """The order of convergence is nearly degree + 1 or higher."""
     q = 0.05 + 0.9 * halton(3000, 2, seed=1)
     sizes, errors = np.array([2000, 8000, 32000]), []
     for n in sizes:
@@ -144,22 +147,22 @@ def test_the_error_falls_with_the_spacing(power, degree, order):
     assert -2 * np.polyfit(np.log(sizes), np.log(errors), 1)[0] > order
 
 
-def error_at_the_edges() -> float:
+def error_near_the_boundary() -> float:
     x, q = np.random.default_rng(1).random((2, 8000, 3))
     error = np.abs(PartitionOfUnityRBF(x).field(wave(x))(q) - wave(q))
     return error.max() / np.sqrt(np.mean(error**2))
 
 
-def test_edges_are_not_much_worse_than_the_inside(monkeypatch):
-    """Where balls end, patches of a few times fewer sites take over, not of a hundred times."""
-    known = error_at_the_edges()
+def test_the_error_near_the_boundary_is_bounded(monkeypatch):
+    """Outside the balls, patches with a few times fewer sites are used, not 100 times fewer."""
+    known = error_near_the_boundary()
     monkeypatch.setattr(_patches, "THINNED", 10**9)
     assert known < 60
-    assert error_at_the_edges() > 1.5 * known
+    assert error_near_the_boundary() > 1.5 * known
 
 
-def test_clusters_of_very_different_size():
-    """Patches between them are singular to rounding, and still interpolate smooth data."""
+def test_clusters_of_very_different_sizes_are_interpolated():
+    """Patches between clusters are singular up to rounding, and still interpolate smooth data."""
     rng = np.random.default_rng(0)
     x = np.concatenate(
         [rng.random((800, 2)), 0.5 + 1e-4 * rng.random((800, 2)), 0.2 + 1e-7 * rng.random((200, 2))]
@@ -170,14 +173,14 @@ def test_clusters_of_very_different_size():
 
 
 def test_a_kernel_too_flat_for_rough_data_is_refused():
-    """In words, and where it is."""
+    """The message has the location of the patch."""
     m = PartitionOfUnityRBF(X, gaussian(50.0), -1, 30)
     with pytest.raises(np.linalg.LinAlgError, match=r"patch about \(.*\) would miss its data"):
         m.field(np.cos(1e4 * np.arange(len(X))))
 
 
-def test_noise_is_smoothed():
-    """With smoothing the field is nearer to the truth than the data are."""
+def test_smoothing_reduces_noise():
+    """The error of the field is less than half of that without smoothing."""
     x = halton(4000, 2)
     noisy = franke(x) + 0.1 * np.random.default_rng(1).normal(size=len(x))
     error = {
@@ -189,8 +192,8 @@ def test_noise_is_smoothed():
     assert error[1e-3] < 0.5 * error[0.0]
 
 
-def test_it_judges_itself_by_leaving_out():
-    """The residuals are as large as the errors elsewhere, within a factor."""
+def test_leave_one_out_residuals_estimate_the_error():
+    """Their root mean square is between 0.5 and 5 times the true error."""
     q = halton(1000, 2, seed=1)
     m = PartitionOfUnityRBF(X)
     error = np.sqrt(np.mean((m.field(franke(X))(q) - franke(q)) ** 2))
@@ -198,18 +201,18 @@ def test_it_judges_itself_by_leaving_out():
     assert 0.5 * error < own < 5 * error
 
 
-def test_a_site_that_cannot_be_left_out_is_told():
-    """Three sites and a plane, a patch each."""
+def test_an_indispensable_site_is_named():
+    """Three sites with linear polynomials need each other."""
     m = PartitionOfUnityRBF(X[:3], thin_plate_spline(), 1)
     with pytest.raises(np.linalg.LinAlgError, match=r"without point 0, \(0, 0\), the others"):
         leave_one_out(m, wave(X[:3]))
 
 
-# --- clouds without a polynomial ------------------------------------------------------------------
+# --- point sets that are not unisolvent -----------------------------------------------------------
 
 
 def test_sites_on_a_tilted_plane_use_the_polynomials_of_the_plane():
-    """Constant across it, however it is tilted; a cubic on it comes back."""
+    """The field is constant across the plane, and a cubic on the plane is reproduced."""
     rng = np.random.default_rng(2)
     axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     flat = rng.random((900, 2))
@@ -224,8 +227,7 @@ def test_sites_on_a_tilted_plane_use_the_polynomials_of_the_plane():
         assert_close(value, on_it[:, 0] ** 3 - on_it[:, 1], 1e-8)
 
 
-def test_a_line_in_space():
-    """The same as in one variable."""
+def test_sites_on_a_line_use_the_polynomials_of_one_variable():
     t = np.sort(np.random.default_rng(3).random(300))
     m = PartitionOfUnityRBF(np.outer(t, [1.0, 2.0, 3.0]))
     assert m.degree == 0
@@ -235,8 +237,8 @@ def test_a_line_in_space():
     )
 
 
-def test_patches_along_a_track_grow_until_they_determine_their_polynomials():
-    """No polynomial is given up, and the data come back."""
+def test_patches_on_scan_lines_grow_until_they_are_unisolvent():
+    """No degree is reduced, and the data are interpolated."""
     x = tracks()
     m = PartitionOfUnityRBF(x, polyharmonic(3), 1, 12)
     sizes = [systems.sites.shape[1] for systems in m._levels[0].systems]
@@ -246,8 +248,8 @@ def test_patches_along_a_track_grow_until_they_determine_their_polynomials():
     assert_close(m.field(wave(x))(x), wave(x), 1e-9)
 
 
-def test_balls_follow_the_density():
-    """Small in the clusters, large between them."""
+def test_radii_of_patches_follow_the_density():
+    """They are small in clusters and large between them."""
     x = np.unique(np.clip(clustered(4000, 2, 8, 0.02, seed=1), 0, 1), axis=0)
     m = PartitionOfUnityRBF(x)
     radii = m._levels[0].patches.radii
@@ -260,8 +262,8 @@ shapes = st.sampled_from(["uniform", "lattice", "thin", "clusters", "curve", "tr
 
 @settings(max_examples=60)
 @given(shapes, st.integers(1, 4), st.integers(30, 200), st.integers(0, 10**6))
-def test_any_cloud_is_interpolated_and_constants_come_back(shape, d, n, seed):
-    """In many small patches, whatever it looks like."""
+def test_arbitrary_point_sets_are_interpolated_and_reproduce_constants(shape, d, n, seed):
+    """The patches are small and numerous."""
     rng = np.random.default_rng(seed)
     x = rng.random((n, d))
     if shape == "lattice":
@@ -286,7 +288,7 @@ def test_any_cloud_is_interpolated_and_constants_come_back(shape, d, n, seed):
     assert np.isfinite(s.gradient(q)).all()
 
 
-# --- in words -------------------------------------------------------------------------------------
+# --- refusals -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -299,14 +301,14 @@ def test_any_cloud_is_interpolated_and_constants_come_back(shape, d, n, seed):
         ({"smoothing": -1.0}, "smoothing must be zero or a positive number; got -1.0"),
     ],
 )
-def test_arguments_are_refused_in_words(options, words):
-    """Naming the argument, what was wanted, and what came."""
+def test_invalid_arguments_are_refused(options, words):
+    """The message names the argument, what was wanted, and what came."""
     with pytest.raises(ValueError, match=words):
         PartitionOfUnityRBF(X, **options)
 
 
-def test_sites_that_coincide_are_told():
-    """By their numbers; with smoothing they may, but not in crowds."""
+def test_coincident_sites_are_named():
+    """With smoothing they are accepted, but not more of them than the sites of a patch."""
     x = np.concatenate([X, X[[3, 17]]])
     with pytest.raises(ValueError, match="these coincide: 3 and 1500, 17 and 1501; merge"):
         PartitionOfUnityRBF(x)
@@ -317,17 +319,17 @@ def test_sites_that_coincide_are_told():
 
 
 def test_a_gradient_that_does_not_exist_is_refused():
-    """That of -r at a site."""
+    """-r has no gradient at a site."""
     s = PartitionOfUnityRBF(X, polyharmonic(1), 0).field(wave(X))
     with pytest.raises(ValueError, match="has no gradient at a site"):
         s.gradient(X[:1])
 
 
-# --- at work --------------------------------------------------------------------------------------
+# --- executors, progress, sparsity ----------------------------------------------------------------
 
 
-def test_it_is_the_same_on_threads_and_processes():
-    """Bit for bit: the fit, values and gradients."""
+def test_results_are_equal_on_threads_and_processes():
+    """Fit, values and gradients agree bit for bit."""
     m, q = PartitionOfUnityRBF(X), halton(3000, 2, seed=1)
     here = m.field(wave(X))
     spawn = multiprocessing.get_context("spawn")
@@ -338,8 +340,8 @@ def test_it_is_the_same_on_threads_and_processes():
             assert_close(there.gradient(q, executor=executor), here.gradient(q), 0.0)
 
 
-def test_set_up_and_fit_tell_how_far_they_are(monkeypatch):
-    """Sites, then patches of all levels; the numbers rise, and the last call has all of them."""
+def test_set_up_and_fit_report_progress(monkeypatch):
+    """They count sites and patches of all levels; the last call has the total."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**16)
     made, fitted = [], []
     m = PartitionOfUnityRBF(X, progress=lambda *call: made.append(call))
@@ -354,16 +356,16 @@ def test_set_up_and_fit_tell_how_far_they_are(monkeypatch):
 
 
 @pytest.mark.parametrize("n", [1, 30, 200])
-def test_few_sites_are_told_too(n):
-    """However few, the last call has all of them, and what is made does not depend on it."""
+def test_progress_of_few_sites_is_reported(n):
+    """The last call has the total, and the method does not depend on `progress`."""
     calls = []
     m = PartitionOfUnityRBF(X[:n], progress=lambda *call: calls.append(call))
     assert calls[-1] == (n, n)
     assert_close(m.field(wave(X[:n]))(X), PartitionOfUnityRBF(X[:n]).field(wave(X[:n]))(X), 0.0)
 
 
-def test_weights_are_sparse_and_independent_of_their_company():
-    """A few patches for each query; the same to rounding when asked in another order."""
+def test_weights_are_sparse_and_independent_of_other_queries():
+    """A query has few patches, and the order of the queries changes weights by rounding only."""
     m, q = PartitionOfUnityRBF(X), halton(2000, 2, seed=1)
     h = m.weights(q)
     assert np.diff(h.indptr).max() < 0.2 * len(X)
@@ -374,8 +376,8 @@ def test_weights_are_sparse_and_independent_of_their_company():
 # --- small systems --------------------------------------------------------------------------------
 
 
-def test_many_variables_take_no_more_memory():
-    """Differences are taken axis by axis: a few matrices, not one for each of sixty variables."""
+def test_memory_does_not_grow_with_the_number_of_variables():
+    """Differences are computed axis by axis, so a few matrices are allocated instead of sixty."""
     m = PartitionOfUnityRBF(uniform(300, 60, seed=1))
     tracemalloc.start()
     m.field(m.points[:, 0])
@@ -384,8 +386,8 @@ def test_many_variables_take_no_more_memory():
     assert peak < 12 * 8 * 361**2
 
 
-def test_singular_systems_are_solved_as_far_as_they_can_be():
-    """With entries no larger than they must be, whatever the right-hand side is made of."""
+def test_singular_consistent_systems_are_solved():
+    """The solution has moderate entries."""
     rng = np.random.default_rng(1)
     a = rng.normal(size=(5, 8, 8))
     a += a.mT
@@ -400,15 +402,15 @@ def test_singular_systems_are_solved_as_far_as_they_can_be():
         assert_close(found[0], unit * x[0], 1e-9)
 
 
-def test_a_large_kernel_does_not_drown_the_polynomials():
-    """A constant comes back beside two sites that coincide, and a kernel of size 1e24."""
+def test_a_kernel_of_large_values_keeps_polynomial_reproduction():
+    """A constant is reproduced with two coincident sites and a kernel of size 1e24."""
     x = np.array([[0.0], [0.0], [1.0]])
     m = PartitionOfUnityRBF(x, inverse_square(1e-12), 0, smoothing=1e-6)
     assert_close(m.field(np.full(3, 3.0))([[1e-15], [0.5]]), [3.0, 3.0], 1e-9)
 
 
-def test_many_right_hand_sides_of_few_systems():
-    """Each is solved with its own system, in any order and any number."""
+def test_many_right_hand_sides_are_grouped_by_system():
+    """Each is solved with its own system, in any order and number."""
     rng = np.random.default_rng(2)
     a = rng.normal(size=(4, 5, 5)) + 9 * np.eye(5)
     for m in (0, 1, 3, COLUMNS, 100):

@@ -1,4 +1,4 @@
-"""The basis, its gradients and the local frame; what the points determine, and what they do not."""
+"""Polynomials: monomials, gradients, the local frame, and unisolvent points."""
 
 import math
 from itertools import product
@@ -31,8 +31,8 @@ SPACES = [(d, degree) for d in (1, 2, 3, 5) for degree in (-1, 0, 1, 2, 3, 4)]
 
 
 @pytest.mark.parametrize(("d", "degree"), SPACES)
-def test_the_exponents_are_all_of_the_total_degree(d, degree):
-    """Each once, constant first, by total degree; C(degree + d, d) of them."""
+def test_exponents_are_complete_and_sorted_by_total_degree(d, degree):
+    """There are C(degree + d, d) exponents, each once, the constant first."""
     alpha = [tuple(a) for a in exponents(d, degree)]
     expected = {a for a in product(range(degree + 1), repeat=d) if sum(a) <= degree}
     assert set(alpha) == expected
@@ -47,15 +47,15 @@ def test_the_linear_basis_is_that_of_the_slides():
 
 @pytest.mark.parametrize(("d", "degree"), SPACES)
 def test_monomials_are_products_of_powers(d, degree):
-    """x^alpha, at any shape of points."""
+    """x^alpha, for points of any shape."""
     x = np.random.default_rng(1).standard_normal((2, 3, d))
     alpha = exponents(d, degree)
     assert_close(monomials(x, degree), np.prod(x[..., None, :] ** alpha, axis=-1), EXACT * 1e3)
 
 
 @pytest.mark.parametrize(("d", "degree"), SPACES)
-def test_gradients_are_derivatives(d, degree):
-    """Of each monomial by each variable; central differences of order six are exact up to five."""
+def test_gradients_of_monomials_equal_difference_quotients(d, degree):
+    """The central differences of order six are exact for the degrees tested."""
     x = np.random.default_rng(2).random((4, d))
     quotient = difference_quotient(lambda y: monomials(y, degree), x, step=1e-2)
     assert_close(monomial_gradients(x, degree), quotient, DIFFERENCE)
@@ -63,8 +63,11 @@ def test_gradients_are_derivatives(d, degree):
 
 @pytest.mark.parametrize("offset", [0.0, 1e6, -1e12])
 @pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
-def test_the_frame_fills_the_cube(offset, unit):
-    """Sites have coordinates in [-1, 1], the largest at least 1/2; the scale is a power of two."""
+def test_local_coordinates_fill_the_cube(offset, unit):
+    """Local coordinates lie in [-1, 1], the largest is at least 1/2.
+
+    The scale is a power of two.
+    """
     x = (np.random.default_rng(3).random((20, 3)) * [1.0, 0.1, 0.0] + offset) * unit
     frame = Frame.around(x)
     y = frame.local(x)
@@ -73,8 +76,8 @@ def test_the_frame_fills_the_cube(offset, unit):
     assert math.frexp(frame.scale)[0] == 0.5
 
 
-def test_the_frame_of_one_point_has_size_one():
-    """There is no length to scale by."""
+def test_the_frame_of_one_point_has_scale_one():
+    """A single point has no extent."""
     assert Frame.around(np.array([[3.0, 4.0]])).scale == 1.0
 
 
@@ -86,15 +89,15 @@ def test_the_power_of_two_above_is_the_least(length):
     assert math.frexp(power)[0] == 0.5
 
 
-def test_the_frame_of_the_largest_numbers_is_a_number():
-    """Points at both ends of the range of floating-point numbers are scaled, not refused."""
+def test_the_frame_of_the_largest_coordinates_is_finite():
+    """Points at both ends of the floating-point range are scaled."""
     frame = Frame.around(np.array([[-1.7e308], [1.7e308]]))
     assert np.isfinite(frame.scale)
 
 
 @pytest.mark.parametrize(("d", "degree"), [(1, 3), (2, 2), (3, 1), (2, 0)])
-def test_global_coefficients_are_those_of_the_same_polynomial(d, degree):
-    """B(x) times them is B(y) times the local ones, y the coordinates in the frame."""
+def test_global_coefficients_give_the_same_polynomial(d, degree):
+    """B(x) times them equals B(y) times the local coefficients, with y the local coordinates."""
     rng = np.random.default_rng(4)
     frame = Frame(rng.random(d), 0.25)
     c = rng.standard_normal((dimension(d, degree), 2))
@@ -103,8 +106,8 @@ def test_global_coefficients_are_those_of_the_same_polynomial(d, degree):
     assert_close(there, monomials(frame.local(x), degree) @ c, 1e-10)
 
 
-def test_coefficients_out_of_range_are_refused_in_words():
-    """Of degree two in a unit of 1e-200 they exceed 1e308."""
+def test_overflowing_coefficients_are_refused():
+    """In a unit of 1e-200 coefficients of degree two exceed 1e308."""
     frame = Frame(np.zeros(1), 2.0**-660)
     with pytest.raises(OverflowError, match=r"the coefficients would leave .* choose a unit"):
         frame.global_coefficients(np.ones((3, 1)), 2)
@@ -113,8 +116,8 @@ def test_coefficients_out_of_range_are_refused_in_words():
         far.global_coefficients(np.ones((3, 1)), 2)
 
 
-def test_the_resolution_is_rounding_over_extent():
-    """1e-16 near the origin, 1e-10 at a distance of 1e6 extents; no less for one point."""
+def test_the_resolution_is_rounding_relative_to_the_extent():
+    """It is 1e-16 near the origin and 1e-10 at a distance of 1e6 extents."""
     eps = float(np.finfo(float).eps)
     x = np.linspace(0, 1, 11)[:, None]
     assert resolution(x) == pytest.approx(eps)
@@ -122,7 +125,7 @@ def test_the_resolution_is_rounding_over_extent():
     assert resolution(x[:1]) == pytest.approx(eps)
 
 
-# --- what the points determine --------------------------------------------------------------------
+# --- unisolvent points ----------------------------------------------------------------------------
 
 
 def require(points, degree):
@@ -149,7 +152,10 @@ CIRCLE = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
     ],
 )
 def test_points_on_a_curve_of_the_degree_are_refused(points, degree, rank, q, unit, offset):
-    """A line, a circle, a single place, too few: with the rank, wherever the origin lies."""
+    """The points lie on a line or a circle, coincide, or are too few.
+
+    The message has the rank, for any origin.
+    """
     words = f"degree {degree} in 2 variables: rank {rank} of {q}"
     with pytest.raises(np.linalg.LinAlgError, match=f"the points do not determine .* {words}"):
         require((points + offset) * unit, degree)
@@ -158,18 +164,17 @@ def test_points_on_a_curve_of_the_degree_are_refused(points, degree, rank, q, un
 @pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
 @pytest.mark.parametrize("bend", [1e-3, 1e-6, 1e-9])
 def test_nearly_collinear_points_are_accepted(bend, unit):
-    """As long as the bend is more than rounding, they determine the plane."""
+    """They determine a linear polynomial if their deviation from the line exceeds rounding."""
     require((LINE + bend * np.array([[0, 1]]) * (np.arange(9) % 2)[:, None]) * unit, 1)
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e6])
 def test_points_off_the_curve_are_accepted(offset):
-    """A circle and its centre determine a quadratic."""
+    """Points on a circle and its centre determine a quadratic polynomial."""
     require(np.vstack([CIRCLE, [[0.0, 0.0]]]) + offset, 2)
 
 
-def test_one_variable_is_named_in_the_singular():
-    """The words are those one would say."""
+def test_the_message_for_one_variable_uses_the_singular():
     with pytest.raises(np.linalg.LinAlgError, match=r"degree 1 in 1 variable: rank 1 of 2"):
         require([[1.0], [1.0]], 1)
 
@@ -183,8 +188,8 @@ def test_one_variable_is_named_in_the_singular():
     ],
     ids=["LS", "MLS", "RBF"],
 )
-def test_a_basis_that_does_not_fit_into_memory_is_not_made(make):
-    """Degree 10 in 50 variables: the number of coefficients is told at once."""
+def test_a_basis_that_exceeds_memory_is_refused(make):
+    """The number of coefficients is reported without computing them."""
     words = "degree 10 in 50 variables, which has 75394027566 coefficients; there are 80 points"
     with pytest.raises(np.linalg.LinAlgError, match=words):
         make(np.random.default_rng(1).random((80, 50)))

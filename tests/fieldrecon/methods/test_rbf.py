@@ -1,4 +1,4 @@
-"""Radial basis functions: SciPy as witness, the slides' matrix, energies, and 500 digits."""
+"""Radial basis functions: SciPy, the matrix of the slides, energies, and 500 digits."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ QUERIES = np.random.default_rng(2).random((20, 2)) * 1.2 - 0.1
 # --- the slides' system ---------------------------------------------------------------------------
 
 
-def it_solves_the_bordered_system(case: Case) -> None:
+def coefficients_solve_the_saddle_point_system(case: Case) -> None:
     """H_RBF (λ, c) = (f, 0) and f(x) = b(x)ᵀc + Σ λ φ(|x - p|), p. 11 to 13."""
     m = case.method
     lam, c = m.coefficients(case.data)
@@ -45,8 +45,8 @@ def it_solves_the_bordered_system(case: Case) -> None:
     assert_close(m.field(case.data)(case.queries), s, 1e-8 * size)
 
 
-def it_is_symmetric_with_n_positive_and_q_negative_eigenvalues(case: Case) -> None:
-    """Inertia (N, D + 1, 0): indefinite, whatever p. 12 says."""
+def the_matrix_has_n_positive_and_q_negative_eigenvalues(case: Case) -> None:
+    """H_RBF must be symmetric with inertia (N, D + 1, 0). It is indefinite, contrary to p. 12."""
     m = case.method
     h = m.matrix()
     assert_close(h, h.T, 0.0)
@@ -55,8 +55,8 @@ def it_is_symmetric_with_n_positive_and_q_negative_eigenvalues(case: Case) -> No
     assert ((values > 0).sum(), (values < 0).sum()) == (case.n, q)
 
 
-def its_energy_is_that_of_the_data(case: Case) -> None:
-    """λᵀAλ = λᵀf - smoothing |λ|² ≥ 0, since λ is orthogonal to the polynomials."""
+def the_energy_equals_that_of_the_data(case: Case) -> None:
+    """λᵀAλ = λᵀf - smoothing |λ|² ≥ 0, because λ is orthogonal to the polynomials."""
     m = case.method
     lam, _ = m.coefficients(case.data)
     a = m.kernel(distances(m.points, m.points))
@@ -66,9 +66,9 @@ def its_energy_is_that_of_the_data(case: Case) -> None:
 
 
 RBF_LAWS = [
-    it_solves_the_bordered_system,
-    it_is_symmetric_with_n_positive_and_q_negative_eigenvalues,
-    its_energy_is_that_of_the_data,
+    coefficients_solve_the_saddle_point_system,
+    the_matrix_has_n_positive_and_q_negative_eigenvalues,
+    the_energy_equals_that_of_the_data,
 ]
 
 
@@ -77,13 +77,13 @@ def distances(x: np.ndarray, p: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("case", RBFS, ids=lambda case: case.name)
-def test_every_case_is_what_the_slides_say(case):
-    """With the matrix in the points' own coordinates, which the library does not compute with."""
+def test_every_case_obeys_the_formulas_of_the_slides(case):
+    """The matrix refers to the original coordinates; the library computes in a local frame."""
     assert_obeyed(RBF_LAWS, case, case.name)
 
 
 class SmoothingTwice(RBF):
-    """Adds the smoothing to a matrix that has it already."""
+    """Adds the smoothing to a matrix that contains it already."""
 
     def matrix(self):
         h = super().matrix()
@@ -93,7 +93,7 @@ class SmoothingTwice(RBF):
 
 
 class SideConditionsForgotten(RBF):
-    """The polynomial is fitted first, the kernels take the rest: λ is orthogonal to nothing."""
+    """Fits the polynomial first, so λ is not orthogonal to the polynomials."""
 
     def matrix(self):
         h = super().matrix()
@@ -110,26 +110,29 @@ class SideConditionsForgotten(RBF):
 @pytest.mark.parametrize(
     ("law", "mutant"),
     [
-        (it_solves_the_bordered_system, SmoothingTwice),
-        (it_is_symmetric_with_n_positive_and_q_negative_eigenvalues, SideConditionsForgotten),
-        (its_energy_is_that_of_the_data, SideConditionsForgotten),
+        (coefficients_solve_the_saddle_point_system, SmoothingTwice),
+        (the_matrix_has_n_positive_and_q_negative_eigenvalues, SideConditionsForgotten),
+        (the_energy_equals_that_of_the_data, SideConditionsForgotten),
     ],
 )
-def test_the_law_catches_the_mutant(law, mutant):
-    """A wrong system breaks the law that is about its mistake."""
+def test_the_law_rejects_the_mutant(law, mutant):
+    """A wrong system violates the law that it was written for."""
     wrong = Case(mutant.__name__, lambda p, _: mutant(p, thin_plate_spline()), 2, SITES[2])
     with pytest.raises(AssertionError):
         law(wrong)
 
 
 def test_the_smallest_example_has_determinant_minus_one():
-    """(0,0), (1,0), (0,1) with r² log r²: by hand, det H = -1, so H is not positive definite."""
+    """For (0,0), (1,0), (0,1) and r² log r², det H = -1. So H is not positive definite."""
     h = RBF([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], thin_plate_spline()).matrix()
     assert np.linalg.det(h) == pytest.approx(-1.0)
 
 
-def test_the_kernel_alone_may_be_the_zero_matrix():
-    """On an equilateral triangle of side one r² log r² vanishes; with polynomials it is solved."""
+def test_the_kernel_matrix_may_be_zero():
+    """On an equilateral triangle of side one r² log r² vanishes.
+
+    With polynomials the system is solvable.
+    """
     triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.75**0.5]])
     m = RBF(triangle, thin_plate_spline())
     assert_close(m.matrix()[:3, :3], np.zeros((3, 3)), 1e-15)
@@ -138,7 +141,7 @@ def test_the_kernel_alone_may_be_the_zero_matrix():
 
 # --- SciPy ----------------------------------------------------------------------------------------
 
-WITNESSES = {
+REFERENCES = {
     "thin_plate_spline": (thin_plate_spline(), 1.0, 2.0),
     "linear": (polyharmonic(1), 1.0, 1.0),
     "cubic": (polyharmonic(3), 1.0, 1.0),
@@ -152,10 +155,10 @@ WITNESSES = {
 
 @pytest.mark.parametrize("smoothing", [0.0, 1e-3, 1.0])
 @pytest.mark.parametrize("raised", [0, 1])
-@pytest.mark.parametrize("name", WITNESSES)
-def test_scipy_agrees(name, raised, smoothing):
-    """RBFInterpolator on the same system: its r² log r is half of ours, 1/(1 + (4r)²) a 16th."""
-    kernel, epsilon, factor = WITNESSES[name]
+@pytest.mark.parametrize("name", REFERENCES)
+def test_fields_equal_those_of_scipy(name, raised, smoothing):
+    """SciPy's r² log r is half of ours, and its 1/(1 + (4r)²) a sixteenth."""
+    kernel, epsilon, factor = REFERENCES[name]
     degree = kernel.order - 1 + raised
     ours = RBF(POINTS, kernel, degree, factor * smoothing).field(VALUES)
     theirs = RBFInterpolator(
@@ -165,8 +168,8 @@ def test_scipy_agrees(name, raised, smoothing):
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e6])
-def test_scipy_s_natural_spline_agrees(offset):
-    """r³ and linear polynomials in 1-D are the natural cubic spline, between the data."""
+def test_cubic_rbf_equals_scipy_s_natural_spline(offset):
+    """r³ with linear polynomials in 1-D is the natural cubic spline between the data."""
     x = np.sort(np.random.default_rng(3).random(12))
     y = np.sin(7 * x)
     s = RBF(x[:, None] + offset, polyharmonic(3)).field(y)
@@ -177,8 +180,8 @@ def test_scipy_s_natural_spline_agrees(offset):
     assert_close(s.gradient(inside[:, None] + offset)[:, 0], spline(inside, 1), 100 * tolerance)
 
 
-def test_outside_the_data_the_spline_is_a_line():
-    """Natural means: no curvature beyond the ends (SciPy's CubicSpline goes on as a cubic)."""
+def test_outside_the_data_the_cubic_rbf_is_linear():
+    """A natural spline has no curvature there. SciPy's CubicSpline continues as a cubic instead."""
     x = np.sort(np.random.default_rng(3).random(12))
     s = RBF(x[:, None], polyharmonic(3)).field(np.sin(7 * x))
     far = np.array([[2.0], [3.0], [4.0]])
@@ -187,7 +190,7 @@ def test_outside_the_data_the_spline_is_a_line():
 
 
 def test_the_energy_of_the_spline_is_the_integral_of_its_curvature():
-    """∫ s''² = 12 λᵀAλ = 12 λᵀf, the integral by SciPy's piecewise polynomial."""
+    """∫ s''² = 12 λᵀAλ = 12 λᵀf; the integral uses SciPy's piecewise polynomial."""
     x = np.sort(np.random.default_rng(3).random(12))
     y = np.sin(7 * x)
     lam, _ = RBF(x[:, None], polyharmonic(3)).coefficients(y)
@@ -198,12 +201,12 @@ def test_the_energy_of_the_spline_is_the_integral_of_its_curvature():
     assert 12 * lam @ y == pytest.approx(integral, rel=1e-10)
 
 
-# --- what the polynomial is for -------------------------------------------------------------------
+# --- polynomials, gradients, smoothing ------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", KERNELS)
-def test_polynomial_data_need_no_kernels(name):
-    """Σ λ b(p) = 0 makes λ = 0 the solution, and c the polynomial."""
+def test_polynomial_data_give_zero_kernel_coefficients(name):
+    """λ = 0 and the coefficients c of the polynomial solve the system."""
     kernel = KERNELS[name](1.0)
     m = RBF(POINTS, kernel, max(kernel.order - 1, 1))
     lam, c = m.coefficients(1 + 2 * POINTS[:, 0] - 3 * POINTS[:, 1])
@@ -212,7 +215,7 @@ def test_polynomial_data_need_no_kernels(name):
 
 
 def test_the_far_field_grows_no_faster_than_the_polynomial():
-    """With side conditions s(R)/R is bounded; r² log r² alone would grow a thousandfold more."""
+    """With side conditions s(R)/R is bounded. r² log r² alone would grow much faster."""
     s = RBF(POINTS, thin_plate_spline()).field(VALUES)
     far = 10.0 ** np.arange(2, 7)[:, None] * np.array([0.6, 0.8])
     growth = np.abs(s(far)) / np.linalg.norm(far, axis=1)
@@ -220,8 +223,8 @@ def test_the_far_field_grows_no_faster_than_the_polynomial():
     assert growth[-1] < 2 * growth[0]
 
 
-def test_the_gradient_at_a_centre_is_the_limit():
-    """∇φ = 2y(1 + log|y|²) → 0 at its centre: the gradient there is continuous."""
+def test_the_gradient_is_continuous_at_the_sites():
+    """∇φ = 2y(1 + log|y|²) → 0 for y → 0."""
     s = RBF(POINTS, thin_plate_spline()).field(VALUES)
     direction = np.array([0.6, 0.8])
     for step, change in ((1e-6, 1e-2), (1e-9, 1e-5), (1e-12, 1e-8)):
@@ -231,20 +234,23 @@ def test_the_gradient_at_a_centre_is_the_limit():
 @pytest.mark.parametrize(
     "kernel", [polyharmonic(1), KERNELS["exponential"](1.0), wendland(3, 0, 0.8)], ids=repr
 )
-def test_where_there_is_no_gradient_it_is_refused(kernel):
-    """At a site of -r, e^(-r) or (1 - r)²; not beside it."""
+def test_a_gradient_that_does_not_exist_is_refused(kernel):
+    """At a site -r, e^(-r) and (1 - r)² have no gradient. Near the site they have one."""
     m = RBF(POINTS, kernel)
     s = m.field(VALUES)
     assert np.isfinite(s.gradient(POINTS[:2] + 1e-9)).all()
     words = rf"has no gradient at a site, and the query \({POINTS[1, 0]:.6g}, "
-    for ask in (s.gradient, m.gradient_weights):
+    for evaluate in (s.gradient, m.gradient_weights):
         with refused(words):
-            ask([[0.5, 0.5], POINTS[1]])
+            evaluate([[0.5, 0.5], POINTS[1]])
     assert_close(s(POINTS[1]), VALUES[1], 1e-12)
 
 
 def test_smoothing_minimises_misfit_and_energy():
-    """|s(p) - f|² + smoothing λᵀAλ is stationary: f - s(p) = smoothing λ; more is smoother."""
+    """The minimum of |s(p) - f|² + smoothing λᵀAλ satisfies f - s(p) = smoothing λ.
+
+    With more smoothing the energy decreases and the misfit increases.
+    """
     energies, misfits = [], []
     for smoothing in (0.0, 1e-3, 1e-1, 10.0):
         m = RBF(POINTS, thin_plate_spline(), smoothing=smoothing)
@@ -257,21 +263,20 @@ def test_smoothing_minimises_misfit_and_energy():
     assert misfits == sorted(misfits)
 
 
-def test_infinite_smoothing_is_the_least_squares_polynomial():
-    """The kernels are too dear to use."""
+def test_large_smoothing_gives_the_least_squares_polynomial():
     s = RBF(POINTS, thin_plate_spline(), smoothing=1e12).field(VALUES)
     assert_close(s(QUERIES), LeastSquares(POINTS).field(VALUES)(QUERIES), 1e-9)
 
 
 def test_with_smoothing_sites_may_coincide():
-    """Their mean is what is smoothed."""
+    """The field is that of the mean values with half the smoothing."""
     twice = np.concatenate([POINTS, POINTS])
     s = RBF(twice, thin_plate_spline(), smoothing=2e-3).field(np.append(VALUES + 1, VALUES - 1))
     once = RBF(POINTS, thin_plate_spline(), smoothing=1e-3).field(VALUES)
     assert_close(s(QUERIES), once(QUERIES), 1e-10)
 
 
-# --- digits ---------------------------------------------------------------------------------------
+# --- accuracy against 500 digits ------------------------------------------------------------------
 
 FEW = np.random.default_rng(5).random((14, 2))
 IN_DIGITS = {
@@ -294,19 +299,24 @@ WHERE_AND_HOW_SMOOTH = [
 
 @pytest.mark.parametrize(("offset", "smoothing"), WHERE_AND_HOW_SMOOTH)
 @pytest.mark.parametrize("name", IN_DIGITS)
-def test_values_and_gradients_have_all_their_digits(name, offset, smoothing):
-    """Between sites, 1e-9 from one and at it, near the origin and a million away."""
-    kernel, witness = IN_DIGITS[name]
+def test_values_and_gradients_are_accurate(name, offset, smoothing):
+    """The queries are between sites, at a distance of 1e-9 from a site, and at the site.
+
+    The origin may be a million away.
+    """
+    kernel, reference = IN_DIGITS[name]
     points, values = FEW + offset, np.cos(FEW @ [3.0, 2.0])
     m = RBF(points, kernel, smoothing=smoothing)
     s = m.field(values)
-    solution = high_precision.rbf_coefficients(points, values, witness, m.degree, smoothing)
+    solution = high_precision.rbf_coefficients(points, values, reference, m.degree, smoothing)
     for fraction in (0.3, 1e-9, 0.0):
         x = points[4] + fraction * (points[7] - points[4])
-        assert_close(s(x), float(high_precision.rbf(points, solution, x, witness, m.degree)), 1e-12)
+        assert_close(
+            s(x), float(high_precision.rbf(points, solution, x, reference, m.degree)), 1e-12
+        )
         if kernel.differentiable or (x != points[4]).any():
             g = high_precision.gradient(
-                lambda y: high_precision.rbf(points, solution, y, witness, m.degree), x
+                lambda y: high_precision.rbf(points, solution, y, reference, m.degree), x
             )
             assert_close(s.gradient(x), g, 1e-11)
 
@@ -318,8 +328,8 @@ def test_values_and_gradients_have_all_their_digits(name, offset, smoothing):
     ("kernel", "order"),
     [(polyharmonic(1), 1.0), (thin_plate_spline(), 2.0), (polyharmonic(3), 2.5)],
 )
-def test_errors_fall_with_the_order_of_the_kernel(kernel, order):
-    """Inside the square, on Halton's points, for Franke's function; slack 0.3 (Wendland 11.36)."""
+def test_errors_converge_with_the_order_of_the_kernel(kernel, order):
+    """Franke's function on Halton points, inside the square; the slack is 0.3 (Wendland 11.36)."""
     x = halton(200, 2) * 0.6 + 0.2
     sizes, errors = [], []
     for n in (100, 400, 1600):
@@ -337,7 +347,7 @@ def test_errors_fall_with_the_order_of_the_kernel(kernel, order):
 @pytest.mark.parametrize("q", [0, 1, 3, 6])
 @pytest.mark.parametrize("complex_data", [False, True])
 def test_the_saddle_point_system_is_solved(q, complex_data):
-    """A λ + P c = f and Pᵀ λ = g, for A that is definite only where Pᵀλ = 0."""
+    """A λ + P c = f and Pᵀ λ = g, for A that is positive definite only on Pᵀλ = 0."""
     rng = np.random.default_rng(7)
     n = 25
     root, p = rng.standard_normal((n, n)), rng.standard_normal((n, q))
@@ -357,7 +367,7 @@ def test_the_saddle_point_system_is_solved(q, complex_data):
 
 
 def test_a_singular_form_is_refused():
-    """Z^T A Z = 0: in the words of the kernel that is too flat."""
+    """Zᵀ A Z = 0."""
     with refused("not positive definite in floating-point numbers", np.linalg.LinAlgError):
         SaddlePoint(np.zeros((5, 5), order="F"), np.ones((5, 1)))
 
@@ -366,7 +376,7 @@ def test_a_singular_form_is_refused():
 
 
 def test_coincident_sites_are_named():
-    """With their indices, -0.0 and 0.0 alike; many of them are counted."""
+    """The message has their indices; -0.0 equals 0.0. If they are many, their number is given."""
     p = np.vstack([POINTS, POINTS[3], POINTS[7]])
     with refused("must be distinct to be interpolated; these coincide: 3 and 40, 7 and 41; merge"):
         RBF(p, thin_plate_spline())
@@ -388,27 +398,27 @@ def test_coincident_sites_are_named():
     ],
 )
 def test_too_low_a_degree_is_refused(kernel, degree, words):
-    """By the kernel's name and order."""
+    """The message has the name and the order of the kernel."""
     with refused(words):
         RBF(POINTS, kernel, degree)
 
 
-def test_a_higher_degree_is_welcome():
-    """And None is the lowest."""
+def test_higher_degrees_are_accepted():
+    """None means the lowest possible degree."""
     assert RBF(POINTS, polyharmonic(3)).degree == 1
     assert RBF(POINTS, polyharmonic(3), np.int64(3)).degree == 3
     assert RBF(POINTS, gaussian(0.1)).degree == -1
 
 
 @pytest.mark.parametrize("bad", ["thin_plate_spline", thin_plate_spline, None, lambda r: r])
-def test_a_kernel_is_a_radial_function(bad):
-    """Not its name, and not the function that makes it."""
+def test_kernels_of_other_types_are_refused(bad):
+    """Neither the name of a kernel nor its class is accepted."""
     with refused(r"kernel must be a radial function such as thin_plate_spline\(\); got "):
         RBF(POINTS, bad)
 
 
 def test_a_kernel_of_too_few_variables_is_refused():
-    """(1 - r)₊ is positive definite on the line only: on a lattice of the plane it is not."""
+    """(1 - r)₊ is positive definite on the line, but not on a lattice in the plane."""
     lattice = 0.7 * np.stack(np.meshgrid(range(9), range(9)), axis=-1).reshape(-1, 2)
     assert np.linalg.eigvalsh(wendland(1, 0, 1.0)(distances(lattice, lattice))).min() < -0.1
     with refused(r"wendland\(d=1.* is positive definite in at most 1 variables; points have 2"):
@@ -417,20 +427,20 @@ def test_a_kernel_of_too_few_variables_is_refused():
 
 
 def test_a_kernel_infinite_at_the_origin_is_refused():
-    """1/r² interpolates nothing as a kernel."""
+    """1/r² cannot interpolate as a kernel."""
     with refused(r"kernel must be finite at r = 0; inverse_square\(epsilon=0\.0\) is not"):
         RBF(POINTS, inverse_square(0.0))
 
 
 @pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf, "1", None, True])
-def test_smoothing_is_no_less_than_zero(bad):
-    """And a number."""
+def test_invalid_smoothing_is_refused(bad):
+    """It must be a nonnegative number."""
     with refused("smoothing must be zero or a positive number; got "):
         RBF(POINTS, thin_plate_spline(), smoothing=bad)
 
 
 def test_points_on_a_line_are_refused():
-    """Also with an offset of a million."""
+    """This holds with an offset of 1e6, too."""
     line = np.outer(np.arange(9.0), [1.0, 2.0])
     for offset in (0.0, 1e6):
         with refused("the points do not determine .* rank 2 of 3", np.linalg.LinAlgError):
@@ -440,8 +450,11 @@ def test_points_on_a_line_are_refused():
 @pytest.mark.parametrize("n", [30, 100, 300])
 @pytest.mark.parametrize("scale", [0.1, 0.3, 0.7, 2.0, 10.0])
 @pytest.mark.parametrize("rough", [False, True])
-def test_a_field_comes_near_its_data_or_is_refused(n, scale, rough):
-    """exp(-(r/10)²) on 300 points is singular to rounding: never a field that misses its data."""
+def test_an_ill_conditioned_field_has_a_small_error_at_the_data_or_is_refused(n, scale, rough):
+    """exp(-(r/10)²) on 300 points is singular up to rounding.
+
+    A field with a large error at its data must not be returned.
+    """
     rng = np.random.default_rng(8)
     p = rng.random((n, 2))
     f = rng.standard_normal(n) if rough else np.cos(p @ [3.0, 2.0])
@@ -451,29 +464,29 @@ def test_a_field_comes_near_its_data_or_is_refused(n, scale, rough):
     except np.linalg.LinAlgError:
         with refused("would miss its data by about .* too flat", np.linalg.LinAlgError):
             leave_one_out(m, f)
-        true_miss = np.abs(m._value_rows(p, m._system.solve(f[:, None]))[:, 0] - f).max()
-        assert true_miss > 1e-3 * np.abs(f).max()
+        true_error = np.abs(m._value_rows(p, m._system.solve(f[:, None]))[:, 0] - f).max()
+        assert true_error > 1e-3 * np.abs(f).max()
     else:
         assert_close(s(p), f, 0.05 * np.abs(f).max())
 
 
-def test_a_fit_beyond_this_machine_is_refused_at_once():
-    """With the size of its matrix and what to use instead; before anything is allocated."""
+def test_a_fit_that_exceeds_memory_is_refused():
+    """The error is raised before allocation; the message has the size and the alternative."""
     p = np.random.default_rng(9).random((1_500_000, 1))
     with refused("a global fit of 1500000 points needs a matrix of 16764 GiB", MemoryError):
         RBF(p, gaussian(0.1))
 
 
 def test_dense_weights_beyond_the_limit_are_refused():
-    """Fields and adjoints stream, weights do not."""
+    """Fields and adjoints are evaluated in chunks; weights are not."""
     m = RBF(np.random.default_rng(9).random((500, 1)), wendland(1, 1, 0.01))
     x = np.broadcast_to(np.zeros(1), (600_000, 1))
     with refused("dense weights of 600000 queries for 500 sites would take 2.2 GiB", MemoryError):
         m.weights(x)
 
 
-def test_what_does_not_fit_into_the_unit_is_refused():
-    """The matrix and the coefficients in units of 1e±150 and 1e±200; the field is no trouble."""
+def test_overflow_of_matrix_and_coefficients_is_refused():
+    """In units of 1e±150 and 1e±200 the field is accurate; matrix and coefficients overflow."""
     for kernel in (thin_plate_spline(), polyharmonic(1), polyharmonic(3)):
         for unit in (1e-200, 1e-150, 1e150, 1e200):
             m = RBF(POINTS * unit, kernel)
@@ -489,8 +502,8 @@ def test_what_does_not_fit_into_the_unit_is_refused():
 @pytest.mark.parametrize(
     "make", [gaussian, inverse_multiquadric, multiquadric, lambda u: wendland(3, 1, u)]
 )
-def test_squares_of_distances_must_be_numbers(make, unit):
-    """Or a matrix of zeros and ones would come out; the field is no trouble here either."""
+def test_overflow_of_squared_distances_is_refused(make, unit):
+    """Otherwise the matrix would consist of zeros and ones. The field is accurate."""
     m = RBF(POINTS * unit, make(0.3 * unit))
     here = RBF(POINTS, make(0.3)).field(VALUES)(QUERIES)
     assert_close(m.field(VALUES)(QUERIES * unit), here, 1e-9)
@@ -500,8 +513,8 @@ def test_squares_of_distances_must_be_numbers(make, unit):
         m.coefficients(VALUES)
 
 
-def test_a_far_query_is_answered_or_refused_with_its_place():
-    """Compact and decaying kernels vanish there; the others exceed the range of numbers."""
+def test_distant_queries_give_zero_or_are_refused():
+    """Decaying kernels vanish there. Other kernels overflow; the message has the query point."""
     for kernel in (wendland(3, 1, 0.5), gaussian(0.2)):
         s = RBF(POINTS, kernel).field(VALUES)
         assert_close(s([[1e200, 0.0]]), np.zeros(1), 0.0)
@@ -510,8 +523,7 @@ def test_a_far_query_is_answered_or_refused_with_its_place():
         RBF(POINTS, thin_plate_spline()).field(VALUES)([1e200, 0.0])
 
 
-def test_methods_agree_where_they_should():
-    """On linear data all reconstruct the same plane."""
+def test_methods_agree_for_linear_data():
     plane = 1 + 2 * POINTS[:, 0] - 3 * POINTS[:, 1]
     expected = 1 + 2 * QUERIES[:, 0] - 3 * QUERIES[:, 1]
     for m in (

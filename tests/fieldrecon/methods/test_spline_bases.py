@@ -1,4 +1,4 @@
-"""B-splines: three definitions of one function, SciPy as witness, and what a basis must do."""
+"""B-splines: three definitions of one function, SciPy, and the partition of unity."""
 
 import math
 
@@ -22,14 +22,14 @@ X = np.concatenate([np.linspace(-0.5, 6.0, 131), KNOTS])
 @pytest.mark.parametrize("knots", [KNOTS, DOUBLED], ids=["simple", "multiple"])
 @pytest.mark.parametrize("degree", range(5))
 def test_recursion_and_divided_differences_agree(knots, degree):
-    """On every knot sequence, multiple knots included, where the difference is a derivative."""
+    """At multiple knots a divided difference is a derivative."""
     recursive = b_splines(knots, degree, X)
     assert_close(b_splines_by_divided_differences(knots, degree, X), recursive, 1e-10)
 
 
 @pytest.mark.parametrize("degree", range(7))
-def test_all_three_agree_on_whole_numbers(degree):
-    """The convolution power of the box on [0, 1) is the B-spline of the knots 0, ..., k + 1."""
+def test_all_three_definitions_agree_on_integer_knots(degree):
+    """Convolution powers of the indicator function of [0, 1) are B-splines of knots 0 to k + 1."""
     knots = np.arange(degree + 2.0)
     x = np.linspace(-1.0, degree + 2.0, 97)
     convolved = cardinal_b_spline(degree, x)
@@ -39,21 +39,21 @@ def test_all_three_agree_on_whole_numbers(degree):
 
 @pytest.mark.parametrize("knots", [KNOTS, DOUBLED], ids=["simple", "multiple"])
 @pytest.mark.parametrize("degree", range(1, 5))
-def test_scipy_s_are_the_same(knots, degree):
-    """BSpline.basis_element on each window of knots."""
-    mine = b_splines(knots, degree, X)
+def test_b_splines_equal_those_of_scipy(knots, degree):
+    """The reference is BSpline.basis_element for each window of knots."""
+    ours = b_splines(knots, degree, X)
     for i in range(len(knots) - degree - 1):
         window = knots[i : i + degree + 2]
         if window[0] < window[-1]:
             inside = (window[0] <= X) & (window[-1] > X)
             theirs = BSpline.basis_element(window, extrapolate=False)(X[inside])
-            assert_close(mine[inside, i], theirs, 1e-13)
-            assert (mine[~inside, i] == 0).all()
+            assert_close(ours[inside, i], theirs, 1e-13)
+            assert (ours[~inside, i] == 0).all()
 
 
 @pytest.mark.parametrize("degree", range(4))
-def test_they_are_a_partition_of_unity(degree):
-    """Non-negative, and with sum one between knot k and knot n - k - 1."""
+def test_b_splines_are_a_partition_of_unity(degree):
+    """They are nonnegative, and their sum is one between knot k and knot n - k - 1."""
     b = b_splines(KNOTS, degree, X)
     assert (b >= 0).all()
     full = (KNOTS[degree] <= X) & (KNOTS[len(KNOTS) - degree - 1] > X)
@@ -61,8 +61,8 @@ def test_they_are_a_partition_of_unity(degree):
     assert_close(b[full].sum(axis=1), np.ones(full.sum()), 1e-14)
 
 
-def test_the_convolution_is_an_integral():
-    """N_k(x) = ∫ N_(k-1) over [x - 1, x], by quadrature; at its knots N₃ is (1, 4, 1)/6."""
+def test_cardinal_b_splines_are_integrals():
+    """N_k(x) = ∫ N_(k-1) over [x - 1, x], by quadrature. At its knots N₃ is (1, 4, 1)/6."""
     for degree in (1, 2, 3):
         for x in (0.3, 1.0, 1.9, 2.6):
             integral = quad(
@@ -85,8 +85,8 @@ def test_the_convolution_is_an_integral():
         ([0.0, 1.0], -1, "degree must be an integer, 0 or more"),
     ],
 )
-def test_other_knots_are_refused(knots, degree, words):
-    """In words, by both functions."""
+def test_invalid_knots_are_refused(knots, degree, words):
+    """Both functions refuse them."""
     for made in (b_splines, b_splines_by_divided_differences):
         with pytest.raises(ValueError, match=words):
             made(knots, degree, 0.5)

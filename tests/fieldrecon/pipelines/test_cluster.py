@@ -63,7 +63,7 @@ def test_fit_and_evaluation_survive_a_killed_worker(tmp_path, monkeypatch):
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)
     m = PartitionOfUnityRBF(X)
     here = m.field(franke(X))
-    with cluster(tmp_path, n_workers=3, processes=True) as client:  # under supervision
+    with cluster(tmp_path, n_workers=3, processes=True) as client:  # each has a nanny
         executor = Recording(client)
         executor.log = tmp_path / "fit"
         there = m.field(franke(X), executor=executor)

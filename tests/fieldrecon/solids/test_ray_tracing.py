@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fieldrecon as fr
-from fieldrecon.solids.ray_tracing import LIGHT, phong
+from fieldrecon.solids.ray_casting import LIGHT, phong
 from fieldrecon.solids.shapes import Ball, Torus, sample_surface
 
 BOX = [[-1.2] * 3, [1.2] * 3]

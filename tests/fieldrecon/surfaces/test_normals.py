@@ -1,4 +1,4 @@
-"""Normals of clouds with known surfaces: how near, which sign, and where there are none."""
+"""Normals of point clouds of known surfaces: accuracy, orientation, and points without a normal."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def box(n, size):
 
 
 def sheet(step, thickness):
-    """Two parallel squares of points, one above the other, without a rim."""
+    """Two parallel squares of points, one above the other, without lateral faces."""
     t = np.arange(-2, 2 + step / 2, step)
     a, b = (c.ravel() for c in np.meshgrid(t, t))
     points = [np.column_stack([a, b, np.full_like(a, s * thickness / 2)]) for s in (1, -1)]
@@ -45,11 +45,11 @@ def shuffled_signs(normals, seed=5):
     return normals * np.random.default_rng(seed).choice([-1, 1], len(normals))[:, None]
 
 
-def right(points, true, **options):
-    """Share of the points whose estimated and oriented normal points to the true side."""
+def correctly_oriented(points, true, **options):
+    """Fraction of the points whose estimated and oriented normal points to the true side."""
     vectors = shuffled_signs(estimate_normals(points).vectors)
     along = np.einsum("nd,nd->n", orient_normals(points, vectors, **options), true)
-    # where the estimate is across the surface, as at an edge, there is no right side
+    # where the estimate is tangential, as at an edge, no side is correct
     sure = np.abs(along) > 0.5
     return float((along[sure] > 0).mean())
 
@@ -66,7 +66,7 @@ BODIES = {
 
 
 def test_normals_of_a_sphere_are_of_first_order():
-    """The median angle to the true normal falls like the distance of the points, n^(-1/2)."""
+    """The median angle to the true normal is proportional to the spacing n^(-1/2)."""
     angles = []
     for n in (500, 8000):
         x, true = sphere(n)
@@ -77,8 +77,11 @@ def test_normals_of_a_sphere_are_of_first_order():
 
 
 @pytest.mark.parametrize("aspect", [1.0, 1e-3])
-def test_normals_of_planes_are_exact_however_long_the_neighbourhood(aspect):
-    """Only the gap of the smaller variances counts: a strip a thousand times as long as wide."""
+def test_normals_of_planes_are_exact_for_elongated_neighbourhoods(aspect):
+    """Only the ratio of the two smaller variances matters.
+
+    The strip is 1000 times longer than wide.
+    """
     rng = np.random.default_rng(4)
     frame = np.linalg.qr(rng.standard_normal((3, 3)))[0]
     x = (rng.random((300, 2)) * [1.0, aspect]) @ frame[:2] + 7.0
@@ -88,16 +91,16 @@ def test_normals_of_planes_are_exact_however_long_the_neighbourhood(aspect):
     assert estimate.planarity.min() > 1 - 1e-6
 
 
-def test_it_is_the_plane_of_least_squares():
-    """The last right singular vector of the centred neighbours, by another route."""
+def test_normals_are_those_of_the_total_least_squares_plane():
+    """The normal is the last right singular vector of the centred neighbours."""
     x = np.random.default_rng(6).random((9, 3))
     vectors = estimate_normals(x, neighbors=9).vectors
     last = np.linalg.svd(x - x.mean(axis=0))[2][-1]
     assert_close(np.abs(vectors @ last), np.ones(9), 1e-12)
 
 
-def test_where_no_plane_fits_it_is_said():
-    """A line, a point many times, and a ball full of points have no plane; a plane has."""
+def test_neighbourhoods_without_a_plane_are_reported():
+    """A line, a repeated point and a solid ball of points have no tangent plane."""
     rng = np.random.default_rng(7)
     line = rng.random((50, 1)) * [1.0, 2.0, -1.0] + 10
     ball = rng.standard_normal((400, 3))
@@ -108,8 +111,8 @@ def test_where_no_plane_fits_it_is_said():
     assert np.isfinite(estimate_normals(np.ones((30, 3))).vectors).all()
 
 
-def test_edges_of_a_cube_are_flagged():
-    """What is not planar lies near an edge, and nothing near the middle of a face does."""
+def test_points_near_edges_of_a_cube_are_not_planar():
+    """Points in the interior of the faces are planar."""
     x, _ = BODIES["cube"]
     estimate = estimate_normals(x)
     from_edge = np.sort(0.5 - np.abs(x), axis=1)[:, 1]
@@ -122,45 +125,45 @@ def test_edges_of_a_cube_are_flagged():
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_normals_point_out_of_bodies(name):
-    """Round or with sharp edges, with a hole through it, or thin."""
-    assert right(*BODIES[name]) == 1.0
+def test_oriented_normals_point_outward(name):
+    """The bodies are smooth, have sharp edges, a hole, or are thin."""
+    assert correctly_oriented(*BODIES[name]) == 1.0
 
 
 @pytest.mark.parametrize("thickness", [0.2, 0.1])
-def test_sheets_thinner_than_the_distance_of_the_points(thickness):
-    """Mirrored in the joint the normals of the two sides agree; for exact points, noise=0."""
+def test_sheets_thinner_than_the_spacing_are_oriented(thickness):
+    """Reflected normals of the two sides agree. For the thinnest sheet, noise=0 must be given."""
     x, true = sheet(0.125, thickness)
-    assert right(x, true) == 1.0
+    assert correctly_oriented(x, true) == 1.0
     thinner, true = sheet(0.125, thickness / 4)
     along = np.einsum("nd,nd->n", orient_normals(thinner, shuffled_signs(true), noise=0.0), true)
     assert (along > 0).all()
 
 
 @pytest.mark.parametrize(("noise", "least"), [(0.1, 1.0), (0.3, 0.998), (0.5, 0.99)])
-def test_noise_turns_few(noise, least):
-    """Noise by so many distances between points; a few in a thousand may point inwards."""
+def test_noise_inverts_few_normals(noise, least):
+    """The noise is given in units of the spacing; at most one normal in a hundred points inward."""
     x, true = sphere(5000)
     distance = np.sqrt(4 * np.pi / 5000)
     noisy = x + noise * distance * np.random.default_rng(8).standard_normal(x.shape)
-    assert right(noisy, true) >= least
+    assert correctly_oriented(noisy, true) >= least
 
 
-def test_each_body_has_its_own_outside():
-    """Two bodies, apart from each other and of different size; and one of them with a cavity."""
+def test_each_connected_component_is_oriented_outward():
+    """There are two bodies of different size."""
     (a, a_true), (b, b_true) = sphere(1500), torus(2500)
     x, true = np.vstack([a, 3 * b + [9.0, 0, 0]]), np.vstack([a_true, b_true])
-    assert right(x, true) == 1.0
+    assert correctly_oriented(x, true) == 1.0
 
 
-def test_copies_of_points_do_no_harm():
-    """A third of the points twice: joints without a length, of neither angle nor cost."""
+def test_repeated_points_do_not_affect_the_orientation():
+    """Edges between repeated points have length zero, and therefore no direction."""
     x, true = BODIES["sphere"]
-    assert right(np.vstack([x, x[:600]]), np.vstack([true, true[:600]])) == 1.0
+    assert correctly_oriented(np.vstack([x, x[:600]]), np.vstack([true, true[:600]])) == 1.0
 
 
-def test_a_plane_looks_up():
-    """It encloses nothing: the largest component of the sum of the normals is positive."""
+def test_normals_of_a_plane_have_a_positive_largest_component():
+    """A plane encloses nothing, so the largest component of the sum of normals decides."""
     rng = np.random.default_rng(9)
     x = rng.random((300, 2)) @ [[1.0, 0.0, 0.5], [0.0, 1.0, 0.2]]
     oriented = orient_normals(x, shuffled_signs(estimate_normals(x).vectors))
@@ -168,18 +171,18 @@ def test_a_plane_looks_up():
 
 
 @pytest.mark.parametrize(("unit", "offset"), [(1.0, 1e7), (1e-140, 0.0), (1e140, 0.0)])
-def test_neither_origin_nor_unit_matter(unit, offset):
-    """Ten million radii away, and in units whose squares are no numbers."""
+def test_normals_do_not_depend_on_origin_and_unit(unit, offset):
+    """The origin is 1e7 radii away, or squares of lengths overflow or underflow."""
     x, true = BODIES["torus"]
-    assert right(x * unit + offset, true) == 1.0
+    assert correctly_oriented(x * unit + offset, true) == 1.0
     estimate = estimate_normals(x * unit + offset)
     along = np.abs(np.einsum("nd,nd->n", estimate.vectors, estimate_normals(x).vectors))
     assert_close(along, np.ones(len(x)), 1e-6)
     assert (estimate.planar == estimate_normals(x).planar).all()
 
 
-def test_one_search_serves_both():
-    """The neighbours of the estimate give the orientation that a search of its own gives."""
+def test_neighbours_of_the_estimate_can_be_reused():
+    """The orientation is the same as with a search of its own."""
     x, _ = BODIES["torus"]
     estimate = estimate_normals(x)
     vectors = shuffled_signs(estimate.vectors)
@@ -187,8 +190,8 @@ def test_one_search_serves_both():
     assert (again == orient_normals(x, vectors, 9)).all()
 
 
-def test_vectors_are_turned_and_nothing_else():
-    """Each comes back as it was or with the other sign; what came in is not written to."""
+def test_orientation_changes_signs_only():
+    """The input is not modified."""
     x, true = BODIES["sphere"]
     given = shuffled_signs(true)
     before = given.copy()
@@ -200,19 +203,22 @@ def test_vectors_are_turned_and_nothing_else():
 # --- mutants --------------------------------------------------------------------------------------
 
 
-def test_without_the_mirror_a_thin_plate_is_not_oriented(monkeypatch):
-    """Hoppe's expectation, n_j = n_i: both sides of a sheet get one sign."""
+def test_without_reflection_a_thin_sheet_is_not_oriented(monkeypatch):
+    """Hoppe's criterion n_j = n_i gives both sides of the sheet the same sign."""
 
     def plain(offset, n, other):
         return (n * other).sum(axis=0), np.zeros(offset.shape[1:])
 
     monkeypatch.setattr(normal_orientation, "_agreement", plain)
-    assert right(*sheet(0.125, 0.1)) == pytest.approx(0.5, abs=0.01)
+    assert correctly_oriented(*sheet(0.125, 0.1)) == pytest.approx(0.5, abs=0.01)
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_the_forest_costs_as_little_as_one_found_at_once(name):
-    """Cheap joints first, the others where they still connect something: no loss."""
+def test_the_spanning_forest_is_minimal(name):
+    """It is computed from cheap edges first.
+
+    Its cost equals that of SciPy's spanning tree of all edges.
+    """
     points, _ = BODIES[name]
     index = nearest(points, 9)[:, 1:]
     cost = np.random.default_rng(9).random(index.shape).round(2) + 1  # with many equal ones
@@ -223,8 +229,8 @@ def test_the_forest_costs_as_little_as_one_found_at_once(name):
     assert_close(forest.sum(), at_once.sum(), 1e-12)
 
 
-def test_zero_costs_must_not_vanish(monkeypatch):
-    """In a plane all joints cost nothing: without the shift every point is a part of its own."""
+def test_edges_of_cost_zero_are_kept(monkeypatch):
+    """In a plane all costs are zero. Sparse matrices drop zeros, so the costs must be shifted."""
     x, true = sheet(0.125, 0.2)
     assert (np.einsum("nd,nd->n", orient_normals(x, shuffled_signs(true)), true) > 0).all()
     tree = normal_orientation.csgraph.minimum_spanning_tree
@@ -239,13 +245,13 @@ def test_zero_costs_must_not_vanish(monkeypatch):
     assert (along > 0).mean() < 0.9
 
 
-def test_without_the_votes_noise_turns_more(monkeypatch):
-    """The forest follows one joint to each point; its neighbours know better."""
+def test_without_majority_votes_noise_inverts_more_normals(monkeypatch):
+    """The forest uses one edge per point; a vote uses all its neighbours."""
     x, true = sphere(5000)
     noisy = x + 0.3 * np.sqrt(4 * np.pi / 5000) * np.random.default_rng(8).standard_normal(x.shape)
-    with_votes = right(noisy, true)
+    with_votes = correctly_oriented(noisy, true)
     monkeypatch.setattr(normal_orientation, "_vote", lambda *_: None)
-    assert right(noisy, true) < with_votes
+    assert correctly_oriented(noisy, true) < with_votes
 
 
 # --- refusals -------------------------------------------------------------------------------------
@@ -266,14 +272,14 @@ def test_without_the_votes_noise_turns_more(monkeypatch):
         (lambda: orient_normals(np.eye(3), np.eye(3), np.full((3, 2), 3)), "indices of the 3 p"),
     ],
 )
-def test_what_is_no_cloud_is_refused(call, words):
-    """In words."""
+def test_invalid_arguments_are_refused(call, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call()
 
 
-def test_more_neighbours_than_points_are_all_points():
-    """Three points have a plane."""
+def test_more_neighbours_than_points_use_all_points():
+    """Three points determine a plane."""
     estimate = estimate_normals([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], neighbors=20)
     assert_close(np.abs(estimate.vectors[:, 2]), np.ones(3), 1e-14)
     assert orient_normals(np.eye(3), np.eye(3), neighbors=20).shape == (3, 3)

@@ -1,4 +1,4 @@
-"""Implicit moving least squares of polygons: integrals by two routes, laws, and their mutants."""
+"""Implicit moving least squares of a polygon soup: integrals, laws and mutants."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def random_triangles(n):
 
 
 def test_integrals_over_triangles_agree_with_dense_quadrature():
-    """The closed form and its gradient, above, beside and far from triangles of any shape."""
+    """Closed form and gradient agree for queries above, beside and far from the triangles."""
     corners, normals = random_triangles(60)
     rule = gauss_on_triangles(corners, 40)
     for distance in (0.5, 3.0, 100.0):
@@ -32,7 +32,7 @@ def test_integrals_over_triangles_agree_with_dense_quadrature():
 
 
 def test_integrals_at_corners_and_edges_do_not_cancel():
-    """On a corner, on an edge and beside it, where rounding decides on which side the place is."""
+    """At these points the side of the query relative to an edge is decided by rounding."""
     points, triangles = torus(12, 6)
     x = np.repeat(points, len(triangles), axis=0)
     corners = np.tile(points[triangles], (len(points), 1, 1))
@@ -42,8 +42,8 @@ def test_integrals_at_corners_and_edges_do_not_cancel():
     np.testing.assert_allclose(value, by_rule(x, *gauss_on_triangles(corners, 12), 0.3)[0], 1e-4)
 
 
-def test_integrals_in_the_plane_of_a_triangle_are_those_of_the_limit():
-    """Beside it in its plane nothing happens as epsilon goes to zero."""
+def test_integrals_in_the_plane_of_a_triangle_converge_for_small_epsilon():
+    """Outside the triangle, but in its plane, the integrand is regular for ε = 0."""
     corners, up = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]), np.array([[0.0, 0, 1]])
     for x in ([2.0, 1.0, 0.0], [2.0, 0.0, 1e-9], [-1.0, 0.0, 0.0]):
         x = np.array([x])
@@ -55,25 +55,25 @@ def test_integrals_in_the_plane_of_a_triangle_are_those_of_the_limit():
 
 
 def test_integrals_over_segments_agree_with_dense_quadrature():
-    """In the plane the same, with its gradient."""
+    """This is the case of the plane, with the gradient."""
     corners = RNG.normal(size=(60, 2, 2))
     along = corners[:, 1] - corners[:, 0]
     length = np.linalg.norm(along, axis=1)
     normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
     node, weight = np.polynomial.legendre.leggauss(80)
-    places = corners[:, None, 0] + along[:, None] * (node[:, None] + 1) / 2
-    shares = length[:, None] * weight / 2
+    nodes = corners[:, None, 0] + along[:, None] * (node[:, None] + 1) / 2
+    weights = length[:, None] * weight / 2
     for distance in (0.5, 100.0):
         x = distance * RNG.normal(size=(60, 2))
         value, slope = over_segments(x, corners, normals, 0.3)
-        expected, expected_slope = by_rule(x, places, shares, 0.3)
+        expected, expected_slope = by_rule(x, nodes, weights, 0.3)
         np.testing.assert_allclose(value, expected, rtol=1e-5)
         np.testing.assert_allclose(slope, expected_slope, rtol=1e-4, atol=1e-4 * slope.max())
 
 
 @pytest.mark.parametrize("epsilon", [0.0, 0.2])
-def test_polygons_of_one_plane_give_the_distance_from_it(epsilon):
-    """Exactly, wherever and however large they are: the functions of all are the same."""
+def test_coplanar_polygons_give_the_distance_to_their_plane(epsilon):
+    """All polygons have the same linear function, so the result is exact everywhere."""
     points = np.column_stack([RNG.normal(size=(30, 2)), np.full(30, 2.5)])
     triangles = np.arange(30).reshape(-1, 3)
     a, b, c = points[triangles].swapaxes(0, 1)
@@ -86,8 +86,8 @@ def test_polygons_of_one_plane_give_the_distance_from_it(epsilon):
 
 
 @pytest.mark.parametrize("surface", [cube(2), sphere(1), torus(12, 6)])
-def test_without_smoothing_the_zeros_hold_the_polygons(surface):
-    """F vanishes on them with the gradient -n, and is positive just inside."""
+def test_without_smoothing_the_polygons_are_zeros(surface):
+    """F vanishes on the polygons with the gradient -n and is positive inside."""
     points, triangles = surface
     soup = fr.surfaces.PolygonSoup(points, triangles)
     shares = RNG.dirichlet([3.0, 3.0, 3.0], len(triangles))
@@ -101,14 +101,14 @@ def test_without_smoothing_the_zeros_hold_the_polygons(surface):
     assert (soup(on + 1e-3 * normals) < 0).all()
 
 
-def test_the_level_comes_to_the_polygons_with_the_second_order():
-    """Half the smoothing, a quarter of the distance."""
+def test_the_zero_level_converges_to_the_polygons_with_second_order():
+    """Half the smoothing length gives a quarter of the distance."""
     (coarse, _), (fine, _) = on_the_cube(0.02), on_the_cube(0.01)
     assert np.log2(coarse / fine) == pytest.approx(2, abs=0.05)
 
 
-def test_gradients_are_derivatives():
-    """Of F with smoothing and offsets, near and far."""
+def test_gradients_equal_central_differences():
+    """F has smoothing and offsets; queries are near and far."""
     points, triangles = sphere(1)
     offsets = 0.1 * RNG.random(len(triangles))
     soup = fr.surfaces.PolygonSoup(points, triangles, 0.1, offsets, tol=1e-12)
@@ -117,8 +117,7 @@ def test_gradients_are_derivatives():
     np.testing.assert_allclose(soup.gradient(x), np.stack(slopes, axis=1), atol=1e-7)
 
 
-def test_the_tolerance_is_kept_by_quadrature_far_away():
-    """Coarser and finer, F is off by no more than it says."""
+def test_the_error_of_the_far_quadrature_is_below_the_tolerance():
     points, triangles = sphere(2)
     exact = fr.surfaces.PolygonSoup(points, triangles, 0.05, tol=1e-14)
     x = 1.2 * RNG.normal(size=(60, 3))
@@ -127,8 +126,11 @@ def test_the_tolerance_is_kept_by_quadrature_far_away():
         assert np.abs(soup(x) - exact(x)).max() < tolerance
 
 
-def test_cutting_a_polygon_changes_nothing_and_doubling_it_does():
-    """The integral over the parts is that over the whole."""
+def test_subdividing_a_polygon_does_not_change_the_field():
+    """The integral over the parts is that over the whole.
+
+    A duplicated polygon does change the field.
+    """
     points, triangles = cube(1)
     middle = points[triangles[0]].mean(axis=0)
     a, b, c = triangles[0]
@@ -141,22 +143,22 @@ def test_cutting_a_polygon_changes_nothing_and_doubling_it_does():
     assert np.abs(doubled(x) - whole(x)).max() > 1e-3
 
 
-def test_results_move_with_the_polygons_and_scale():
-    """A motion and another unit of length change nothing but the coordinates."""
+def test_the_field_does_not_depend_on_origin_axes_and_unit():
+    """A rigid motion and a change of unit transform the field accordingly."""
     points, triangles = torus(10, 5)
-    turn = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
-    turn *= np.sign(np.linalg.det(turn))
+    rotation = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+    rotation *= np.sign(np.linalg.det(rotation))
     x = RNG.normal(size=(30, 3))
     soup = fr.surfaces.PolygonSoup(points, triangles, 0.1)
-    moved = fr.surfaces.PolygonSoup(8 * points @ turn.T + 1e6, triangles, 0.8)
-    np.testing.assert_allclose(moved(8 * x @ turn.T + 1e6), 8 * soup(x), atol=1e-6)
+    transformed = fr.surfaces.PolygonSoup(8 * points @ rotation.T + 1e6, triangles, 0.8)
+    np.testing.assert_allclose(transformed(8 * x @ rotation.T + 1e6), 8 * soup(x), atol=1e-6)
 
 
 @pytest.mark.parametrize(
     ("loose", "epsilon", "share"), [(0.0, 0.3, 0.05), (0.1, 0.05, 0.8), (0.1, 0.3, 1.0)]
 )
-def test_enclosing_puts_all_corners_inside_and_not_far(loose, epsilon, share):
-    """Nearer, in the mean, than moving all polygons alike; never farther, when they do not meet."""
+def test_enclosing_surfaces_contain_all_corners_and_are_close(loose, epsilon, share):
+    """The mean distance is at most that of one common offset for all polygons."""
     points, triangles = torus(12, 6)
     corners = points[triangles] * (1 + loose * RNG.random((len(triangles), 1, 1)))
     soup = fr.surfaces.PolygonSoup(
@@ -167,8 +169,8 @@ def test_enclosing_puts_all_corners_inside_and_not_far(loose, epsilon, share):
     assert around.mean() <= share * (before - before.min()).mean() + 1e-12
 
 
-def test_a_value_in_place_of_a_function_is_no_surface(monkeypatch):
-    """With zeros on the polygons as in plain moving least squares F is zero everywhere."""
+def test_constant_values_on_polygons_give_the_zero_field(monkeypatch):
+    """Plain moving least squares with the value zero on the polygons gives F = 0 everywhere."""
     soup = fr.surfaces.PolygonSoup(*sphere(1))
     monkeypatch.setattr(
         polygon_soup.PolygonSoup, "_planes", lambda self, x: np.zeros((len(x), len(self._kept)))
@@ -176,8 +178,8 @@ def test_a_value_in_place_of_a_function_is_no_surface(monkeypatch):
     assert not soup(RNG.normal(size=(20, 3))).any()
 
 
-def test_too_many_polygons_to_enclose_are_refused_in_words(monkeypatch):
-    """Before memory runs out."""
+def test_too_many_polygons_to_enclose_are_refused(monkeypatch):
+    """The error is raised before memory is allocated."""
     monkeypatch.setattr(polygon_soup, "DENSE_LIMIT_BYTES", 10_000)
     with pytest.raises(MemoryError, match="take fewer polygons"):
         fr.surfaces.PolygonSoup(*sphere(1), 0.1).enclosing()
@@ -194,7 +196,7 @@ def test_too_many_polygons_to_enclose_are_refused_in_words(monkeypatch):
         ([[0.0, 0], [1, 0]], [[0, 1]], {"offsets": [1.0, 2.0]}, "one entry for each polygon"),
     ],
 )
-def test_errors_are_in_words(points, polygons, options, words):
-    """What came, and what was wanted."""
+def test_invalid_polygon_soups_are_refused(points, polygons, options, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         fr.surfaces.PolygonSoup(points, polygons, **options)

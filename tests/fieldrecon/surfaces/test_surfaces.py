@@ -1,4 +1,4 @@
-"""From points to a body and from a body to triangles: what must hold, and what is said."""
+"""From points to an implicit surface, and from an implicit surface to triangles."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def cloud(solid, n, seed=1):
 
 
 def spiral(n):
-    """Points about evenly spread over the unit sphere, the same for each n."""
+    """Almost uniformly distributed points on the unit sphere."""
     z = 1 - (2 * np.arange(n) + 1) / n
     angle = np.pi * (1 + 5**0.5) * np.arange(n)
     r = np.sqrt(1 - z**2)
@@ -37,36 +37,36 @@ def order(coarse, fine, ratio):
 # --- points off the surface -----------------------------------------------------------------------
 
 
-def nearest_is_own(points, off):
-    """Carr's check: of each off-surface point the nearest site is the one it belongs to."""
+def nearest_site_is_own(points, off):
+    """Carr's check: the nearest site of each off-surface point must be its own site."""
     found, _ = cKDTree(points).query(off.points)
     own = np.linalg.norm(off.points - points[off.sites], axis=1)
     return bool((found >= own * (1 - 1e-9)).all())
 
 
 @pytest.mark.parametrize("distance", [0.02, 0.2, 5.0])
-def test_of_each_off_surface_point_its_own_site_is_the_nearest(distance):
-    """Of a plate and a torus, however far one would go."""
+def test_the_nearest_site_of_an_off_surface_point_is_its_own(distance):
+    """This holds on a plate and a torus for any requested distance."""
     for solid in (Box([1.0, 1.0, 0.1]), TORUS):
         points, normals = cloud(solid, 1500)
         off = off_surface_points(points, normals, distance)
-        assert nearest_is_own(points, off)
+        assert nearest_site_is_own(points, off)
         assert (np.abs(off.values) <= distance * (1 + 1e-12)).all()
         assert (np.sign(solid(off.points)) == np.sign(off.values)).mean() > 0.999
 
 
-def test_without_shrinking_the_check_fails(monkeypatch):
-    """Half as far again as a plate is thick, the points inside come out on the other side."""
+def test_without_shrinking_off_surface_points_lie_on_the_wrong_side(monkeypatch):
+    """At 1.5 times the thickness of a plate, inner points lie beyond the opposite side."""
     points, normals = cloud(Box([1.0, 1.0, 0.1]), 1500)
     monkeypatch.setattr(off_surface, "_empty_balls", lambda p, *rest: np.full(len(p), rest[-1]))
     off = off_surface_points(points, normals, 0.15)
-    assert not nearest_is_own(points, off)
+    assert not nearest_site_is_own(points, off)
     inside = off.values > 0
     assert (Box([1.0, 1.0, 0.1])(off.points[inside]) < 0).mean() > 0.5
 
 
-def test_balls_are_the_largest_that_are_empty():
-    """Against all pairs: the least |e|^2 / (2 n . e)."""
+def test_radii_of_empty_balls_equal_the_minimum_over_all_pairs():
+    """The radius of the largest empty ball is the minimum of |e|² / (2 n · e)."""
     points, normals = cloud(TORUS, 300)
     radius = off_surface._empty_balls(points, -normals, cKDTree(points), 9.0)
     e = points - points[:, None]
@@ -78,27 +78,27 @@ def test_balls_are_the_largest_that_are_empty():
 
 
 def test_off_surface_values_are_signed_distances_positive_inside():
-    """On a ball exactly: 1 - |x|."""
+    """On the unit ball they are exactly 1 - |x|."""
     points = spiral(400)
     off = off_surface_points(points, points, 0.1)
     assert_close(off.values, 1 - np.linalg.norm(off.points, axis=1), 1e-12)
     assert len(off.values) == 800
 
 
-def test_the_nearest_site_tells_inside_from_outside():
-    """The book's second rule, right for dense sites; beside a sharp edge it can be wrong."""
+def test_the_nearest_site_classifies_points_for_dense_samples():
+    """This is the second rule of the book. Near a sharp edge it can be wrong."""
     points, normals = cloud(TORUS, 4000)
     x = np.random.default_rng(2).uniform(-1.4, 1.4, (2000, 3))
-    told = classified_points(points, normals, x)
-    assert (np.sign(told.values) == np.sign(TORUS(told.points))).mean() > 0.995
-    assert np.abs(told.values - TORUS(told.points)).max() < 0.2
+    classified = classified_points(points, normals, x)
+    assert (np.sign(classified.values) == np.sign(TORUS(classified.points))).mean() > 0.995
+    assert np.abs(classified.values - TORUS(classified.points)).max() < 0.2
     wedge = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0.0, 1, 0], [0, 1, 0], [1, 0, 0]]
-    assert classified_points(*wedge, [[-0.05, -0.06, 0]]).values > 0  # it is outside
-    assert len(classified_points(*wedge, [[-0.06, 0.01, 0]]).values) == 0  # and here nobody knows
+    assert classified_points(*wedge, [[-0.05, -0.06, 0]]).values > 0  # although it is outside
+    assert len(classified_points(*wedge, [[-0.06, 0.01, 0]]).values) == 0  # ambiguous
 
 
-def test_the_spacing_of_points_is_the_root_of_the_area_of_each():
-    """A square lattice, and points by chance."""
+def test_the_spacing_is_the_square_root_of_the_area_per_point():
+    """The points are a square lattice and random points on a sphere."""
     lattice = np.stack(np.meshgrid(np.arange(40.0), np.arange(40.0), [0.0]), -1).reshape(-1, 3)
     assert spacing_of(lattice) == pytest.approx(1, rel=0.2)
     points, _ = cloud(Ball(1.0), 5000)
@@ -109,8 +109,8 @@ def test_the_spacing_of_points_is_the_root_of_the_area_of_each():
 
 
 @pytest.mark.parametrize("method", ["rbf", "partition", "hermite"])
-def test_the_surface_goes_through_its_points_and_is_positive_inside(method):
-    """F = 0 at the points, about the distance elsewhere, and its gradient looks inward."""
+def test_the_implicit_surface_interpolates_and_is_positive_inside(method):
+    """Near the surface F is about the signed distance, and its gradient points inward."""
     points, normals = cloud(TORUS, 700)
     body = implicit_surface(points, method=method)
     assert np.abs(body(body.points)).max() < 1e-9
@@ -120,22 +120,22 @@ def test_the_surface_goes_through_its_points_and_is_positive_inside(method):
     assert np.einsum("ij,ij->i", body.normals(points), normals).min() > 0.9
 
 
-def test_with_the_sign_of_the_book_s_words_the_gradient_looks_outward(monkeypatch):
-    """Values -d inside: the body is turned inside out, and the law above says so."""
+def test_the_sign_in_the_text_of_the_book_inverts_the_surface(monkeypatch):
+    """With values -d inside, F is negative inside, and the test above would fail."""
     points, normals = cloud(TORUS, 600)
 
-    def turned(*given):
+    def with_opposite_sign(*given):
         off = off_surface_points(*given)
         return off_surface.OffSurface(off.points, -off.values, off.sites)
 
-    monkeypatch.setattr(implicit_surfaces, "off_surface_points", turned)
+    monkeypatch.setattr(implicit_surfaces, "off_surface_points", with_opposite_sign)
     body = implicit_surface(points, normals, method="rbf")
     assert body([1.0, 0, 0]) < 0
     assert np.einsum("ij,ij->i", body.normals(points), normals).max() < 0
 
 
-def test_a_sphere_converges_with_its_points():
-    """With four times as many points the error falls by eight at least: of third order."""
+def test_a_sphere_is_reconstructed_with_third_order():
+    """With four times as many points the error decreases by a factor of more than eight."""
     errors = []
     for n in (150, 600):
         body = implicit_surface(spiral(n), method="hermite")
@@ -145,8 +145,8 @@ def test_a_sphere_converges_with_its_points():
     assert errors[1] < 1e-4
 
 
-def test_the_default_takes_many_points_in_patches_as_exactly():
-    """At the points zero, and between them near it."""
+def test_the_default_interpolates_many_points_by_patches():
+    """F vanishes at the points and is small between them."""
     points, _ = cloud(TORUS, 2000)
     body = implicit_surface(points)
     assert np.abs(body(points)).max() < 1e-9
@@ -155,8 +155,8 @@ def test_the_default_takes_many_points_in_patches_as_exactly():
     assert np.sqrt(np.mean(body(x) ** 2)) < 0.02 * body.spacing
 
 
-def test_neither_place_nor_turn_nor_unit_matter():
-    """The body of moved points is the moved body; and so it is 1e7 from the origin."""
+def test_the_surface_does_not_depend_on_origin_axes_and_unit():
+    """The surface of transformed points is the transformed surface, also at 1e7 from the origin."""
     points, normals = cloud(TORUS, 500)
     body = implicit_surface(points, normals)
     x = np.random.default_rng(4).uniform(-1.5, 1.5, (300, 3))
@@ -167,7 +167,7 @@ def test_neither_place_nor_turn_nor_unit_matter():
 
 
 def test_noise_is_estimated_and_smoothed():
-    """Of points off by a fifth of their spacing; without smoothing the surface is as far off."""
+    """For noise of a fifth of the spacing, smoothing halves the error."""
     points, normals = cloud(Ball(1.0), 1500)
     spacing = spacing_of(points)
     rough = roughened(points, normals, 0.2 * spacing, seed=8)
@@ -181,11 +181,28 @@ def test_noise_is_estimated_and_smoothed():
     assert errors[0] < 0.1 * spacing
 
 
-def test_smoothing_halves_waves_of_its_length():
-    """A plane with waves: of that length half is left, of twice nearly all, of half nearly none."""
+def test_few_exact_points_of_a_sphere_give_the_sphere():
+    """Their curvature is not taken for noise, in any unit and for any method with points off it."""
+    for n, unit in ((8, 1.0), (10, 1e-6), (12, 1e6), (16, 1.0), (24, 1.0), (48, 1.0)):
+        points = spiral(n) @ ROTATION.T
+        body = implicit_surface(points * unit, points)
+        assert np.abs(body(points * unit)).max() < 0.003 * unit
+        assert body([0, 0, 0.0]) > 0.6 * unit
+        assert extract_surface(body, 0.15 * unit).volume == pytest.approx(
+            4 / 3 * np.pi * unit**3, rel=0.06
+        )
+        bounded = any("too few to tell noise from curvature" in w for w in body.warnings)
+        assert bounded == (n < 48)
+    rough = roughened(*cloud(Ball(1.0), 300), 0.1 * spacing_of(cloud(Ball(1.0), 300)[0]), seed=8)
+    body = implicit_surface(rough)
+    assert body.smoothing == 10 * np.sqrt(body.noise * body.spacing) > 0.5
+
+
+def test_smoothing_halves_waves_of_the_smoothing_length():
+    """On a wavy plane nearly all of twice that wavelength is kept and little of half of it."""
     i = np.arange(-12, 13) / 12.0
     x, y = (c.ravel() for c in np.meshgrid(i, i))
-    left = []
+    remaining = []
     for wave in (0.25, 0.5, 1.0):
         height = 0.01 * np.cos(2 * np.pi * x / wave)
         points = np.column_stack([x, y, height])
@@ -194,14 +211,14 @@ def test_smoothing_halves_waves_of_its_length():
         )
         inner = np.maximum(np.abs(x), np.abs(y)) < 0.6
         below = body(np.column_stack([x, y, 0 * x]))[inner]
-        left.append(below @ height[inner] / (height[inner] @ height[inner]))
-    assert left[0] < 0.12
-    assert left[1] == pytest.approx(0.5, abs=0.12)
-    assert left[2] > 0.9
+        remaining.append(below @ height[inner] / (height[inner] @ height[inner]))
+    assert remaining[0] < 0.12
+    assert remaining[1] == pytest.approx(0.5, abs=0.12)
+    assert remaining[2] > 0.9
 
 
-def test_copies_and_outliers_are_left_out_and_told():
-    """They change nothing, and the warnings count them."""
+def test_repeated_points_and_outliers_are_skipped_and_reported():
+    """They do not change the surface; the warnings give their numbers."""
     points, _ = cloud(TORUS, 600)
     alone = [[3.0, 0, 0], [0, 0, 2.0]]
     body = implicit_surface(np.vstack([points, points[:5], alone]))
@@ -211,8 +228,8 @@ def test_copies_and_outliers_are_left_out_and_told():
     assert_close(body(TORUS.box), implicit_surface(points)(TORUS.box), 1e-9)
 
 
-def test_edges_have_no_normals_and_are_told():
-    """A box: the surface stays within a spacing of it, cut off at the edges."""
+def test_points_at_edges_without_normals_are_reported():
+    """The surface of a box stays within one spacing of it and rounds its edges."""
     solid = Box([1.0, 1.0, 0.4])
     body = implicit_surface(cloud(solid, 1000)[0])
     assert "have no normal" in body.warnings[0]
@@ -224,7 +241,7 @@ def test_edges_have_no_normals_and_are_told():
 
 
 def test_a_sheet_two_spacings_thick_has_two_sides():
-    """Neighbours of both sides must not be taken for one."""
+    """Neighbours on both sides must not be fitted by one plane."""
     solid = Box([0.44, 0.44, 0.04])
     body = implicit_surface(cloud(solid, 1100)[0])
     assert 1.5 < 0.04 / body.spacing < 2.5
@@ -234,8 +251,8 @@ def test_a_sheet_two_spacings_thick_has_two_sides():
     assert np.abs(np.abs(mesh.points[inner, 2]) - 0.02).max() < 0.5 * body.spacing
 
 
-def test_thinner_than_that_it_is_told():
-    """A sheet of half the distance of its points looks like noise; given normals serve."""
+def test_a_sheet_thinner_than_half_the_spacing_is_reported_as_noisy():
+    """Given normals and no smoothing, the two sides are reconstructed."""
     solid = Box([0.6, 0.6, 0.01])
     points, normals = cloud(solid, 1500)
     assert "are about 0.005 off a smooth surface" in implicit_surface(points).warnings[-1]
@@ -245,7 +262,7 @@ def test_thinner_than_that_it_is_told():
 
 
 def test_half_a_ball_is_closed_within_its_box(monkeypatch):
-    """Nobody saw the other half; without what holds the field there it goes on to the walls."""
+    """Without the constraints far from the points the surface extends to the sides of the box."""
     points = spiral(900)
     points = points[points[:, 2] > 0]
     mesh = extract_surface(implicit_surface(points, points, method="partition"))
@@ -267,8 +284,8 @@ def test_half_a_ball_is_closed_within_its_box(monkeypatch):
         (TORUS, 2 * np.pi**2 * 0.35**2, 4 * np.pi**2 * 0.35),
     ],
 )
-def test_volume_and_area_converge_of_second_order(solid, volume, area):
-    """Against the formulas of the ball and the torus."""
+def test_volume_and_area_converge_with_second_order(solid, volume, area):
+    """The reference values are the formulas for a ball and a torus."""
     meshes = [extract_surface(solid, h) for h in (0.1, 0.05)]
     for measure, exact in (("volume", volume), ("area", area)):
         errors = [abs(getattr(mesh, measure) - exact) for mesh in meshes]
@@ -288,8 +305,8 @@ BODIES = {
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_triangles_are_closed_oriented_and_on_the_zero_level(name):
-    """The audit finds nothing, volumes are positive, F vanishes at vertices to a millionth."""
+def test_meshes_are_clean_and_lie_on_the_zero_level(name):
+    """The audit finds no errors, volumes are positive, and |F| < 2e-6 spacings at the vertices."""
     mesh = extract_surface(BODIES[name], 0.05)
     assert mesh.audit.found == {}
     assert mesh.volume > 0
@@ -297,8 +314,8 @@ def test_triangles_are_closed_oriented_and_on_the_zero_level(name):
     assert mesh.audit.parts == {"two bodies": 2, "cavity": 2}.get(name, 1)
 
 
-def test_whatever_the_field_the_triangles_are_closed_and_do_not_cross():
-    """Waves in all directions, some shorter than a cell."""
+def test_meshes_of_arbitrary_fields_are_clean():
+    """The field has waves in all directions, some of them shorter than a cell."""
     k = 9 * np.random.default_rng(5).standard_normal((12, 3))
 
     class Waves:
@@ -314,22 +331,22 @@ def test_whatever_the_field_the_triangles_are_closed_and_do_not_cross():
 
 
 def test_linear_interpolation_misses_the_zero_level(monkeypatch):
-    """Without the Newton steps vertices are off by the square of the cell."""
+    """Without Newton steps the error at the vertices is of the order of the squared cell size."""
     monkeypatch.setattr(surface_extraction, "_MAX_STEPS", 0)
     mesh = extract_surface(Ball(1.0), 0.1)
     assert np.abs(Ball(1.0)(mesh.points)).max() > 1e-4
 
 
-def test_the_surface_is_followed_from_one_point():
-    """All of a torus from a point on it; of two balls that one which has it."""
+def test_the_extraction_follows_the_component_of_a_given_point():
+    """One point gives the whole torus, but only one of two balls."""
     mesh = extract_surface(TORUS, 0.1, near=[[1.35, 0, 0]])
     assert len(mesh.triangles) == len(extract_surface(TORUS, 0.1).triangles)
     one = extract_surface(BODIES["two bodies"], 0.1, near=[[0.5, 0, 0]])
     assert one.audit.parts == 1
 
 
-def test_only_a_band_about_the_surface_is_looked_at():
-    """The nodes that are asked for grow like the area, not like the volume."""
+def test_the_number_of_evaluations_grows_with_the_area():
+    """The number of nodes is proportional to the area and not to the volume."""
     counts = []
 
     class Counted:
@@ -346,16 +363,16 @@ def test_only_a_band_about_the_surface_is_looked_at():
     assert order(counts[1], counts[0], 2) == pytest.approx(2, abs=0.3)
 
 
-def test_what_leaves_the_box_is_closed_by_its_walls_and_told():
-    """Half a ball; the flat side is the wall, a cell beyond the box."""
+def test_a_surface_that_leaves_the_box_is_closed_at_its_sides():
+    """Half of a ball gets a flat side, one cell outside the box; `cut` lists its vertices."""
     mesh = extract_surface(Ball(1.0), 0.1, box=[[-1.2, -1.2, -1.2], [1.2, 1.2, 0.0]])
     assert mesh.audit.clean
     assert_close(mesh.points[mesh.cut, 2], np.full(len(mesh.cut), 0.1), 1e-6)
     assert len(extract_surface(Ball(1.0), 0.1).cut) == 0
 
 
-def test_holes_stay_open_if_asked():
-    """Points of a ball but for a cap: closed without `within`, with a rim with it."""
+def test_holes_stay_open_with_the_argument_within():
+    """A sphere without a cap is closed by default; with `within` it has one boundary loop."""
     points = spiral(800)
     body = implicit_surface(points[points[:, 2] < 0.8], points[points[:, 2] < 0.8])
     closed = extract_surface(body)
@@ -364,14 +381,14 @@ def test_holes_stay_open_if_asked():
     assert extract_surface(body, within=2 * body.spacing).audit.found == {"boundary_loops": 1}
 
 
-def test_points_without_a_surface_near_them_are_told():
-    """Of points on a ball and one in its middle."""
+def test_points_far_from_the_surface_are_reported():
+    """The points lie on a sphere, and one at its centre."""
     mesh = extract_surface(Ball(1.0), 0.1, near=[*spiral(500), [0, 0, 0]])
     assert mesh.missed.tolist() == [500]
 
 
-def test_specks_are_left_out(monkeypatch):
-    """A ball of two cells beside a large one, which is found, and left out; one of four is kept."""
+def test_tiny_components_are_removed(monkeypatch):
+    """A ball with a radius of 1.2 cells is removed; one of 2.4 cells is kept."""
     parts = {}
     for speck in (0, surface_extraction._SPECK):
         monkeypatch.setattr(surface_extraction, "_SPECK", speck)
@@ -382,8 +399,8 @@ def test_specks_are_left_out(monkeypatch):
     assert parts == {(0, 2): 2, (0, 4): 2, (3, 2): 1, (3, 4): 2}
 
 
-def test_triangles_stay_good_far_from_the_origin():
-    """A thousand million cells away; coordinates keep seven digits of a cell."""
+def test_meshes_far_from_the_origin_are_clean():
+    """At 1e8 cells from the origin rounding moves vertices by about 2e-8 cells."""
     mesh = extract_surface(transform(TORUS, ROTATION, [1e7, -1e7, 1e7]), 0.1)
     assert mesh.audit.found == {}
     assert mesh.volume == pytest.approx(extract_surface(transform(TORUS, ROTATION), 0.1).volume)
@@ -410,14 +427,14 @@ def test_triangles_stay_good_far_from_the_origin():
         (lambda: extract_surface(Ball(1.0), within=1.0), "within needs points near the surface"),
     ],
 )
-def test_what_makes_no_surface_is_refused(call, words):
-    """In words."""
+def test_invalid_arguments_are_refused(call, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call()
 
 
-def test_points_of_no_surface_are_refused_in_words():
-    """All in one place, and along a line."""
+def test_points_that_determine_no_surface_are_refused():
+    """All points coincide or lie on a line."""
     with pytest.raises(np.linalg.LinAlgError, match="at least four different points; got 1"):
         implicit_surface(np.ones((9, 3)))
     with pytest.raises(np.linalg.LinAlgError, match="no plane fits the neighbours"):

@@ -1,4 +1,4 @@
-"""The audit of a mesh: every error is found, where it is, and nothing else."""
+"""Audit of triangle meshes: every planted error is found at its location, and nothing else."""
 
 import itertools
 import json
@@ -34,7 +34,7 @@ def scaled(surface, factor):
     return surface[0] * factor, surface[1]
 
 
-def moved(surface, *by):
+def translated(surface, *by):
     return surface[0] + by, surface[1]
 
 
@@ -43,15 +43,15 @@ CLEAN = {
     "bumpy sphere": bumpy(2),
     "cube": cube(3),
     "torus": torus(17, 9),
-    "two bodies": together(sphere(1), moved(sphere(1), 3, 0, 0)),
+    "two bodies": together(sphere(1), translated(sphere(1), 3, 0, 0)),
     "two bodies within each other's boxes": together(torus(19, 7), scaled(sphere(1), 0.4)),
     "hollow": together(sphere(1), turned_over(scaled(sphere(1), 0.5))),
     "body in a hollow": together(
         sphere(1), turned_over(scaled(sphere(1), 0.7)), scaled(cube(1), 0.3)
     ),
 }
-TURN = np.linalg.qr(np.random.default_rng(7).normal(size=(3, 3)))[0]
-TURN *= np.sign(np.linalg.det(TURN))
+ROTATION = np.linalg.qr(np.random.default_rng(7).normal(size=(3, 3)))[0]
+ROTATION *= np.sign(np.linalg.det(ROTATION))
 
 
 def soup(surface):
@@ -59,12 +59,12 @@ def soup(surface):
     return points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
 
 
-# --- nothing is found where nothing is wrong ------------------------------------------------------
+# --- meshes without errors ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("surface", CLEAN.values(), ids=CLEAN)
-def test_a_clean_mesh_is_clean(surface):
-    """Closed, oriented, one body or several, with cavities; as a mesh and as a soup."""
+def test_correct_closed_meshes_have_no_findings(surface):
+    """They are one or several solids, also with cavities, as a mesh and as a polygon soup."""
     audit = audit_mesh(*surface)
     assert (audit.found, audit.clean, audit.soup) == ({}, True, False)
     as_soup = audit_mesh(*soup(surface))
@@ -82,25 +82,25 @@ def test_a_clean_mesh_is_clean(surface):
     ],
     ids=["ring", "two half turns", "Möbius", "triangle"],
 )
-def test_what_is_open_is_open_and_no_more(surface, found):
-    """A rim, and for Möbius's band one side, is all there is."""
+def test_open_meshes_have_boundary_loops_only(surface, found):
+    """A Möbius band is also one-sided."""
     assert audit_mesh(*surface).found == found
 
 
-def test_klein_s_bottle_is_closed_and_has_one_side():
-    """It crosses itself, as it must in space, and has no boundary to tell it from a body."""
+def test_a_klein_bottle_is_one_sided_and_intersects_itself():
+    """It has no boundary, so only the orientation distinguishes it from a solid."""
     audit = audit_mesh(*klein_bottle(30, 14))
     assert len(audit.one_sided_triangles) == audit.triangles
     assert {*audit.found} == {"one_sided_triangles", "crossings"}
 
 
-# --- each error is found where it is, through a file ----------------------------------------------
+# --- planted errors, read from a file -------------------------------------------------------------
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off"])
 @pytest.mark.parametrize("error", PLANTED)
-def test_each_error_is_found_through_a_file(error, suffix, tmp_path):
-    """One error is planted and written; it is found, and nothing else."""
+def test_each_planted_error_is_found_in_a_file(error, suffix, tmp_path):
+    """Nothing else is found."""
     write_triangles(tmp_path / f"mesh{suffix}", *PLANTED[error].surface)
     points, triangles = read_triangles(tmp_path / f"mesh{suffix}")
     audit = audit_mesh(points, triangles)
@@ -109,10 +109,10 @@ def test_each_error_is_found_through_a_file(error, suffix, tmp_path):
 
 
 @pytest.mark.parametrize("error", PLANTED)
-def test_each_error_is_found_through_a_soup(error, tmp_path):
-    """What is wrong with the surface is found in an STL file too; how vertices are shared is not.
+def test_each_planted_error_is_found_in_a_polygon_soup(error, tmp_path):
+    """Errors of the surface are found in an STL file; errors of shared vertices are not.
 
-    Its numbers have single precision, and the tolerance is that of theirs.
+    STL has single precision, and so has the tolerance.
     """
     write_triangles(tmp_path / "mesh.stl", *PLANTED[error].surface)
     audit = audit_mesh(*read_triangles(tmp_path / "mesh.stl"))
@@ -123,15 +123,14 @@ def test_each_error_is_found_through_a_soup(error, tmp_path):
         assert audit.found == ({} if PLANTED[error].indexed else PLANTED[error].found)
 
 
-def test_the_planted_errors_make_a_list_of_all_kinds():
-    """Each kind of finding is planted, and belongs to one concern."""
+def test_every_kind_of_error_is_planted():
+    """Each kind belongs to one concern."""
     kinds = [kind for kinds in CONCERNS.values() for kind in kinds]
     assert len(kinds) == len(set(kinds))
     assert {kind for p in PLANTED.values() for kind in p.found} == {*kinds}
 
 
-def test_errors_are_told_by_their_indices():
-    """Of the planted errors those places are named where they were planted."""
+def test_findings_have_the_indices_of_the_planted_errors():
     n, m = len(sphere(1)[0]), len(sphere(1)[1])
 
     def audit(error):
@@ -157,7 +156,7 @@ def test_errors_are_told_by_their_indices():
 
 
 def test_a_seam_is_a_pair_of_free_edges():
-    """What is called a duplicate edge: two edges of the boundary that are one to the eye."""
+    """Such pairs are often called duplicate edges: two boundary edges at the same location."""
     points, triangles = PLANTED["duplicate vertex"].surface
     audit = audit_mesh(points, triangles)
     assert len(audit.free_edge_pairs) == 2
@@ -167,7 +166,7 @@ def test_a_seam_is_a_pair_of_free_edges():
 
 
 def test_vertices_within_the_tolerance_are_duplicates():
-    """A seam a micrometre wide is one for a tolerance above, and only a hole for one below."""
+    """A seam of width 6e-7 is found with a tolerance of 1e-6. With 5e-7 it is a hole."""
     points, triangles = PLANTED["duplicate vertex"].surface
     points = points.copy()
     points[-1] += [6e-7, 0, 0]
@@ -176,8 +175,8 @@ def test_vertices_within_the_tolerance_are_duplicates():
 
 
 @pytest.mark.parametrize("flipped", [0, 3, 2])
-def test_a_loop_is_told_in_order(flipped):
-    """Consecutive vertices of a loop are ends of a side of the boundary, whichever way it runs."""
+def test_boundary_loops_are_ordered(flipped):
+    """Consecutive vertices are connected by a boundary edge, for every orientation of triangles."""
     points, triangles = sphere(2)
     triangles = triangles[points[triangles].mean(axis=1)[:, 2] < 0.6]
     if flipped:
@@ -190,9 +189,9 @@ def test_a_loop_is_told_in_order(flipped):
     assert len(set(loop)) == len(loop)
 
 
-def test_several_errors_at_once_are_each_counted():
-    """Bodies with an error each, side by side."""
-    bodies = [moved(p.surface, 4 * k, 0, 0) for k, p in enumerate(PLANTED.values())]
+def test_several_errors_are_counted_separately():
+    """The mesh consists of one body per kind of error."""
+    bodies = [translated(p.surface, 4 * k, 0, 0) for k, p in enumerate(PLANTED.values())]
     audit = audit_mesh(*together(*bodies))
     total = {}
     for planted in PLANTED.values():
@@ -201,7 +200,7 @@ def test_several_errors_at_once_are_each_counted():
     assert audit.found == total
 
 
-# --- it does not matter where, how large, how turned, in which order ------------------------------
+# --- invariance -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("error", PLANTED)
@@ -209,39 +208,38 @@ def test_several_errors_at_once_are_each_counted():
     "change",
     [
         lambda p: np.add(p, [1e7, -1e7, 1e7]),
-        lambda p: p @ TURN.T,
-        lambda p: np.add(p @ TURN.T * 1e150, [3e150, 0, 0]),
+        lambda p: p @ ROTATION.T,
+        lambda p: np.add(p @ ROTATION.T * 1e150, [3e150, 0, 0]),
         lambda p: p * 0.8e308,
         lambda p: p * 2.0**-400,
-        lambda p: (p @ TURN.T).astype(np.float32),
+        lambda p: (p @ ROTATION.T).astype(np.float32),
     ],
     ids=["shifted", "turned", "huge", "largest", "tiny", "single precision"],
 )
-def test_findings_do_not_depend_on_place_size_and_position(error, change):
-    """Shifted by 10⁷, turned, in another unit or precision: the same is found."""
+def test_findings_do_not_depend_on_origin_axes_unit_and_precision(error, change):
     points, triangles = PLANTED[error].surface
     assert audit_mesh(change(points), triangles).found == PLANTED[error].found
 
 
 @pytest.mark.parametrize("error", PLANTED)
 def test_findings_do_not_depend_on_the_order(error):
-    """Vertices and triangles in another order, and triangles from another corner on."""
+    """Vertices and triangles are permuted, and the corners of each triangle rotated."""
     points, triangles = PLANTED[error].surface
     rng = np.random.default_rng(3)
-    place, order = rng.permutation(len(points)), rng.permutation(len(triangles))
-    shuffled = np.argsort(place)[triangles[order]]
+    permutation, order = rng.permutation(len(points)), rng.permutation(len(triangles))
+    shuffled = np.argsort(permutation)[triangles[order]]
     shuffled = np.stack([np.roll(t, rng.integers(3)) for t in shuffled])
-    assert audit_mesh(points[place], shuffled).found == PLANTED[error].found
+    assert audit_mesh(points[permutation], shuffled).found == PLANTED[error].found
 
 
 @pytest.mark.parametrize("error", PLANTED)
-def test_findings_are_the_same_in_a_mirror(error):
-    """Each triangle turned over and the body mirrored: what was outward is outward."""
+def test_findings_do_not_depend_on_reflection(error):
+    """The mesh is reflected and each triangle reversed, so outward orientations are kept."""
     points, triangles = PLANTED[error].surface
     assert audit_mesh(points * [1, 1, -1], triangles[:, ::-1]).found == PLANTED[error].found
 
 
-# --- against literal definitions ------------------------------------------------------------------
+# --- comparison with exact definitions ------------------------------------------------------------
 
 SOUPS = st.tuples(
     st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=3, max_size=8),
@@ -249,8 +247,8 @@ SOUPS = st.tuples(
 ).map(lambda drawn: (np.array(drawn[0], dtype=float), np.array(drawn[1]) % len(drawn[0])))
 
 
-def meets_as_rational_numbers_say(surface, tolerance):
-    """Random triangles on a coarse grid, where all that can coincide does, with and without it."""
+def findings_equal_rational_arithmetic(surface, tolerance):
+    """Random triangles on a coarse grid, where many points, edges and planes coincide."""
     points, triangles = surface
     audit = audit_mesh(points, triangles, tolerance)
     crossings, overlaps, junctions, flat = literal.findings(points, triangles)
@@ -263,19 +261,19 @@ def meets_as_rational_numbers_say(surface, tolerance):
 
 
 of_soups = given(SOUPS, st.sampled_from([0.0, None]))
-test_how_triangles_meet_is_what_rational_numbers_say = settings(max_examples=100)(
-    of_soups(meets_as_rational_numbers_say)
+test_intersections_equal_rational_arithmetic = settings(max_examples=100)(
+    of_soups(findings_equal_rational_arithmetic)
 )
-test_how_many_more_triangles_meet = pytest.mark.slow(
-    settings(max_examples=400)(of_soups(meets_as_rational_numbers_say))
+test_more_intersections_equal_rational_arithmetic = pytest.mark.slow(
+    settings(max_examples=400)(of_soups(findings_equal_rational_arithmetic))
 )
 
 
 @pytest.mark.slow
 @settings(max_examples=100)
 @given(SOUPS)
-def test_exact_decisions_survive_rounding(surface):
-    """The same for points that nearly coincide: the grid, sheared by irrational numbers."""
+def test_intersections_of_nearly_coincident_triangles_equal_rational_arithmetic(surface):
+    """The grid is sheared by irrational numbers, so that its points coincide only approximately."""
     points, triangles = surface
     points = points @ [[1, 0.1, 1 / 3], [0.7, 1, np.pi], [1e-9, 0.3, 1]] + 0.1
     audit = audit_mesh(points, triangles, 0.0)
@@ -289,8 +287,8 @@ def test_exact_decisions_survive_rounding(surface):
 @pytest.mark.slow
 @settings(max_examples=100)
 @given(st.lists(st.tuples(*[st.integers(0, 6)] * 3), min_size=1, max_size=12))
-def test_connection_is_what_counting_says(triangles):
-    """Edges of one and of more than two triangles, bow-ties, and a coherent orientation."""
+def test_connectivity_equals_counting(triangles):
+    """This covers boundary and non-manifold edges, bow-ties and a consistent orientation."""
     triangles = np.array(triangles)
     points = np.random.default_rng(0).normal(size=(7, 3))
     audit = audit_mesh(points, triangles)
@@ -302,9 +300,9 @@ def test_connection_is_what_counting_says(triangles):
     assert audit.bow_tie_vertices.tolist() == split
     if audit.soup or len(audit.duplicate_triangles):
         return
-    turned = triangles.copy()
-    turned[audit.flipped_triangles] = turned[audit.flipped_triangles, ::-1]
-    sides = [side for k, t in enumerate(turned) if len({*t}) == 3 for side in sides_of(k, t)]
+    oriented = triangles.copy()
+    oriented[audit.flipped_triangles] = oriented[audit.flipped_triangles, ::-1]
+    sides = [side for k, t in enumerate(oriented) if len({*t}) == 3 for side in sides_of(k, t)]
     for (i, a, b), (j, c, d) in itertools.combinations(sides, 2):
         if {a, b} == {c, d} and counts[min(a, b), max(a, b)] == 2:
             one_sided = i in audit.one_sided_triangles
@@ -317,18 +315,17 @@ def sides_of(k, t):
 
 
 def test_a_one_sided_patch_cannot_be_oriented():
-    """Of the 2ⁿ ways to turn the triangles of a Möbius band none is coherent."""
+    """None of the 2ⁿ orientations of the triangles of a Möbius band is consistent."""
     points, triangles = band(5, half_turns=1)
     assert len(audit_mesh(points, triangles).one_sided_triangles) == len(triangles)
     for ways in itertools.product([False, True], repeat=len(triangles)):
-        turned = np.where(np.array(ways)[:, None], triangles[:, ::-1], triangles)
-        sides = [side[1:] for k, t in enumerate(turned) for side in sides_of(k, t)]
+        oriented = np.where(np.array(ways)[:, None], triangles[:, ::-1], triangles)
+        sides = [side[1:] for k, t in enumerate(oriented) for side in sides_of(k, t)]
         assert len(set(sides)) < len(sides)
 
 
 @pytest.mark.parametrize("error", ["crossing", "overlap"])
-def test_the_counts_of_the_planted_errors_are_right_in_rational_numbers(error):
-    """The counts that the planted errors are said to have are those of the literal definition."""
+def test_counts_of_planted_errors_equal_rational_arithmetic(error):
     points, triangles = PLANTED[error].surface
     audit = audit_mesh(points, triangles, 0.0)
     if error in (
@@ -342,7 +339,7 @@ def test_the_counts_of_the_planted_errors_are_right_in_rational_numbers(error):
     assert {tuple(near[[i, j]]) for i, j in overlaps} == {*map(tuple, audit.overlaps.tolist())}
 
 
-# --- the laws can fail ----------------------------------------------------------------------------
+# --- filters, predicates and their mutants --------------------------------------------------------
 
 
 def slow_contacts(points, triangles):
@@ -350,8 +347,8 @@ def slow_contacts(points, triangles):
     return contacts(points, triangles, pairs)
 
 
-def test_the_planes_drop_no_pair_that_meets():
-    """All pairs, and those that no plane parts: the same crossings, overlaps and T-junctions."""
+def test_separating_planes_keep_every_intersecting_pair():
+    """All pairs and the pairs without a separating plane have the same findings."""
     rng = np.random.default_rng(5)
     for _ in range(20):
         points = rng.integers(0, 4, (9, 3)).astype(float)
@@ -367,17 +364,18 @@ def test_the_planes_drop_no_pair_that_meets():
         np.testing.assert_array_equal(fast.corners_on_edges, every.corners_on_edges)
 
 
-def test_few_pairs_are_left_of_a_flat_mesh():
-    """In a flat mesh of squares edges go straight on through corners; still the planes part them.
+def test_separating_planes_remove_most_pairs_of_flat_faces():
+    """Edges of flat faces continue through vertices; planes must still separate the triangles.
 
-    What is left lies along the edges of the cube, and does not grow with the area.
+    The remaining pairs lie along the edges of the cube, so their number does not grow with the
+    area.
     """
     few, many = (len(close_pairs(*cube(cells))) for cells in (6, 12))
     assert 0 < many < 2.5 * few
 
 
-def test_signs_are_exact_where_floating_point_is_not():
-    """On the segments of Kettner and others, 2⁻⁵³ apart, each sign is that of rational numbers."""
+def test_orientation_signs_are_exact():
+    """On the example of Kettner and others, with steps of 2⁻⁵³, signs equal rational arithmetic."""
     k = np.arange(64) * 2.0**-53
     x, y = np.meshgrid(0.5 + k, 0.5 + k)
     c = np.column_stack([x.ravel(), y.ravel()])
@@ -389,8 +387,8 @@ def test_signs_are_exact_where_floating_point_is_not():
     np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
 
 
-def test_without_the_exact_signs_the_findings_are_wrong(monkeypatch):
-    """A mutant that trusts rounded signs does not agree with rational numbers."""
+def test_rounded_signs_give_wrong_findings(monkeypatch):
+    """A mutant without exact signs disagrees with rational arithmetic."""
     rng = np.random.default_rng(1)
     shear = np.array([[1, 0.1, 1 / 3], [0.7, 1, np.pi], [1e-9, 0.3, 1]])
     surfaces = []
@@ -424,7 +422,7 @@ def never(a, *_, tolerance):  # noqa: ARG001
 
 
 def touching(points, triangles):
-    """Pairs that the planes leave, crossings, and corners on edges."""
+    """Number of pairs without a separating plane, of crossings, and of corners on edges."""
     pairs = np.array([*itertools.combinations(range(len(triangles)), 2)])
     found = contacts(points, triangles, pairs, 1e-14)
     left = close_pairs(points, triangles, 1e-14)
@@ -440,29 +438,28 @@ def touching(points, triangles):
         (_triangle_pairs, "BOUND_3D", -1e20, "crossing"),
     ],
 )
-def test_a_spoiled_predicate_is_noticed(module, name, mutant, error, monkeypatch):
-    """What is found of a planted error changes with the signs, and what is left with the bounds."""
+def test_wrong_predicates_and_bounds_are_detected(module, name, mutant, error, monkeypatch):
+    """Findings change with wrong signs, and the remaining pairs with wrong bounds."""
     points, triangles = PLANTED[error].surface
-    right = touching(points @ TURN.T, triangles)
+    right = touching(points @ ROTATION.T, triangles)
     monkeypatch.setattr(module, name, mutant)
-    assert touching(points @ TURN.T, triangles) != right
+    assert touching(points @ ROTATION.T, triangles) != right
 
 
-# --- what it says ---------------------------------------------------------------------------------
+# --- output and refusals --------------------------------------------------------------------------
 
 
-def test_it_can_be_written_as_json():
-    """All findings in lists, counts by concern."""
-    told = json.loads(json.dumps(audit_mesh(*PLANTED["T-junction"].surface).as_dict()))
-    assert told["counts"]["embedding"]["t_junctions"] == 1
-    assert len(told["indices"]["t_junctions"][0]) == 3
-    assert not told["clean"]
-    assert {*told["indices"]} == {"boundary_loops", "t_junctions"}
+def test_an_audit_can_be_written_as_json():
+    """Findings are lists of indices, and counts are grouped by concern."""
+    written = json.loads(json.dumps(audit_mesh(*PLANTED["T-junction"].surface).as_dict()))
+    assert written["counts"]["embedding"]["t_junctions"] == 1
+    assert len(written["indices"]["t_junctions"][0]) == 3
+    assert not written["clean"]
+    assert {*written["indices"]} == {"boundary_loops", "t_junctions"}
 
 
-def test_many_pairs_are_looked_at_in_pieces(monkeypatch):
-    """The pieces change nothing."""
-    surface = together(sphere(2), moved(sphere(2), 0.3, 0.2, 0.1))
+def test_findings_do_not_depend_on_the_chunk_size(monkeypatch):
+    surface = together(sphere(2), translated(sphere(2), 0.3, 0.2, 0.1))
     whole = audit_mesh(*surface)
     monkeypatch.setattr(_contacts, "_CHUNK", 7)
     monkeypatch.setattr("fieldrecon.triangles.bounding_volumes._MAX_PAIRS", 50)
@@ -470,8 +467,8 @@ def test_many_pairs_are_looked_at_in_pieces(monkeypatch):
     assert len(whole.crossings) > 50
 
 
-def test_progress_is_told():
-    """From some pairs of boxes to all of them."""
+def test_progress_is_reported():
+    """The number of processed pairs of boxes increases to the total."""
     seen = []
     audit_mesh(*bumpy(3), progress=lambda done, total: seen.append((done, total)))
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
@@ -490,21 +487,21 @@ def test_progress_is_told():
         ([[0, 0, 0]] * 3, np.empty((0, 3), dtype=int), r"got \(0, 3\)"),
     ],
 )
-def test_what_is_no_mesh_is_refused(points, triangles, words):
-    """By the argument, what came and what was wanted."""
+def test_invalid_meshes_are_refused(points, triangles, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         audit_mesh(points, triangles)
 
 
-def test_a_tolerance_that_welds_everything_is_refused():
-    """In words, before memory runs out."""
+def test_a_tolerance_that_merges_all_vertices_is_refused():
+    """The error is raised before memory is exhausted."""
     with pytest.raises(ValueError, match="too large for these points"):
         audit_mesh(*sphere(4), tol=0.5)
     with pytest.raises(ValueError, match="tol must be zero or a positive number"):
         audit_mesh(*sphere(1), tol=-1)
 
 
-def test_all_points_in_one_place():
-    """A mesh of triangles without area is degenerate, and nothing worse."""
+def test_coincident_points_give_degenerate_triangles():
+    """Triangles without area are reported as degenerate only."""
     audit = audit_mesh(np.zeros((6, 3)), [[0, 1, 2], [3, 4, 5]])
     assert audit.degenerate_triangles.tolist() == [0, 1]

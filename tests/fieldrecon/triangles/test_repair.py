@@ -1,16 +1,18 @@
-"""A repair undoes what was planted, leaves alone what was right, and tells what it did."""
+"""Repair of triangle meshes: planted errors are corrected, correct meshes are unchanged."""
 
 import itertools
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
-from fieldrecon.triangles.repair import minimum_area_patches, repair_mesh
-from fieldreport.experiments.triangles.damaged_meshes import damaged
-from fieldreport.experiments.triangles.planted_errors import planted_errors
+from fieldrecon.triangles.holes import minimum_area_patches
+from fieldrecon.triangles.repair import repair_mesh
+from fieldreport.experiments.triangles.planted_errors import damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
     band,
     bumpy,
@@ -49,8 +51,8 @@ def volume(points, triangles):
 
 
 @pytest.mark.parametrize("error", PLANTED)
-def test_each_error_is_undone_or_left_and_told(error):
-    """What one must not guess is left as it was, and found again afterwards."""
+def test_each_planted_error_is_repaired_or_reported(error):
+    """Errors without a unique correction are left unchanged and are found again by the audit."""
     repaired = repair_mesh(*PLANTED[error].surface)
     assert repaired.before.found == PLANTED[error].found
     assert repaired.done == DONE.get(error, {})
@@ -60,8 +62,8 @@ def test_each_error_is_undone_or_left_and_told(error):
 
 @pytest.mark.parametrize("unit", [2.0**-500, 2.0**1023])
 @pytest.mark.parametrize("error", DONE)
-def test_a_repair_does_not_depend_on_the_unit(error, unit):
-    """Bit for bit, in any power of two."""
+def test_repair_does_not_depend_on_the_unit(error, unit):
+    """Results agree bit for bit for units that are powers of two."""
     points, triangles = PLANTED[error].surface
     here, there = repair_mesh(points, triangles), repair_mesh(points * unit, triangles)
     assert there.done == here.done
@@ -70,8 +72,7 @@ def test_a_repair_does_not_depend_on_the_unit(error, unit):
 
 
 @pytest.mark.parametrize("error", DONE)
-def test_a_second_repair_finds_nothing_to_do(error):
-    """What is repaired stays as it is."""
+def test_repair_is_idempotent(error):
     once = repair_mesh(*PLANTED[error].surface)
     twice = repair_mesh(once.points, once.triangles)
     assert twice.done == {}
@@ -94,8 +95,8 @@ def test_a_second_repair_finds_nothing_to_do(error):
     ],
     ids=["sphere", "torus", "cube", "hollow", "ring", "Möbius", "Klein", "touching", "fold"],
 )
-def test_what_is_right_is_not_changed(surface):
-    """Bodies, cavities, wide rims, one-sided bands and what crosses come back bit for bit."""
+def test_correct_meshes_are_not_changed(surface):
+    """Solids, cavities, wide holes, one-sided bands and intersections are kept bit for bit."""
     points, triangles = surface
     repaired = repair_mesh(points, triangles)
     assert repaired.done == {}
@@ -104,15 +105,15 @@ def test_what_is_right_is_not_changed(surface):
 
 
 @pytest.mark.parametrize("error", DONE)
-def test_all_but_the_error_keeps_its_place(error):
-    """Triangles that have no vertex in common with the error stay, in the order given."""
+def test_triangles_away_from_the_error_are_kept_in_order(error):
+    """Triangles without a common vertex with the error are not changed."""
     points, triangles = PLANTED[error].surface
     repaired = repair_mesh(points, triangles)
     if error == "inside out":
         np.testing.assert_array_equal(repaired.triangles, triangles[:, [0, 2, 1]])
         return
     before = points[triangles].reshape(-1, 9)
-    before = before[np.sort(np.unique(before, axis=0, return_index=True)[1])]  # each but once
+    before = before[np.sort(np.unique(before, axis=0, return_index=True)[1])]  # without duplicates
     after = repaired.points[repaired.triangles].reshape(-1, 9)
     kept = np.array([(after == t).all(axis=1).any() for t in before])
     assert (~kept).sum() <= 2
@@ -120,8 +121,8 @@ def test_all_but_the_error_keeps_its_place(error):
     assert (np.diff(order) >= 0).all()
 
 
-def test_a_body_with_many_errors_becomes_a_body(tmp_path):
-    """Through a file and back: closed, oriented, with the volume that it had."""
+def test_a_solid_with_many_errors_is_repaired_through_files(tmp_path):
+    """The result is closed and oriented, and has the original volume to 0.1 %."""
     write_triangles(tmp_path / "before.stl", *damaged(3, 3, seed=1))
     repaired = repair_mesh(*read_triangles(tmp_path / "before.stl"))
     assert repaired.before.soup
@@ -131,8 +132,8 @@ def test_a_body_with_many_errors_becomes_a_body(tmp_path):
     assert volume(repaired.points, repaired.triangles) == pytest.approx(volume(*bumpy(3)), rel=1e-3)
 
 
-def test_bodies_are_turned_outward_and_cavities_inward():
-    """Whichever way each of four nested shells was turned."""
+def test_solids_are_oriented_outward_and_cavities_inward():
+    """The four nested shells have every combination of orientations."""
     shells = [(sphere(1)[0] * r, sphere(1)[1]) for r in (1, 0.75, 0.5, 0.25)]
     for ways in itertools.product([False, True], repeat=4):
         given = together(*(turned_over(s) if w else s for s, w in zip(shells, ways, strict=True)))
@@ -143,8 +144,11 @@ def test_bodies_are_turned_outward_and_cavities_inward():
         assert signs == [1, -1, 1, -1]
 
 
-def test_large_holes_are_left():
-    """A cup stays a cup, unless asked for; a hole across a flat face is filled flat."""
+def test_large_holes_are_filled_on_request_only():
+    """A cube without its top stays open by default.
+
+    A hole in a flat face is filled by a flat patch.
+    """
     points, triangles = cube(2)
     cup = triangles[~(points[triangles][:, :, 2] == 1).all(axis=1)]
     left = repair_mesh(points, cup)
@@ -157,8 +161,182 @@ def test_large_holes_are_left():
     }
 
 
-def test_a_patch_that_would_cross_something_is_not_put_in():
-    """A spike through the hole keeps it open."""
+def touching_holes():
+    """Spheres less triangles: two with a common corner, on the octahedron and elsewhere; five at
+    random, two of them at one vertex; and all around a rhombus, which hangs at two vertices."""
+    tops = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2]])
+    octahedron = (
+        np.concatenate([np.eye(3), -np.eye(3)]),
+        np.concatenate([tops, np.where(tops == 2, 5, tops)[:, ::-1]]),
+    )
+    yield octahedron, [0, 2]
+    points, triangles = sphere(1)
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        around = np.flatnonzero((triangles == rng.integers(len(points))).any(axis=1))
+        taken = [*rng.choice(around, 2, replace=False), *rng.choice(len(triangles), 3)]
+        yield (points, triangles), taken
+    near = np.isin(triangles, triangles[5, :2])
+    yield (points, triangles), np.flatnonzero(near.any(axis=1) & (near.sum(axis=1) < 2))
+
+
+def test_holes_that_touch_are_filled_one_at_a_time():
+    """The bodies are whole again, with about their volume."""
+    for (points, triangles), taken in touching_holes():
+        given = np.delete(triangles, taken, axis=0)
+        repaired = repair_mesh(points, given, largest_hole=1.0)
+        assert repaired.after.clean
+        assert "split_vertices" not in repaired.done
+        assert volume(*mesh_of(repaired)) == pytest.approx(volume(points, triangles), rel=0.06)
+
+
+def mesh_of(repaired):
+    return repaired.points, repaired.triangles
+
+
+def test_fans_of_two_bodies_with_a_common_corner_are_filled_each_alone():
+    """Two tetrahedra without a face at their common tip: two bodies that touch."""
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    one = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    both = (
+        np.concatenate([one, -one[1:]]),
+        np.concatenate([faces[1:], np.where(faces, faces + 3, 0)[1:, ::-1]]),
+    )
+    repaired = repair_mesh(*both, largest_hole=1.0)
+    assert repaired.done == {"split_vertices": 1, "filled_holes": 2, "filling_triangles": 2}
+    assert repaired.after.found == {"touching_vertices": 1}
+
+
+# --- the law: no repair adds an error -------------------------------------------------------------
+
+
+def take_at_a_vertex(rng, points, triangles):
+    around = np.flatnonzero((triangles == rng.integers(len(points))).any(axis=1))
+    taken = rng.choice(around, min(len(around), rng.integers(1, 4)), replace=False)
+    return points, np.delete(triangles, taken, axis=0)
+
+
+def take(rng, points, triangles):
+    return points, np.delete(triangles, rng.choice(len(triangles), 2), axis=0)
+
+
+def flip(rng, points, triangles):
+    turned = triangles.copy()
+    turned[rng.integers(len(triangles))] = triangles[rng.integers(len(triangles)), ::-1]
+    return points, turned
+
+
+def double(rng, points, triangles):
+    return points, np.concatenate([triangles, triangles[rng.choice(len(triangles), 1)]])
+
+
+def cut_on_one_side(rng, points, triangles, capped=False):
+    """Split a triangle at the midpoint of a side; if `capped`, close the seam without area."""
+    k, new = rng.integers(len(triangles)), len(points)
+    a, b, c = np.roll(triangles[k], rng.integers(3))
+    halves = [[a, new, c], [new, b, c], [a, b, new]][: 3 if capped else 2]
+    whole = np.concatenate([np.delete(triangles, k, axis=0), halves])
+    return np.concatenate([points, points[[a, b]].mean(axis=0)[None]]), whole
+
+
+def cut_and_cap(rng, points, triangles):
+    return cut_on_one_side(rng, points, triangles, capped=True)
+
+
+def copy_a_vertex(rng, points, triangles):
+    vertex, cut = rng.integers(len(points)), triangles.copy()
+    for t in np.flatnonzero((triangles == vertex).any(axis=1)):
+        if rng.random() < 0.5:
+            cut[t] = np.where(cut[t] == vertex, len(points), cut[t])
+    return np.concatenate([points, points[[vertex]]]), cut
+
+
+def join_two_vertices(rng, points, triangles):
+    one, other = rng.choice(len(points), 2, replace=False)
+    return points, np.where(triangles == one, other, triangles)
+
+
+DAMAGES = [
+    take_at_a_vertex,
+    take,
+    flip,
+    double,
+    cut_on_one_side,
+    cut_and_cap,
+    copy_a_vertex,
+    join_two_vertices,
+]
+BODIES = [sphere(0), sphere(1), torus(7, 5), cube(2), cube(1)]
+
+
+def damaged_mesh(seed, body, damages):
+    """A body with several damages, one after another."""
+    surface, rng = BODIES[body], np.random.default_rng(seed)
+    for k in damages:
+        surface = DAMAGES[k](rng, *surface)
+    return surface
+
+
+def no_repair_adds_a_kind_of_error(surface, largest_hole=1.0):
+    """But where a bow-tie was split, its fans still touch."""
+    repaired = repair_mesh(*surface, largest_hole=largest_hole)
+    found = {*audit_mesh(*mesh_of(repaired)).found}
+    if repaired.before.found.get("bow_tie_vertices"):
+        found -= {"touching_vertices"}
+    assert found <= {*repaired.before.found}
+
+
+def draw_of(seed):
+    rng = np.random.default_rng(seed)
+    return seed, rng.integers(5), rng.choice(len(DAMAGES), rng.integers(1, 5))
+
+
+def test_no_repair_adds_an_error():
+    """A few draws of the law below."""
+    for seed in range(4):
+        no_repair_adds_a_kind_of_error(damaged_mesh(*draw_of(seed)))
+
+
+@pytest.mark.slow
+@settings(max_examples=600, deadline=None)
+@given(
+    st.integers(0, 2**32 - 1),
+    st.integers(0, len(BODIES) - 1),
+    st.lists(st.integers(0, len(DAMAGES) - 1), min_size=1, max_size=5),
+    st.sampled_from([0.1, 0.3, 1.0]),
+)
+def test_no_repair_of_any_damage_adds_an_error(seed, body, damages, largest_hole):
+    """Over bodies with one to five damages."""
+    no_repair_adds_a_kind_of_error(damaged_mesh(seed, body, damages), largest_hole)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "mutants",
+    [
+        {"added_kinds": lambda before, after: set()},  # noqa: ARG005
+        {
+            "added_kinds": lambda before, after: set(),  # noqa: ARG005
+            "erroneous": lambda after, t, first: np.empty(0, dtype=int),  # noqa: ARG005
+        },
+    ],
+    ids=["stages are kept", "patches are kept"],
+)
+def test_a_repair_that_does_not_look_is_caught(mutants, monkeypatch):
+    """By one of these draws."""
+    for name, mutant in mutants.items():
+        monkeypatch.setattr(_mending, name, mutant)
+
+    def some_draws():
+        for seed in range(400):
+            no_repair_adds_a_kind_of_error(damaged_mesh(*draw_of(seed)))
+
+    with pytest.raises(AssertionError):
+        some_draws()
+
+
+def test_a_patch_that_would_intersect_the_mesh_is_not_inserted():
+    """A tetrahedron in the hole prevents the patch."""
     points, triangles = PLANTED["hole"].surface
     (loop,) = audit_mesh(points, triangles).boundary_loops
     middle = points[loop].mean(axis=0)
@@ -170,8 +348,8 @@ def test_a_patch_that_would_cross_something_is_not_put_in():
     assert repaired.after.found == {"boundary_loops": 1}
 
 
-def test_many_vertices_inside_one_edge_are_all_sewn():
-    """A square whose one side is cut at seven places, the other not."""
+def test_all_vertices_inside_an_edge_are_merged():
+    """One of two triangulated halves is subdivided at seven points of the common edge."""
     x = np.linspace(0, 1, 9)
     points = np.concatenate([np.column_stack([x, 0 * x, 0 * x]), [[0.5, 1, 0.0], [0.5, -1, 0.0]]])
     fan = [[k, k + 1, 9] for k in range(8)]
@@ -180,8 +358,8 @@ def test_many_vertices_inside_one_edge_are_all_sewn():
     assert repaired.after.found == {"boundary_loops": 1}
 
 
-def test_the_patch_is_the_least_of_all():
-    """Over loops of six points: no triangulation has less area than the one that is chosen."""
+def test_patches_have_minimal_area():
+    """No triangulation of these loops of six points has a smaller area."""
     rng = np.random.default_rng(4)
     corners = rng.normal(size=(20, 6, 3))
     triangles, areas = minimum_area_patches(corners)
@@ -196,9 +374,9 @@ def test_the_patch_is_the_least_of_all():
             (least(p, i, k) + least(p, k, j) + area(p, (i, k, j)) for k in between), default=0
         )
 
-    for p, chosen, told in zip(corners, triangles, areas, strict=True):
-        assert told == pytest.approx(least(p, 0, 5))
-        assert sum(area(p, t) for t in chosen) == pytest.approx(told)
+    for p, chosen, minimal_area in zip(corners, triangles, areas, strict=True):
+        assert minimal_area == pytest.approx(least(p, 0, 5))
+        assert sum(area(p, t) for t in chosen) == pytest.approx(minimal_area)
         assert len(audit_mesh(p, chosen).boundary_loops) == 1
         assert sorted(audit_mesh(p, chosen).boundary_loops[0]) == [*range(6)]
 
@@ -207,23 +385,22 @@ def test_the_patch_is_the_least_of_all():
     ("name", "mutant", "error"),
     [
         ("without_duplicates", lambda t, n: t, "duplicate triangle"),  # noqa: ARG005
-        ("without_flat", lambda p, t, tolerance: t, "degenerate triangle"),  # noqa: ARG005
+        ("without_flat", lambda p, t, *_: t, "degenerate triangle"),  # noqa: ARG005
         ("split_free_edges", lambda p, t, tolerance: t, "T-junction"),  # noqa: ARG005
         ("split_bow_ties", lambda p, t: (p, t), "bow-tie"),
         ("oriented", lambda p, t: t, "flipped triangle"),  # noqa: ARG005
         ("hole_patches", lambda p, t, largest: (t[:0], t[:0, 0]), "hole"),  # noqa: ARG005
     ],
 )
-def test_a_repair_without_one_of_its_steps_is_noticed(name, mutant, error, monkeypatch):
-    """Each step is needed for what it is there for."""
+def test_omitting_a_step_of_the_repair_is_detected(name, mutant, error, monkeypatch):
     right = repair_mesh(*PLANTED[error].surface)
     monkeypatch.setattr(_mending, name, mutant)
     wrong = repair_mesh(*PLANTED[error].surface)
     assert (wrong.done, wrong.after.found) != (right.done, right.after.found)
 
 
-def test_what_cannot_be_repaired_is_refused():
-    """In words."""
+def test_invalid_input_is_refused():
+    """At least one triangle must have a positive area, and `largest_hole` must not be negative."""
     with pytest.raises(ValueError, match="none is left to repair"):
         repair_mesh(np.zeros((3, 3)), [[0, 1, 2]])
     with pytest.raises(ValueError, match="largest_hole must be zero or a positive number"):

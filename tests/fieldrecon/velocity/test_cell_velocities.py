@@ -1,4 +1,4 @@
-"""Velocities of cells: the symmedian point, the closed form, the defect, and back to vertices."""
+"""Velocities of cells: least squares, closed form, defect, and reconstruction at vertices."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def mesh(request) -> SimplexMesh:
     return MESHES[request.param]
 
 
-def some_data(mesh: SimplexMesh, seed: int = 5) -> np.ndarray:
+def random_data(mesh: SimplexMesh, seed: int = 5) -> np.ndarray:
     return np.random.default_rng(seed).standard_normal(len(mesh.faces))
 
 
@@ -34,7 +34,7 @@ def triangle(seed: int) -> SimplexMesh:
 
 
 def fat_triangles() -> list[SimplexMesh]:
-    """Five hundred triangles at random, none of them flat."""
+    """Five hundred random triangles with an area of at least 0.02."""
     made = (triangle(seed) for seed in range(2000))
     return [m for m in made if m.cell_measures[0] > 0.02][:500]
 
@@ -42,9 +42,9 @@ def fat_triangles() -> list[SimplexMesh]:
 # --- least squares ------------------------------------------------------------------------------
 
 
-def is_least_squares(velocities, mesh: SimplexMesh) -> None:
-    """argmin |N u - v|² in each cell, by numpy.linalg.lstsq, for data of no field."""
-    v = some_data(mesh)
+def velocities_are_least_squares_solutions(velocities, mesh: SimplexMesh) -> None:
+    """argmin |N u - v|² in each cell must equal numpy.linalg.lstsq for random data."""
+    v = random_data(mesh)
     found = velocities(mesh, v)
     for c in range(0, len(mesh.cells), 5):
         faces = mesh.cell_faces[c]
@@ -52,31 +52,30 @@ def is_least_squares(velocities, mesh: SimplexMesh) -> None:
         assert_close(found[c] / np.abs(u).max(), u / np.abs(u).max(), 1e-9)
 
 
-def test_it_is_the_least_squares_solution_of_numpy(mesh):
-    """The closed form is N⁺v, in the plane and in space."""
-    is_least_squares(lambda m, v: cell_velocities(m, v).values, mesh)
+def test_cell_velocities_equal_the_least_squares_solution_of_numpy(mesh):
+    """The closed form equals N⁺v, in the plane and in space."""
+    velocities_are_least_squares_solutions(lambda m, v: cell_velocities(m, v).values, mesh)
 
 
 def at_the_circumcenter(mesh, v):
-    """The mutant: the field of Raviart and Thomas elsewhere than at the symmedian point."""
+    """Mutant: the Raviart-Thomas field at the circumcentre instead of the symmedian point."""
     return raviart_thomas(mesh, v)
 
 
 def inward_too(mesh, v):
-    """The mutant: each normal as if it were outward of its second cell too."""
+    """Mutant: each normal treated as outward for its second cell, too."""
     return cell_velocities(mesh, np.abs(v)).values
 
 
 @pytest.mark.parametrize("mutant", [at_the_circumcenter, inward_too])
-def test_another_formula_is_caught(mutant):
-    """It is no least-squares solution."""
+def test_other_formulas_are_not_least_squares_solutions(mutant):
     with pytest.raises(AssertionError, match="deviates"):
-        is_least_squares(mutant, MESHES["random 2-D"])
+        velocities_are_least_squares_solutions(mutant, MESHES["random 2-D"])
 
 
-def test_it_is_raviart_and_thomas_at_the_symmedian_point(mesh):
-    """K = Σ l_a² q_a / Σ l_a², with l_a the measure of the face opposite q_a, in any dimension."""
-    v = some_data(mesh)
+def test_cell_velocities_equal_the_raviart_thomas_field_at_the_symmedian_point(mesh):
+    """K = Σ l_a² q_a / Σ l_a² with l_a the measure of the face opposite q_a, in any dimension."""
+    v = random_data(mesh)
     squared = (mesh.face_measures**2)[mesh.cell_faces][..., None]
     k = (squared * mesh.points[mesh.cells]).sum(axis=1) / squared.sum(axis=1)
     u = cell_velocities(mesh, v).values
@@ -84,8 +83,8 @@ def test_it_is_raviart_and_thomas_at_the_symmedian_point(mesh):
     assert_close(raviart_thomas(mesh, v, k) / size, u / size, 1e-8)
 
 
-def test_the_symmedian_point_has_its_definition():
-    """Its distances from the sides are as the sides: that is why the residual is along l."""
+def test_distances_of_the_symmedian_point_are_proportional_to_the_sides():
+    """Therefore the residual of the least-squares fit is proportional to l."""
     for mesh in fat_triangles()[:50]:
         l = mesh.face_measures[mesh.cell_faces[0]]  # noqa: E741 - the letter of the slides
         q = mesh.points[mesh.cells[0]]
@@ -94,10 +93,11 @@ def test_the_symmedian_point_has_its_definition():
         assert_close(distance / distance.sum(), l / l.sum(), 1e-10)
 
 
-def test_the_closed_form_for_affine_fields():
+def test_cell_velocities_of_affine_fields_equal_the_closed_form():
     """u_LS = u(O) + s(K - O) + ½(σ h̄ - σ̄ q₁q₂q₃/R²) for G = sI + ωJ + S, in complex numbers.
 
-    O is the circumcentre, q_a the vertices from it, h their sum, R their length, and S z = σ z̄.
+    O is the circumcentre, q_a the vertices relative to O, h their sum, R their length, and S z = σ
+    z̄.
     """
     rng = np.random.default_rng(6)
     for mesh in fat_triangles():
@@ -116,8 +116,8 @@ def test_the_closed_form_for_affine_fields():
         assert found @ [1, 1j] == pytest.approx(wanted, abs=1e-10 * (1 + abs(q[0])))
 
 
-def test_constant_fields_come_back(mesh):
-    """Each cell has them exactly, flat ones too."""
+def test_constant_fields_are_reproduced(mesh):
+    """This holds in every cell, also in almost flat ones."""
     d = mesh.points.shape[1]
     u = np.arange(1.0, d + 1)
     v = normal_velocities(mesh, np.tile(u, (len(mesh.points), 1)))
@@ -127,9 +127,8 @@ def test_constant_fields_come_back(mesh):
 
 
 @pytest.mark.parametrize("unit", [1e-100, 1e100])
-def test_the_unit_and_the_origin_do_not_matter(mesh, unit):
-    """Velocities are those of the same mesh in another unit, or elsewhere."""
-    v = some_data(mesh)
+def test_cell_velocities_do_not_depend_on_unit_and_origin(mesh, unit):
+    v = random_data(mesh)
     u = cell_velocities(mesh, v)
     size = np.abs(u.values).max(axis=1, keepdims=True)
     for points, tolerance in ((mesh.points * unit, 1e-9), (mesh.points + 1024.0, 1e-6)):
@@ -142,29 +141,32 @@ def test_the_unit_and_the_origin_do_not_matter(mesh, unit):
 
 
 def test_a_rotation_is_exact_at_the_circumcentre_only():
-    """p_a - O is along n_a, so the data say nothing of the turning; elsewhere the field differs."""
+    """p_a - O is parallel to n_a, so the data do not depend on a rotation about O."""
     mesh = MESHES["jittered 2-D"]
     m = mesh.points.mean(axis=0)
-    turning = lambda x: (x - m) @ np.array([[0.0, 1.0], [-1.0, 0.0]])  # noqa: E731
-    found = cell_velocities(mesh, normal_velocities(mesh, turning(mesh.points)))
-    assert_close(found.values, turning(mesh.circumcenters), EXACT)
-    assert np.abs(found.values - turning(mesh.cell_centers)).max() > 1e-3
+    rotation = lambda x: (x - m) @ np.array([[0.0, 1.0], [-1.0, 0.0]])  # noqa: E731
+    found = cell_velocities(mesh, normal_velocities(mesh, rotation(mesh.points)))
+    assert_close(found.values, rotation(mesh.circumcenters), EXACT)
+    assert np.abs(found.values - rotation(mesh.cell_centers)).max() > 1e-3
     assert found.defect.max() < 1e-13
 
 
 def test_a_rotation_in_space_needs_the_circumcentres_of_the_faces():
-    """There the faces have other centres than centroids; with those of the circles it is exact."""
+    """In space the circumcentre of a face is not its centroid.
+
+    With data at the circumcentres of the faces the rotation is exact.
+    """
     mesh = MESHES["jittered 3-D"]
-    turning = np.cross([0.3, -1.0, 0.7], mesh.face_circumcenters)
-    v = np.einsum("fd,fd->f", mesh.face_normals, turning)
+    rotation = np.cross([0.3, -1.0, 0.7], mesh.face_circumcenters)
+    v = np.einsum("fd,fd->f", mesh.face_normals, rotation)
     wanted = np.cross([0.3, -1.0, 0.7], mesh.circumcenters)
     assert_close(cell_velocities(mesh, v).values, wanted, EXACT)
     at_centroids = normal_velocities(mesh, np.cross([0.3, -1.0, 0.7], mesh.points))
     assert np.abs(cell_velocities(mesh, at_centroids).values - wanted).max() > 1e-3
 
 
-def test_raviart_and_thomas_removes_the_error_of_the_expansion():
-    """At the circumcentre expansions and rotations come back; least squares has them at K."""
+def test_raviart_thomas_reproduces_expansions_and_rotations_at_the_circumcentre():
+    """For an expansion the least-squares velocity is exact at the symmedian point instead."""
     mesh = MESHES["jittered 2-D"]
     u = lambda x: 2.0 * x + x @ np.array([[0.0, 3.0], [-3.0, 0.0]])  # noqa: E731
     v = normal_velocities(mesh, u(mesh.points))
@@ -172,16 +174,16 @@ def test_raviart_and_thomas_removes_the_error_of_the_expansion():
     assert np.abs(cell_velocities(mesh, v).values - u(mesh.circumcenters)).max() > 1e-3
 
 
-def test_raviart_and_thomas_has_expansions_everywhere(mesh):
-    """u = c + s x is in the space, so it comes back at any points, in the plane and in space."""
+def test_raviart_thomas_reproduces_expansions_everywhere(mesh):
+    """u = c + s x is in the Raviart-Thomas space, in the plane and in space."""
     u = lambda x: 2.0 * x + 1.0  # noqa: E731
     v = normal_velocities(mesh, u(mesh.points))
     assert_close(raviart_thomas(mesh, v, mesh.cell_centers), u(mesh.cell_centers), 1e-9)
 
 
-def test_raviart_and_thomas_has_the_normal_velocities_of_the_data(mesh):
-    """n_a · u = v_a all over face a, from either cell."""
-    v = some_data(mesh)
+def test_raviart_thomas_interpolates_the_normal_velocities(mesh):
+    """n_a · u = v_a on face a, from both cells."""
+    v = random_data(mesh)
     for k in range(mesh.points.shape[1] + 1):
         faces = mesh.cell_faces[:, k]
         on_face = raviart_thomas(mesh, v, mesh.face_centers[faces])
@@ -190,8 +192,8 @@ def test_raviart_and_thomas_has_the_normal_velocities_of_the_data(mesh):
         assert (np.abs(flow - v[faces]) / size).max() < 1e-8
 
 
-def test_strain_is_consistent_and_still_not_exact():
-    """A field free of divergence, without defect, and wrong by ½|σ|R in an equilateral triangle."""
+def test_strain_has_no_defect_and_is_not_reproduced():
+    """Divergence and defect are zero, but the error in an equilateral triangle is ½|σ|R."""
     q = np.exp(2j * np.pi * np.arange(3) / 3)
     mesh = SimplexMesh(np.column_stack([q.real, q.imag]), [[0, 1, 2]])
     found = cell_velocities(mesh, normal_velocities(mesh, mesh.points * [1, -1]))
@@ -199,12 +201,12 @@ def test_strain_is_consistent_and_still_not_exact():
     assert np.linalg.norm(found.values[0]) == pytest.approx(0.5, abs=1e-14)
 
 
-# --- what no constant field explains ------------------------------------------------------------
+# --- the defect ---------------------------------------------------------------------------------
 
 
 def test_the_defect_is_the_norm_of_the_residual(mesh):
-    """r = l (l·v)/|l|², so |r| = |l·v|/|l|: the divergence, in units of velocity."""
-    v = some_data(mesh)
+    """r = l (l·v)/|l|², so |r| = |l·v|/|l| is the divergence in units of velocity."""
+    v = random_data(mesh)
     found = cell_velocities(mesh, v)
     l = mesh.face_measures[mesh.cell_faces]  # noqa: E741
     div = divergence(mesh, v) * mesh.cell_measures / np.linalg.norm(l, axis=1)
@@ -215,10 +217,10 @@ def test_the_defect_is_the_norm_of_the_residual(mesh):
     assert (np.abs(found.defect - residual) / size).max() < 1e-9
 
 
-def test_the_divergent_part_of_the_data_is_lost():
-    """N⁺l = 0: data with any multiple of l added give the same velocity, and another defect."""
+def test_the_divergent_part_of_the_data_does_not_affect_the_velocity():
+    """N⁺l = 0: adding a multiple of l to the data changes the defect only."""
     for mesh in fat_triangles()[:50]:
-        v = some_data(mesh)
+        v = random_data(mesh)
         more = np.empty(3)
         signs, faces = mesh.cell_face_signs[0], mesh.cell_faces[0]
         more[faces] = v[faces] + 5 * signs * mesh.face_measures[faces]
@@ -228,19 +230,19 @@ def test_the_divergent_part_of_the_data_is_lost():
 
 
 @given(st.integers(0, 10**6), st.integers(2, 3))
-def test_any_simplex_gives_a_least_squares_solution(seed, d):
-    """Nᵀ(Nu - v) = 0, however flat the cell."""
+def test_the_normal_equations_hold_in_any_simplex(seed, d):
+    """Nᵀ(Nu - v) = 0, however flat the cell is."""
     rng = np.random.default_rng(seed)
     points = rng.uniform(-1, 1, (d + 1, d)) * 10.0 ** rng.integers(-3, 1, d)
     mesh = SimplexMesh(points, [range(d + 1)])
-    v = some_data(mesh, seed)
+    v = random_data(mesh, seed)
     u = cell_velocities(mesh, v).values[0]
     n = mesh.face_normals
     assert np.abs(n.T @ (n @ u - v)).max() <= 1e-9 * (1 + np.abs(u).max())
 
 
-def test_several_fields_and_complex_ones():
-    """Axes of the data stay; the components come last."""
+def test_data_may_have_several_axes_and_be_complex():
+    """The axes of the data are kept; the components come last."""
     mesh = MESHES["random 3-D"]
     v = np.random.default_rng(7).standard_normal((len(mesh.faces), 2, 4)) * (1 + 2j)
     found = cell_velocities(mesh, v)
@@ -253,8 +255,8 @@ def test_several_fields_and_complex_ones():
 
 
 @pytest.mark.parametrize(("u", "d", "sides"), [(taylor_green, 2, (16, 64)), (abc_flow, 3, (6, 12))])
-def test_smooth_fields_come_back_to_first_order(u, d, sides):
-    """At the circumcentre the error is O(h), strain being what it is: consistent is not exact."""
+def test_cell_velocities_of_smooth_fields_are_of_first_order(u, d, sides):
+    """The error at the circumcentre is O(h), because strain is not reproduced."""
     errors = []
     for side in sides:
         mesh = jittered_mesh(side, d, 8)
@@ -266,16 +268,16 @@ def test_smooth_fields_come_back_to_first_order(u, d, sides):
 # --- from cells to vertices ---------------------------------------------------------------------
 
 
-def linear_precision(weights, mesh: SimplexMesh, tolerance: float) -> None:
-    """Rows sum to one, and give x_i for the circumcentres."""
+def linear_fields_are_reproduced(weights, mesh: SimplexMesh, tolerance: float) -> None:
+    """The rows must sum to one, and their product with the circumcentres must be x_i."""
     w = weights(mesh)
     assert_close(w.sum(axis=1), np.ones(len(mesh.points)), tolerance)
     assert_close(w @ mesh.circumcenters, mesh.points, tolerance)
 
 
-def test_affine_fields_come_back_at_the_vertices(mesh):
-    """Inside by Voronoi coordinates, on the boundary by least squares."""
-    linear_precision(circumcenter_weights, mesh, EXACT)
+def test_affine_fields_are_reproduced_at_the_vertices(mesh):
+    """Interior weights are Voronoi coordinates; boundary weights are least-squares fits."""
+    linear_fields_are_reproduced(circumcenter_weights, mesh, EXACT)
     u = affine(mesh, 9)
     found = vertex_velocities_from_cells(mesh, u(mesh.circumcenters))
     size = np.abs(u(mesh.circumcenters)).max()  # far circumcentres have large values
@@ -283,7 +285,7 @@ def test_affine_fields_come_back_at_the_vertices(mesh):
 
 
 def voronoi_everywhere(mesh: SimplexMesh):
-    """The mutant: the formula for closed cells at the boundary too."""
+    """Mutant: the formula for closed cells, also at the boundary."""
     incidence = mesh.vertex_cell_incidence.tocoo()
     w = []
     for i, c in zip(*incidence.coords, strict=True):
@@ -297,14 +299,14 @@ def voronoi_everywhere(mesh: SimplexMesh):
     return matrix.tocsr()
 
 
-def test_the_boundary_needs_another_way():
-    """Of an open star the formula does not give the vertex."""
+def test_the_voronoi_formula_is_wrong_at_the_boundary():
+    """The star of a boundary vertex is open, and the weights do not reproduce the vertex."""
     with pytest.raises(AssertionError, match="deviates"):
-        linear_precision(voronoi_everywhere, MESHES["jittered 2-D"], 0.01)
+        linear_fields_are_reproduced(voronoi_everywhere, MESHES["jittered 2-D"], 0.01)
 
 
-def test_inside_the_weights_are_the_slides_formula(mesh):
-    """V_a / Π l_ib², positive, on the cells of the vertex and no others."""
+def test_interior_weights_equal_the_formula_of_the_slides(mesh):
+    """V_a / Π l_ib², positive, on the cells of the vertex only."""
     w, slides = circumcenter_weights(mesh), voronoi_everywhere(mesh)
     inside = np.flatnonzero(~mesh.boundary_vertices)
     assert_close(w[inside].toarray(), slides[inside].toarray(), 1e-12)
@@ -312,14 +314,14 @@ def test_inside_the_weights_are_the_slides_formula(mesh):
 
 
 @pytest.mark.parametrize("unit", [1e-100, 1e100])
-def test_the_weights_have_no_unit(mesh, unit):
-    """Nor do squares of lengths leave the range of numbers."""
+def test_the_weights_do_not_depend_on_the_unit(mesh, unit):
+    """Squares of lengths do not overflow or underflow."""
     scaled = SimplexMesh(mesh.points * unit, mesh.cells)
     assert_close(circumcenter_weights(scaled).toarray(), circumcenter_weights(mesh).toarray(), 1e-8)
 
 
-def test_the_weights_in_the_order_asked_for(mesh):
-    """Inner and boundary vertices mixed, one of them twice."""
+def test_weights_have_the_order_of_the_requested_vertices(mesh):
+    """Interior and boundary vertices are mixed, and one is requested twice."""
     some = np.random.default_rng(10).integers(0, len(mesh.points), 30)
     wanted = circumcenter_weights(mesh)[some].toarray()
     assert_close(circumcenter_weights(mesh, some).toarray(), wanted, 1e-11)
@@ -327,8 +329,8 @@ def test_the_weights_in_the_order_asked_for(mesh):
 
 
 @pytest.mark.parametrize(("u", "d", "sides"), [(taylor_green, 2, (16, 64)), (abc_flow, 3, (8, 16))])
-def test_smooth_fields_reach_the_vertices_to_second_order(u, d, sides):
-    """Inside and on the boundary."""
+def test_vertex_velocities_of_smooth_fields_are_of_second_order(u, d, sides):
+    """This holds at interior and at boundary vertices."""
     errors = []
     for side in sides:
         mesh = jittered_mesh(side, d, 11)
@@ -339,7 +341,7 @@ def test_smooth_fields_reach_the_vertices_to_second_order(u, d, sides):
         assert 1.7 < order(coarse, fine, sides[1] / sides[0]) < 2.7
 
 
-# --- refused ------------------------------------------------------------------------------------
+# --- refusals -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -354,14 +356,14 @@ def test_smooth_fields_reach_the_vertices_to_second_order(u, d, sides):
         ),
     ],
 )
-def test_bad_input_is_refused_in_words(call, words):
-    """Which argument, what came, what was wanted."""
+def test_invalid_arguments_are_refused(call, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call(MESHES["random 2-D"])
 
 
 def test_one_cell_does_not_determine_an_affine_field():
-    """In words that name the vertex."""
+    """The message names the vertex."""
     mesh = SimplexMesh([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]])
     words = "the 1 circumcentres that count about vertex 0 do not determine an affine field"
     with pytest.raises(np.linalg.LinAlgError, match=words):

@@ -1,4 +1,4 @@
-"""Gradients at vertices: affine fields, the library's own methods, orders of convergence."""
+"""Gradients at vertices: affine fields, methods of the library, orders of convergence."""
 
 import numpy as np
 import pytest
@@ -36,12 +36,12 @@ def mesh(request) -> SimplexMesh:
 
 
 def spacing(mesh: SimplexMesh) -> float:
-    """Distance of the vertices of a mesh of the unit cube."""
+    """Mean spacing of the vertices of a mesh of the unit cube."""
     return len(mesh.points) ** (-1 / mesh.points.shape[1])
 
 
-def affine_fields_have_their_gradient(gradients, mesh: SimplexMesh, unit: float) -> None:
-    """At every vertex, those of the boundary included."""
+def gradients_of_affine_fields_are_exact(gradients, mesh: SimplexMesh, unit: float) -> None:
+    """The gradient must be exact at every vertex, including the boundary."""
     slope = np.arange(1.0, mesh.points.shape[1] + 1)
     middle = mesh.points.mean(axis=0)
     found = gradients(mesh, 4 + (mesh.circumcenters - middle) / unit @ slope) * unit
@@ -50,23 +50,23 @@ def affine_fields_have_their_gradient(gradients, mesh: SimplexMesh, unit: float)
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("unit", [1.0, 1e-100, 1e100])
-def test_affine_fields_have_their_gradient(mesh, method, unit):
-    """By every method, in every unit in which its length is given."""
+def test_gradients_of_affine_fields_are_exact(mesh, method, unit):
+    """This holds for every method and in every unit of length."""
     scaled = SimplexMesh(mesh.points * unit, mesh.cells)
     by = METHODS[method](spacing(mesh) * unit)
-    affine_fields_have_their_gradient(lambda m, p: vertex_gradients(m, p, by), scaled, unit)
+    gradients_of_affine_fields_are_exact(lambda m, p: vertex_gradients(m, p, by), scaled, unit)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_affine_fields_have_their_gradient_far_away(mesh, method):
-    """At an offset of a thousand, of which the positions lose three digits."""
-    moved = SimplexMesh(mesh.points + 1000.0, mesh.cells)
+def test_gradients_of_affine_fields_are_exact_far_from_the_origin(mesh, method):
+    """At an offset of 1000 the coordinates lose three digits."""
+    translated = SimplexMesh(mesh.points + 1000.0, mesh.cells)
     by = METHODS[method](spacing(mesh))
-    affine_fields_have_their_gradient(lambda m, p: vertex_gradients(m, p, by), moved, 1.0)
+    gradients_of_affine_fields_are_exact(lambda m, p: vertex_gradients(m, p, by), translated, 1.0)
 
 
 def green_gauss(mesh: SimplexMesh, p: np.ndarray) -> np.ndarray:
-    """The mutant: the mean of the neighbours' values over the dual cell, by Gauss's theorem."""
+    """Mutant: the Green-Gauss gradient, which averages over the dual cell."""
     d = mesh.points.shape[1]
     total = np.zeros((len(mesh.points), d))
     size = np.zeros(len(mesh.points))
@@ -77,13 +77,12 @@ def green_gauss(mesh: SimplexMesh, p: np.ndarray) -> np.ndarray:
     return total / size[:, None]
 
 
-def test_a_gradient_that_is_not_exact_is_caught():
-    """Finite volumes are not, on a random mesh."""
+def test_green_gauss_gradients_are_not_exact():
     with pytest.raises(AssertionError, match="deviates"):
-        affine_fields_have_their_gradient(green_gauss, MESHES["random 2-D"], 1.0)
+        gradients_of_affine_fields_are_exact(green_gauss, MESHES["random 2-D"], 1.0)
 
 
-# --- against the methods of the library ---------------------------------------------------------
+# --- comparison with the methods of the library -------------------------------------------------
 
 
 def wavy(x: np.ndarray) -> np.ndarray:
@@ -99,7 +98,7 @@ def wavy_gradient(x: np.ndarray) -> np.ndarray:
 
 
 def one_ring_vertices(mesh: SimplexMesh) -> np.ndarray:
-    """Inner vertices that one ring determines well, none of its circumcentres far away."""
+    """Interior vertices with a well-conditioned one-ring and no distant circumcentre."""
     chosen = []
     for i in np.flatnonzero(~mesh.boundary_vertices):
         offset = mesh.circumcenters[mesh.vertex_cells(i)] - mesh.points[i]
@@ -132,8 +131,8 @@ AGAINST = {
 @pytest.mark.slow
 @pytest.mark.parametrize("method", AGAINST)
 @pytest.mark.parametrize("name", ["random 2-D", "jittered 3-D"])
-def test_in_batches_they_are_the_methods_of_the_library(name, method):
-    """The same gradient as `Field.gradient` of the method made from the circumcentres around."""
+def test_batched_gradients_equal_those_of_the_methods(name, method):
+    """The reference is `Field.gradient` of the method fitted to the surrounding circumcentres."""
     mesh = MESHES[name]
     local, made = AGAINST[method]
     values = wavy(mesh.circumcenters)
@@ -147,24 +146,24 @@ def test_in_batches_they_are_the_methods_of_the_library(name, method):
         assert_close(gradient / size, wanted / size, 1e-5 if "RBF" in method else 1e-9)
 
 
-def test_the_weights_have_their_part_in_the_derivative():
-    """Without it, as by the fitted slope alone, the gradient of moving least squares differs."""
+def test_the_gradient_includes_the_derivative_of_the_weights():
+    """The slope of the local fit alone differs from the gradient of moving least squares."""
     mesh = MESHES["random 2-D"]
     values, vertices = wavy(mesh.circumcenters), one_ring_vertices(mesh)
     local, _ = AGAINST["MLS"]
     found = vertex_gradients(mesh, values, local, vertices=vertices)
-    gap = 0.0
+    difference = 0.0
     for i, gradient in zip(vertices, found, strict=True):
         p = mesh.circumcenters[mesh.vertex_cells(i)] - mesh.points[i]
         w = inverse_square(0.05)(np.linalg.norm(p, axis=1))
         b = np.column_stack([np.ones(len(p)), p])
         c = np.linalg.lstsq(w[:, None] * b, w * values[mesh.vertex_cells(i)], rcond=None)[0]
-        gap = max(gap, float(np.abs(c[1:] - gradient).max()))
-    assert gap > 0.01
+        difference = max(difference, float(np.abs(c[1:] - gradient).max()))
+    assert difference > 0.01
 
 
-def test_circumcentres_that_coincide_share_their_weight():
-    """In a grid of squares each is that of two triangles, whose mean is fitted."""
+def test_coincident_circumcentres_are_replaced_by_their_mean_value():
+    """In a grid of squares two triangles share each circumcentre."""
     side = np.arange(5.0)
     points = np.stack(np.meshgrid(side, side, indexing="ij"), axis=-1).reshape(-1, 2)
     mesh = SimplexMesh.delaunay(points)
@@ -175,14 +174,16 @@ def test_circumcentres_that_coincide_share_their_weight():
     full = [i for i in inside if len(mesh.vertex_cells(i)) == 8]
     found = vertex_gradients(mesh, noise, local_rbf(), vertices=full)
     assert_close(found, vertex_gradients(mesh, mean, local_rbf(), vertices=full), 1e-8)
-    affine_fields_have_their_gradient(lambda m, p: vertex_gradients(m, p, local_rbf()), mesh, 1.0)
+    gradients_of_affine_fields_are_exact(
+        lambda m, p: vertex_gradients(m, p, local_rbf()), mesh, 1.0
+    )
 
 
 # --- order of convergence -----------------------------------------------------------------------
 
 
-def inner_error(mesh: SimplexMesh, by) -> float:
-    """Root of the mean squared error a tenth away from the boundary."""
+def interior_error(mesh: SimplexMesh, by) -> float:
+    """Root mean square error at vertices with a distance of at least 0.1 from the boundary."""
     inside = ((mesh.points > 0.1) & (mesh.points < 0.9)).all(axis=1)
     vertices = np.flatnonzero(inside)
     found = vertex_gradients(mesh, wavy(mesh.circumcenters), by, vertices=vertices)
@@ -191,22 +192,22 @@ def inner_error(mesh: SimplexMesh, by) -> float:
 
 @pytest.mark.parametrize("method", ["LS", "MLS", "RBF"])
 @pytest.mark.parametrize(("d", "sides"), [(2, (16, 64)), (3, (6, 12))])
-def test_on_irregular_meshes_the_gradient_is_of_first_order(method, d, sides):
-    """An affine fit leaves the second derivatives, h of them in the gradient."""
-    errors = [inner_error(jittered_mesh(n, d, 6), METHODS[method](1 / n)) for n in sides]
+def test_gradients_on_irregular_meshes_are_of_first_order(method, d, sides):
+    """An affine fit ignores second derivatives, which change the gradient by O(h)."""
+    errors = [interior_error(jittered_mesh(n, d, 6), METHODS[method](1 / n)) for n in sides]
     assert 0.7 < order(*errors, sides[1] / sides[0]) < 1.5
 
 
 @pytest.mark.parametrize("method", ["LS", "MLS", "RBF"])
-def test_on_symmetric_meshes_the_gradient_is_of_second_order(method):
-    """Where the circumcentres lie in pairs opposite the vertex, even derivatives cancel."""
+def test_gradients_on_symmetric_meshes_are_of_second_order(method):
+    """If the circumcentres are symmetric about the vertex, the even terms cancel."""
     errors = []
     for n in (16, 64):
-        errors.append(inner_error(hexagons(n), METHODS[method](1 / n)))
+        errors.append(interior_error(equilateral_triangles(n), METHODS[method](1 / n)))
     assert 1.8 < order(*errors, 4) < 2.3
 
 
-def hexagons(n: int) -> SimplexMesh:
+def equilateral_triangles(n: int) -> SimplexMesh:
     """Equilateral triangles of side 1/n over the unit square."""
     i, j = np.meshgrid(np.arange(-n, 2 * n), np.arange(int(1.3 * n)), indexing="ij")
     x, y = (i + j / 2) / n, j * np.sqrt(0.75) / n
@@ -214,11 +215,11 @@ def hexagons(n: int) -> SimplexMesh:
     return SimplexMesh.delaunay(np.column_stack([x[inside], y[inside]]))
 
 
-# --- forms of the data, other sites, what is refused --------------------------------------------
+# --- shapes of the data, other sites, refusals --------------------------------------------------
 
 
-def test_values_at_the_centroids_need_their_sites(mesh):
-    """Cell averages belong to the centroids, and the circumcentres would be wrong for them."""
+def test_values_at_centroids_need_the_argument_sites(mesh):
+    """Cell averages belong to centroids; with circumcentres the gradient is wrong."""
     slope = np.arange(1.0, mesh.points.shape[1] + 1)
     wanted = np.tile(slope, (len(mesh.points), 1))
     at_centroids = mesh.cell_centers @ slope
@@ -226,8 +227,8 @@ def test_values_at_the_centroids_need_their_sites(mesh):
     assert np.abs(vertex_gradients(mesh, at_centroids) - wanted).max() > 0.01
 
 
-def test_several_fields_and_complex_ones():
-    """Axes of the data stay; the derivative comes last."""
+def test_data_may_have_several_axes_and_be_complex():
+    """The axes of the data are kept; the derivatives come last."""
     mesh = MESHES["random 3-D"]
     values = np.random.default_rng(7).standard_normal((len(mesh.cells), 2, 4)) * (1 + 2j)
     found = vertex_gradients(mesh, values, local_rbf())
@@ -257,14 +258,14 @@ def test_several_fields_and_complex_ones():
         (lambda _: local_rbf(smoothing=-1), "smoothing must be zero or a positive number"),
     ],
 )
-def test_bad_input_is_refused_in_words(call, words):
-    """Which argument, what came, what was wanted."""
+def test_invalid_arguments_are_refused(call, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call(MESHES["random 2-D"])
 
 
 @pytest.mark.parametrize("by", [local_least_squares(), local_rbf()], ids=["LS", "RBF"])
-def test_cells_too_few_are_refused_in_words(by):
+def test_vertices_with_too_few_cells_are_refused(by):
     """Two circumcentres lie on a line."""
     mesh = SimplexMesh([[0, 0], [2, 0], [2, 1], [0, 1.5]], [[0, 1, 2], [0, 2, 3]])
     words = "the 2 cells that count about vertex 0 do not determine a gradient"
@@ -272,8 +273,8 @@ def test_cells_too_few_are_refused_in_words(by):
         vertex_gradients(mesh, np.zeros(2), by)
 
 
-def test_sites_that_coincide_are_refused_without_smoothing():
-    """Nothing interpolates two values at one place."""
+def test_coincident_sites_are_refused_without_smoothing():
+    """Two values at one point cannot be interpolated."""
     mesh = SimplexMesh.delaunay([[0, 0], [2, 0], [2, 2], [0, 2], [1, 5], [3, 4]])
     sites = mesh.circumcenters.copy()
     sites[1] = sites[0]

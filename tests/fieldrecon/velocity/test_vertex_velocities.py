@@ -1,4 +1,4 @@
-"""Velocities at vertices: affine fields, the conic theorem, rings, weights, and what is refused."""
+"""Velocities at vertices: affine fields, the conic theorem, rings, weights and refusals."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def mesh(request) -> SimplexMesh:
 
 
 def slides_matrix(mesh: SimplexMesh, faces: np.ndarray, i: int) -> np.ndarray:
-    """B' of p. 22, one row (nᵀ, y₁nᵀ, … y_dnᵀ) for each face, about vertex i."""
+    """B' of p. 22 relative to vertex i, with one row (nᵀ, y₁nᵀ, … y_dnᵀ) per face."""
     y = mesh.face_centers[faces] - mesh.points[i]
     y = y / np.abs(y).max()
     n = mesh.face_normals[faces]
@@ -43,7 +43,7 @@ def slides_matrix(mesh: SimplexMesh, faces: np.ndarray, i: int) -> np.ndarray:
 
 
 def amplification(b: np.ndarray, d: int) -> float:
-    """Largest row of the weights of the value; infinite where a null vector has a part in it."""
+    """Largest row norm of the weights of the value, infinite if a null vector affects the value."""
     _, s, vt = np.linalg.svd(b)
     kept = (s > 1e-12 * s[0]).sum()
     if np.abs(vt[kept:, :d]).max(initial=0) > 1e-10:
@@ -54,8 +54,8 @@ def amplification(b: np.ndarray, d: int) -> float:
 # --- affine fields ------------------------------------------------------------------------------
 
 
-def affine_fields_come_back(reconstruct, mesh: SimplexMesh, tolerance: float = EXACT) -> None:
-    """At every vertex, those of the boundary included."""
+def affine_fields_are_reproduced(reconstruct, mesh: SimplexMesh, tolerance: float = EXACT) -> None:
+    """This must hold at every vertex, including the boundary."""
     for seed in range(3):
         u = affine(mesh, seed)(mesh.points)
         assert_close(reconstruct(mesh, normal_velocities(mesh, u)), u, tolerance)
@@ -65,16 +65,16 @@ def values(mesh, v, weight=None):
     return vertex_velocities(mesh, v, weight).values
 
 
-def test_affine_fields_come_back(mesh):
-    """u = c + Gx gives v_a = n_a·u(p_a) without error, and so u at each vertex."""
-    affine_fields_come_back(values, mesh)
+def test_affine_fields_are_reproduced(mesh):
+    """For u = c + Gx the data v_a = n_a·u(p_a) are exact, and so is u at each vertex."""
+    affine_fields_are_reproduced(values, mesh)
 
 
-def test_rotations_come_back(mesh):
-    """The field of the exercise on p. 43, u = J(x - m), and its like in space."""
+def test_rotations_are_reproduced(mesh):
+    """The field is u = J(x - m) of the exercise on p. 43, and its analogue in space."""
     d = mesh.points.shape[1]
-    turn = np.triu(np.ones((d, d)), 1)
-    u = (mesh.points - mesh.points.mean(axis=0)) @ (turn - turn.T)
+    upper = np.triu(np.ones((d, d)), 1)
+    u = (mesh.points - mesh.points.mean(axis=0)) @ (upper - upper.T)
     assert_close(values(mesh, normal_velocities(mesh, u)), u, EXACT)
 
 
@@ -88,28 +88,31 @@ def test_rotations_come_back(mesh):
     ],
     ids=["singular", "slides", "narrow", "compact"],
 )
-def test_affine_fields_come_back_for_every_weight(mesh, weight):
-    """However much the weights of the faces differ, h the distance of the points."""
+def test_affine_fields_are_reproduced_for_every_weight(mesh, weight):
+    """The weights of the faces may differ by orders of magnitude.
+
+    The length h is the spacing of the points.
+    """
     h = len(mesh.points) ** (-1 / mesh.points.shape[1])
-    affine_fields_come_back(lambda mesh, v: values(mesh, v, weight(h)), mesh)
+    affine_fields_are_reproduced(lambda mesh, v: values(mesh, v, weight(h)), mesh)
 
 
 @pytest.mark.parametrize("unit", [1e-100, 1e100])
 @pytest.mark.parametrize("length", [None, 0.1])
-def test_affine_fields_come_back_in_every_unit(mesh, unit, length):
-    """The length in the weight changes with the unit, and nothing else does."""
+def test_affine_fields_are_reproduced_in_every_unit(mesh, unit, length):
+    """The length of the weight function must be given in the same unit."""
     weight = None if length is None else inverse_square(length * unit)
     scaled = SimplexMesh(mesh.points * unit, mesh.cells)
-    affine_fields_come_back(lambda mesh, v: values(mesh, v, weight), scaled)
+    affine_fields_are_reproduced(lambda mesh, v: values(mesh, v, weight), scaled)
 
 
-def test_affine_fields_come_back_far_from_the_origin(mesh):
-    """Offsets are differences of points, so not even the rounding of the centroids shows."""
-    affine_fields_come_back(values, SimplexMesh(mesh.points + 1e6, mesh.cells))
+def test_affine_fields_are_reproduced_far_from_the_origin(mesh):
+    """Offsets are differences of points, so the rounding of the centroids has no effect."""
+    affine_fields_are_reproduced(values, SimplexMesh(mesh.points + 1e6, mesh.cells))
 
 
 def spokes_only(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
-    """The mutant: the faces at the vertex alone, and the least solution, whatever their rank."""
+    """Mutant: the least-norm solution from the faces at the vertex only."""
     u = []
     for i in range(len(mesh.points)):
         faces = np.flatnonzero((mesh.faces == i).any(axis=1))
@@ -118,7 +121,7 @@ def spokes_only(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
 
 
 def one_ring_only(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
-    """The mutant: the slides' neighbourhood for every vertex, and the least solution."""
+    """Mutant: the least-norm solution from one ring at every vertex, as on the slides."""
     around = mesh.faces_around(1)
     u = []
     for i in range(len(mesh.points)):
@@ -127,30 +130,33 @@ def one_ring_only(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
     return np.array(u)[:, : mesh.points.shape[1]]
 
 
-def normals_reversed(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
-    """The mutant: the sign of one normal forgotten."""
+def one_normal_reversed(mesh: SimplexMesh, v: np.ndarray) -> np.ndarray:
+    """Mutant: one normal has the wrong sign."""
     return values(mesh, np.where(np.arange(len(v)) == 7, -v, v))
 
 
-@pytest.mark.parametrize("mutant", [spokes_only, one_ring_only, normals_reversed])
-def test_a_wrong_reconstruction_is_caught(mutant):
-    """Silently wrong by more than a tenth at some vertex of a random mesh, as p. 19-23 would be."""
+@pytest.mark.parametrize("mutant", [spokes_only, one_ring_only, one_normal_reversed])
+def test_mutants_do_not_reproduce_affine_fields(mutant):
+    """At some vertex the error exceeds 0.1.
+
+    The formulas of p. 19-23 would have this error silently.
+    """
     with pytest.raises(AssertionError, match="deviates"):
-        affine_fields_come_back(mutant, MESHES["random 2-D"], 0.1)
+        affine_fields_are_reproduced(mutant, MESHES["random 2-D"], 0.1)
 
 
-# --- which vertices are determined --------------------------------------------------------------
+# --- rank and rings -----------------------------------------------------------------------------
 
 
 def patch(kind: str, rng: np.random.Generator) -> SimplexMesh:
-    """A star of 4 to 8 triangles whose vertices lie in general, on an ellipse, or on two lines."""
+    """A star of 4 to 8 triangles with vertices in general position, on an ellipse or two lines."""
     n = int(rng.integers(4, 9))
-    if kind == "two lines":  # through the centre, so that the centre lies on them as well
+    if kind == "two lines":  # both lines contain the centre
         line = rng.uniform(0, np.pi) + np.array([0, rng.uniform(0.5, 2.5)])
         angle = np.sort(np.concatenate([line, line + np.pi]))
         radius = rng.uniform(0.5, 1.5, 4)
-        rim = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-        points = np.vstack([[[0.0, 0.0]], rim])
+        ring = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+        points = np.vstack([[[0.0, 0.0]], ring])
     else:
         angle = np.sort(rng.uniform(0, 2 * np.pi, n))
         points = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -161,11 +167,11 @@ def patch(kind: str, rng: np.random.Generator) -> SimplexMesh:
 
 
 @pytest.mark.parametrize("kind", ["general", "ellipse", "two lines"])
-def test_the_rank_is_that_of_conics_through_the_vertices(kind):
-    """rank B' = rank of the Vandermonde matrix of degree 2 of the vertices of the patch.
+def test_the_rank_equals_that_of_quadratics_at_the_vertices(kind):
+    """rank B' is the rank of the Vandermonde matrix of degree 2 at the vertices of the patch.
 
-    Kernel fields are ∇⊥ψ with ψ quadratic and constant on the vertices, since l n·u(p) is the
-    difference of ψ along the edge.
+    The null space consists of ∇⊥ψ with ψ quadratic and constant on the vertices, because l n·u(p)
+    is the difference of ψ along the edge.
     """
     rng = np.random.default_rng(5)
     ranks = set()
@@ -181,10 +187,10 @@ def test_the_rank_is_that_of_conics_through_the_vertices(kind):
     assert max(ranks) == (6 if kind == "general" else 5)
 
 
-def test_spokes_alone_never_determine_the_field():
-    """u = x - x_i is tangent to every face at x_i: the rank is 5 at most, however many there are.
+def test_spokes_do_not_determine_an_affine_field():
+    """u = x - x_i is tangent to every face at x_i, so the rank is at most 5.
 
-    The value at x_i is estimable from five spokes on, not from three or four.
+    The value at x_i is determined by five or more spokes, not by three or four.
     """
     for valence in range(3, 10):
         mesh = star(valence, 6)
@@ -195,28 +201,31 @@ def test_spokes_alone_never_determine_the_field():
 
 
 def two_rings(valence: int, seed: int) -> SimplexMesh:
-    """A star, and triangles all round it."""
+    """A star surrounded by a second ring of triangles."""
     inner = star(valence, seed)
     outer = np.random.default_rng(seed).uniform(1.9, 2.4, (valence, 1)) * inner.points[1:]
     k, n = np.arange(valence), np.roll(np.arange(valence), -1)
-    round_it = [
+    second = [
         np.column_stack([1 + k, 1 + valence + k, 1 + n]),
         np.column_stack([1 + valence + k, 1 + valence + n, 1 + n]),
     ]
-    return SimplexMesh(np.vstack([inner.points, outer]), np.vstack([inner.cells, *round_it]))
+    return SimplexMesh(np.vstack([inner.points, outer]), np.vstack([inner.cells, *second]))
 
 
 @pytest.mark.parametrize("valence", [3, 4, 5, 6, 7])
-def test_valence_three_and_four_take_two_rings(valence):
-    """N triangles have N + 1 vertices: rank min(6, N + 1), and with a second ring 6."""
+def test_vertices_of_valence_three_and_four_need_two_rings(valence):
+    """N triangles have N + 1 vertices, hence rank min(6, N + 1).
+
+    With a second ring the rank is 6.
+    """
     mesh = two_rings(valence, 7)
     assert len(mesh.vertex_cells(0)) == valence
     v = normal_velocities(mesh, affine(mesh, 0)(mesh.points))
     assert vertex_velocities(mesh, v, vertices=[0]).rings[0] == (2 if valence < 5 else 1)
 
 
-def test_boundary_fans_take_two_rings():
-    """N triangles at a vertex of the boundary have N + 2 vertices: fewer than four do not do."""
+def test_boundary_vertices_with_few_triangles_need_two_rings():
+    """N triangles at a boundary vertex have N + 2 vertices; at least four triangles are needed."""
     mesh = MESHES["random 2-D"]
     rings = vertex_velocities(mesh, np.zeros(len(mesh.faces))).rings
     fans = np.diff(mesh.vertex_cell_incidence.indptr)
@@ -228,15 +237,18 @@ def test_boundary_fans_take_two_rings():
 
 
 def cross(seed: int = 8) -> SimplexMesh:
-    """Four triangles round vertex 0 whose neighbours lie on two lines through it."""
+    """Four triangles at vertex 0 with neighbours on two lines through it."""
     r = np.random.default_rng(seed).uniform(0.5, 1.5, 4)
     points = [[0, 0], [r[0], 0], [0, r[1]], [-r[2], 0], [0, -r[3]]]
     return SimplexMesh(points, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.7, 1e3])
-def test_a_cross_is_determined_at_its_centre(offset):
-    """Rank 5 of 6, but the conic xy = 0 has a vanishing gradient there: one ring is enough."""
+def test_the_value_at_the_centre_of_a_cross_is_determined(offset):
+    """The rank is 5 of 6, but the conic xy = 0 has gradient zero at the centre.
+
+    One ring suffices.
+    """
     mesh = SimplexMesh(cross().points + offset, cross().cells)
     u = affine(mesh, 9)(mesh.points)
     v = normal_velocities(mesh, u)
@@ -246,20 +258,20 @@ def test_a_cross_is_determined_at_its_centre(offset):
     assert_close(found.values, u[:1], EXACT)
 
 
-def test_the_least_solution_of_a_cross_depends_on_the_origin():
-    """Why the frame is that of the vertex: not centred, the same solution is wrong."""
+def test_the_least_norm_solution_of_a_cross_depends_on_the_origin():
+    """Therefore coordinates are relative to the vertex. In another frame the solution is wrong."""
     mesh = cross()
     u = affine(mesh, 9)(mesh.points)
-    b = slides_matrix(mesh, np.arange(8), 1)  # about another vertex: the frame of vertex 1
+    b = slides_matrix(mesh, np.arange(8), 1)  # coordinates relative to vertex 1
     size = np.abs(mesh.face_centers - mesh.points[1]).max()
     c = np.linalg.lstsq(b, normal_velocities(mesh, u), rcond=1e-12)[0].reshape(3, 2)
     assert np.abs(c[0] - u[1]).max() > 0.01
     at_the_centre = c[0] + (mesh.points[0] - mesh.points[1]) / size @ c[1:]
-    assert_close(at_the_centre, u[0], EXACT)  # estimable there, by any solution
+    assert_close(at_the_centre, u[0], EXACT)  # every solution gives this value
 
 
-def test_rings_are_as_few_as_determine_the_value(mesh):
-    """By the singular values of B': one ring fewer amplifies errors more than ten times."""
+def test_rings_are_minimal(mesh):
+    """With one ring fewer, the singular values of B' show an amplification above ten."""
     d = mesh.points.shape[1]
     rings = vertex_velocities(mesh, np.zeros(len(mesh.faces))).rings
     for i in range(len(mesh.points)):
@@ -269,8 +281,8 @@ def test_rings_are_as_few_as_determine_the_value(mesh):
             assert enough == (r == rings[i])
 
 
-def test_it_is_the_weighted_least_squares_solution():
-    """argmin |W(B'c - V')|² by numpy.linalg.lstsq, for data of no affine field."""
+def test_vertex_velocities_equal_weighted_least_squares():
+    """argmin |W(B'c - V')|² equals numpy.linalg.lstsq for random data."""
     mesh = MESHES["random 2-D"]
     v = np.random.default_rng(10).standard_normal(len(mesh.faces))
     for weight in (None, inverse_square(0.02)):
@@ -289,8 +301,8 @@ def test_it_is_the_weighted_least_squares_solution():
 
 @pytest.mark.parametrize(("u", "d", "sides"), [(taylor_green, 2, (16, 64)), (abc_flow, 3, (6, 12))])
 @pytest.mark.parametrize("weighted", [False, True])
-def test_smooth_fields_come_back_to_second_order(u, d, sides, weighted):
-    """The error falls like h² on jittered grids, in the plane and in space."""
+def test_vertex_velocities_of_smooth_fields_are_of_second_order(u, d, sides, weighted):
+    """The error is proportional to h² on jittered grids, in the plane and in space."""
     errors = []
     for side in sides:
         mesh = jittered_mesh(side, d, 11)
@@ -303,8 +315,8 @@ def test_smooth_fields_come_back_to_second_order(u, d, sides, weighted):
 # --- normal velocities and divergence -----------------------------------------------------------
 
 
-def test_normal_velocities_are_those_of_the_exercise():
-    """v_a = n_aᵀ(u_i + u_j)/2 of p. 43, edge by edge."""
+def test_normal_velocities_equal_the_formula_of_the_exercise():
+    """v_a = n_aᵀ(u_i + u_j)/2 of p. 43, computed edge by edge."""
     mesh = MESHES["random 2-D"]
     u = taylor_green(mesh.points)
     for a in range(0, len(mesh.faces), 11):
@@ -314,7 +326,7 @@ def test_normal_velocities_are_those_of_the_exercise():
 
 
 def test_the_divergence_of_an_affine_field_is_its_trace(mesh):
-    """Σ l_a v_a / V = tr G; zero for a field free of divergence."""
+    """Σ l_a v_a / V = tr G, which is zero for fields without divergence."""
     d = mesh.points.shape[1]
     g = np.random.default_rng(12).uniform(-1, 1, (d, d))
     div = divergence(mesh, normal_velocities(mesh, mesh.points @ g.T))
@@ -325,16 +337,16 @@ def test_the_divergence_of_an_affine_field_is_its_trace(mesh):
     assert np.abs(div).max() <= 1e-14 * slope.max()
 
 
-def test_what_flows_out_of_the_cells_flows_out_of_the_mesh(mesh):
-    """Σ V div v = Σ l v over the boundary, the theorem of Gauss; inner faces cancel."""
+def test_the_total_divergence_equals_the_boundary_flux(mesh):
+    """Gauss's theorem: Σ V div v = Σ l v over the boundary, because interior faces cancel."""
     v = np.random.default_rng(13).standard_normal(len(mesh.faces))
     total = mesh.cell_measures @ divergence(mesh, v)
     outer = mesh.boundary_faces
     assert total == pytest.approx(mesh.face_measures[outer] @ v[outer], abs=1e-11)
 
 
-def test_divergence_is_the_adjoint_of_the_difference_of_pressures(mesh):
-    """Σ_c V p div v = Σ_f l v (p_first - p_second), with no pressure outside."""
+def test_divergence_is_the_adjoint_of_the_pressure_difference(mesh):
+    """Σ_c V p div v = Σ_f l v (p_first - p_second), with zero pressure outside."""
     rng = np.random.default_rng(14)
     v, p = rng.standard_normal(len(mesh.faces)), rng.standard_normal(len(mesh.cells))
     first, second = mesh.face_cells.T
@@ -343,11 +355,11 @@ def test_divergence_is_the_adjoint_of_the_difference_of_pressures(mesh):
     assert left == pytest.approx(mesh.face_measures @ (v * jump), abs=1e-10)
 
 
-# --- weights, forms of the data, orientation ----------------------------------------------------
+# --- weights, shapes of the data, orientation ---------------------------------------------------
 
 
-def test_the_weights_are_the_reconstruction(mesh):
-    """u = (W_1 v, … W_d v), sparse; their transposes do the same work."""
+def test_velocity_weights_give_the_velocities(mesh):
+    """u = (W_1 v, … W_d v) with sparse matrices; their transposes satisfy the adjoint identity."""
     d = mesh.points.shape[1]
     rng = np.random.default_rng(15)
     v, f = rng.standard_normal(len(mesh.faces)), rng.standard_normal((len(mesh.points), d))
@@ -360,8 +372,8 @@ def test_the_weights_are_the_reconstruction(mesh):
         assert work == pytest.approx((f * u).sum(), abs=1e-9)
 
 
-def test_the_weights_undo_the_normals(mesh):
-    """Σ_a W_k,ia n_a,l p_a^α = δ_kl x_i^α for |α| ≤ 1: affine exactness as a statement on W."""
+def test_velocity_weights_reproduce_affine_fields(mesh):
+    """Σ_a W_k,ia n_a,l p_a^α = δ_kl x_i^α for |α| ≤ 1: affine exactness as an identity for W."""
     d = mesh.points.shape[1]
     rows = np.concatenate(
         [mesh.face_normals[None], mesh.face_centers.T[..., None] * mesh.face_normals]
@@ -372,14 +384,14 @@ def test_the_weights_undo_the_normals(mesh):
             assert_close(w @ moment, x[:, None] * np.eye(d)[k], EXACT)
 
 
-def test_no_error_of_the_data_grows_more_than_tenfold(mesh):
-    """Rows of the weights have a norm of ten at most, which is what ends the search for rings."""
+def test_errors_of_the_data_are_amplified_at_most_tenfold(mesh):
+    """The rows of the weights have a norm of at most ten, which is the criterion for the rings."""
     for w in velocity_weights(mesh):
         assert np.sqrt((w.multiply(w)).sum(axis=1)).max() <= WELL_DETERMINED
 
 
-def test_several_fields_and_complex_ones():
-    """Axes of the data stay; the components come last."""
+def test_data_may_have_several_axes_and_be_complex():
+    """The axes of the data are kept; the components come last."""
     mesh = MESHES["random 3-D"]
     rng = np.random.default_rng(16)
     u = rng.standard_normal((len(mesh.points), 2, 4, 3)) + 1j
@@ -393,23 +405,23 @@ def test_several_fields_and_complex_ones():
     assert_close(div[:, 0, 3], divergence(mesh, v[:, 0, 3]), 1e-9)
 
 
-def test_the_order_of_the_cells_does_not_matter(mesh):
-    """Other cells come first, so normals turn, and v with them: the velocities are the same."""
-    turned = SimplexMesh(mesh.points, mesh.cells[::-1])
-    assert (turned.faces == mesh.faces).all()
-    sign = (turned.face_normals * mesh.face_normals).sum(axis=1).round()
+def test_velocities_do_not_depend_on_the_order_of_the_cells(mesh):
+    """If the first cell of a face changes, its normal and v change sign; the velocities do not."""
+    reordered = SimplexMesh(mesh.points, mesh.cells[::-1])
+    assert (reordered.faces == mesh.faces).all()
+    sign = (reordered.face_normals * mesh.face_normals).sum(axis=1).round()
     assert set(sign) == {-1.0, 1.0}
     v = np.random.default_rng(17).standard_normal(len(mesh.faces))
-    assert_close(values(turned, sign * v), values(mesh, v), 1e-9)
+    assert_close(values(reordered, sign * v), values(mesh, v), 1e-9)
     assert_close(
-        divergence(turned, sign * v)[::-1] * mesh.cell_measures,
+        divergence(reordered, sign * v)[::-1] * mesh.cell_measures,
         divergence(mesh, v) * mesh.cell_measures,
         1e-12,
     )
 
 
-def test_only_the_vertices_asked_for(mesh):
-    """In their order, and twice if asked twice."""
+def test_velocities_have_the_order_of_the_requested_vertices(mesh):
+    """A vertex may be requested twice."""
     v = np.random.default_rng(18).standard_normal(len(mesh.faces))
     some = np.array([5, 3, 3, 90])
     all_of_them, found = vertex_velocities(mesh, v), vertex_velocities(mesh, v, vertices=some)
@@ -418,8 +430,8 @@ def test_only_the_vertices_asked_for(mesh):
     assert vertex_velocities(mesh, v, vertices=[]).values.shape == (0, mesh.points.shape[1])
 
 
-def test_points_of_no_cell_are_refused_only_when_asked_for():
-    """A mesh may hold them; there are no data about them."""
+def test_unreferenced_points_are_refused_only_if_requested():
+    """A mesh may have such points, but there are no data about them."""
     mesh = MESHES["jittered 2-D"]
     more = SimplexMesh(np.vstack([[[9.0, 9.0]], mesh.points]), mesh.cells + 1)
     u = affine(mesh, 0)(more.points)
@@ -430,7 +442,7 @@ def test_points_of_no_cell_are_refused_only_when_asked_for():
     assert_close(vertex_velocities(more, v, vertices=some).values, u[some], EXACT)
 
 
-# --- refused ------------------------------------------------------------------------------------
+# --- refusals -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -441,16 +453,16 @@ def test_points_of_no_cell_are_refused_only_when_asked_for():
         (np.vstack([np.zeros(3), np.eye(3)]), [[0, 1, 2, 3]], 4),
     ],
 )
-def test_a_mesh_too_small_is_refused_in_words(points, cells, faces):
-    """Never a number that means nothing: the vertex, and how many faces there are."""
+def test_meshes_with_too_few_faces_are_refused(points, cells, faces):
+    """The message names the vertex and the number of faces."""
     mesh = SimplexMesh(points, cells)
     words = f"the {faces} faces that count about vertex 0 do not determine its velocity"
     with pytest.raises(np.linalg.LinAlgError, match=words):
         vertex_velocities(mesh, np.zeros(faces))
 
 
-def test_a_weight_that_reaches_no_face_is_refused_in_words():
-    """The support of the weight ends the search as well."""
+def test_a_weight_whose_support_contains_no_face_is_refused():
+    """The search for rings ends at the support of the weight."""
     mesh = MESHES["random 2-D"]
     with pytest.raises(np.linalg.LinAlgError, match=r"the [01] faces that count about vertex"):
         vertex_velocities(mesh, np.zeros(len(mesh.faces)), wendland(3, 1, 1e-5))
@@ -475,8 +487,8 @@ def test_a_weight_that_reaches_no_face_is_refused_in_words():
         ),
     ],
 )
-def test_bad_input_is_refused_in_words(call, words):
-    """Which argument, what came, what was wanted."""
+def test_invalid_arguments_are_refused(call, words):
+    """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call(MESHES["random 2-D"])
 
@@ -485,8 +497,8 @@ def test_bad_input_is_refused_in_words(call, words):
 @given(
     st.integers(4, 12), st.integers(2, 3), st.integers(0, 10**6), st.sampled_from([None, 0.0, 0.3])
 )
-def test_on_any_small_mesh_the_field_or_a_reason_comes_back(n, d, seed, epsilon):
-    """A value that is right, or an error that names the vertex; nothing between."""
+def test_small_meshes_give_the_affine_field_or_an_error(n, d, seed, epsilon):
+    """Either the value is correct or the error names the vertex."""
     mesh = random_mesh(n + d, d, seed)
     u = affine(mesh, seed)(mesh.points)
     v = normal_velocities(mesh, u)

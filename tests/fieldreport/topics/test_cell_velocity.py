@@ -1,4 +1,4 @@
-"""The claims of the chapter on cell velocities: triangles, tetrahedra and noise."""
+"""Claims of the chapter on cell velocities: triangles, tetrahedra and noise."""
 
 import numpy as np
 import pytest
@@ -8,10 +8,15 @@ from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport import experiments
 from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
-from fieldreport.experiments.methods.convergence import order
-from fieldreport.experiments.velocity import cell_velocity, triangle_velocity
-from fieldreport.experiments.velocity.cell_velocity import GRADIENTS, PLACES
-from fieldreport.experiments.velocity.triangle_velocity import ROTATION, STRAIN, closed_form
+from fieldreport.experiments.velocity import cell_velocity
+from fieldreport.experiments.velocity.cell_velocity import (
+    GRADIENTS,
+    PLACES,
+    ROTATION,
+    STRAIN,
+    closed_form,
+)
+from fieldreport.framework.error_measures import order
 
 ROUNDING = 1e-12
 
@@ -37,7 +42,7 @@ def some_triangles():
 
 
 def by_least_squares(corners, g):
-    """Return u − u(O) in the field G x by numpy, each triangle for itself."""
+    """Return u − u(O) in the field G x by numpy.linalg.lstsq, for each triangle."""
     error = []
     for p in corners:
         middle, edge = (np.roll(p, -1, axis=0) + p) / 2, np.roll(p, -1, axis=0) - p
@@ -48,35 +53,35 @@ def by_least_squares(corners, g):
     return np.array(error)
 
 
-def is_closed_form(form):
+def check_closed_form(form):
     corners, rng = some_triangles(), np.random.default_rng(1)
     for _ in range(5):
         g = rng.uniform(-1, 1, (2, 2))
         np.testing.assert_allclose(form(corners, g), by_least_squares(corners, g), atol=1e-9)
 
 
-def test_the_closed_form_is_that_of_least_squares_by_numpy():
-    """For any affine field and any triangle, found without the library."""
-    is_closed_form(closed_form)
+def test_the_closed_form_agrees_with_least_squares_by_numpy():
+    """For affine fields and arbitrary triangles, without the library."""
+    check_closed_form(closed_form)
 
 
 @pytest.mark.parametrize("part", [np.eye(2), STRAIN, np.array([[0.0, 1.0], [1.0, 0.0]])])
-def test_a_closed_form_without_one_of_its_terms_is_caught(part):
-    """Expansion and both strains have their part in the error; the rotation has none."""
+def test_a_closed_form_without_one_of_its_terms_fails(part):
+    """Expansion and both strains contribute to the error, and the rotation does not."""
     with pytest.raises(AssertionError, match="Not equal"):
-        is_closed_form(lambda corners, g: closed_form(corners, g - np.sum(g * part) / 2 * part))
-    is_closed_form(lambda corners, g: closed_form(corners, g + ROTATION))
+        check_closed_form(lambda corners, g: closed_form(corners, g - np.sum(g * part) / 2 * part))
+    check_closed_form(lambda corners, g: closed_form(corners, g + ROTATION))
 
 
 def places(corners, strains=7):
-    return triangle_velocity.places_on_triangle(corners, strains)
+    return cell_velocity.places_on_triangle(corners, strains)
 
 
 @pytest.mark.parametrize("k", range(12))
-def test_each_field_has_the_velocity_found_at_a_centre_of_the_triangle(k):
+def test_each_field_attains_its_velocity_at_a_triangle_centre(k):
     """Rotation at the circumcentre, expansion at the symmedian point, strain on Feuerbach's circle.
 
-    That circle goes through the middles of the sides, which is how it is recognized here.
+    The circle passes through the midpoints of the sides, by which the test recognises it.
     """
     corners = some_triangles()[k]
     at = places(corners)
@@ -89,8 +94,8 @@ def test_each_field_has_the_velocity_found_at_a_centre_of_the_triangle(k):
     np.testing.assert_allclose(distance, at["nine_point_radius"], atol=1e-10)
 
 
-def test_a_strain_along_a_side_has_its_place_at_the_middle_of_the_side():
-    """Its normal velocities on the side vanish at the middle, as do those of the other sides."""
+def test_some_strain_attains_its_velocity_at_the_midpoint_of_a_side():
+    """The strain whose normal velocities vanish at the midpoints of the sides."""
     corners = np.array([[-1.0, 0.0], [1.0, 0.0], [0.3, 1.7]])
     mesh = SimplexMesh(corners, [[0, 1, 2]])
     middle = corners[:2].mean(axis=0)
@@ -103,7 +108,7 @@ def test_a_strain_along_a_side_has_its_place_at_the_middle_of_the_side():
 
 
 def test_only_the_rotation_is_exact_at_the_circumcentre(found):
-    """Strain and expansion are wrong there, and the rotation is elsewhere."""
+    """Strain and expansion have an error there; the rotation has an error elsewhere."""
     rotation = row(found, 2, "rotation")
     assert rotation["circumcentre"] < ROUNDING < rotation["centroid"] < rotation["vertices"]
     for field in ("expansion", "strain"):
@@ -111,45 +116,45 @@ def test_only_the_rotation_is_exact_at_the_circumcentre(found):
     assert found.facts["closed_form_gap"] < ROUNDING
 
 
-def test_raviart_and_thomas_mends_the_expansion_and_not_the_strain(found):
-    """A field free of divergence is constant there too, so it is the same."""
+def test_raviart_thomas_is_exact_for_expansion_and_not_for_strain(found):
+    """For a divergence-free field it is constant in the cell, so it does not differ."""
     for d in (2, 3):
         expansion, strain = row(found, d, "expansion"), row(found, d, "strain")
         assert expansion["RT at circumcentre"] < ROUNDING < expansion["circumcentre"]
         assert strain["RT at circumcentre"] == pytest.approx(strain["circumcentre"], rel=1e-6)
 
 
-def test_in_space_a_rotation_wants_the_circumcentres_of_the_faces(found):
-    """With the normal velocities at the centroids of the faces it is not exact."""
+def test_in_space_a_rotation_requires_the_circumcentres_of_faces(found):
+    """With normal velocities at the centroids of the faces it is not exact."""
     assert row(found, 3, "rotation, v at circumcentres")["circumcentre"] < ROUNDING
     assert row(found, 3, "rotation")["circumcentre"] > 0.01
 
 
-def test_consistent_is_not_accurate(found):
-    """The strain has no defect and the larger error."""
+def test_a_small_defect_does_not_imply_a_small_error(found):
+    """The strain has no defect and a larger error than the expansion."""
     assert row(found, 2, "strain")["defect"] < ROUNDING
     assert row(found, 2, "strain")["circumcentre"] > row(found, 2, "expansion")["circumcentre"]
     assert row(found, 2, "expansion")["defect"] > 0.01
 
 
-def test_noise_shows_in_the_defect_in_full_and_in_the_velocity_as_predicted(found):
-    """The defect has the deviation of the noise; the velocity that of the pseudo-inverse."""
+def test_noise_affects_defect_and_velocity_as_predicted(found):
+    """The defect has the standard deviation of the noise; the pseudo-inverse gives the other."""
     for d in (2, 3):
         assert found.facts[f"defect_over_noise_{d}d"] == pytest.approx(1, abs=0.15)
         assert found.facts[f"disturbance_off_percent_{d}d"] < 5
 
 
 @pytest.mark.parametrize(("u", "d"), [(taylor_green, 2), (abc_flow, 3)])
-def test_curved_flows_are_free_of_divergence(u, d):
-    """So that what remains of them is error, not expansion: by central differences."""
+def test_the_reference_flows_are_divergence_free(u, d):
+    """Central differences; the velocity of the cells therefore has no error from expansion."""
     x = np.random.default_rng(2).random((50, d))
     steps = 1e-5 * np.eye(d)
     total = sum((u(x + s)[:, k] - u(x - s)[:, k]) / 2e-5 for k, s in enumerate(steps))
     assert np.abs(total).max() < 1e-8
 
 
-def test_the_error_of_the_cells_is_of_first_order_and_partly_cancels_at_the_vertices():
-    """The mean of the cells round an inner vertex is better than each of them, by half an order."""
+def test_cell_errors_are_of_first_order_and_partly_cancel_at_vertices():
+    """The mean of the cells around an inner vertex converges faster by half an order."""
     params = cell_velocity.Params(sides=(8, 16, 32))
     errors = np.array(
         [cell_velocity.errors_on_mesh(params, (2, side))["vortices"] for side in params.sides]
@@ -161,8 +166,8 @@ def test_the_error_of_the_cells_is_of_first_order_and_partly_cancels_at_the_vert
     assert at["inner vertices"][-1] < at["circumcentre"][-1] / 2
 
 
-def test_the_gradients_are_what_they_are_called():
-    """Skew, a multiple of one, symmetric without trace."""
+def test_rotation_expansion_and_strain_have_their_defining_properties():
+    """Skew-symmetric, the identity, and symmetric with trace zero."""
     for of_dimension in GRADIENTS.values():
         rotation, expansion, strain = of_dimension.values()
         np.testing.assert_array_equal(rotation, -rotation.T)
@@ -171,8 +176,8 @@ def test_the_gradients_are_what_they_are_called():
         assert np.trace(strain) == 0
 
 
-def test_a_jittered_mesh_fills_the_cube_and_is_delaunay():
-    """Its cells have the volume of the cube, and no vertex lies in a circumcircle."""
+def test_a_jittered_mesh_fills_the_cube_and_is_a_delaunay_mesh():
+    """The volumes sum to that of the cube, and no vertex lies inside a circumsphere."""
     for d, side in ((2, 6), (3, 3)):
         mesh = jittered_cube(side, d, 0.6, 5)
         assert mesh.cell_measures.sum() == pytest.approx(1)
@@ -181,8 +186,8 @@ def test_a_jittered_mesh_fills_the_cube_and_is_delaunay():
         assert np.all(distance > radius * (1 - 1e-6) - 1e-9)
 
 
-def test_at_the_vertices_the_comparison_measures_the_circumradius(found):
-    """Of a rotation of rate one the apparent error is R at a vertex and |h|/3 at the centroid."""
+def test_apparent_errors_of_a_rotation_are_distances_to_the_circumcentre(found):
+    """At rate one the apparent error is R at a vertex and |h|/3 at the centroid."""
     mesh = jittered_cube(32, 2, found.params.jitter, found.params.seed)
     radius = np.linalg.norm(mesh.points[mesh.cells[:, 0]] - mesh.circumcenters, axis=1)
     offset = (mesh.points[mesh.cells] - mesh.circumcenters[:, None]).sum(axis=1) / 3

@@ -1,4 +1,4 @@
-"""Reference values of the experiments on coupling and advection, computed in other ways."""
+"""Experiments on coupling and advection, compared with independently computed values."""
 
 from dataclasses import replace
 
@@ -23,8 +23,8 @@ def wings():
     return experiments.get("coupling").run(coupling.Params(stations=(8,), pictured=24))
 
 
-def test_the_closed_forms_of_the_wing():
-    """Integrals of an elliptic lift, by adaptive quadrature."""
+def test_closed_forms_of_the_elliptic_wing_agree_with_quadrature():
+    """Lift, moments and tip deflection of an elliptic lift distribution."""
     params = coupling.Params()
 
     def lift(y: float) -> float:
@@ -39,8 +39,8 @@ def test_the_closed_forms_of_the_wing():
     assert_close(coupling.closed_forms(params), expected, 1e-8)
 
 
-def test_the_tip_of_a_cantilever_under_a_load():
-    """y² (3 - y) / 6 solves w'''' = 0 before and after the load, as an initial value problem."""
+def test_the_tip_deflection_of_a_cantilever_agrees_with_the_beam_equation():
+    """y² (3 - y) / 6 solves w'''' = 0 on both sides of the load, as an initial value problem."""
     y = 0.4
     deflection = solve_ivp(
         lambda x, w: [w[1], w[2], -1.0 if x < y else 0.0], (0, 1), [0, 0, y], max_step=0.01
@@ -49,8 +49,8 @@ def test_the_tip_of_a_cantilever_under_a_load():
     assert_close(found, deflection, 1e-4)
 
 
-def test_transposes_keep_what_linear_fields_give(wings):
-    """Lift and moments to rounding; constants keep the lift; interpolated loads keep nothing."""
+def test_transposes_conserve_what_the_method_reproduces(wings):
+    """Reproducing linear fields conserves force and moments, reproducing constants the force."""
     table = wings.tables["errors"]
     errors = {row[0]: row[1:4] for row in table.rows}
     for way in ("transpose, linear", "transpose, patches", "transpose, flat"):
@@ -62,8 +62,8 @@ def test_transposes_keep_what_linear_fields_give(wings):
     assert errors["pressures interpolated"][0] > 0.01
 
 
-def test_the_deforming_flow_has_no_divergence_and_reverses():
-    """And lets nothing through the sides of the square."""
+def test_the_deforming_flow_is_divergence_free_and_reverses():
+    """No velocity crosses the sides of the square."""
     x = 0.02 + 0.9 * np.random.default_rng(0).random((30, 2))
     slopes = difference_quotient(lambda y: advection.deforming(1.5, y, 0.3), x, 1e-3)
     assert_close(np.trace(slopes, axis1=1, axis2=2), np.zeros(30), 1e-8)
@@ -73,8 +73,8 @@ def test_the_deforming_flow_has_no_divergence_and_reverses():
     assert_close(advection.deforming(1.5, side, 0.0)[:, 0], np.zeros(5), 1e-12)
 
 
-def test_the_shapes_have_their_areas():
-    """Of a disc less its slot; volumes of a cone and of a hump, by a fine lattice."""
+def test_the_initial_shapes_have_their_known_integrals():
+    """The area of the slotted disc, and the volumes of cone and hump, summed on a fine grid."""
     g = (np.arange(1000) + 0.5) / 1000
     sums = advection.shapes(np.stack(np.meshgrid(g, g), axis=-1).reshape(-1, 2)).mean(axis=0)
     r = advection.RADIUS
@@ -85,8 +85,8 @@ def test_the_shapes_have_their_areas():
     assert_close(sums, [disc, np.pi * r**2 / 3, hump], 1e-4)
 
 
-def test_schemes_find_feet_with_their_orders():
-    """One, two, two and four."""
+def test_time_integrators_have_their_orders():
+    """Orders one, two, two and four."""
     steps = (32, 64)
     for scheme, order in {"euler": 1, "midpoint": 2, "heun": 2, "rk4": 4}.items():
         coarse, fine = (advection.time_error((scheme, k)) for k in steps)
@@ -94,8 +94,8 @@ def test_schemes_find_feet_with_their_orders():
 
 
 @pytest.mark.slow
-def test_ten_thousand_nodes_and_a_hundred_thousand_points():
-    """Sparse weights, and all net_force_and_moment kept."""
+def test_a_large_coupling_conserves_force_and_moment():
+    """10⁴ nodes and 10⁵ surface points, with sparse weights."""
 
     x, y = (
         np.column_stack([p, np.cos(4 * p[:, 0]) * p[:, 1]])
@@ -108,8 +108,8 @@ def test_ten_thousand_nodes_and_a_hundred_thousand_points():
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_sites_and_a_hundred_steps():
-    """A hill turns once, with one matrix."""
+def test_a_hundred_steps_on_a_hundred_thousand_sites_have_a_small_error():
+    """A hill makes one revolution; all steps use the same matrix."""
 
     x = advection.disc(100_000)
     hill = np.exp(-50 * ((x - [0.5, 0.7]) ** 2).sum(axis=1))
@@ -118,8 +118,8 @@ def test_a_hundred_thousand_sites_and_a_hundred_steps():
     assert np.abs(end.values - hill).max() < 1e-4
 
 
-def test_the_rim_of_the_slotted_disc():
-    """Its length, and the disc's area by its crossings; zero is where the sign changes."""
+def test_the_boundary_of_the_slotted_disc_has_its_length_and_area():
+    """The signed distance has known values at four points."""
     r, half = advection.RADIUS, np.arcsin(slotted_disc.SLOT / advection.RADIUS)
     x = slotted_disc.rim()
     length = np.linalg.norm(np.diff(x, axis=0), axis=1).sum()
@@ -134,17 +134,17 @@ def test_the_rim_of_the_slotted_disc():
     assert_close(found, [0.025, -0.02, -0.055, 0.05], 1e-4)
 
 
-def test_numbers_of_sites_are_those_of_the_published_meshes():
-    """A quarter for each doubling of the step."""
+def test_the_numbers_of_sites_agree_with_the_published_meshes():
+    """Doubling the step divides the number by four."""
     assert [slotted_disc.sites_of(k) for k in range(4)] == [1130, 4520, 18078, 72314]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shift", [1e-4, 0.0])
-def test_rounding_does_not_choose_the_sites(monkeypatch, shift):
-    """Shifted sites come and go alike when all are moved by rounding; others have equal distances.
+def test_the_adaptive_sites_do_not_depend_on_rounding(monkeypatch, shift):
+    """Without the shift, sites have equal distances and rounding selects their neighbours.
 
-    Among sites at equal distances rounding would choose the neighbours, and so which sites go.
+    The shift of the sites makes the refinement independent of perturbations by 1e-14.
     """
     params = replace(adaptive_front.QUICK, sites=400, spacing=0.008, rounds=3, shift=shift)
     found = []

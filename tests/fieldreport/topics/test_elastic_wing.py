@@ -1,4 +1,4 @@
-"""Static aeroelasticity: iteration, steady state, divergence, and the standard atmosphere."""
+"""Static aeroelasticity: fixed-point iteration, steady state, divergence, and the atmosphere."""
 
 from dataclasses import replace
 from functools import partial
@@ -8,7 +8,7 @@ import pytest
 
 from fieldrecon.coupling.fixed_point_iteration import fixed_point
 from fieldreport.experiments.coupling import elastic_wing
-from fieldreport.experiments.coupling.elastic_wing_checks import straight_wing
+from fieldreport.experiments.coupling.elastic_wing import straight_wing
 from fieldreport.experiments.coupling.pointwise_loads import WAYS, compared, corner_areas, loaded
 from fieldreport.experiments.coupling.standard_atmosphere import standard_atmosphere
 from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
@@ -25,8 +25,8 @@ def wing(sweep: float = 30.0) -> ElasticWing:
 # --- fixed points -----------------------------------------------------------------------------
 
 
-def test_the_typical_section():
-    """A stiff section on a twisting spring: K θ = q c² e a (α + θ), so θ = α q / (q_D - q)."""
+def test_the_typical_section_converges_to_its_closed_form():
+    """Rigid section on a torsion spring: K θ = q c² e a (α + θ), so θ = α q / (q_D - q)."""
     k, slope, alpha = 3.0, 2 * np.pi / 4, 0.1
     diverges = k / slope
     for q in (0.3 * diverges, 0.9 * diverges, -0.8 * diverges):
@@ -39,8 +39,8 @@ def test_the_typical_section():
     assert not fixed_point(beyond, 0.0, relaxation=1.0, maxiter=400).converged
 
 
-def test_aitken_needs_two_steps_on_a_line():
-    """Whatever the factor, and whether or not plain repetition converges."""
+def test_aitken_needs_two_steps_for_an_affine_function():
+    """This holds for every factor, whether or not the plain iteration converges."""
     for factor in (-30.0, -0.9, 0.5, 1.5, 40.0):
         turn = partial(lambda k, x: 2 + k * x, factor)
         found = fixed_point(turn, [0.0])
@@ -51,8 +51,8 @@ def test_aitken_needs_two_steps_on_a_line():
         assert plain.converged == (abs(factor) < 1)
 
 
-def test_residuals_and_what_is_given_up():
-    """The first is that of the start; a residual that explodes ends it, and one that is not."""
+def test_a_diverging_iteration_is_stopped():
+    """The first residual is that of the start; residuals that are not finite are refused."""
     grown = fixed_point(lambda x: 10 * x, [1.0, 0.0], relaxation=1.0)
     assert grown.residuals[0] == 9.0
     assert len(grown.residuals) < 12
@@ -67,8 +67,8 @@ def test_residuals_and_what_is_given_up():
 # --- the coupled problem --------------------------------------------------------------------------
 
 
-def turns_do_what_the_feedback_says(made: ElasticWing) -> None:
-    """The loop comes to (1 - q T)^-1 γ(θ), and plain turns contract by q max |λ|."""
+def check_iteration_against_feedback(made: ElasticWing) -> None:
+    """The iteration gives (1 - q T)^-1 γ(θ), and without relaxation contracts by q max |λ|."""
     theta = PARAMS.incidences(30.0)
     gamma = made.circulations(made.steady_state(Q, theta).value, theta)
     stiff = made.lattice.circulations(theta).ravel()
@@ -78,13 +78,13 @@ def turns_do_what_the_feedback_says(made: ElasticWing) -> None:
     assert_close(plain.contraction, made.contraction(Q), 0.01)
 
 
-def test_turns_do_what_the_feedback_says():
-    """Swept back."""
-    turns_do_what_the_feedback_says(wing())
+def test_the_iteration_agrees_with_the_feedback_matrix():
+    """The wing is swept back."""
+    check_iteration_against_feedback(wing())
 
 
-def test_the_law_of_turns_can_fail():
-    """A feedback of loads handed over another way is that of another wing."""
+def test_the_feedback_of_another_load_transfer_fails():
+    """A mutant: loads interpolated instead of transposed belong to another coupled system."""
 
     class Mixed(ElasticWing):
         @property
@@ -94,11 +94,11 @@ def test_the_law_of_turns_can_fail():
 
     made = wing()
     with pytest.raises(AssertionError):
-        turns_do_what_the_feedback_says(Mixed(made.plate, made.lattice, made.coupling))
+        check_iteration_against_feedback(Mixed(made.plate, made.lattice, made.coupling))
 
 
-def test_the_flexibility_of_the_surface_is_symmetric_with_the_transpose_alone():
-    """Forces at the corners and their heights are reciprocal, as at the plate's nodes."""
+def test_only_the_transpose_gives_a_symmetric_flexibility():
+    """Forces at surface corners and their displacements are then reciprocal."""
     made = wing()
     m = len(made.lattice.points)
     for way in WAYS:
@@ -108,14 +108,14 @@ def test_the_flexibility_of_the_surface_is_symmetric_with_the_transpose_alone():
         assert (skew < 1e-9) if way == "transpose" else (skew > VISIBLE)
 
 
-def test_divergence_of_a_straight_wing():
-    """That of strips on a beam that twists."""
+def test_the_divergence_pressure_of_a_straight_wing_agrees_with_strip_theory():
+    """The closed form is that of strips on a beam in torsion."""
     check = straight_wing()
     assert abs(check.computed / check.closed_form - 1) < 0.002
 
 
-def test_a_wing_swept_forward_diverges_where_plain_turns_cease_to_contract():
-    """And one swept back does not, though plain turns cease there too."""
+def test_a_forward_swept_wing_diverges_where_the_iteration_does():
+    """For a wing swept back the plain iteration diverges too, although the wing does not."""
     forward, back = wing(-20.0), wing(30.0)
     theta = PARAMS.incidences(-20.0)
     bound = forward.divergence_pressure
@@ -123,7 +123,7 @@ def test_a_wing_swept_forward_diverges_where_plain_turns_cease_to_contract():
     for part in (0.9, 1.1):
         found = forward.steady_state(part * bound, theta, relaxation=1.0, maxiter=400)
         assert found.converged == (part < 1)
-    for part in (0.9, 0.99):  # the nearer, the larger
+    for part in (0.9, 0.99):  # the deflection grows towards the divergence pressure
         found = forward.steady_state(part * bound, theta).value
         assert forward.heights(found).max() > 0.5 / (1 - part)
     assert back.eigenvalues[0].real < 0
@@ -133,8 +133,8 @@ def test_a_wing_swept_forward_diverges_where_plain_turns_cease_to_contract():
     assert back.steady_state(beyond, PARAMS.incidences(30.0)).converged
 
 
-def test_lift_is_lost_where_the_nose_goes_down():
-    """By a wing swept back; one swept forward gains."""
+def test_elasticity_reduces_the_lift_of_a_backward_swept_wing():
+    """A wing swept forward gains lift."""
     for sweep, sign in ((30.0, -1), (-20.0, 1)):
         made, theta = wing(sweep), PARAMS.incidences(sweep)
         bent = made.circulations(made.steady_state(Q, theta).value, theta)
@@ -142,8 +142,8 @@ def test_lift_is_lost_where_the_nose_goes_down():
         assert sign * (bent - stiff).sum() > 0.05 * stiff.sum()
 
 
-def test_work_and_force_by_the_transpose_alone():
-    """The table of the ways: rounding in the first row, and somewhere not in the others."""
+def test_only_the_transpose_conserves_work_and_force():
+    """The errors of the transpose are rounding; each other way violates at least one law."""
     rows = {row[0]: row[1:] for row in compared(wing(), Q, PARAMS.incidences(30.0))}
     assert max(rows["transpose"][:3]) < 1e-11
     assert rows["nearest node"][0] < 1e-11
@@ -152,14 +152,13 @@ def test_work_and_force_by_the_transpose_alone():
     assert rows["forces interpolated"][0] > 1
 
 
-def test_areas_of_corners_are_those_of_panels():
-    """In sum."""
+def test_corner_areas_sum_to_the_area_of_the_wing():
     made = wing()
     assert_close(corner_areas(made).sum(), made.lattice.area, 1e-9)
 
 
-def test_nodes_must_be_those_of_plate_and_lattice():
-    """In this order, in the plane z = 0."""
+def test_nodes_of_another_plate_or_lattice_are_refused():
+    """The order of the nodes and the plane z = 0 are checked."""
     made, other = wing(), wing(0.0)
     with pytest.raises(ValueError, match=r"coupling.structure must be the 65 nodes, with z = 0"):
         replace(made, plate=other.plate)
@@ -167,11 +166,11 @@ def test_nodes_must_be_those_of_plate_and_lattice():
         replace(made, lattice=other.lattice)
 
 
-# --- the air ------------------------------------------------------------------------------------
+# --- standard atmosphere --------------------------------------------------------------------------
 
 
-def test_the_standard_atmosphere():
-    """Pressures at the bases of its layers, as printed in the U.S. Standard Atmosphere, 1976."""
+def test_the_standard_atmosphere_agrees_with_the_published_table():
+    """Pressures at the bases of its layers, from the U.S. Standard Atmosphere, 1976."""
     for height, temperature, pressure in (
         (0, 288.15, 101325),
         (11e3, 216.65, 22632.06),
@@ -182,22 +181,22 @@ def test_the_standard_atmosphere():
         assert_close(air.pressure / pressure, 1.0, 5e-6)
 
 
-def test_air_hangs_on_itself():
+def test_the_atmosphere_is_in_hydrostatic_equilibrium():
     """dp/dh = -ρ g, in both layers."""
     for height in (3e3, 15e3):
         p = [standard_atmosphere(height + k).pressure for k in (-1, 1)]
         assert_close((p[1] - p[0]) / 2 / -9.80665, standard_atmosphere(height).density, 1e-6)
 
 
-def test_dynamic_pressure_is_that_of_the_speed():
+def test_the_dynamic_pressure_agrees_with_the_speed():
     """ρ U² / 2 with U = M a."""
     air = standard_atmosphere(PARAMS.height)
     speed = PARAMS.mach * air.sound_speed
     assert_close(air.dynamic_pressure(PARAMS.mach), air.density * speed**2 / 2, 1e-9)
 
 
-def test_heights_without_air_are_refused():
-    """Below the sea, and above what is tabulated here."""
+def test_heights_outside_the_table_are_refused():
+    """Below sea level, and above the tabulated layers."""
     for height in (-1.0, 20_001.0, np.nan):
         with pytest.raises(ValueError, match="height must lie between 0 and 20000 m"):
             standard_atmosphere(height)

@@ -1,4 +1,4 @@
-"""Flow past a cylinder and a ball: potential flow, fluxes, meshes and streamlines."""
+"""Flow past a cylinder and a sphere: potential flow, fluxes, meshes and streamlines."""
 
 import re
 from functools import partial
@@ -9,8 +9,8 @@ import pytest
 from checkout import ROOT
 from fieldrecon.velocity.vertices import divergence, normal_velocities, vertex_velocities
 from fieldreport import experiments
-from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.velocity import fluid_frame
+from fieldreport.experiments.velocity.fluid_frame import exact_streamline, traced_streamlines
 from fieldreport.experiments.velocity.potential_flow import (
     ball_mesh,
     disc_mesh,
@@ -20,7 +20,7 @@ from fieldreport.experiments.velocity.potential_flow import (
     vector_potential,
     velocity,
 )
-from fieldreport.experiments.velocity.streamlines import exact_streamline, traced_streamlines
+from fieldreport.framework.error_measures import order
 
 MESHES = {2: partial(disc_mesh, 16, 4.0, 5, 1), 3: partial(ball_mesh, 0.6, 3.0, 1)}
 
@@ -37,7 +37,7 @@ def found():
 
 
 def outside(d, seed=0):
-    """Points about the ball, at distances from 1 to 3."""
+    """Points around the ball, at distances from 1 to 3 from its centre."""
     rng = np.random.default_rng(seed)
     x = rng.standard_normal((60, d))
     return x / np.linalg.norm(x, axis=1, keepdims=True) * rng.uniform(1, 3, (60, 1))
@@ -49,12 +49,12 @@ def jacobian(f, x):
     return np.stack([(f(x + s) - f(x - s)) / 2e-5 for s in steps], axis=-1)
 
 
-# --- that it is potential flow ------------------------------------------------------------------
+# --- potential flow ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_it_is_potential_flow_past_the_ball(d):
-    """Free of divergence and rotation, along the surface on it, and the stream far away."""
+def test_the_velocity_is_a_potential_flow_past_the_ball(d):
+    """No divergence, no rotation, tangential at the surface, and uniform far away."""
     g = jacobian(velocity, outside(d))
     assert np.abs(np.trace(g, axis1=1, axis2=2)).max() < 1e-8
     assert np.abs(g - g.mT).max() < 1e-8
@@ -63,7 +63,7 @@ def test_it_is_potential_flow_past_the_ball(d):
     np.testing.assert_allclose(velocity(1e6 * surface), np.tile(np.eye(d)[0], (60, 1)), atol=1e-11)
 
 
-def test_the_stream_function_and_the_vector_potential_are_those_of_the_velocity():
+def test_the_stream_function_and_vector_potential_give_the_velocity():
     """u = (∂ψ/∂y, −∂ψ/∂x) in the plane and u = curl A in space."""
     x = outside(2)
     slope = jacobian(lambda y: stream_function(y)[:, None], x)[:, 0]
@@ -75,8 +75,8 @@ def test_the_stream_function_and_the_vector_potential_are_those_of_the_velocity(
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_the_pressure_is_bernoulli_s(d):
-    """1 − |u|² of the velocity on the surface; 1 − 4 sin²θ round a cylinder."""
+def test_the_pressure_satisfies_bernoullis_equation(d):
+    """1 − |u|² on the surface; around a cylinder this is 1 − 4 sin²θ."""
     surface = outside(d) / np.linalg.norm(outside(d), axis=1, keepdims=True)
     speed = np.linalg.norm(velocity(surface), axis=1)
     np.testing.assert_allclose(pressure_coefficient(surface[:, 0], d), 1 - speed**2, atol=1e-12)
@@ -88,7 +88,7 @@ def test_the_pressure_is_bernoulli_s(d):
 
 
 def flux_by_quadrature(mesh):
-    """The mean of n · u over each face, by subdivision and the mid-point rule of degree one."""
+    """The mean of n · u over each face, by subdivision and the midpoint rule."""
     corners = mesh.points[mesh.faces]
     for _ in range(5):
         if corners.shape[1] == 2:
@@ -104,20 +104,20 @@ def flux_by_quadrature(mesh):
     return (u * mesh.face_normals).sum(axis=1)
 
 
-def test_the_fluxes_are_those_of_the_velocity(mesh):
-    """Whose integral over the face they are, without its having been integrated."""
+def test_the_mean_normal_velocities_agree_with_quadrature(mesh):
+    """The library computes them from the stream function or the vector potential."""
     np.testing.assert_allclose(mean_normal_velocities(mesh), flux_by_quadrature(mesh), atol=2e-3)
 
 
-def test_nothing_is_made_or_lost_in_any_cell(mesh):
-    """By the theorem of Stokes to rounding; normal velocities at the middles do make something."""
+def test_the_fluxes_have_no_divergence_in_any_cell(mesh):
+    """By Stokes' theorem it vanishes to rounding; sampled normal velocities have a divergence."""
     assert np.abs(divergence(mesh, mean_normal_velocities(mesh))).max() < 1e-12
     sampled = normal_velocities(mesh, velocity(mesh.points))
     assert np.abs(divergence(mesh, sampled)).max() > 1e-2
 
 
-def test_nothing_flows_through_the_cylinder():
-    """Its chords are closed exactly, because ψ is zero at both ends."""
+def test_the_flux_through_the_cylinder_vanishes():
+    """The chords have flux zero exactly, because ψ vanishes at both ends."""
     mesh = MESHES[2]()
     chords = fluid_frame.on_ball(mesh)[mesh.faces].all(axis=1)
     assert chords.sum() == 16
@@ -127,8 +127,8 @@ def test_nothing_flows_through_the_cylinder():
 # --- meshes -------------------------------------------------------------------------------------
 
 
-def test_the_mesh_fills_what_is_between_the_polygons():
-    """Of the disc: the areas of two regular polygons, with no cell inside of the inner one."""
+def test_the_mesh_fills_the_region_between_two_polygons():
+    """Its area is the difference of two regular polygons, and no cell lies in the inner one."""
     mesh = disc_mesh(20, 5.0, 8, 2)
     polygon = 10 * np.sin(2 * np.pi / 20)
     assert mesh.cell_measures.sum() == pytest.approx((25 - 1) * polygon)
@@ -141,15 +141,15 @@ def smallest_angle(mesh):
     return np.degrees(np.arcsin(2 * mesh.cell_measures * length.min(axis=1) / length.prod(axis=1)))
 
 
-def test_the_springs_make_good_triangles():
-    """Few angles are below thirty-three degrees; of points at random many are."""
+def test_relaxation_by_springs_improves_the_angles():
+    """After relaxation few angles are below 33 degrees; random points have many."""
     random, relaxed = (disc_mesh(32, 6.0, relaxations, 3) for relaxations in (0, 30))
     assert np.percentile(smallest_angle(random), 25) < 33
     assert np.percentile(smallest_angle(relaxed), 5) > 33
 
 
-def test_the_ball_is_cut_out():
-    """The cells fill the shell up to what the flat faces cut off."""
+def test_the_mesh_around_the_ball_fills_the_shell():
+    """The volume agrees up to what the flat faces cut off."""
     mesh = ball_mesh(0.3, 3.0, 2)
     shell = 4 / 3 * np.pi * (27 - 1)
     assert mesh.cell_measures.sum() == pytest.approx(shell, rel=0.05)
@@ -159,16 +159,16 @@ def test_the_ball_is_cut_out():
 # --- streamlines --------------------------------------------------------------------------------
 
 
-def test_exact_streamlines_keep_their_value():
-    """ψ is the height far away, above the cylinder and below it."""
+def test_the_stream_function_is_constant_along_exact_streamlines():
+    """ψ is the distance from the axis far away, above and below the cylinder."""
     height = np.array([[0.01], [0.7], [-1.5]])
     line = exact_streamline(height, np.tile(np.linspace(-3, 3, 41), (3, 1)))
     np.testing.assert_allclose(stream_function(line), np.tile(height, 41), atol=1e-12)
     assert np.linalg.norm(line, axis=-1).min() > 1
 
 
-def test_lines_in_a_rotation_are_circles():
-    """Linear fields are exact on triangles, so that only the rule is left: fourth order."""
+def test_streamlines_of_a_rotation_are_circles():
+    """Linear fields are exact on triangles, so the error is that of the integrator, order four."""
     mesh = disc_mesh(16, 4.0, 5, 1)
     u = mesh.points @ np.array([[0.0, -1.0], [1.0, 0.0]])  # clockwise
     gaps = []
@@ -179,10 +179,10 @@ def test_lines_in_a_rotation_are_circles():
     assert gaps[0] / gaps[1] > 10
 
 
-# --- what comes out -----------------------------------------------------------------------------
+# --- results -------------------------------------------------------------------------------------
 
 
-def test_vertices_are_of_second_order_and_cells_of_first(found):
+def test_vertex_velocities_are_of_second_and_cell_velocities_of_first_order(found):
     """In the plane and in space."""
     facts = found.facts
     assert facts["divergence"] < 1e-11
@@ -194,8 +194,8 @@ def test_vertices_are_of_second_order_and_cells_of_first(found):
         assert again[-1] < cells[-1] / 3
 
 
-def test_the_surface_is_worse_than_the_inside(found):
-    """There the faces lie on one side; the order is the same."""
+def test_errors_on_the_surface_are_larger_than_inside(found):
+    """At the surface all faces lie on one side; the order is the same."""
     errors = dict(zip(fluid_frame.MEASURES, found.arrays["errors"].T, strict=True))
     assert np.all(errors["surface"] > 10 * errors["inner vertices"])
     assert np.all(errors["surface by LS"] > 1.5 * errors["surface"])
@@ -204,15 +204,15 @@ def test_the_surface_is_worse_than_the_inside(found):
     assert 3 < found.facts["suction_missed_percent"] < 15
 
 
-def test_streamlines_of_the_velocities_found_stay_on_theirs(found):
-    """ψ departs from its first value by less with each mesh."""
+def test_the_drift_of_computed_streamlines_falls_with_refinement(found):
+    """The drift is the change of ψ along a streamline."""
     drift = np.array(found.tables["plane"].column("drift"))
     assert np.all(np.diff(drift) < 0)
     assert drift[-1] < 5e-3
 
 
-def test_the_velocities_drawn_are_those_of_the_flow(found):
-    """Away from the cylinder to a hundredth, which the normal velocities alone are not."""
+def test_the_drawn_velocities_agree_with_the_flow(found):
+    """Away from the cylinder the error is below 0.02; normal velocities alone differ much more."""
     arrays = found.arrays
     away = np.linalg.norm(arrays["points"], axis=1)
     away = (away > 1.5) & (away < 6)
@@ -222,8 +222,8 @@ def test_the_velocities_drawn_are_those_of_the_flow(found):
     assert np.median(gap) > 0.3
 
 
-def test_a_wrong_sign_of_one_flux_is_seen():
-    """The divergence of two cells, and the velocity of the vertices at the face."""
+def test_a_wrong_sign_of_one_flux_is_detected():
+    """It changes the divergence of two cells, and the velocities at the vertices of the face."""
     mesh = MESHES[2]()
     v = mean_normal_velocities(mesh)
     wrong = v.copy()
@@ -235,7 +235,7 @@ def test_a_wrong_sign_of_one_flux_is_seen():
 
 
 def test_the_listing_of_the_chapter_runs():
-    """As it stands there, on a mesh and with fluxes; both ways give the velocities of vertices."""
+    """It runs unchanged, on a mesh with fluxes; both ways give the velocities at vertices."""
     text = (ROOT / "report" / "chapters" / "11-flow.md").read_text("utf-8")
     mesh = MESHES[2]()
     names = {

@@ -1,4 +1,4 @@
-"""High dimensions: the claims of the experiment, compared with independent computations."""
+"""High dimensions: claims of the experiment, compared with independent computations."""
 
 import math
 from itertools import combinations_with_replacement
@@ -8,12 +8,17 @@ import pytest
 
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.kernels.positive_definite import wendland
-from fieldreport.experiments.methods.high_dimensions import QUICK, errors, median_over_draws
-from fieldreport.experiments.methods.high_dimensions_cases import FIELDS, METHODS, additive, pairs
-from fieldreport.experiments.methods.high_dimensions_geometry import (
+from fieldreport.experiments.methods.high_dimensions import (
+    FIELDS,
+    METHODS,
+    QUICK,
     Geometry,
+    additive,
     counting,
+    errors,
     largest_correlation,
+    median_over_draws,
+    pairs,
     sites,
 )
 
@@ -25,28 +30,28 @@ def geometry(request):
     return Geometry.of(400, 40, 1, request.param)
 
 
-def told(geometry, what):
+def value_of(geometry, what):
     return dict(zip(Geometry.COLUMNS, geometry.row(), strict=True))[what]
 
 
-def test_distances_spread_as_the_central_limit_says(geometry):
-    """The squares have mean D/6 and variance 7 D/180, so distances spread by 0.59 / sqrt(D)."""
+def test_the_spread_of_distances_agrees_with_the_central_limit_theorem(geometry):
+    """Squares have mean D/6 and variance 7D/180, so the relative spread is about 0.59 / sqrt(D)."""
     d = geometry.variables
     expected = math.sqrt(7 / 180 * d) / (2 * d / 6)
     assert geometry.spread == pytest.approx(expected, rel=0.12)
 
 
-def test_polynomials_are_as_many_as_can_be_listed(geometry):
+def test_the_number_of_polynomials_agrees_with_enumeration(geometry):
     """Of degree 2: one for each multiset of at most two variables."""
     d = geometry.variables
     listed = sum(1 for m in range(3) for _ in combinations_with_replacement(range(d), m))
-    assert told(geometry, "of degree 2") == listed
+    assert value_of(geometry, "of degree 2") == listed
 
 
 @pytest.mark.parametrize("d", [3, 6, 10])
-def test_the_degree_of_wendland_s_function_is_told(d):
-    """Its interpolant of that degree is the function on its support, that of one less is not."""
-    degree = told(Geometry.of(30, 5, 1, d), "degree of Wendland's function")
+def test_the_degree_of_wendlands_function_is_correct(d):
+    """A polynomial of this degree interpolates it exactly on its support, one degree less not."""
+    degree = value_of(Geometry.of(30, 5, 1, d), "degree of Wendland's function")
     interpolant = np.polynomial.chebyshev.Chebyshev.interpolate
     phi, r = wendland(d, 1), np.linspace(0, 1, 50)
     same, other = (
@@ -56,16 +61,16 @@ def test_the_degree_of_wendland_s_function_is_told(d):
     assert other > 1e-6
 
 
-def test_wendland_s_function_is_at_half_its_height_where_it_is_said(geometry):
-    """As a part of its radius."""
-    half = told(geometry, "its width at half height / radius")
+def test_the_half_width_of_wendlands_function_is_correct(geometry):
+    """It is given as a fraction of the radius."""
+    half = value_of(geometry, "its width at half height / radius")
     assert wendland(geometry.variables, 1)(np.array(half)) == pytest.approx(0.5)
 
 
-def test_the_sites_that_count_are_known_for_equal_weights(monkeypatch):
-    """All of them; and one, if the others weigh nothing."""
+def test_the_effective_number_of_sites_is_known_for_simple_weights(monkeypatch):
+    """It is the number of neighbours for equal weights, and one if one site has all the weight."""
     x, q = uniform(200, 3, seed=1), uniform(10, 3, seed=2)
-    module = "fieldreport.experiments.methods.high_dimensions_geometry.wendland"
+    module = "fieldreport.experiments.methods.high_dimensions.wendland"
     monkeypatch.setattr(module, lambda *_: np.ones_like)
     assert counting(x, q) == pytest.approx(16)
     monkeypatch.setattr(module, lambda *_: lambda r: (r == r[:, :1]).astype(float))
@@ -74,16 +79,16 @@ def test_the_sites_that_count_are_known_for_equal_weights(monkeypatch):
     assert counting(x, q) == pytest.approx((1 + 15 / 4) ** 2 / (1 + 15 / 16))  # w enters squared
 
 
-def test_halton_s_last_columns_climb_together_and_scrambled_ones_do_not():
-    """A thousand points in a hundred variables."""
+def test_scrambling_removes_the_correlation_of_halton_columns():
+    """A thousand points in a hundred variables; without scrambling the last columns correlate."""
     kinds = "halton", "scrambled"
     plain, scrambled = (largest_correlation(sites(1000, 100, kind, 1)) for kind in kinds)
     assert plain > 0.95
     assert scrambled < 0.2
 
 
-def test_functions_are_what_they_are_called():
-    """A sum of functions of one variable has no mixed differences; the pairs only mixed ones."""
+def test_additive_and_pairwise_functions_have_their_defining_properties():
+    """Additive functions have no mixed differences; products of pairs are linear in a variable."""
     x = uniform(50, 6, seed=3)
     step = np.zeros((2, 6))
     step[0, 1], step[1, 4] = 0.1, 0.2
@@ -94,8 +99,8 @@ def test_functions_are_what_they_are_called():
     assert np.abs(twice).max() < 1e-10
 
 
-def test_what_polynomials_know_is_exact_and_the_right_variables_are_worth_all():
-    """Quadratics reproduce products of pairs; the cubic on two variables beats that on ten."""
+def test_reproduced_functions_are_exact_and_relevant_variables_suffice():
+    """Quadratics reproduce products of pairs; a cubic in two variables beats one in ten."""
     found = errors(QUICK, (10, 150, "random", 1))
     names = [f.__name__ for f in FIELDS]
     assert found[METHODS.index("quadratic"), names.index("pairs")] < 1e-10

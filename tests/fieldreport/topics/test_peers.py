@@ -1,4 +1,4 @@
-"""The comparison with other libraries: covered runs, losses, and their presentation."""
+"""The comparison with other libraries: which runs of peers are not matched, and how it is shown."""
 
 from dataclasses import replace
 
@@ -31,20 +31,20 @@ OURS = [timed("fieldrecon patches", 1.0, 1e-6), timed("fieldrecon MLS", 0.5, 1e-
         (0.6, 1e-3, False),
     ],
 )
-def test_a_peer_is_covered_by_what_is_both_as_fast_and_as_accurate(seconds, error, is_lost):
-    """Faster by one method of ours and more accurate by another does not cover."""
+def test_a_peer_is_covered_by_a_method_that_is_as_fast_and_as_accurate(seconds, error, is_lost):
+    """A faster method and another more accurate one do not cover it together."""
     peer = timed("SciPy RBF", seconds, error)
     assert uncovered([*OURS, peer]) == [peer] * is_lost
 
 
 def test_other_sizes_do_not_cover():
-    """What is fast on fewer sites says nothing about more."""
+    """A fast run on fewer sites implies nothing about more sites."""
     peer = timed("SciPy RBF", 2.0, 1e-3, sites=10_000)
     assert uncovered([*OURS, peer]) == [peer]
 
 
-def test_every_run_is_covered_or_told():
-    """The table of losses and what is covered make up all runs of peers; each row is a loss."""
+def test_every_run_of_a_peer_is_covered_or_listed_as_a_loss():
+    """Losses and covered runs together are all runs of peers, and each row is a loss."""
     result = run(PARAMS)
     runs = [MethodRun(*row) for row in result.tables["runs"].rows]
     lost = result.tables["lost"]
@@ -61,14 +61,14 @@ def test_every_run_is_covered_or_told():
     assert covered + len(lost.rows) == result.facts["peers_runs"]
 
 
-def test_larger_clouds_are_counted_from_where_the_parameter_says():
-    """With a bound above all sizes there is nothing to lose."""
+def test_large_point_clouds_are_counted_from_the_given_size():
+    """With a bound above all sizes no run counts as large."""
     facts = run(replace(PARAMS, large=10**9)).facts
     assert facts["lost_large"] == facts["peers_runs_large"] == 0
 
 
-def test_no_two_methods_look_alike():
-    """Colour and marker together tell every method of the comparison from all others."""
+def test_each_method_has_its_own_colour_and_marker():
+    """Each library has a colour of its own."""
     methods = dict.fromkeys(get("peers").run().tables["runs"].column("method"))
     drawn = looks(methods).values()
     assert len({(look["color"], look["marker"]) for look in drawn}) == len(methods)

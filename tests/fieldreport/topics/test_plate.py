@@ -1,11 +1,11 @@
-"""Plates: the polynomials that Morley's element represents, and closed forms of thin plates."""
+"""Plates: polynomials represented by Morley's element, and closed forms of thin plates."""
 
 import numpy as np
 import pytest
 
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldreport.experiments.coupling.elastic_wing_checks import cantilever, strip
+from fieldreport.experiments.coupling.elastic_wing import cantilever, strip
 from fieldreport.experiments.coupling.plate import Plate, hessians, isotropic_rigidity
 from laws import VISIBLE, assert_close
 
@@ -15,7 +15,7 @@ def scattered(n: int = 40) -> SimplexMesh:
 
 
 def degrees_of_freedom(mesh, value, gradient) -> np.ndarray:
-    """Values at vertices, and normal derivatives at the middles of faces."""
+    """Values at vertices, and normal derivatives at the midpoints of faces."""
     slopes = (mesh.face_normals * gradient(mesh.face_centers)).sum(axis=1)
     return np.concatenate([value(mesh.points), slopes])
 
@@ -23,8 +23,8 @@ def degrees_of_freedom(mesh, value, gradient) -> np.ndarray:
 # --- second derivatives -----------------------------------------------------------------------
 
 
-def second_derivatives_of_quadratics_are_exact(second) -> None:
-    """On any mesh, wherever the origin, and whichever way normals point."""
+def check_second_derivatives_of_quadratics(second) -> None:
+    """On any mesh, with any origin, and for any direction of the normals."""
     a = np.array([[1.5, -0.7], [-0.7, 0.4]])
     mesh = scattered()
     given = degrees_of_freedom(
@@ -34,23 +34,23 @@ def second_derivatives_of_quadratics_are_exact(second) -> None:
     assert_close(found, np.tile([a[0, 0], a[1, 1], 2 * a[0, 1]], (len(found), 1)), 1e-9)
 
 
-def test_second_derivatives():
-    """Of Morley's shape functions, which are the quadratics."""
-    second_derivatives_of_quadratics_are_exact(hessians)
+def test_second_derivatives_of_quadratics_are_exact():
+    """Morley's shape functions are the quadratics."""
+    check_second_derivatives_of_quadratics(hessians)
 
 
 def only_slopes(mesh):
-    """Forgets how values change along the faces."""
+    """A mutant that ignores the values at the vertices."""
     return hessians(mesh) @ np.diag([0.0] * len(mesh.points) + [1.0] * len(mesh.faces))
 
 
 def once_mixed(mesh):
-    """Takes the mixed derivative once instead of twice."""
+    """A mutant that counts the mixed derivative once instead of twice."""
     return np.diag(np.tile([1, 1, 0.5], len(mesh.cells))) @ hessians(mesh)
 
 
 def slopes_leave_cells(mesh):
-    """Takes each normal to leave both cells of its face."""
+    """A mutant that treats each normal as outward for both cells of its face."""
     both = hessians(mesh).toarray()
     n = len(mesh.points)
     for k, row in enumerate(mesh.cell_face_signs):
@@ -59,17 +59,17 @@ def slopes_leave_cells(mesh):
 
 
 @pytest.mark.parametrize("mutant", [only_slopes, once_mixed, slopes_leave_cells])
-def test_the_law_of_second_derivatives_can_fail(mutant):
-    """Each is wrong in one way."""
+def test_mutants_of_the_second_derivatives_fail(mutant):
+    """Each mutant has one error."""
     with pytest.raises(AssertionError):
-        second_derivatives_of_quadratics_are_exact(mutant)
+        check_second_derivatives_of_quadratics(mutant)
 
 
 # --- energy -----------------------------------------------------------------------------------
 
 
-def test_only_rigid_motions_bend_nothing():
-    """Three of them: the plate rises, and turns about two axes; the stiffness is symmetric."""
+def test_only_rigid_motions_have_zero_energy():
+    """There are three, a translation and two rotations; the stiffness matrix is symmetric."""
     mesh = scattered()
     plate = Plate(mesh, isotropic_rigidity(1.3, 0.3), mesh.points[:, 0] < 0.3)
     k = plate.stiffness.toarray()
@@ -81,8 +81,8 @@ def test_only_rigid_motions_bend_nothing():
         assert np.abs(k @ moved).max() < 1e-10 * energies[-1]
 
 
-def test_deflections_are_reciprocal():
-    """After Maxwell: the force here and the deflection there may change places."""
+def test_the_flexibility_is_symmetric():
+    """Maxwell's reciprocity: force and deflection may exchange their points."""
     mesh = scattered()
     plate = Plate(mesh, isotropic_rigidity(1.0, 0.3), mesh.points[:, 0] < 0.3)
     flexibility = plate.deflections(np.eye(len(mesh.points)))
@@ -90,8 +90,8 @@ def test_deflections_are_reciprocal():
     assert np.linalg.eigvalsh((flexibility + flexibility.T) / 2)[0] > -1e-12
 
 
-def test_a_plate_is_moved_and_turned_with_its_deflections():
-    """And scaled: under the same forces on a plate twice as large, four times as far."""
+def test_deflections_do_not_depend_on_position_and_orientation():
+    """On a plate twice as large the same forces cause four times the deflection."""
     mesh = scattered()
     turn = np.linalg.qr(np.random.default_rng(3).normal(size=(2, 2)))[0]
     other = SimplexMesh(2 * mesh.points @ turn + 5, mesh.cells)
@@ -104,15 +104,15 @@ def test_a_plate_is_moved_and_turned_with_its_deflections():
 # --- closed forms -----------------------------------------------------------------------------
 
 
-def test_an_evenly_loaded_cantilever_converges_with_order_two():
-    """To that of Euler and Bernoulli, without Poisson's effect."""
+def test_a_uniformly_loaded_cantilever_converges_with_order_two():
+    """The limit is the Euler-Bernoulli beam, with Poisson's ratio zero."""
     errors = [c.computed / c.closed_form - 1 for c in (cantilever(4), cantilever(8))]
     assert abs(np.log2(errors[0] / errors[1]) - 2) < 0.1
     assert 0 < errors[1] < 0.002
 
 
-def test_a_strip_twists_as_saint_venant_says():
-    """Between two stations far from the ends: T / (2 D (1 - ν) c), c the width."""
+def test_a_strip_twists_as_predicted_by_saint_venant():
+    """Between two stations far from the ends the twist is T / (2 D (1 - ν) c) for the width c."""
     mesh, poisson = strip(8.0, 8, 64), 0.3
     x, y = mesh.points.T
     plate = Plate(mesh, isotropic_rigidity(1.0, poisson), y == 0)
@@ -124,8 +124,8 @@ def test_a_strip_twists_as_saint_venant_says():
     assert turn[0] > VISIBLE
 
 
-def test_several_load_cases_are_each_alone():
-    """And forces on clamped vertices do nothing."""
+def test_several_load_cases_are_independent():
+    """Forces at clamped vertices have no effect."""
     mesh = scattered()
     held = mesh.points[:, 0] < 0.3
     plate = Plate(mesh, isotropic_rigidity(1.0, 0.3), held)
@@ -149,15 +149,15 @@ def test_several_load_cases_are_each_alone():
         (isotropic_rigidity(np.nan, 0.3), "finite"),
     ],
 )
-def test_rigidities_that_make_no_sense(rigidity, words):
-    """Are refused by what is wrong."""
+def test_invalid_rigidities_are_refused(rigidity, words):
+    """The message names the violated requirement."""
     mesh = scattered()
     with pytest.raises(ValueError, match=words):
         Plate(mesh, rigidity, mesh.points[:, 0] < 0.3)
 
 
-def test_plates_that_may_move_are_refused():
-    """One clamped vertex lets it turn; one clamped part leaves the other."""
+def test_plates_that_can_move_rigidly_are_refused():
+    """One clamped vertex allows a rotation; a second part may have no clamped vertex."""
     mesh = scattered()
     one = np.arange(len(mesh.points)) == 0
     with pytest.raises(np.linalg.LinAlgError, match="about cell 0 has no clamped face"):
@@ -170,8 +170,8 @@ def test_plates_that_may_move_are_refused():
         Plate(far, np.eye(3), far.points[:, 0] < 0.3)
 
 
-def test_what_is_no_plate_is_refused():
-    """Tetrahedra, lone points, and what does not tell who is clamped."""
+def test_invalid_plates_are_refused():
+    """Tetrahedra, points without a cell, and an invalid mask of clamped points."""
     mesh = scattered()
     with pytest.raises(ValueError, match="mesh must lie in the plane"):
         hessians(SimplexMesh.delaunay(halton(9, 3)))

@@ -1,4 +1,4 @@
-"""The claims of the chapter on barycentric coordinates, on a small run."""
+"""Claims of the chapter on barycentric coordinates, on a small run."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldreport.experiments.barycentric import coordinate_formulas as formulas
 from fieldreport.experiments.barycentric import polyhedra
-from fieldreport.experiments.barycentric.coordinate_limits import Outside
+from fieldreport.experiments.barycentric.coordinate_formulas import Outside
 from fieldreport.experiments.barycentric.polytopes import (
     OUTSIDE,
     POLYHEDRA,
@@ -28,12 +28,12 @@ def result():
     return polyhedra.run(replace(polyhedra.QUICK, splits=6))
 
 
-# --- the textbook formulas themselves -----------------------------------------------------------
+# --- textbook formulas ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", POLYHEDRA)
-def test_corners_edges_and_faces_obey_euler(name):
-    """n - e + f = 2, each face comes once round, and which are simple is as the chapter says."""
+def test_corners_edges_and_faces_satisfy_eulers_formula(name):
+    """n - e + f = 2, each face is an oriented loop, and the expected polyhedra are simple."""
     planes = Planes.of(POLYHEDRA[name])
     assert len(planes.corners) - len(planes.edges) + len(planes.offsets) == 2
     assert planes.simple == (name not in CROWDED)
@@ -46,14 +46,14 @@ def test_corners_edges_and_faces_obey_euler(name):
 
 @pytest.mark.parametrize("name", ["tetrahedron", "cube", "dodecahedron"])
 def test_the_quotient_is_the_polar_dual_at_simple_corners(name):
-    """Two formulas that share nothing but the planes of the faces agree."""
+    """Two formulas that share only the planes of the faces agree."""
     planes = Planes.of(POLYHEDRA[name])
     x = np.random.default_rng(0).dirichlet(np.ones(len(planes.corners)), 5) @ planes.corners
     assert abs(formulas.quotient(planes, x) - formulas.polar(planes, x)).max() < 1e-13
 
 
-def test_rational_weights_are_the_quotient_away_from_the_edges():
-    """The one is exact, the other good to rounding there."""
+def test_rational_weights_agree_with_the_quotient_away_from_edges():
+    """The rational weights are exact, and the quotient is accurate to rounding there."""
     corners = irregular(7, seed=1)
     x = np.array([0.1, 0.05])
     exact = formulas.rational(corners, x)
@@ -61,8 +61,8 @@ def test_rational_weights_are_the_quotient_away_from_the_edges():
 
 
 @pytest.mark.parametrize("corners", [regular(5), irregular(6, seed=2), POLYHEDRA["cube"][:4] * 2])
-def test_meshes_fill_their_polygon(corners):
-    """The triangles have the area of the polygon, in the plane and in space."""
+def test_meshes_have_the_area_of_their_polygon(corners):
+    """In the plane and in space."""
     if corners.shape[1] == 3:
         corners = corners[[0, 1, 3, 2]]
     points, triangles = mesh_of(corners, 5)
@@ -73,11 +73,11 @@ def test_meshes_fill_their_polygon(corners):
     assert area == pytest.approx(ConvexHull(flat).volume, rel=1e-12)
 
 
-# --- what the experiment finds ------------------------------------------------------------------
+# --- results of the experiment -------------------------------------------------------------------
 
 
-def test_positions_come_back_and_two_independent_ways_agree(result):
-    """In every polytope, with closed forms where there are some, all to rounding."""
+def test_positions_are_reproduced_and_independent_formulas_agree(result):
+    """In every polytope, with closed forms where they exist, up to rounding."""
     table = result.tables["polytopes"]
     assert max(table.column("positions")) < ROUNDING
     assert max(table.column("polar dual")) < ROUNDING
@@ -87,24 +87,24 @@ def test_positions_come_back_and_two_independent_ways_agree(result):
     assert result.facts["gradient_error"] < ROUNDING
 
 
-def test_three_faces_are_enough_at_simple_corners_only(result):
-    """The quotient on three of the faces returns positions if and only if no corner has more."""
+def test_three_faces_suffice_at_simple_corners_only(result):
+    """The quotient with three faces reproduces positions if and only if no corner has more."""
     for row in result.tables["polytopes"].rows:
         simple, error = row[5], row[8]
         assert (error < 1e-9) == (simple == "yes"), row[0]
         assert error < 1e-9 or error > 0.01
 
 
-def test_splits_tend_to_the_polar_dual_however_they_are_made(result):
-    """To first order in δ, whichever pair of faces comes to meet."""
+def test_every_split_converges_to_the_polar_dual(result):
+    """The convergence is of first order in δ, whichever pair of faces meets."""
     assert 0.98 < result.facts["slope_least"] <= result.facts["slope_most"] < 1.02
     assert result.facts["ways_pyramid"] == 2
     assert result.facts["difference_at_smallest_shift"] < 1e-9
 
 
 @pytest.mark.parametrize("name", CROWDED)
-def test_splits_do_not_tend_to_three_of_the_faces(name):
-    """The limit tells wrong weights from right ones."""
+def test_splits_do_not_converge_to_the_formula_with_three_faces(name):
+    """The limit distinguishes right weights from wrong ones."""
     planes = Planes.of(POLYHEDRA[name])
     x = 0.5 * planes.corners[:1] + 0.1
     shifts = 1e-8 * np.random.default_rng(3).uniform(-1, 1, len(planes.offsets))
@@ -114,8 +114,8 @@ def test_splits_do_not_tend_to_three_of_the_faces(name):
     assert abs(formulas.quotient(planes, x, 3) - limit).max() > 0.01
 
 
-def test_two_faces_moved_out_leave_the_others_to_meet():
-    """At the apex of a pyramid: in an edge, whichever opposite pair is moved."""
+def test_moving_two_opposite_faces_makes_the_others_meet():
+    """At the apex of a pyramid they meet in an edge, whichever opposite pair is moved."""
     planes = Planes.of(POLYHEDRA["square pyramid"])
     for pair, others in (planes.opposite, planes.opposite[::-1]):
         shifts = np.zeros(len(planes.offsets))
@@ -127,8 +127,8 @@ def test_two_faces_moved_out_leave_the_others_to_meet():
         assert apart.on[:, pair].all(axis=1).sum() == 0
 
 
-def test_products_keep_their_digits_beside_edges_and_quotients_do_not(result):
-    """Far away both are right; nearest, the quotient has nothing left on an edge."""
+def test_products_are_accurate_near_edges_and_quotients_are_not(result):
+    """Far from edges both are accurate; closest to an edge the quotient has no correct digit."""
     (quotient, products), (at_corner, _) = result.arrays["beside"]
     assert result.arrays["beside"][:, 1].max() < ROUNDING
     assert max(quotient[0], at_corner[0]) < 1e-13
@@ -136,16 +136,16 @@ def test_products_keep_their_digits_beside_edges_and_quotients_do_not(result):
     assert products.max() < ROUNDING
 
 
-def test_the_poles_lie_on_the_curve_through_the_crossings(result):
-    """The adjoint is the one polynomial of degree n - 3 through them, and its zeros are refused."""
+def test_the_poles_lie_on_the_adjoint_curve(result):
+    """The adjoint is the only polynomial of degree n - 3 through the crossings of the edges."""
     assert result.facts["adjoint_difference"] < 1e-11
     assert result.facts["crossings"] == sum(n * (n - 3) // 2 for n in OUTSIDE)
     assert result.facts["poles"] > 0
     assert result.facts["poles_refused"] == result.facts["poles"]
 
 
-def test_another_curve_is_seen_to_differ(monkeypatch):
-    """Moving one of the crossings by a thousandth is enough."""
+def test_a_curve_through_a_moved_crossing_differs(monkeypatch):
+    """A shift of one crossing by a thousandth is detected."""
     true = formulas.crossings
 
     def moved(planes):

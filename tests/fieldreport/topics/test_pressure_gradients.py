@@ -1,4 +1,4 @@
-"""The claims of the chapter on pressure gradients: orders, the boundary, and the weights."""
+"""Claims of the chapter on pressure gradients: orders, the boundary, and the weights."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,6 @@ from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.velocity.gradients import local_moving_least_squares, vertex_gradients
 from fieldreport import experiments
 from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
-from fieldreport.experiments.methods.convergence import order, rms
 from fieldreport.experiments.velocity import pressure_gradients
 from fieldreport.experiments.velocity.pressure_gradients import (
     METHODS,
@@ -16,6 +15,7 @@ from fieldreport.experiments.velocity.pressure_gradients import (
     pressure,
     pressure_gradient,
 )
+from fieldreport.framework.error_measures import order, rms
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +30,8 @@ def rows(found):
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_the_gradient_is_that_of_the_pressure(d):
-    """By central differences."""
+def test_the_reference_gradient_is_the_derivative_of_the_pressure(d):
+    """Compared with central differences."""
     x = np.random.default_rng(0).random((50, d))
     for k, step in enumerate(1e-5 * np.eye(d)):
         slope = (pressure(x + step) - pressure(x - step)) / 2e-5
@@ -39,7 +39,7 @@ def test_the_gradient_is_that_of_the_pressure(d):
 
 
 def test_irregular_meshes_give_first_order_inside_and_on_the_boundary(found):
-    """By every method; on the boundary with a larger constant."""
+    """This holds for every method; the error on the boundary has a larger constant."""
     for method in METHODS:
         inside, boundary = (rows(found)["jittered, plane", w] for w in ("inside", "boundary"))
         assert inside[f"{method}, order"] == pytest.approx(1, abs=0.25)
@@ -48,29 +48,29 @@ def test_irregular_meshes_give_first_order_inside_and_on_the_boundary(found):
 
 
 def test_equilateral_meshes_give_second_order_inside_only(found):
-    """Where circumcentres lie in pairs opposite the vertex, the even derivatives cancel."""
+    """Circumcentres lie in pairs opposite to the vertex, so even derivatives cancel."""
     for method in METHODS:
         inside, boundary = (rows(found)["equilateral, plane", w] for w in ("inside", "boundary"))
         assert inside[f"{method}, order"] == pytest.approx(2, abs=0.1)
         assert boundary[f"{method}, order"] == pytest.approx(1, abs=0.25)
 
 
-def test_radial_functions_are_best_and_least_squares_is_last(found):
+def test_rbf_is_more_accurate_than_mls_and_mls_than_ls(found):
     """On irregular meshes, inside, in the plane and in space."""
     for mesh in ("jittered, plane", "jittered, space"):
         inside = rows(found)[mesh, "inside"]
         assert inside["RBF"] < inside["MLS"] < inside["LS"]
 
 
-def test_numpy_and_scipy_give_the_same(found):
-    """Central differences lose half the digits, and a fit in closed form none."""
+def test_gradients_agree_with_numpy_and_scipy(found):
+    """Central differences lose half the digits, and a fit in closed form loses none."""
     assert found.facts["gap_ls"] < 1e-11
     assert found.facts["gap_mls"] < 1e-7
     assert found.facts["gap_rbf"] < 1e-7
 
 
 def test_the_diffuse_derivative_is_not_the_gradient_of_the_field(found):
-    """It is as accurate, and still another vector; only for large ε they agree."""
+    """It has the same error but is another vector; both agree only for large ε."""
     facts, sweep = found.facts, found.arrays["sweep"]
     assert facts["best_diffuse"] == pytest.approx(facts["best_full"], rel=0.1)
     assert facts["largest_difference"] > 0.1 * facts["best_full"]
@@ -78,7 +78,7 @@ def test_the_diffuse_derivative_is_not_the_gradient_of_the_field(found):
 
 
 def test_the_diffuse_derivative_is_the_slope_of_the_local_fit():
-    """As numpy finds it about the vertex; the full one is the gradient of the library's field."""
+    """NumPy fits around the vertex; the full derivative is the gradient of the library's field."""
     mesh = jittered_cube(8, 2, 0.6, 1)
     weight, p = inverse_square(0.05), pressure(mesh.circumcenters)
     inner = np.flatnonzero(~mesh.boundary_vertices)[::7]
@@ -95,8 +95,8 @@ def test_the_diffuse_derivative_is_the_slope_of_the_local_fit():
         np.testing.assert_allclose(gradient, field.gradient(mesh.points[i]), atol=1e-9)
 
 
-def test_means_of_cells_are_no_values_at_circumcentres(found):
-    """Taken for those the gradient has an error that does not fall; at the centroids it does."""
+def test_cell_means_must_not_be_used_as_values_at_circumcentres(found):
+    """The error of the gradient then does not fall; with values at the centroids it does."""
     facts = found.facts
     assert facts["means_order"] < 0.5
     assert facts["means_at_centroids_order"] == pytest.approx(1, abs=0.25)
@@ -104,8 +104,8 @@ def test_means_of_cells_are_no_values_at_circumcentres(found):
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_the_means_are_means(d):
-    """Against the mean over many points drawn uniformly in each cell, to its standard error."""
+def test_cell_means_agree_with_monte_carlo_means(d):
+    """Within the standard error of many points drawn uniformly in each cell."""
     mesh = jittered_cube(6, d, 0.6, 2)
     shares = np.random.default_rng(3).dirichlet(np.ones(d + 1), 40000)
     for c in range(0, len(mesh.cells), len(mesh.cells) // 4):
@@ -115,7 +115,7 @@ def test_the_means_are_means(d):
 
 
 def test_an_equilateral_mesh_covers_the_square_and_is_regular():
-    """All sides equal, six triangles at each inner vertex."""
+    """All edges have equal length, and each inner vertex has six triangles."""
     mesh = equilateral_mesh(5)
     np.testing.assert_allclose(mesh.face_measures, 0.2, rtol=1e-12)
     assert mesh.points.max(axis=0).min() >= 1
@@ -123,7 +123,7 @@ def test_an_equilateral_mesh_covers_the_square_and_is_regular():
     assert set(valence[~mesh.boundary_vertices]) == {6}
 
 
-def test_the_measures_of_errors():
-    """Root of the mean squared length, and the slope on logarithmic axes."""
+def test_rms_and_order_have_known_values():
+    """The root of the mean squared length, and the slope in logarithmic axes."""
     assert rms(np.array([[3.0, 4.0], [0.0, 0.0]])) == pytest.approx(5 / np.sqrt(2))
     assert order([1, 0.5, 0.25], [8, 1, 1 / 8]) == pytest.approx(3)

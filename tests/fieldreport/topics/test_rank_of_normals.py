@@ -9,7 +9,7 @@ from fieldrecon.polynomials import monomials
 from fieldreport import experiments
 from fieldreport.experiments.velocity import rank_of_normals as module
 from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
-from fieldreport.experiments.velocity.rank_deficient_normals import configurations
+from fieldreport.experiments.velocity.rank_of_normals import configurations
 
 CASES = {case.name: case for case in configurations(12, 3)}
 
@@ -25,8 +25,8 @@ def random_normals(n: int, rng: np.random.Generator) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_rank_is_the_known_one_though_b_has_full_rank(name):
-    """B has rank D + 1 in all of them; a step away B' has full rank in all of them."""
+def test_the_rank_is_known_although_b_has_full_rank(name):
+    """B has rank D + 1 in all configurations, and B' has full rank after a small shift."""
     case = CASES[name]
     p, n = case.at(0.0)
     d = p.shape[1]
@@ -36,15 +36,15 @@ def test_the_rank_is_the_known_one_though_b_has_full_rank(name):
     np.testing.assert_allclose(np.linalg.norm(n, axis=1), 1)
 
 
-def test_the_smallest_singular_value_falls_like_the_distance(result):
-    """With slope one, at the rate that first-order perturbation theory gives."""
+def test_the_smallest_singular_value_is_proportional_to_the_distance(result):
+    """The slope is one, with the factor of first-order perturbation theory."""
     assert result.facts["rank_mismatches"] == 0
     assert 0.99 < result.facts["least_slope"] <= result.facts["largest_slope"] < 1.01
     assert result.facts["rate_difference"] < 1e-4
 
 
-def test_a_tangent_field_is_what_is_lost(result):
-    """Each field that is drawn is affine, not zero, and tangent to all samples."""
+def test_the_null_vectors_are_tangent_fields(result):
+    """Each drawn field is affine, nonzero, and tangent at all samples."""
     names = {key.removesuffix("_field") for key in result.arrays if key.endswith("_field")}
     assert len(names) == 10
     for name in names:
@@ -54,8 +54,8 @@ def test_a_tangent_field_is_what_is_lost(result):
         assert np.abs((n * u).sum(axis=1)).max() < 1e-12
 
 
-def test_any_affine_field_spoils_any_points():
-    """Choose the normals across it: rank 5 of 6, whatever the field of rank 2 and the points."""
+def test_normals_perpendicular_to_an_affine_field_make_b_deficient():
+    """The rank is 5 of 6 for any points and any affine field of rank 2."""
     rng = np.random.default_rng(1)
     for _ in range(50):
         p, c = rng.standard_normal((9, 2)), rng.standard_normal((3, 2))
@@ -65,8 +65,8 @@ def test_any_affine_field_spoils_any_points():
         assert rank(normal_matrix(p, random_normals(9, rng))) == 6
 
 
-def test_signs_and_weights_do_not_matter():
-    """The rank is that of diag(±w) B', for any weights that are not zero."""
+def test_the_rank_does_not_depend_on_signs_and_weights():
+    """The rank equals that of diag(±w) B' for any nonzero weights."""
     rng = np.random.default_rng(2)
     for name, case in CASES.items():
         b = normal_matrix(*case.at(0.0))
@@ -75,7 +75,7 @@ def test_signs_and_weights_do_not_matter():
 
 
 def test_two_directions_on_three_points_each_suffice():
-    """As on a staggered grid: both components are known at three points not in line."""
+    """As on a staggered grid, each component is known at three points that are not collinear."""
     rng = np.random.default_rng(3)
     for _ in range(20):
         m = np.repeat(random_normals(2, rng), 3, axis=0)
@@ -85,11 +85,11 @@ def test_two_directions_on_three_points_each_suffice():
         assert rank(normal_matrix(p, m)) == 5
 
 
-# --- what the points allow ----------------------------------------------------------------------
+# --- ranks allowed by the points ------------------------------------------------------------------
 
 
-def test_five_points_in_line_spoil_six_whatever_the_normals():
-    """Though B has full rank: u = l(x) m, with l = 0 on the line and m along the sixth edge."""
+def test_five_collinear_points_of_six_make_b_deficient_for_any_normals():
+    """B has full rank; u = l(x) m with l = 0 on the line and m along the sixth edge is lost."""
     p = np.array([[k, 0] for k in range(5)] + [[1, 1]], dtype=float)
     rng = np.random.default_rng(4)
     assert rank(monomials(p, 1)) == 3
@@ -102,8 +102,8 @@ def test_five_points_in_line_spoil_six_whatever_the_normals():
         assert np.abs(b @ c.ravel()).max() < 1e-14
 
 
-def test_the_best_rank_is_that_of_the_best_division():
-    """max over divisions into two parts of rank B_1 + rank B_2, by trying them all."""
+def test_the_best_rank_is_that_of_the_best_partition():
+    """The maximum of rank B_1 + rank B_2 over all partitions into two parts, by enumeration."""
     rng = np.random.default_rng(5)
     found = set()
     for _ in range(60):
@@ -120,8 +120,8 @@ def test_the_best_rank_is_that_of_the_best_division():
     assert {4, 5, 6} <= found
 
 
-def test_random_normals_reach_the_best_rank(result):
-    """On every set drawn; and some sets with B of full rank are spoilt by their points."""
+def test_random_normals_attain_the_best_rank(result):
+    """This holds for every set drawn; some sets with B of full rank cannot attain rank 6."""
     assert result.facts["sets_mismatches"] == 0
     assert result.facts["sets_spoilt"] > 0
 
@@ -129,8 +129,8 @@ def test_random_normals_reach_the_best_rank(result):
 # --- tetrahedra ---------------------------------------------------------------------------------
 
 
-def test_a_star_of_tetrahedra_needs_seven_vertices(result):
-    """V vertices give rank min(12, 3V - 8) at random; the value comes with the whole field."""
+def test_a_star_of_tetrahedra_requires_seven_vertices(result):
+    """V random vertices give rank min(12, 3V - 8); full rank determines the velocity."""
     rows = [row for row in result.tables["stars"].rows if row[0] == "at random"]
     assert [row[1] for row in rows] == list(module.QUICK.vertices)
     for _, v, cells, faces, bound, lowest, highest, determined in rows:
@@ -139,8 +139,8 @@ def test_a_star_of_tetrahedra_needs_seven_vertices(result):
         assert determined == (100 if v >= 7 else 0)
 
 
-def test_the_octahedron_is_the_cross_of_space(result):
-    """Stretching along its axes is unseen, if it keeps volumes: rank 10; the centre stays."""
+def test_the_octahedron_has_rank_ten(result):
+    """Volume-preserving stretches along its axes are lost; the velocity at the centre is not."""
     row = result.tables["stars"].rows[-1]
     assert row[0] == "octahedron"
     assert row[4:] == (12, 10, 10, 100.0)
@@ -151,8 +151,8 @@ def test_the_octahedron_is_the_cross_of_space(result):
         assert np.abs(b @ c.ravel()).max() < 1e-14
 
 
-def test_ranks_are_affine_invariants():
-    """Points go with A, velocities with A, areas times normals with its cofactors."""
+def test_ranks_are_affine_invariant():
+    """Points and velocities transform by A, areas times normals by its cofactor matrix."""
     rng = np.random.default_rng(6)
     for star in (module._star(module.OCTAHEDRON), *module._random_stars(3, 6, rng)):
         a = np.eye(3) + rng.uniform(-0.4, 0.4, (3, 3))

@@ -1,4 +1,4 @@
-"""Vertex velocities from one ring and from more: ranks, errors and orders."""
+"""Vertex velocities from one ring and from more rings: ranks, errors and orders."""
 
 from dataclasses import replace
 
@@ -18,15 +18,17 @@ from fieldreport.experiments.meshes.reference_flows import (
 from fieldreport.experiments.velocity import normal_matrix_rank
 from fieldreport.experiments.velocity import rotational_velocity as module
 from fieldreport.experiments.velocity.normal_matrix_rank import (
+    SPACE,
     conics_through,
+    counts_of_mesh,
     error_by_conics,
     field_along,
     normal_matrix,
     one_ring,
     rank,
+    rotation_in_space,
     vertices_around,
 )
-from fieldreport.experiments.velocity.vertex_counts import SPACE, counts_of_mesh, rotation_in_space
 
 ROUNDING = 1e-12
 
@@ -45,8 +47,8 @@ def refined():
 # --- the conic theorem --------------------------------------------------------------------------
 
 
-def test_what_an_edge_sees_of_a_quadratic_stream_function():
-    """l n·u(p) = psi(x_j) - psi(x_i), for every quadratic psi and its field on every edge."""
+def test_the_normal_velocity_of_an_edge_is_the_difference_of_psi():
+    """l n·u(p) = ψ(x_j) - ψ(x_i) for every quadratic stream function ψ and every edge."""
     rng = np.random.default_rng(1)
     psi = rng.standard_normal(6)
     start, end = rng.standard_normal((2, 50, 2))
@@ -57,14 +59,14 @@ def test_what_an_edge_sees_of_a_quadratic_stream_function():
     np.testing.assert_allclose((l_n * u).sum(axis=1), rise, atol=ROUNDING)
 
 
-def test_ranks_are_those_of_conics(result):
-    """At every vertex counted, rank B' is the rank of the degree 2 Vandermonde matrix."""
+def test_ranks_agree_with_the_conic_theorem(result):
+    """At every vertex rank B' is the rank of the Vandermonde matrix of degree 2."""
     assert result.facts["counted"] > 300
     assert result.facts["rank_mismatches"] == 0
 
 
-def test_ranks_grow_with_the_triangles(result):
-    """min(6, N + 1) inside and min(6, N + 2) on the boundary, and no vertex below is determined."""
+def test_ranks_grow_with_the_number_of_triangles(result):
+    """min(6, N + 1) inside, min(6, N + 2) on the boundary; only rank 6 determines the velocity."""
     seen = set()
     for where, triangles, _, lowest, highest, determined, *_ in result.tables["valences"].rows:
         n = int(str(triangles).split()[0])
@@ -75,15 +77,15 @@ def test_ranks_grow_with_the_triangles(result):
     assert {("inside", 3), ("inside", 4), ("boundary", 2), ("boundary", 3)} <= seen
 
 
-def test_the_error_is_foretold_by_the_conics(result, monkeypatch):
-    """The part of the field along them is lost, whatever the normals; a wrong field shows."""
+def test_the_conics_predict_the_error(result, monkeypatch):
+    """The component of the field along them is lost for any normals; a wrong curl is detected."""
     assert result.facts["difference_from_conics"] < ROUNDING
     monkeypatch.setattr(normal_matrix_rank, "_CURL", np.roll(normal_matrix_rank._CURL, 1, axis=0))
     assert counts_of_mesh(random_square(60, 5, 0))[:, -1].max() > 1e-2
 
 
 def union_jack(side: int) -> SimplexMesh:
-    """A grid whose diagonals meet in every other vertex, in eight triangles."""
+    """A grid whose diagonals meet in every second vertex, in eight triangles."""
     p = np.indices((side + 1, side + 1)).reshape(2, -1).T
     cells = []
     for i, j in np.ndindex(side, side):
@@ -92,10 +94,10 @@ def union_jack(side: int) -> SimplexMesh:
     return SimplexMesh(p.astype(float), cells)
 
 
-def test_a_regular_grid_has_conics_where_random_meshes_have_none():
-    """The six vertices of four triangles on its boundary lie on two parallel lines: rank 5.
+def test_a_regular_grid_has_conics_that_random_meshes_lack():
+    """On the boundary, the six vertices of four triangles lie on two parallel lines: rank 5.
 
-    Inside, four triangles make a cross: rank 5 too, but the two lines meet at the vertex.
+    Inside, four triangles form a cross: rank 5 as well, but the two lines meet at the vertex.
     """
     mesh = union_jack(4)
     fit = one_ring(mesh, np.zeros(len(mesh.faces)))
@@ -108,7 +110,7 @@ def test_a_regular_grid_has_conics_where_random_meshes_have_none():
 
 
 def test_no_conic_through_a_determined_vertex_is_smooth_there():
-    """Determined means that every conic through the ring has a vanishing gradient at the vertex."""
+    """At a determined vertex every conic through the ring has zero gradient."""
     for mesh in (random_square(60, 5, 3), union_jack(4)):
         fit = one_ring(mesh, np.zeros(len(mesh.faces)))
         for i in range(len(mesh.points)):
@@ -119,8 +121,8 @@ def test_no_conic_through_a_determined_vertex_is_smooth_there():
 # --- the exercise -------------------------------------------------------------------------------
 
 
-def test_a_rotation_is_exact_where_it_is_determined(result):
-    """With one ring there, and everywhere with as many rings as it takes, weighted or not."""
+def test_a_rotation_is_exact_at_determined_vertices(result):
+    """With one ring there, and with enough rings everywhere, with and without weights."""
     facts = result.facts
     for name in ("error_where_determined", "error_ls", "error_mls"):
         assert facts[name] < ROUNDING
@@ -129,8 +131,8 @@ def test_a_rotation_is_exact_where_it_is_determined(result):
     assert facts["most_rings"] == 2
 
 
-def test_the_mean_of_two_ends_is_the_value_halfway_of_affine_fields_only(result):
-    """Of other fields it differs by l²/8 of the second derivative along the edge, and O(l⁴)."""
+def test_the_mean_of_two_ends_is_the_midpoint_value_for_affine_fields(result):
+    """For other fields it differs by l²/8 times the second derivative along the edge, and O(l⁴)."""
     assert result.facts["midpoint_difference"] < ROUNDING
     for h in (1e-2, 1e-3):
         mesh = SimplexMesh(0.3 + h * np.array([[0, 0], [1, 0.2], [0.1, 1]]), [[0, 1, 2]])
@@ -146,17 +148,17 @@ def test_the_mean_of_two_ends_is_the_value_halfway_of_affine_fields_only(result)
         assert 0.1 * h**2 < np.abs(off).max() < 10 * h**2
 
 
-# --- refined ------------------------------------------------------------------------------------
+# --- refinement -----------------------------------------------------------------------------------
 
 
-def test_as_many_rings_as_needed_give_second_order(refined):
-    """In the plane and in space, with equal weights and with those of the slides."""
+def test_enough_rings_give_second_order(refined):
+    """In the plane and in space, with equal weights and with the weights of the slides."""
     for name in ("ls_2d", "mls_2d", "ls_3d", "mls_3d"):
         assert 1.7 < refined.facts[f"order_{name}"] < 2.5
 
 
 def test_one_ring_does_not_converge(refined):
-    """The velocities that it does not determine stay wrong by their own size."""
+    """At vertices that one ring does not determine, the error stays of order one."""
     table = refined.tables["convergence"]
     rows = np.array(table.rows, dtype=float)[:3]
     one, ls = (rows[:, table.columns.index(f"{name} rms")] for name in ("one ring", "LS"))
@@ -165,8 +167,8 @@ def test_one_ring_does_not_converge(refined):
     assert refined.facts["undetermined_2d"] > 0.05
 
 
-def test_weights_help_where_two_rings_are_needed(refined):
-    """The far edges of the second ring then count little."""
+def test_weights_reduce_the_error_where_two_rings_are_needed(refined):
+    """They reduce the influence of the far edges of the second ring."""
     assert refined.facts["gain_2"] > 1.5
     assert 0.8 < refined.facts["gain_1"] < 1.2
 
@@ -191,17 +193,17 @@ def test_narrow_weights_cost_noise(refined):
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_the_rank_is_bounded_by_faces_and_cells(d):
-    """rank B' <= F - T + 1, since the flows out of the T cells are all tr G times the volume."""
+    """rank B' <= F - T + 1, since the outflows of the T cells all equal tr G times the volume."""
     for mesh in (jittered_cube(4, d, 0.6, 1), jittered_cube(3, d, 0.0, 1)):
         fit = one_ring(mesh, np.zeros(len(mesh.faces)))
         faces, cells = (np.diff(x.indptr) for x in (mesh.faces_around(), mesh.cells_around()))
         assert np.all(fit.rank <= np.minimum(d + d * d, faces - cells + 1))
-        # and by no less: it is reached at nearly all vertices
+        # the bound is attained at nearly all vertices
         assert np.mean(fit.rank == np.minimum(d + d * d, faces - cells + 1)) > 0.4
 
 
-def test_in_space_one_ring_fails_on_the_boundary_only():
-    """Inside a mesh of tetrahedra there are vertices enough; two rings do for the others."""
+def test_in_space_one_ring_is_insufficient_on_the_boundary_only():
+    """Inside a tetrahedral mesh there are enough vertices; elsewhere two rings suffice."""
     row = dict(zip(SPACE, rotation_in_space(jittered_cube(5, 3, 0.6, 2)), strict=True))
     assert row["undetermined by one ring"] > 0
     assert row["undetermined inside"] == row["more rings"] == 0
@@ -209,15 +211,15 @@ def test_in_space_one_ring_fails_on_the_boundary_only():
     assert row["largest error"] < ROUNDING
 
 
-def test_rotations_in_space_turn_about_their_axis():
-    """u = (1, 1, 1) x (x - m): no velocity along the axis, none on it, and no divergence."""
+def test_rotations_in_space_have_their_axis():
+    """u = (1, 1, 1) × (x - m): no velocity along the axis, and zero velocity on it."""
     x, m = np.random.default_rng(4).standard_normal((20, 3)), np.array([0.3, 0.1, -1.0])
     assert np.abs(rotation(x, m) @ np.ones(3)).max() < ROUNDING
     assert np.abs(rotation(m + np.ones((1, 3)), m)).max() < ROUNDING
 
 
-def test_the_textbook_matrix():
-    """Rows (nᵀ, x nᵀ, y nᵀ) of p. 22; the least solution agrees with numpy.linalg.lstsq."""
+def test_the_matrix_and_its_solution_agree_with_the_slides():
+    """Rows (nᵀ, x nᵀ, y nᵀ) of p. 22; the minimum-norm solution is that of numpy.linalg.lstsq."""
     mesh = random_square(40, 5, 8)
     v = np.random.default_rng(9).standard_normal(len(mesh.faces))
     fit = one_ring(mesh, v)
@@ -232,8 +234,7 @@ def test_the_textbook_matrix():
         np.testing.assert_allclose(fit.values[i], c[:2], atol=1e-9)
 
 
-def test_a_full_ring_has_no_conic_and_no_error():
-    """Where no conic passes through the vertices nothing is foretold to be lost."""
+def test_without_a_conic_no_error_is_predicted():
     mesh = random_square(60, 5, 3)
     i = int(np.diff(mesh.vertex_cell_incidence.indptr).argmax())
     assert not error_by_conics(mesh, i, np.ones(2), np.eye(2)).any()

@@ -1,4 +1,4 @@
-"""Terrain: known surfaces are reproduced; landforms beyond the last isolines are found."""
+"""Terrain: known surfaces are reproduced, and landforms beyond the last isolines are found."""
 
 from functools import partial
 
@@ -10,26 +10,23 @@ from scipy.interpolate import LinearNDInterpolator
 from fieldrecon.datasets.elevation import Terrain, terrain
 from fieldreport import experiments
 from fieldreport.experiments.datasets import terrain_methods
-from fieldreport.experiments.datasets.landforms import (
+from fieldreport.experiments.datasets.terrain import QUICK, Params, on_one_isoline, run, study
+from fieldreport.experiments.datasets.terrain_errors import (
     HOLLOW,
+    NONE,
     SLOPE,
     TOP,
+    TerrainProblem,
     beyond_band,
     landforms,
     level_below,
-    phase,
-    relief_told,
-)
-from fieldreport.experiments.datasets.terrain import QUICK, Params, run, study
-from fieldreport.experiments.datasets.terrain_errors import (
-    NONE,
-    TerrainProblem,
     measured,
     part,
+    phase,
+    relief_told,
     windowed,
 )
 from fieldreport.experiments.datasets.terrain_methods import GUARDED, THIN_PLATE, methods
-from fieldreport.experiments.datasets.terrain_weights import on_one_isoline
 
 EXACT = 1e-9
 SMALL = Params(
@@ -82,15 +79,15 @@ EXACT_ON_PLANES = (
 
 
 @pytest.mark.parametrize("name", EXACT_ON_PLANES)
-def test_a_plane_comes_back_from_its_isolines(name):
-    """Every method that reproduces linear polynomials returns the plane, also beyond the points."""
+def test_a_plane_is_reproduced_from_its_isolines(name):
+    """Every method that reproduces linear polynomials reproduces it, also outside the points."""
     problem = TerrainProblem(plane(), 20, 15.0)
     surface = methods((1, 2), 4, 3.0)[name](*problem.isolines, problem.land.points)
     assert_allclose(surface.heights, problem.truth, atol=1e-7)
 
 
-def test_a_mean_does_not_return_a_plane():
-    """The kernel −r with a constant alone bends the plane: the test above can fail."""
+def test_the_kernel_r_with_a_constant_does_not_reproduce_a_plane():
+    """This shows that the test above can fail."""
     problem = TerrainProblem(plane(), 20, 15.0)
     surface = methods((1,), 4, 3.0)["RBF −r"](*problem.isolines, problem.land.points)
     assert np.abs(surface.heights - problem.truth).max() > 1
@@ -99,8 +96,8 @@ def test_a_mean_does_not_return_a_plane():
 @pytest.mark.parametrize(
     ("name", "exact"), [("LS 1", False), ("LS 2", True), ("MLS 1", False), ("MLS 2", True)]
 )
-def test_a_paraboloid_comes_back_by_degree_two(name, exact):
-    """Degree 2 returns it from its values at the points, degree 1 does not."""
+def test_only_degree_two_reproduces_a_paraboloid(name, exact):
+    """The values are given at the points of the isolines."""
     points, _ = TerrainProblem(hills(), 20, 15.0).isolines
     queries = hills().points
 
@@ -111,8 +108,8 @@ def test_a_paraboloid_comes_back_by_degree_two(name, exact):
     assert (np.abs(surface.heights - height(queries)).max() < 1e-6) == exact
 
 
-def test_neighbors_on_one_line_are_joined_by_others():
-    """About a line that holds the twelve nearest points, more are taken, and a plane comes back."""
+def test_collinear_neighbors_are_extended():
+    """If the twelve nearest points are collinear, more are added, and a plane is reproduced."""
     along = np.arange(0.0, 100.0, 4.0)
     points = np.array([(x, y) for y in (0.0, 90.0) for x in along])
     heights = points @ [0.5, 2.0] + 7
@@ -123,7 +120,7 @@ def test_neighbors_on_one_line_are_joined_by_others():
 
 
 def test_guarded_weights_stay_below_the_bound():
-    """No sum of |weights| is above the bound, while some of plain degree 2 are."""
+    """The sum of |weights| never exceeds the bound, while it does for plain degree 2."""
     problem = TerrainProblem(hills(), 20, 15.0)
     tried = methods((), 4, 2.0)
     plain, guarded = (tried[n](*problem.isolines, problem.land.points) for n in ("MLS 2", GUARDED))
@@ -133,8 +130,8 @@ def test_guarded_weights_stay_below_the_bound():
     assert_array_equal(guarded.heights[safe], plain.heights[safe])
 
 
-def test_amplification_bounds_what_an_error_of_the_data_does():
-    """With errors of one metre of the worst signs a height changes by the sum of the |weights|."""
+def test_amplification_is_the_worst_case_effect_of_data_errors():
+    """Errors of one metre with the worst signs change a height by the sum of the |weights|."""
     problem = TerrainProblem(hills(), 20, 15.0)
     points, heights = problem.isolines
     queries = problem.land.points[::97]
@@ -147,8 +144,8 @@ def test_amplification_bounds_what_an_error_of_the_data_does():
         assert moved - still == pytest.approx(sizes[k])
 
 
-def test_flat_ground_is_where_all_neighbors_have_one_height():
-    """On one isoline every degree returns its height; where heights differ, few cells do."""
+def test_flat_ground_has_neighbors_of_one_height_only():
+    """On one isoline every degree returns its height; elsewhere few cells have a level's height."""
     problem = TerrainProblem(hills(), 20, 15.0)
     flat = on_one_isoline(problem, 12)
     heights = methods((), 4, 3.0)["MLS 1"](*problem.isolines, problem.land.points).heights
@@ -157,7 +154,7 @@ def test_flat_ground_is_where_all_neighbors_have_one_height():
     assert np.mean(np.abs(phase(heights, 20))[~flat] < EXACT) < 0.1
 
 
-def test_thin_plate_is_that_of_scipy():
+def test_the_thin_plate_spline_agrees_with_scipy():
     """The difference from scipy.interpolate.RBFInterpolator is at the level of rounding."""
     problem = TerrainProblem(hills(), 10, 15.0)
     queries = problem.land.points
@@ -166,8 +163,8 @@ def test_thin_plate_is_that_of_scipy():
     assert np.abs(ours - theirs).max() < 1e-9 * np.ptp(problem.truth) * len(problem.isolines[0])
 
 
-def test_triangles_stop_at_the_hull():
-    """Outside of the hull of the points there is nothing, inside there is everything."""
+def test_linear_triangles_end_at_the_convex_hull():
+    """Outside the convex hull of the points there are no values."""
     problem = TerrainProblem(hills(), 20, 15.0)
     surface = terrain_methods.triangles(*problem.isolines, problem.land.points)
     assert_array_equal(np.isnan(surface.heights), problem.outside)
@@ -176,8 +173,8 @@ def test_triangles_stop_at_the_hull():
     assert_array_equal(surface.heights, reference)
 
 
-def test_hills_are_tops_and_the_basin_is_a_hollow():
-    """The summits lie in two tops, the bottom in a hollow, and halfway up there is a slope."""
+def test_landforms_of_known_hills_are_classified():
+    """Both summits are tops, the bottom is a hollow, and halfway up there is a slope."""
     ground = hills()
     form = landforms(ground.height, 20)
     assert form[15, 10] == form[12, 30] == TOP
@@ -187,15 +184,15 @@ def test_hills_are_tops_and_the_basin_is_a_hollow():
     assert tops.min() > 0
 
 
-def test_upside_down_tops_are_hollows():
-    """Levels lie at k·spacing + ½: turned about ½ m, the isolines of a land stay where they are."""
+def test_tops_of_the_inverted_terrain_are_hollows():
+    """Levels are at k·spacing + ½, so inverting about ½ m keeps the isolines."""
     height = terrain().height
     assert_array_equal(landforms(1 - height, 100), -landforms(height, 100))
 
 
 @pytest.mark.parametrize("form", [TOP, HOLLOW])
-def test_the_land_tells_all_of_its_relief_and_a_terrace_none(form):
-    """Relief told is 1 of the truth, 0 of the last isoline, and linear between them."""
+def test_recovered_relief_is_one_for_the_truth_and_zero_for_a_terrace(form):
+    """It is linear between the height of the last isoline and the true height."""
     height = hills().height
     truth = height[landforms(height, 20) == form]
     terrace = level_below(truth, 20) + (20 if form == HOLLOW else 0)
@@ -204,16 +201,15 @@ def test_the_land_tells_all_of_its_relief_and_a_terrace_none(form):
     assert relief_told((truth + terrace) / 2, truth, 20, form) == pytest.approx(0.5)
 
 
-def test_the_land_keeps_to_its_bands():
-    """The truth never leaves the band between two isolines; moved by a spacing it always does."""
+def test_the_terrain_stays_within_its_bands():
+    """The true height lies between its two isolines; shifted by one spacing it never does."""
     height = terrain().height
     assert not beyond_band(height, height, 100).any()
     assert beyond_band(height + 100, height, 100).all()
     assert np.abs(phase(height, 100)).max() <= 0.5
 
 
-def test_a_window_is_cut_out_where_it_was_asked_for():
-    """Its nodes are those of the land in the square."""
+def test_a_window_contains_the_nodes_of_its_square():
     ground = hills()
     cut = windowed(ground, (95.0, 60.0, 50.0))
     assert cut.x.tolist() == [100, 110, 120, 130, 140]
@@ -221,8 +217,8 @@ def test_a_window_is_cut_out_where_it_was_asked_for():
     assert cut.height[2, 1] == ground.height[7, 11]
 
 
-def test_a_study_of_a_plane_finds_nothing_wrong():
-    """All errors of the exact methods vanish, on the map and in the window, inside and outside."""
+def test_a_study_of_a_plane_has_no_errors():
+    """The errors of the exact methods vanish on the map and in the window, inside and outside."""
     result = study(SMALL, plane())
     for name in ("ls", "mls_1", "mls_2", "thin_plate"):
         assert result.facts[f"{name}_largest"] < 1e-7
@@ -232,7 +228,7 @@ def test_a_study_of_a_plane_finds_nothing_wrong():
     assert result.facts["cone_largest"] > 1
 
 
-def test_the_facts_are_those_of_the_file(quick):
+def test_the_facts_agree_with_the_elevation_file(quick):
     """Extremes, mean and extent are those of every fifth row and column of the model."""
     ground = part(terrain(), np.s_[::5], np.s_[::5])
     assert quick.facts["highest"] == ground.height.max()
@@ -244,8 +240,8 @@ def test_the_facts_are_those_of_the_file(quick):
     assert abs(Params().every * terrain().height.max() - quick.facts["published_summit"]) <= 2
 
 
-def test_what_the_report_says_holds_on_a_coarser_model_too(quick):
-    """The thin plate is nearer than MLS, guarded nearer than not, and all nearer than LS."""
+def test_the_ranking_of_methods_holds_on_a_coarser_model(quick):
+    """The thin plate has a smaller error than MLS, guarded MLS than plain, and all than LS."""
     inside = {name: quick.facts[f"{name}_inside"] for name in ("ls", "mls_1", "mls_2")}
     thin_plate, guarded = quick.facts["thin_plate_inside"], quick.facts["mls_guarded_inside"]
     assert thin_plate < guarded < min(inside["mls_1"], inside["mls_2"])
@@ -256,7 +252,7 @@ def test_what_the_report_says_holds_on_a_coarser_model_too(quick):
 
 
 def test_maps_have_north_at_the_top(quick):
-    """Row 0 is the south and is drawn at the bottom, the first column in the west at the left."""
+    """Row 0 is the south and is drawn at the bottom; the first column is in the west."""
     x, y = quick.arrays["x"], quick.arrays["y"]
     for plot in experiments.get("terrain").plots.values():
         for axes in plot(quick).axes:
@@ -269,8 +265,8 @@ def test_maps_have_north_at_the_top(quick):
                 assert not axes.yaxis_inverted()
 
 
-def test_the_land_in_the_picture_is_the_land(quick):
-    """In the third map the highest cell has the lightest tint, where its coordinates are."""
+def test_the_terrain_is_drawn_at_its_coordinates(quick):
+    """In the third map the highest cell has its true coordinates."""
     land_map = experiments.get("terrain").plots["terrain"](quick).axes[2].images[0]
     row, column = np.unravel_index(quick.arrays["truth"].argmax(), quick.arrays["truth"].shape)
     west, east, south, north = land_map.get_extent()
@@ -281,8 +277,8 @@ def test_the_land_in_the_picture_is_the_land(quick):
     assert south + (row + 0.5) * (north - south) / rows == pytest.approx(quick.arrays["y"][row])
 
 
-def test_a_window_off_the_map_is_refused():
-    """A window without cells is told with its lengths."""
+def test_a_window_outside_the_map_is_refused():
+    """The message contains its lengths."""
     refused = partial(windowed, hills(), (9000.0, 0.0, 100.0))
     with pytest.raises(ValueError, match=r"parameter window must hold 3 or more rows .*9000"):
         refused()

@@ -4,23 +4,23 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fieldreport.experiments.coupling.elastic_wing_checks import elliptic_wing, long_wing
+from fieldreport.experiments.coupling.elastic_wing import elliptic_wing, long_wing
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice, _horseshoe
 from laws import VISIBLE, assert_close
 
 
 def corners(across: int = 3, along: int = 6, sweep: float = 0.4) -> np.ndarray:
-    """Of a tapered, swept half wing."""
+    """The corners of a tapered, swept half wing."""
     y = np.linspace(0, 3, along + 1)
     part = np.linspace(0, 1, across + 1)[:, None]
     return np.stack(np.broadcast_arrays(sweep * y + part * (1 - y / 6), y), axis=-1)
 
 
-# --- what a vortex does -----------------------------------------------------------------------
+# --- induced velocity -------------------------------------------------------------------------
 
 
 def by_quadrature(p, a, b) -> float:
-    """The law of Biot and Savart along the three legs, summed adaptively."""
+    """The Biot-Savart law along the three segments, by adaptive quadrature."""
 
     def rate(at, direction) -> float:
         r = p - at
@@ -33,8 +33,8 @@ def by_quadrature(p, a, b) -> float:
     return (bound + left + right) / (4 * np.pi)
 
 
-def test_a_horseshoe_moves_the_air_as_its_legs_do():
-    """Beside it, before it, and inside."""
+def test_the_velocity_of_a_horseshoe_vortex_agrees_with_quadrature():
+    """Beside the vortex, in front of it, and between its legs."""
     a, b = np.array([0.1, -0.3]), np.array([0.4, 0.9])
     for p in ([1.0, 0.2], [-0.5, 0.4], [0.7, 1.5], [0.2, -1.0]):
         found = _horseshoe(np.array([[p]]), a[None], b[None])[0, 0]
@@ -44,27 +44,27 @@ def test_a_horseshoe_moves_the_air_as_its_legs_do():
 # --- limits -----------------------------------------------------------------------------------
 
 
-def test_lift_of_an_elliptic_wing():
-    """Of high aspect ratio, to the first order in its inverse; an infinite wing has more."""
+def test_the_lift_of_an_elliptic_wing_agrees_with_lifting_line_theory():
+    """To first order in the inverse aspect ratio; the lift of an infinite wing is larger."""
     check = elliptic_wing()
     assert abs(check.computed / check.closed_form - 1) < 0.002
     assert check.computed < 0.985 * 2 * np.pi
 
 
-def test_lift_of_a_long_wing_at_a_mach_number():
-    """That of a plate in the plane, over √(1 - M²); and without, 2 π."""
+def test_the_lift_of_a_long_wing_follows_prandtl_glauert():
+    """The lift slope of a flat plate is 2π / √(1 - M²)."""
     for mach in (0.0, 0.5, 0.8):
         check = long_wing(mach)
         assert abs(check.computed / check.closed_form - 1) < 0.003
 
 
-def test_the_law_of_prandtl_and_glauert_can_fail():
-    """Without the stretch the lift is 2 π at all Mach numbers."""
+def test_without_the_prandtl_glauert_factor_the_comparison_fails():
+    """The lift slope would be 2π at all Mach numbers."""
     assert abs(long_wing(0.0).computed / long_wing(0.8).closed_form - 1) > 0.3
 
 
-def test_lift_of_a_slender_wing():
-    """A delta wing of low aspect ratio A: π A / 2, after Jones, whatever the Mach number."""
+def test_the_lift_of_a_slender_wing_agrees_with_jones():
+    """A delta wing of low aspect ratio A has the slope π A / 2 at any Mach number."""
     part, y = np.linspace(0, 1, 21)[:, None], np.linspace(0, 0.02, 11)
     ahead = y / 0.02
     grid = np.stack(np.broadcast_arrays(ahead + part * (1.0001 - ahead), y), axis=-1)
@@ -75,8 +75,8 @@ def test_lift_of_a_slender_wing():
         assert abs(slope / (np.pi * aspect / 2) - 1) < 0.08
 
 
-def test_a_camber_lifts_as_thin_profiles_do():
-    """A parabola of height h, at no incidence: 4 π h, by the lattice's quarters exactly."""
+def test_the_lift_of_a_cambered_wing_agrees_with_thin_airfoil_theory():
+    """A parabolic camber of height h at zero incidence gives 4 π h."""
     part = np.linspace(0, 1, 9)
     y = np.linspace(0, 1000.0, 11)
     wing = VortexLattice(np.stack(np.meshgrid(part, y, indexing="ij"), axis=-1))
@@ -88,11 +88,11 @@ def test_a_camber_lifts_as_thin_profiles_do():
     assert_close(middles, -0.04 * (1 - 2 * (np.arange(8) + 0.5) / 8), 1e-12)
 
 
-# --- what goes in and out by the corners ----------------------------------------------------------
+# --- forces and incidences at the corners -----------------------------------------------------
 
 
-def forces_do_the_work_of_panels(forces, wing: VortexLattice) -> None:
-    """On any heights of corners: 2 γ Δy times that of the middle of each vortex."""
+def check_work_of_corner_forces(forces, wing: VortexLattice) -> None:
+    """For any corner heights: 2 γ Δy times the height of the midpoint of each vortex."""
     rng = np.random.default_rng(0)
     gamma, z = rng.normal(size=wing.shape), rng.normal(size=len(wing.points))
     grid = z.reshape(wing.shape[0] + 1, -1)
@@ -101,17 +101,17 @@ def forces_do_the_work_of_panels(forces, wing: VortexLattice) -> None:
     assert_close(forces(gamma) @ z, (2 * gamma * wing.spans * middle).sum(), 1e-12)
 
 
-def test_forces_do_the_work_of_panels():
-    """And so keep force and moment; several cases are each alone."""
+def test_corner_forces_do_the_work_of_the_panels():
+    """Force and moment are therefore conserved; several load cases are independent."""
     wing = VortexLattice(corners())
-    forces_do_the_work_of_panels(wing.forces, wing)
+    check_work_of_corner_forces(wing.forces, wing)
     gamma = np.random.default_rng(1).normal(size=(*wing.shape, 2))
     for k in range(2):
         assert_close(wing.forces(gamma)[:, k], wing.forces(gamma[..., k]), 1e-13)
 
 
-def test_the_law_of_work_can_fail():
-    """A quarter of the force to each corner keeps the force alone."""
+def test_equal_shares_of_the_force_violate_the_law_of_work():
+    """A quarter of the force at each corner conserves the force only."""
     wing = VortexLattice(corners())
 
     def quarters(gamma):
@@ -121,18 +121,18 @@ def test_the_law_of_work_can_fail():
         return total.ravel()
 
     with pytest.raises(AssertionError):
-        forces_do_the_work_of_panels(quarters, wing)
+        check_work_of_corner_forces(quarters, wing)
 
 
-def test_a_plane_has_one_incidence():
-    """However it is swept: minus its slope along the stream."""
+def test_a_plane_has_constant_incidence():
+    """For any sweep it is minus the slope in the direction of the flow."""
     wing = VortexLattice(corners())
     z = wing.points @ [-0.3, 0.7] + 2
     assert_close(wing.incidences(z), np.full(wing.shape, 0.3), 1e-12)
 
 
-def test_circulations_make_the_flow_go_along_the_wing():
-    """The downwash of all horseshoes and their images at the control points is the incidence."""
+def test_circulations_satisfy_the_boundary_condition():
+    """The downwash of all horseshoe vortices and their images equals the incidence."""
     grid = corners()
     wing = VortexLattice(grid)
     theta = np.random.default_rng(0).normal(size=wing.shape)
@@ -149,8 +149,8 @@ def test_circulations_make_the_flow_go_along_the_wing():
         assert_close(up, -theta[i, j], 1e-6)
 
 
-def test_a_wing_grows_with_its_lattice():
-    """Lengths twice as large: the same lift coefficient, circulations and area with them."""
+def test_results_scale_with_the_size_of_the_wing():
+    """Twice the lengths give twice the circulations and the same lift coefficient."""
     small, large = VortexLattice(corners(), 0.6), VortexLattice(2 * corners(), 0.6)
     theta = np.random.default_rng(0).normal(size=small.shape)
     a, b = small.circulations(theta), large.circulations(theta)
@@ -174,7 +174,7 @@ def test_a_wing_grows_with_its_lattice():
         (lambda: VortexLattice(corners()).incidences(np.ones(3)), "one entry for each corner"),
     ],
 )
-def test_what_is_no_wing_is_refused(make, words):
-    """In words that name it."""
+def test_invalid_wings_are_refused(make, words):
+    """The message names the argument and the requirement."""
     with pytest.raises(ValueError, match=words):
         make()

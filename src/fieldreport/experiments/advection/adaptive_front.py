@@ -25,16 +25,9 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldreport.experiments.advection.advection import DISC, RADIUS, deforming, method_on
-from fieldreport.experiments.methods.convergence import rms
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.error_measures import rms
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 FRAMES = 4
 NOISE = 1e-6  # of the coarsening threshold: smaller residuals are rounding errors

@@ -12,7 +12,7 @@ Wendland, Scattered Data Approximation (2005), section 1.3; Zalesak (1979); LeVe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,13 +21,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.advection.characteristics import SCHEMES, Velocity, departure_points
-from fieldrecon.advection.semi_lagrangian_steps import semi_lagrangian
+from fieldrecon.advection.semi_lagrangian_steps import State, semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
-from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.error_measures import order, rms
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 DISC, CONE, HUMP = np.array([[0.5, 0.75], [0.5, 0.25], [0.25, 0.5]])
 RADIUS = 0.15
@@ -161,7 +162,7 @@ def carried(params: Params, job: tuple[str, str]) -> tuple[np.ndarray, np.ndarra
     g = (np.arange(params.grid) + 0.5) / params.grid
     places = np.stack(np.meshgrid(g, g), axis=-1)
     history, frames = [], []
-    for k, state in enumerate(states):
+    for k, state in enumerate(_limited(states, steps)):
         u = state.values
         size = np.sqrt(np.mean(first**2, axis=0)), np.mean(first, axis=0)
         away = np.sqrt(np.mean((u - first) ** 2, axis=0)), np.mean(np.abs(u - first), axis=0)
@@ -172,6 +173,17 @@ def carried(params: Params, job: tuple[str, str]) -> tuple[np.ndarray, np.ndarra
             reached = np.linalg.norm(places - 0.5, axis=-1) < 0.5
             frames.append(np.where(reached | (not turn), frame, 0.0))
     return np.array(history).transpose(0, 2, 1), np.array(frames)
+
+
+def _limited(states: Iterable[State], steps: int) -> Iterator[State]:
+    """Yield the states; where bounds and mass contradict each other, the steps are too long."""
+    try:
+        yield from states
+    except ValueError as error:
+        raise ValueError(
+            f"in {steps} steps the limiter cannot keep the mass within the bounds of neighbouring "
+            f"values; more steps or a shorter period help: {error}"
+        ) from error
 
 
 def time_error(job: tuple[str, int]) -> float:

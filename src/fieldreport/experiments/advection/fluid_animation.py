@@ -23,6 +23,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
+from scipy.spatial import cKDTree
 
 from fieldrecon.advection.characteristics import departure_points
 from fieldrecon.advection.incompressible import (
@@ -30,6 +31,7 @@ from fieldrecon.advection.incompressible import (
     divergence_free,
     flow_energy,
 )
+from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
@@ -37,23 +39,19 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, figure, line
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
-from fieldreport.experiments.meshes.graded_meshes import box_mesh, near_rim
-from fieldreport.experiments.methods.convergence import rms
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-    require,
-)
+from fieldreport.framework.error_measures import order_of_magnitude, rms
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.orders_of_magnitude import floored
+from fieldreport.framework.parameters import Parameters, parameter, require
+
+SMOOTHINGS = 3
+GROWTH = 0.35
+"""Growth of the edge length per distance from where it is smallest."""
 
 INK = np.array([0.5, 0.72])
 RADIUS = 0.16
 FRAMES = 6
+LONGEST_STEP = 0.2  # a tenth of a revolution
 ENERGY = 0.25  # of the vortex, at all times
 EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 
@@ -63,10 +61,10 @@ class Params(Parameters):
     """Meshes and steps."""
 
     spacing: float = parameter(
-        0.06, "edge length of the mesh away from the ink", least=0.005, most=0.5
+        0.06, "edge length of the mesh away from the ink", least=0.005, most=0.3
     )
     finest: float = parameter(
-        0.025, "edge length of the mesh at the boundary of the ink", least=0.002, most=0.5
+        0.025, "edge length of the mesh at the boundary of the ink", least=0.002, most=0.3
     )
     steps: int = parameter(10, "time steps, of two meshes each", least=FRAMES - 1)
     time: float = parameter(2.0, "final time; the centre rotates once in time 2", above=0, most=100)
@@ -74,6 +72,8 @@ class Params(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.finest <= self.spacing, "finest", "spacing or less", self.finest)
+        longest = self.steps * LONGEST_STEP
+        require(self.time <= longest, "time", f"{longest:g} or less in so many steps", self.time)
 
 
 QUICK = Params(spacing=0.2, finest=0.15, steps=5, time=0.5)
@@ -232,6 +232,64 @@ def run(params: Params, each: Map = map) -> Result:
         facts=facts,
         arrays=arrays,
     )
+
+
+def near_rim(wide: float, fine: float, rim: np.ndarray | None, x: np.ndarray) -> np.ndarray:
+    """Edge lengths: `fine` at the given points, growing to `wide` away from them."""
+    if rim is None or not len(rim):
+        return np.full(len(x), wide)
+    away = cKDTree(rim).query(x)[0]
+    return np.minimum(wide, fine + GROWTH * np.maximum(away - fine, 0))
+
+
+def box_mesh(lengths: Callable[[np.ndarray], np.ndarray], seed: int) -> SimplexMesh:
+    """Delaunay mesh of the unit square with edges of about these lengths.
+
+    Random points are accepted if no other point is too close, and then smoothed by moving them a
+    few times to the mean of their neighbours.
+    """
+    rim = boundary(lengths)
+    shortest = float(lengths(halton(4000, 2)).min())
+    tried = halton(int(4 / shortest**2), 2, seed=seed)
+    points = np.vstack([rim, thinned(rim, tried, lengths)])
+    for _ in range(SMOOTHINGS):
+        points[len(rim) :] = means_of_neighbours(SimplexMesh.delaunay(points))[len(rim) :]
+    return SimplexMesh.delaunay(points)
+
+
+def boundary(lengths: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Points on the sides, spaced according to the edge lengths."""
+    t = np.linspace(0, 1, 401)
+    sides = []
+    for corner, along in (((0, 0), (1, 0)), ((1, 0), (0, 1)), ((1, 1), (-1, 0)), ((0, 1), (0, -1))):
+        x = np.array(corner) + t[:, None] * np.array(along)
+        density = 1 / lengths(x)
+        count = np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(t))])
+        even = np.arange(round(count[-1])) * (count[-1] / round(count[-1]))
+        sides.append(np.array(corner) + np.interp(even, count, t)[:, None] * np.array(along))
+    return np.vstack(sides)
+
+
+def thinned(
+    rim: np.ndarray, tried: np.ndarray, lengths: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """Select the candidates far enough from given points and from those selected before."""
+    apart = 0.8 * lengths(tried)
+    free = cKDTree(rim).query(tried)[0] > 0.75 * apart
+    tried, apart = tried[free], apart[free]
+    near = cKDTree(tried).query_ball_point(tried, apart)
+    stays = np.zeros(len(tried), dtype=bool)
+    for k, others in enumerate(near):
+        stays[k] = not stays[[j for j in others if j < k]].any()
+    return tried[stays]
+
+
+def means_of_neighbours(mesh: SimplexMesh) -> np.ndarray:
+    """Means (n, 2) of the vertices that share an edge with each."""
+    start, end = np.concatenate([mesh.edges, mesh.edges[:, ::-1]]).T
+    count = np.bincount(start, minlength=len(mesh.points))
+    sums = [np.bincount(start, mesh.points[end, k], len(mesh.points)) for k in (0, 1)]
+    return np.stack(sums, axis=1) / count[:, None]
 
 
 def plot(result: Result) -> Figure:

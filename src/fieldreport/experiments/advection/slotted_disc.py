@@ -29,8 +29,9 @@ from fieldreport.experiments.advection.advection import (
     shapes,
     turning,
 )
-from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.error_measures import order
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 UNKNOWNS = 72314
 """Unknowns of the finest published mesh; each coarser mesh has twice the time step."""

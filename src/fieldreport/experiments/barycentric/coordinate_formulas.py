@@ -2,18 +2,21 @@
 
 Each function computes the weights of a convex polytope in another way: the quotient of the slides,
 the volumes of the polar dual from a convex hull, faces shifted apart at the corners, rational
-arithmetic, and the closed forms for simplices and cubes.
+arithmetic, and the closed forms for simplices and cubes. The errors beside edges and corners, and
+the poles outside a polygon, are found with them.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from fieldreport.experiments.barycentric.polytopes import Planes
+from fieldrecon.barycentric.coordinates import BarycentricCoordinates
+from fieldreport.experiments.barycentric.polytopes import GOLDEN, Planes, regular
 
 
 def affine(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -147,3 +150,117 @@ def on_curve(coefficients: np.ndarray, degree: int, x: np.ndarray) -> np.ndarray
 def _monomials(x: np.ndarray, degree: int) -> np.ndarray:
     powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
     return np.stack([x[:, 0] ** i * x[:, 1] ** j for i, j in powers], axis=1)
+
+
+def errors_beside(distances: np.ndarray, turn: float) -> np.ndarray:
+    """Return errors (edge or corner, quotient or products, distance) in a turned hexagon.
+
+    Exact values are computed in rational arithmetic. Where the quotient is not a number, its error
+    is reported as -1.
+    """
+    corners = regular(6, turn)
+    planes, method = Planes.of(corners), BarycentricCoordinates(corners)
+    errors = np.empty((2, 2, len(distances)))
+    for row, place in zip(errors, (0.3 * corners[0] + 0.7 * corners[1], corners[0]), strict=True):
+        x = place - distances[:, None] * place / np.linalg.norm(place)
+        exact = np.array([rational(corners, q) for q in x])
+        with np.errstate(all="ignore"):
+            error = np.abs(quotient(planes, x) - exact).max(axis=1)
+        row[0] = np.where(np.isfinite(error), error, -1)
+        row[1] = np.abs(method.weights(x) - exact).max(axis=1)
+    return errors
+
+
+@dataclass(frozen=True)
+class Outside:
+    """The coordinates of a polygon beyond its edges, and their pole curve.
+
+    Attributes
+    ----------
+    corners : (n, 2) ndarray
+    crossings : (n (n - 3) / 2, 2) ndarray
+        Intersections of extended non-adjacent edges.
+    grid : (m, m, 2) ndarray
+    weight : (m, m) ndarray
+        Of the first corner, on the grid.
+    denominator : (m, m) ndarray
+        The adjoint, on the grid.
+    difference : float
+        Between the adjoint and the polynomial of degree n - 3 that vanishes at the crossings, on
+        the grid, relative to the adjoint.
+    poles : (k, 2) ndarray
+        Points where the adjoint is zero to rounding.
+    refused : int
+        The number of poles that the coordinates refuse.
+    """
+
+    corners: np.ndarray
+    crossings: np.ndarray
+    grid: np.ndarray
+    weight: np.ndarray
+    denominator: np.ndarray
+    difference: float
+    poles: np.ndarray
+    refused: int
+
+    @classmethod
+    def of(cls, corners: np.ndarray, directions: int, side: int) -> Outside:
+        """Evaluate along a number of directions, and on a grid with a number of points per side."""
+        planes, method = Planes.of(corners), BarycentricCoordinates(corners)
+        points = crossings(planes)
+        size = 2 + 2 * np.abs(points).max()
+        ticks = size * (np.arange(side) + 0.5) / side - size / 2
+        # shifted slightly, so that no grid point lies on the curve
+        grid = np.stack(np.meshgrid(ticks, ticks + GOLDEN * size / (9 * side)), axis=-1)
+        flat = grid.reshape(-1, 2)
+        denominator = adjoint(planes, flat)
+        degree = len(corners) - 3
+        curve = on_curve(curve_through(points, degree), degree, flat)
+        difference = denominator - (denominator @ curve / (curve @ curve)) * curve
+        poles = _zeros(planes, regular(directions), size)
+        return cls(
+            corners,
+            points,
+            grid,
+            method.weights(grid)[:, 0].reshape(side, side),
+            denominator.reshape(side, side),
+            np.abs(difference).max() / np.abs(denominator).max(),
+            poles,
+            _refused(method, poles),
+        )
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return the arrays of the figures."""
+        n = len(self.corners)
+        return {
+            f"outside_{n}_corners": self.corners,
+            f"outside_{n}_crossings": self.crossings,
+            f"outside_{n}_grid": self.grid,
+            f"outside_{n}_weight": self.weight,
+            f"outside_{n}_denominator": self.denominator,
+        }
+
+
+def _zeros(planes: Planes, directions: np.ndarray, size: float) -> np.ndarray:
+    """Return the zeros (k, 2) of the adjoint on rays from the centre, to machine precision.
+
+    They are found by bisection. A ray without a change of sign within the size has none.
+    """
+    inner, outer = np.zeros(len(directions)), np.full(len(directions), size)
+    crosses = adjoint(planes, size * directions) < 0
+    for _ in range(60):
+        middle = (inner + outer) / 2
+        inside = adjoint(planes, middle[:, None] * directions) > 0
+        inner, outer = np.where(inside, middle, inner), np.where(inside, outer, middle)
+    return (inner[:, None] * directions)[crosses]
+
+
+def _refused(method: BarycentricCoordinates, x: np.ndarray) -> int:
+    """Return the number of points at which the coordinates are refused."""
+    count = 0
+    for q in x:
+        try:
+            method.weights(q)
+        except np.linalg.LinAlgError:
+            count += 1
+    return count

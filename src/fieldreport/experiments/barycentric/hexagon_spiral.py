@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,25 +26,15 @@ from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from fieldrecon.barycentric.voronoi import VoronoiCell
+from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.meshes.duals import circumcentric_dual
+from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line, shades
-from fieldreport.experiments.barycentric.vertex_stars import (
-    Star,
-    at_random,
-    from_areas,
-    hexagon,
-    icosahedron,
-    quotients,
-    spiral,
-)
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
+
+GOLDEN = (1 + 5**0.5) / 2
 
 ROUNDING = 1e-16
 FORMS = ("quotient", "quotient, one height", "product")
@@ -129,7 +120,9 @@ def measure(steps: int, star: Star) -> dict[str, float]:
 
 def linear_error(w: np.ndarray, corners: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return the relative error of linear data at each query; 1 if there is no value."""
-    error = np.abs(w @ corners.sum(axis=1) - x.sum(axis=1)) / np.abs(corners.sum(axis=1)).max()
+    with np.errstate(invalid="ignore"):  # weights that are not finite
+        values = w @ corners.sum(axis=1)
+    error = np.abs(values - x.sum(axis=1)) / np.abs(corners.sum(axis=1)).max()
     return np.where(np.isfinite(error), error, 1.0)
 
 
@@ -238,8 +231,122 @@ def _drawn(params: Params) -> dict[str, np.ndarray]:
 VIEW = Rotation.from_euler("zyx", [200, 0, -70], degrees=True).as_matrix()
 """Rows: directions to the right, upward, and toward the viewer."""
 
+BESIDE = 10
+"""Distance up to which the spiral that was not moved is drawn beside the moved hexagon."""
+
 FLOOR = 3e-17
 """The value at which zero errors are drawn."""
+
+
+class Star(NamedTuple):
+    """The cells of a mesh around one of its vertices."""
+
+    mesh: SimplexMesh
+    vertex: int
+
+    @property
+    def center(self) -> np.ndarray:
+        """The vertex x_i (d,)."""
+        return self.mesh.points[self.vertex]
+
+    @property
+    def cells(self) -> np.ndarray:
+        """Indices of the cells at x_i."""
+        return self.mesh.vertex_cells(self.vertex)
+
+    @property
+    def spokes(self) -> np.ndarray:
+        """Differences x_b − x_i (f, d), one for each face of the Voronoi cell."""
+        around = self.mesh.cells[self.cells]
+        return self.mesh.points[np.unique(around[around != self.vertex])] - self.center
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Circumcentres (c, d) of the cells."""
+        return self.mesh.circumcenters[self.cells]
+
+    @property
+    def dual_edges(self) -> np.ndarray:
+        """Edges (e, 2, d) of the Voronoi cell."""
+        at = (self.mesh.faces == self.vertex).any(axis=1)
+        return circumcentric_dual(self.mesh)[0][at]
+
+
+def hexagon(turn: float = 0.0, center: tuple[float, ...] = (0.0, 0.0)) -> Star:
+    """Return a regular hexagon of radius 1, rotated by an angle in degrees, with its centre.
+
+    Examples
+    --------
+    >>> len(hexagon().cells), len(icosahedron().cells)
+    (6, 20)
+    """
+    angle = np.deg2rad(turn) + np.arange(6) * np.pi / 3
+    rim = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return Star(SimplexMesh.delaunay(np.vstack([np.zeros((1, 2)), rim]) + center), 0)
+
+
+def icosahedron() -> Star:
+    """Return an icosahedron of radius 1 with its centre; its Voronoi cell is a dodecahedron."""
+    corners = np.array([[0, s, t * GOLDEN] for s in (-1, 1) for t in (-1, 1)])
+    rim = np.vstack([np.roll(corners, k, axis=1) for k in range(3)]) / np.sqrt(1 + GOLDEN**2)
+    return Star(SimplexMesh.delaunay(np.vstack([np.zeros((1, 3)), rim])), 0)
+
+
+def at_random(n: int, d: int, seed: int) -> Star:
+    """Return the star of the vertex nearest to the centre, for random points in the unit cube."""
+    points = uniform(n, d, np.random.default_rng((seed, d)))
+    return Star(SimplexMesh.delaunay(points), int(((points - 0.5) ** 2).sum(axis=1).argmin()))
+
+
+def spiral(star: Star, steps: int) -> np.ndarray:
+    """Return the points x_i + (r/n) e_n, n = 1 ... N, r the distance from x_i to the nearest face.
+
+    In the plane e_n has the angle 2πn/N. In space it also makes one revolution about the axis while
+    it moves from one pole to the other.
+    """
+    r = np.sqrt((star.spokes**2).sum(axis=1).min()) / 2
+    n = np.arange(1, steps + 1)
+    e = np.stack([np.cos(2 * np.pi * n / steps), np.sin(2 * np.pi * n / steps)], axis=1)
+    if len(star.center) == 3:
+        height = 1 - (2 * n - 1) / steps
+        e = np.column_stack([np.sqrt(1 - height**2)[:, None] * e, height])
+    return star.center + (r / n)[:, None] * e
+
+
+def quotients(star: Star, x: np.ndarray, one_height: bool = False) -> np.ndarray:
+    """Return V_a / Π_b h_ab of the slides over their sum, at queries (m, d), for the cells a.
+
+    h_ab = (x_b − x_i)ᵀ(p_a − x) is computed at each corner a; with `one_height`, from the same
+    ½ l_b² − (x_b − x_i)ᵀ(x − x_i) at all corners of face b. Where a height is zero there is no
+    value, NaN.
+    """
+    around = star.mesh.cells[star.cells]
+    others = around[around != star.vertex].reshape(len(around), -1)
+    spokes = star.mesh.points[others] - star.center
+    if one_height:
+        half = (spokes**2).sum(axis=2) / 2
+        heights = half - np.einsum("abk,mk->mab", spokes, x - star.center)
+    else:
+        heights = np.einsum("abk,mak->mab", spokes, star.corners - x[:, None])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        w = star.mesh.cell_measures[star.cells] / heights.prod(axis=2)
+        return w / w.sum(axis=1, keepdims=True)
+
+
+def from_areas(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the weights of the corners of a convex polygon from areas of triangles alone.
+
+    w_a = area(p_a−1, p_a, p_a+1) / (area(x, p_a−1, p_a) area(x, p_a, p_a+1)): no mesh, no normals.
+    """
+    before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+    here = x[:, None]
+    w = _area(before, corners, after) / (_area(here, before, corners) * _area(here, corners, after))
+    return w / w.sum(axis=1, keepdims=True)
+
+
+def _area(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    u, v = b - a, c - a
+    return (u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]) / 2
 
 
 def plot(result: Result) -> Figure:
@@ -251,15 +358,22 @@ def plot(result: Result) -> Figure:
         _draw_star(middle, "as asked, the middle enlarged", arrays, "asked")
         s = arrays["asked_spiral"]
         reach = 1.15 * np.abs(s[3]).max()
-        middle.set(xlim=(-0.45 * reach, reach), ylim=(-0.55 * reach, 0.9 * reach))
+        low, high = reach * np.array([[-0.45, -0.55], [1.0, 0.9]])
+        if ((s[3:] < low) | (s[3:] > high)).any():  # the fourth of few points lies elsewhere
+            low, high = reach * np.array([[-1.0, -1.0], [1.0, 1.0]])
+        middle.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         for n in range(4, len(s) + 1):
             if n in (4, 6, 10, 20, len(s)):
                 outward = 9 * s[n - 1] / np.linalg.norm(s[n - 1])
                 look = {"textcoords": "offset points", "ha": "center", "va": "center"}
                 middle.annotate(f"{n}", s[n - 1], outward, **look)
         _draw_star(moved, "turned and moved", arrays, "moved")
-        moved.plot(*s.T, ".", color="#8a8a8a", markersize=3)
-        moved.annotate("without\n$x_i$", s[-1], (6, -8), textcoords="offset points", va="top")
+        if np.abs(result.params.center).max() < BESIDE:
+            moved.plot(*s.T, ".", color="#8a8a8a", markersize=3)
+            above = result.params.center[1] > 1  # the hexagon, so the label goes there
+            away = {"va": "bottom"} if above else {"va": "top"}
+            shift = (6, 8 if above else -8)
+            moved.annotate("without\n$x_i$", s[-1], shift, textcoords="offset points", **away)
         _draw_star(space, "icosahedron", arrays, "space")
         page.colorbar(points, ax=list(axes.flat), shrink=0.6, label="value above that at $x_i$")
     return page

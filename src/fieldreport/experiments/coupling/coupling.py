@@ -16,10 +16,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
 
 from fieldrecon.coupling.flat_structures import FlatCoupling, blended_plates
 from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
@@ -28,16 +30,11 @@ from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thi
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
-from fieldreport.experiments.coupling.precice_mappings import integrated, separate
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.orders_of_magnitude import floored
+from fieldreport.framework.parameters import Parameters, parameter
+
+Kernel: TypeAlias = Callable[[np.ndarray], np.ndarray]
 
 THICKNESS = 0.12  # of the profile, as a fraction of the chord
 SPARS = (0.2, 0.45, 0.7)  # positions along the chord
@@ -248,6 +245,37 @@ def _facts(
     lift = linear.shares(given.forces, *parts)[..., 2]
     facts["outer_lift_to_outer_part"] = float(lift[1, 1] / lift[1].sum())
     return facts
+
+
+def integrated(x: np.ndarray, y: np.ndarray, kernel: Kernel) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mappings of preCICE with the polynomial integrated: the augmented system.
+
+    With kernel matrices C between nodes and A from nodes to evaluation points, and the linear
+    polynomials Q and V at both, displacements are mapped by the consistent matrix (m, n), loads by
+    the conservative one (n, m). Source: Chourdakis and others, preCICE v2 (2022).
+    """
+    q, v, c, a = _parts(x, y, kernel)
+    system = np.block([[np.zeros((q.shape[1],) * 2), q.T], [q, c]])
+    evaluation = np.hstack([v, a])
+    given = np.vstack([np.zeros((q.shape[1], len(x))), np.eye(len(x))])
+    conservative = np.linalg.solve(system.T, evaluation.T)[q.shape[1] :]
+    return evaluation @ np.linalg.solve(system, given), conservative
+
+
+def separate(x: np.ndarray, y: np.ndarray, kernel: Kernel) -> tuple[np.ndarray, np.ndarray]:
+    """Return the same mappings with the polynomial fitted first, and kernels for the rest."""
+    q, v, c, a = _parts(x, y, kernel)
+    fit = np.linalg.pinv(q)
+    consistent = a @ np.linalg.solve(c, np.eye(len(x)) - q @ fit) + v @ fit
+    mu = np.linalg.solve(c, a.T)
+    return consistent, mu - fit.T @ (q.T @ mu - v.T)
+
+
+def _parts(
+    x: np.ndarray, y: np.ndarray, kernel: Kernel
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    q, v = (np.column_stack([np.ones(len(p)), p]) for p in (x, y))
+    return q, v, kernel(cdist(x, x)), kernel(cdist(y, x))
 
 
 def plot(result: Result) -> Figure:

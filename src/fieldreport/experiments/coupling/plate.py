@@ -154,7 +154,11 @@ class Plate:
         self.stiffness = sparse.csr_array(curvature.T @ blocks @ curvature)
         self._free = np.flatnonzero(~held)
         self._moving = self._free[self._free < n]
-        self._factor = splu(self.stiffness[self._free][:, self._free].tocsc())
+        free = self.stiffness[self._free][:, self._free]
+        # Deflections are lengths and normal derivatives are not: unit diagonal, in any unit.
+        self._scale = 1 / np.sqrt(free.diagonal())
+        scaling = sparse.diags_array(self._scale)
+        self._factor = splu((scaling @ free @ scaling).tocsc())
 
     def deflections(self, forces: ArrayLike) -> np.ndarray:
         """Deflections w (n, ...) of the vertices under transverse forces.
@@ -172,9 +176,10 @@ class Plate:
         f = valid.as_values(forces, len(self.mesh.points), "forces")
         given = f.reshape(len(f), -1)
         right = np.zeros((len(self._free), given.shape[1]))
-        right[: len(self._moving)] = given[self._moving]
+        scale = self._scale[: len(self._moving), None]
+        right[: len(self._moving)] = scale * given[self._moving]
         w = np.zeros_like(given)
-        w[self._moving] = self._factor.solve(right)[: len(self._moving)]
+        w[self._moving] = scale * self._factor.solve(right)[: len(self._moving)]
         return w.reshape(f.shape)
 
 

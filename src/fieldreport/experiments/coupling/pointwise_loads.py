@@ -14,7 +14,7 @@ from fieldrecon.coupling.rigid_body_motions import net_force_and_moment
 from fieldrecon.coupling.transfer import Transfer, applied
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.rbf import RBF
-from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing
+from fieldreport.experiments.coupling.static_aeroelasticity import ElasticWing, settled
 
 Matrix: TypeAlias = np.ndarray | sparse.sparray
 
@@ -93,7 +93,7 @@ def compared(
         f = _upward(air.forces(stiff))
         arrives = net_force_and_moment(wing.coupling.structure, other.coupling.loads(f))
         given = net_force_and_moment(wing.coupling.surface, f)
-        w = other.steady_state(pressure, incidences, maxiter=300).value
+        w = settled(other.steady_state(pressure, incidences, maxiter=300))
         bent = other.circulations(w, incidences)
         z, g = other.heights(w), air.forces(bent)
         work = w @ other.coupling.loads(_upward(g))[:, 2] / (z @ g)

@@ -131,6 +131,23 @@ class ElasticWing:
         return float(pressure * np.abs(self.eigenvalues[0]))
 
 
+def settled(found: FixedPoint) -> np.ndarray:
+    """Return the deflections of a steady state.
+
+    Raises
+    ------
+    ValueError
+        If the iteration did not converge.
+    """
+    if not found.converged:
+        raise ValueError(
+            "the iteration between flow and structure must converge to a steady state; "
+            f"after {len(found.residuals) - 1} steps the residual is "
+            f"{found.residuals[-1] / found.residuals[0]:.1g} of the first"
+        )
+    return found.value
+
+
 def _upward(sizes: ArrayLike) -> np.ndarray:
     """Vectors (n, 3, ...) along z."""
     z = np.asarray(sizes, dtype=float)

@@ -34,14 +34,9 @@ from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric,
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import DIVERGING, figure, line, shades
 from fieldrecon.polynomials import dimension, monomials
-from fieldreport.framework.experiment import (
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 ROUNDING = np.finfo(float).eps
 WAVES = np.linspace(1.0, 20.0, 381)

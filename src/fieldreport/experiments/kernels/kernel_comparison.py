@@ -38,15 +38,9 @@ from fieldrecon.kernels.positive_definite import gaussian, matern, wendland
 from fieldrecon.methods.least_squares import monomial_matrix
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order, order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 # Larger computed condition numbers are dominated by rounding, as are the solutions.
 CERTAIN = 1e13
@@ -228,9 +222,10 @@ def _facts(params: Params, error: np.ndarray, condition: np.ndarray) -> dict[str
     facts: dict[str, Cell] = {}
     for k, name in enumerate(params.kernels):
         certain = (error[k] > 0) & (condition[k] < CERTAIN)
-        facts[f"points_{name}"] = int(np.array(params.sizes)[certain][-1])
-        facts[f"error_{name}"] = error[k, certain][-1]
-        facts[f"condition_{name}"] = condition[k, certain][-1]
+        if certain.any():  # else the table shows why there is nothing to quote
+            facts[f"points_{name}"] = int(np.array(params.sizes)[certain][-1])
+            facts[f"error_{name}"] = error[k, certain][-1]
+            facts[f"condition_{name}"] = condition[k, certain][-1]
     best = np.where(error > 0, error, np.inf)[:, -1].argmin()
     return facts | {"best": LABELS[list(params.kernels)[best]]}
 
@@ -255,8 +250,7 @@ def _far_facts(distances: np.ndarray, far: dict[str, np.ndarray]) -> dict[str, C
     last = distances >= distances[-1] / 10
     facts: dict[str, Cell] = {}
     for name in ("far_plate", "far_plate_loose", "far_gaussian_plane"):
-        growth = np.polyfit(np.log(distances[last]), np.log(np.abs(far[name][last])), 1)[0]
-        facts[f"{name}_growth"] = growth
+        facts[f"{name}_growth"] = order(distances[last], np.abs(far[name][last]))
     for name in ("ring_plate", "ring_plate_loose"):
         facts[f"{name}_least"], facts[f"{name}_most"] = far[name].min(), far[name].max()
     return facts

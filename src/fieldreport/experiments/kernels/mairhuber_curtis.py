@@ -30,7 +30,8 @@ from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import METHOD_COLORS, figure, line
 from fieldrecon.polynomials import monomials
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 TIMES = np.linspace(0.0, 1.0, 241)
 THIRD = np.array([[0.55, 0.75]])

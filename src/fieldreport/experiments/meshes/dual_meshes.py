@@ -26,15 +26,9 @@ from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
 from fieldreport.experiments.meshes.reference_flows import jittered_cube
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 ROUNDING = 1e-16
 NO_LENGTH = 1e-9

@@ -26,18 +26,14 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    parameter,
-    require,
-)
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 MEASURES = ("error", "gradient error", "leave-one-out", "ψ", "normalized ψ")
 CRITERIA = {"ψ": "psi", "normalized ψ": "normalized_psi", "leave-one-out": "leave_one_out"}
+
+LIMIT = 1e2
+"""An ε far above the side of the square, whatever the range of the sweep."""
 
 
 @dataclass(frozen=True)
@@ -200,15 +196,15 @@ def _facts(params: Params, sweeps: np.ndarray, means: np.ndarray) -> dict[str, C
 
 
 def _limit_of_psi(params: Params) -> tuple[float, float]:
-    """Return half the squared residual of a fit by numpy.linalg.lstsq, and ε⁴ψ at the largest ε.
+    """Return half the squared residual of a fit by numpy.linalg.lstsq, and ε⁴ψ at a large ε.
 
     As ε grows all weights become 1/ε², so that ε⁴ψ tends to ψ of plain least squares.
     """
     x, queries, values, _ = _drawn(params, (params.seed, 0))
     residual = np.linalg.lstsq(np.column_stack([np.ones(len(x)), x]), values[:, 0])[1]
-    method = MovingLeastSquares(x, inverse_square(params.largest))
+    method = MovingLeastSquares(x, inverse_square(LIMIT))
     psi = method.objective(values[:, 0], queries).mean()
-    return float(residual[0] / 2), float(params.largest**4 * psi)
+    return float(residual[0] / 2), float(LIMIT**4 * psi)
 
 
 def _geometric_mean(x: np.ndarray) -> float:
@@ -237,8 +233,15 @@ def plot(result: Result) -> Figure:
             _draw(errors, result, k, ("error", "gradient error", "leave-one-out"))
             _draw(objectives, result, k, ("ψ", "normalized ψ"))
             objectives.set_xlabel("ε")
-        beside_line = (1.15 / np.sqrt(params.points), 0.92)
-        objectives.text(*beside_line, "spacing", transform=objectives.get_xaxis_transform())
+        spacing = 1 / np.sqrt(params.points)
+        left = 10 * spacing > params.largest  # on the right there is no room
+        objectives.text(
+            spacing / 1.15 if left else spacing * 1.15,
+            0.92,
+            "spacing",
+            ha="right" if left else "left",
+            transform=objectives.get_xaxis_transform(),
+        )
         axes[0, 0].set_ylabel("root mean square")
         axes[1, 0].set_ylabel("mean over the queries")
         axes[0, 0].legend(loc="upper left")

@@ -32,8 +32,9 @@ from fieldrecon.methods.hermite import HermiteField, HermiteRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
 from fieldrecon.reconstruction import Field
-from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.error_measures import order
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 KERNELS: dict[str, Radial] = {
     "r⁵": polyharmonic(5),
@@ -52,7 +53,7 @@ class Params(Parameters):
     lobes: int = parameter(3, "lobes of the curve r = 1 + wave cos(lobes t)", least=2)
     wave: float = parameter(0.3, "depth of the lobes, in radii", least=0, below=1)
     offset: float = parameter(
-        0.1, "distance of the points beside the curve, in radii", least=1e-6, most=1
+        0.1, "distance of the points beside the curve, in radii", least=1e-4, most=1
     )
     sizes: tuple[int, ...] = parameter(
         (8, 12, 16, 24, 32),

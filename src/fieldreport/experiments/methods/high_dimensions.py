@@ -14,32 +14,42 @@ Ramakrishnan and Shaft, When is "nearest neighbor" meaningful? (1999).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.optimize import brentq
+from scipy.spatial import cKDTree
+from scipy.spatial.distance import pdist
 
-from fieldrecon.datasets.synthetic import halton, uniform
+from fieldrecon.datasets.synthetic import franke, halton, uniform
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
+from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
-from fieldreport.experiments.methods.high_dimensions_cases import FIELDS, METHODS, methods
-from fieldreport.experiments.methods.high_dimensions_geometry import KINDS, Geometry, sites
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-    require,
-)
+from fieldrecon.polynomials import dimension
+from fieldreport.framework.error_measures import order, order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
+
+KINDS = ("random", "halton", "scrambled")
+BINS = np.linspace(0, 2.5, 101)
+"""Bins of distances, in units of their mean."""
+FEW = 500
+"""The number of sites with pairwise distances in the histogram."""
+
+Maker: TypeAlias = Callable[[np.ndarray, np.ndarray], Callable[[np.ndarray], np.ndarray]]
+"""Maps sites and data to a field."""
+MOST_FOR_PATCHES = 10
+"""With more variables, each patch contains a large part of all sites, or is the only patch."""
 
 CERTAIN, ROUNDING = 1e-9, 1e-15
 
@@ -66,6 +76,8 @@ class Params(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.at in self.variables, "at", "one of variables", self.at)
+        wanted = f"{self.at + 2} sites or more each, for {self.at} variables"
+        require(self.more[0] > self.at + 1, "more", wanted, self.more[0])
 
 
 QUICK = Params(
@@ -163,7 +175,7 @@ def _kinds(
     columns = ("variables", "sites", "largest correlation", *(f.__name__ for f in FIELDS))
     cubic = METHODS.index("cubic")
     rows = (
-        (d, kind, g.correlations[k], *((random[i], *others[i])[k][cubic].tolist()))
+        (d, kind, g.correlations[k], *map(_told, (random[i], *others[i])[k][cubic]))
         for i, (d, g) in enumerate(zip(params.variables, geometry, strict=True))
         for k, kind in enumerate(KINDS)
     )
@@ -198,18 +210,172 @@ def _facts(
             facts[f"overlap_{d}"] = g.overlap
         facts[f"known_{d}"] = float(found[-1, 1])
         cubic = METHODS.index("cubic")
-        facts[f"halton_worse_{d}"] = float((kinds[0, cubic] / found[cubic]).max())
+        if found[cubic].all():  # else there are too few sites for a plane
+            facts[f"halton_worse_{d}"] = float((kinds[0, cubic] / found[cubic]).max())
     return facts | dict(_rates(params, by_sites))
 
 
 def _rates(params: Params, by_sites: np.ndarray) -> Iterator[tuple[str, float]]:
     """Yield the exponents p of errors that decrease as n^-p."""
     for name in ("nearest", "cubic"):
-        errors_of = np.log(by_sites[:, METHODS.index(name)])
-        rates = -np.polyfit(np.log(params.more), errors_of, 1)[0]
-        yield f"rate_{name}_most", float(rates.max())
+        errors_of = by_sites[:, METHODS.index(name)].T
+        rates = [-order(params.more, error) for error in errors_of]
+        yield f"rate_{name}_most", max(rates)
         for f, rate in zip(FIELDS, rates, strict=True):
-            yield f"rate_{name}_{f.__name__}", float(rate)
+            yield f"rate_{name}_{f.__name__}", rate
+
+
+def centred(x: np.ndarray) -> np.ndarray:
+    """Return variables of mean zero and variance one."""
+    return np.sqrt(12) * (x - 0.5)
+
+
+def ridge(x: np.ndarray) -> np.ndarray:
+    """Return a step across the diagonal, equally steep in any number of variables."""
+    return np.tanh(2 * centred(x).sum(axis=1) / np.sqrt(x.shape[1]))
+
+
+def few(x: np.ndarray) -> np.ndarray:
+    """Return Franke's function of the first two variables."""
+    return franke(x[:, :2])
+
+
+def additive(x: np.ndarray) -> np.ndarray:
+    """Return a sum of cosines of single variables, which no linear function approximates."""
+    return np.cos(2 * np.pi * x).sum(axis=1)
+
+
+def radial(x: np.ndarray) -> np.ndarray:
+    """Return the distance from the centre."""
+    return np.linalg.norm(x - 0.5, axis=1)
+
+
+def pairs(x: np.ndarray) -> np.ndarray:
+    """Return a sum of products of two variables, with random coefficients."""
+    y, d = centred(x), x.shape[1]
+    b = np.triu(np.random.default_rng(d).standard_normal((d, d)), 1)
+    return np.einsum("ni,ij,nj->n", y, b, y, optimize=True)
+
+
+def wave(x: np.ndarray) -> np.ndarray:
+    """Return a wave across the diagonal, with the same slope along each axis as in one variable."""
+    return np.cos(2 * np.pi * x.sum(axis=1))
+
+
+FIELDS = (ridge, few, additive, radial, pairs, wave)
+
+
+def methods(d: int, n: int) -> Mapping[str, Maker]:
+    """Return the methods by name that are available for a number of sites."""
+    wide = gaussian(np.sqrt(d / 6) / 2)  # half the root mean square distance of two sites
+    near = min(4 * dimension(d, 1), n - 1)
+    made: dict[str, Maker] = {
+        "nearest": nearest,
+        "linear": partial(fitted, partial(LeastSquares, degree=1)),
+        "quadratic": partial(fitted, partial(LeastSquares, degree=2)),
+        "near": partial(
+            fitted, partial(MovingLeastSquares, weight=wendland(3, 1), degree=1, neighbors=near)
+        ),
+        "wide": partial(fitted, partial(MovingLeastSquares, weight=wide, degree=1)),
+        "cone": partial(fitted, partial(RBF, kernel=polyharmonic(1), degree=1)),
+        "cubic": partial(fitted, partial(RBF, kernel=polyharmonic(3))),
+        "patches": partial(fitted, PartitionOfUnityRBF),
+    }
+    refused = {
+        "quadratic": dimension(d, 2) > n,
+        "patches": d > MOST_FOR_PATCHES,
+    }
+    return {name: make for name, make in made.items() if not refused.get(name)}
+
+
+def fitted(
+    make: Callable[..., Any], sites: np.ndarray, data: np.ndarray
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Return a field of the library."""
+    return make(sites).field(data)
+
+
+def nearest(sites: np.ndarray, data: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the datum of the nearest site."""
+    tree = cKDTree(sites)
+    return lambda x: data[tree.query(x)[1]]
+
+
+METHODS = tuple(methods(2, 100))
+
+
+def sites(n: int, d: int, kind: str, seed: int) -> np.ndarray:
+    """Return points in the unit cube: random, Halton or scrambled Halton."""
+    if kind == "random":
+        return uniform(n, d, seed)
+    return halton(n, d, seed if kind == "scrambled" else None)
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Distances, polynomial dimensions, weights and Halton points in a number of variables."""
+
+    COLUMNS = (
+        "variables",
+        "deviation / mean of distances",
+        "nearest / mean distance",
+        "polynomials of degree 1",
+        "of degree 2",
+        "of degree 3",
+        "sites that count near a query",
+        "degree of Wendland's function",
+        "its width at half height / radius",
+    )
+    variables: int
+    distances: np.ndarray
+    spread: float
+    nearest: float
+    counting: float
+    correlations: tuple[float, ...]
+    overlap: float
+
+    @classmethod
+    def of(cls, n: int, queries: int, seed: int, d: int) -> Geometry:
+        """Measure the geometry on n sites."""
+        x = sites(n, d, "random", seed)
+        some = pdist(x[:FEW])
+        histogram = np.histogram(some / some.mean(), BINS, density=True)[0]
+        near = float(np.median(cKDTree(x).query(x, 2)[0][:, 1]) / some.mean())
+        correlated = [largest_correlation(sites(n, d, kind, seed)) for kind in KINDS]
+        count = counting(x, uniform(queries, d, seed + 1))
+        spread = float(some.std() / some.mean())
+        return cls(d, histogram, spread, near, count, tuple(correlated), overlap(x))
+
+    def row(self) -> tuple[Cell, ...]:
+        """Return the cells of the table."""
+        d = self.variables
+        half = brentq(lambda r: wendland(d, 1)(np.array(r)) - 0.5, 0.0, 1.0)
+        polynomials = (dimension(d, m) for m in (1, 2, 3))
+        return (d, self.spread, self.nearest, *polynomials, self.counting, d // 2 + 4, half)
+
+
+def overlap(x: np.ndarray) -> float:
+    """Return the mean number of patches that contain a site; zero if there are no patches."""
+    if x.shape[1] > MOST_FOR_PATCHES:
+        return 0.0
+    return PartitionOfUnityRBF(x).patch_sizes.sum() / len(x)
+
+
+def counting(x: np.ndarray, q: np.ndarray) -> float:
+    """Return the effective number of sites near a query, (sum w²)² / sum w⁴.
+
+    Moving least squares squares its weights: a residual counts by w².
+    """
+    n, d = x.shape
+    near = min(4 * dimension(d, 1), n - 1)
+    distance = cKDTree(x).query(q, near + 1)[0]
+    weight = wendland(3, 1)(distance[:, :-1] / distance[:, -1:]) ** 2
+    return float(np.median(weight.sum(axis=1) ** 2 / (weight**2).sum(axis=1)))
+
+
+def largest_correlation(x: np.ndarray) -> float:
+    """Return the largest absolute correlation of two columns."""
+    return float(np.abs(np.triu(np.corrcoef(x.T), 1)).max())
 
 
 def plot(result: Result) -> Figure:

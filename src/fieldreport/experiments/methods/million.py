@@ -12,8 +12,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import figure
-from fieldreport.framework.benchmark_results import read_benchmark, select_columns, tables
-from fieldreport.framework.experiment import Map, Parameters, Result, input_file, parameter
+from fieldreport.framework.experiment import Map, Result
+from fieldreport.framework.parameters import Parameters, input_file, parameter
+from fieldreport.framework.result_files import read_benchmark, select_columns, tables
 
 USUAL, SMALL = "fieldrecon patches", "fieldrecon patches of 32"
 RIVAL = "ferreus_rbf, thin plate"

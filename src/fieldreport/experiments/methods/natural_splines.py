@@ -31,15 +31,9 @@ from fieldrecon.methods.spline_bases import (
     cardinal_b_spline,
 )
 from fieldrecon.plotting.style import figure, line, shades
-from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import (
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order, order_of_magnitude
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 Curve = Callable[[np.ndarray], np.ndarray]
 
@@ -53,8 +47,8 @@ ROUNDING = np.finfo(float).eps
 class Params(Parameters):
     """The function and its sites."""
 
-    sites: int = parameter(11, "scattered sites on [0, 1]", least=4, most=100)
-    frequency: float = parameter(9.0, "k of the function sin(k x)", above=0, most=1000)
+    sites: int = parameter(11, "scattered sites on [0, 1]", least=4, most=30)
+    frequency: float = parameter(9.0, "k of the function sin(k x)", least=0.1, most=1000)
     sizes: tuple[int, ...] = parameter(
         (17, 33, 65, 129, 257, 513),
         "numbers of equidistant sites of the convergence study",
@@ -80,7 +74,7 @@ def run(params: Params, each: Map = map) -> Result:
     at = np.linspace(x[0] - params.reach, x[-1] + params.reach, 401)
     energies = {name: energy(x, bend) for name, (_, bend) in curves.items()}
     errors = np.array(list(each(partial(errors_at, params.frequency), params.sizes)))
-    weights = influence(params.sizes[-1])
+    weights = influence(max(params.sizes[-1], FAR_FROM_ENDS))
     knots = np.arange(DEGREES[-1] + 2.0)
     inside = np.linspace(0, knots[-1], 201)
     return Result(
@@ -146,6 +140,10 @@ def errors_at(frequency: float, sites: int) -> np.ndarray:
     middle = np.linspace(1 / 3, 2 / 3, 2000)
     end = 1 - np.linspace(0, x[1], 200)
     return np.array([np.abs(s(t) - np.sin(frequency * t)).max() for t in (middle, end)])
+
+
+FAR_FROM_ENDS = 65
+"""Sites of a lattice whose ends do not change the influence of its central datum."""
 
 
 def influence(sites: int) -> np.ndarray:

@@ -22,14 +22,9 @@ from matplotlib.figure import Figure
 from fieldrecon.datasets.synthetic import jittered_grid, uniform
 from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix, normal_equations
 from fieldrecon.plotting.style import figure, line, shades
-from fieldreport.framework.experiment import (
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 SOLVERS = ("normal equations", "factorization, same coordinates", "factorization, local frame")
 CERTAIN = 1e13  # larger computed condition numbers have no correct digits

@@ -28,16 +28,9 @@ from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import figure, shades
 from fieldrecon.polynomials import dimension
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-    require,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 DATA = ("smooth", "front", "noisy", "terrain")
 
@@ -63,6 +56,13 @@ class Params(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.told in self.sizes, "told", "one of sizes", self.told)
+        nodes = terrain().height.size
+        require(
+            self.sites + self.queries <= nodes,
+            "queries",
+            f"{nodes - self.sites} or less, the nodes of the terrain that are not sites",
+            self.queries,
+        )
 
     @property
     def choices(self) -> dict[str, tuple[str, Radial, int]]:

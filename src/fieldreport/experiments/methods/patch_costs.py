@@ -7,21 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
-from fieldreport.framework.benchmark_results import read_benchmark, tables
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    input_file,
-    parameter,
-)
+from fieldreport.framework.error_measures import order
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, input_file, parameter
+from fieldreport.framework.result_files import read_benchmark, tables
 
 
 @dataclass(frozen=True)
@@ -83,11 +78,21 @@ def _told(params: Params, choices: ResultTable) -> dict[str, Cell]:
     usual = (params.kernel, params.degree, params.patch)
     facts: dict[str, Cell] = {}
     for name, choice in {"usual": usual, **TOLD}.items():
-        (own,) = (row for row in choices.rows if row[:3] == choice)
+        (own,) = [row for row in choices.rows if row[:3] == choice] or _refuse(choice, choices)
         numbers = dict(zip(choices.columns, own, strict=True))
         facts[f"{name}_seconds"] = numbers["total, s"]
         facts |= {f"{name}_{data}": numbers[f"rms error, {data}"] for data in DATA}
     return facts | {"few_patch": TOLD["few"][2]}
+
+
+def _refuse(choice: tuple[str, int, int], choices: ResultTable) -> NoReturn:
+    kernel, degree, patch = choice
+    measured = [row[1:3] for row in choices.rows if row[0] == kernel]
+    degrees, patches = (", ".join(map(str, sorted(set(x)))) for x in zip(*measured, strict=True))
+    raise ValueError(
+        f"parameters degree and patch must be one of {degrees} and one of {patches}, "
+        f"which were measured for {kernel}; got {degree} and {patch}"
+    )
 
 
 def _of_growth(growth: ResultTable) -> Iterator[tuple[str, Cell]]:
@@ -99,7 +104,7 @@ def _of_growth(growth: ResultTable) -> Iterator[tuple[str, Cell]]:
     yield "most_sites_gigabytes", plane[-1][5]
     columns = zip(("set_up", "fit", "evaluate"), steps.T, strict=True)
     for name, seconds in (*columns, ("fitting", steps[:, :2].sum(axis=1)), ("all", steps.sum(1))):
-        yield f"exponent_{name}", float(np.polyfit(np.log(sites), np.log(seconds), 1)[0])
+        yield f"exponent_{name}", order(sites, seconds)
 
 
 def plot(result: Result) -> Figure:

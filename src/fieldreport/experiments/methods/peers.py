@@ -17,15 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
-from fieldreport.framework.benchmark_results import read_benchmark, select_columns, tables
-from fieldreport.framework.experiment import (
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    input_file,
-    parameter,
-)
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, input_file, parameter
+from fieldreport.framework.result_files import read_benchmark, select_columns, tables
 
 
 @dataclass(frozen=True)

@@ -22,21 +22,14 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.style import figure, line
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-    require,
-)
+from fieldreport.framework.error_measures import order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 METHODS = ("LS", "MLS")
 MEASURES = ("rms", "max")
 LOW, HIGH = 10, 90
-EXACT = 1e-12
+REPRODUCED = 1  # power that linear polynomials reproduce: the errors are rounding errors
 
 
 @dataclass(frozen=True)
@@ -117,7 +110,7 @@ def best_linear_rms(n: int) -> float:
     variance = moment(2 * n) - moment(n) ** 2
     covariance = moment(n + 1) - moment(n) * moment(1)
     left = variance - covariance**2 / (moment(2) - moment(1) ** 2)
-    return float(np.sqrt(left)) if left > EXACT else 0.0
+    return float(np.sqrt(left)) if n > REPRODUCED else 0.0
 
 
 def _drawn(params: Params, seed: tuple[int, ...]) -> tuple[np.ndarray, ...]:
@@ -143,12 +136,12 @@ def _table(params: Params, measured: dict[str, np.ndarray]) -> ResultTable:
 
 def _row(n: int, measured: dict[str, np.ndarray]) -> tuple[Cell, ...]:
     cells = (
-        _told(x)
+        _told(n, x)
         for measure in MEASURES
         for method in range(len(METHODS))
         for x in _mean_and_spread(measured[measure][:, method])
     )
-    if _exact(measured["rms"]):
+    if n == REPRODUCED:
         return n, *cells, "both exact", "both exact"
     ls, mls = measured["rms"].T
     return n, *cells, float(_geometric_mean(ls / mls)), float(100 * np.mean(mls < ls))
@@ -156,12 +149,12 @@ def _row(n: int, measured: dict[str, np.ndarray]) -> tuple[Cell, ...]:
 
 def _limits(params: Params, all_draws: np.ndarray, best: np.ndarray) -> ResultTable:
     columns = ("n", "LS rms over all draws", "best linear fit rms, exact")
-    rows = zip(params.powers, map(_told, all_draws), best, strict=True)
+    rows = zip(params.powers, map(_told, params.powers, all_draws), best, strict=True)
     return ResultTable(columns, tuple(rows))
 
 
 def _facts(params: Params, rms: np.ndarray) -> dict[str, Cell]:
-    curved = [k for k in range(len(params.powers)) if not _exact(rms[:, :, k])]
+    curved = [k for k, n in enumerate(params.powers) if n > REPRODUCED]
     ls, mls = rms[:, 0, curved], rms[:, 1, curved]
     ratios = _geometric_mean(ls / mls)
     facts: dict[str, Cell] = {
@@ -203,24 +196,22 @@ def _geometric_mean(errors: np.ndarray) -> np.ndarray:
     return np.exp(np.mean(np.log(np.maximum(errors, np.finfo(float).tiny)), axis=0))
 
 
-def _exact(errors: np.ndarray) -> bool:
-    return bool(errors.max() < EXACT)
-
-
-def _told(error: float) -> float:
-    return order_of_magnitude(error) if error < EXACT else float(error)
+def _told(n: int, error: float) -> float:
+    """Report an error that is only rounding by its order of magnitude."""
+    return order_of_magnitude(error) if n == REPRODUCED else float(error)
 
 
 def plot(result: Result) -> Figure:
     """Errors of both methods against the power, with their spread over the draws."""
     powers = np.array(result.params.powers)
+    curved = np.flatnonzero(powers > REPRODUCED)
+    alone = {"linestyle": "none"} if len(curved) == 1 else {}
     titles = {"rms": "root mean square error", "max": "largest error"}
     with figure(height=2.6, columns=2, sharey=True) as (page, axes):
         for panel, measure in zip(axes, MEASURES, strict=True):
             errors = result.arrays[f"{measure}_errors"]
-            curved = [k for k in range(len(powers)) if not _exact(errors[:, :, k])]
             for j, method in enumerate(METHODS):
-                look = line(method)
+                look = line(method) | alone
                 low, high = np.percentile(errors[:, j, curved], [LOW, HIGH], axis=0)
                 panel.fill_between(
                     powers[curved], low, high, color=look["color"], alpha=0.22, linewidth=0
@@ -236,7 +227,9 @@ def plot(result: Result) -> Figure:
         rms.plot(
             powers[curved],
             result.arrays["best_linear_rms"][curved],
-            **line("truth", label="best linear fit, exact"),
+            **line("truth", label="best linear fit, exact")
+            | ({"marker": "_"} if alone else {})
+            | alone,
         )
         rms.set_ylabel("error")
         rms.legend(loc="upper left")

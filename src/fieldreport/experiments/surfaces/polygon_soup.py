@@ -25,12 +25,13 @@ from matplotlib.figure import Figure
 from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.plotting.mesh_pictures import MeshPicture
 from fieldrecon.plotting.style import figure, line, shades
-from fieldrecon.solids.ray_tracing import View, ray_traced
+from fieldrecon.solids.ray_casting import View, ray_traced
 from fieldrecon.surfaces.polygon_soup import PolygonSoup
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_triangles
-from fieldreport.experiments.methods.convergence import order
 from fieldreport.experiments.triangles.triangle_shapes import Surface, cube, torus
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.error_measures import order
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 OUTLINE = np.array(
     [
@@ -61,7 +62,7 @@ class Params(Parameters):
     )
     smoothing: float = parameter(0.25, "epsilon in the plane, as a length", least=1e-6, most=10)
     torn: float = parameter(0.04, "shift of the triangles, in radii of the ring", least=0, most=1)
-    lost: float = parameter(0.06, "fraction of the triangles that is missing", least=0, below=1)
+    lost: float = parameter(0.06, "fraction of the triangles that is missing", least=0, most=0.9)
     smoothing_in_space: float = parameter(
         0.12, "epsilon in space, in radii of the ring", least=1e-6, most=10
     )
@@ -161,6 +162,8 @@ def torn_ring(params: Params, rng: np.random.Generator) -> Surface:
     """Triangles of a ring, without shared corners, shifted, and some of them removed."""
     points, triangles = torus(params.around, params.around // 2)
     kept = rng.random(len(triangles)) >= params.lost
+    if not kept.any():
+        raise ValueError(f"parameter lost must leave a triangle; {params.lost:g} leaves none")
     corners = points[triangles[kept]]
     corners = corners + rng.uniform(-params.torn, params.torn, (len(corners), 1, 3))
     return corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)
@@ -240,6 +243,7 @@ def plot_bodies(result: Result) -> Figure:
     soup = MeshPicture(a["torn"], a["triangles"], VIEWER, 3 * params.pixels).image()
     titles = ("triangles", *(t.format(params.smoothing_in_space) for t in TITLES))
     seen = a["images"][..., 3].any(axis=0)
+    seen |= not seen.any()  # if too few triangles are left, the empty pictures whole
     rows, columns = (np.unique(index) for index in np.nonzero(seen))
     images = a["images"][:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     with figure(height=1.4, columns=4) as (page, axes):

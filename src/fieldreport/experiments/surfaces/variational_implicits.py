@@ -25,10 +25,11 @@ from scipy import ndimage
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.plotting.style import figure, line
 from fieldrecon.reconstruction import Field
-from fieldrecon.solids.ray_tracing import View, ray_traced
+from fieldrecon.solids.ray_casting import View, ray_traced
 from fieldrecon.surfaces.variational_implicits import ShapeTransformation, variational_implicit
-from fieldreport.experiments.methods.convergence import order
-from fieldreport.framework.experiment import Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.error_measures import order
+from fieldreport.framework.experiment import Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 AXES = np.array([1.5, 1.0, 0.7])
 """Semi-axes of the ellipsoid."""
@@ -48,7 +49,7 @@ class Params(Parameters):
     offsets: tuple[float, ...] = parameter(
         (0.1, 0.01),
         "distances of the points inside, in radii",
-        least=1e-6,
+        least=1e-4,
         most=1,
         fewest=2,
         order="decreasing",

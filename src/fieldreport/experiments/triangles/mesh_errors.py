@@ -28,10 +28,15 @@ from fieldrecon.triangles.bounding_volumes import BVH, intersecting_pairs
 from fieldrecon.triangles.intersections import close_pairs
 from fieldrecon.triangles.predicates import orient2d
 from fieldrecon.triangles.repair import MeshRepair, repair_mesh
-from fieldreport.experiments.triangles.damaged_meshes import damaged
-from fieldreport.experiments.triangles.planted_errors import TOWARD, Planted, planted_errors
+from fieldreport.experiments.triangles.planted_errors import (
+    TOWARD,
+    Planted,
+    damaged,
+    planted_errors,
+)
 from fieldreport.experiments.triangles.triangle_shapes import Surface, bumpy, cube
-from fieldreport.framework.experiment import Cell, Map, Parameters, Result, ResultTable, parameter
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 LINE = np.array([[12.0, 12.0], [24.0, 24.0]])
 """Two points on the diagonal; near (½, ½), rounding affects the computed side."""

@@ -28,22 +28,12 @@ from fieldrecon.velocity.cells import cell_velocities, raviart_thomas
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import normal_velocities
 from fieldreport.experiments.meshes.reference_flows import abc_flow, jittered_cube, taylor_green
-from fieldreport.experiments.methods.convergence import middle, order, rms
-from fieldreport.experiments.velocity.triangle_velocity import (
-    ROTATION,
-    STRAIN,
-    closed_form,
-    places_on_triangle,
-)
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import middle, order, order_of_magnitude, rms
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
+
+ROTATION = np.array([[0.0, -1.0], [1.0, 0.0]])
+STRAIN = np.diag([1.0, -1.0])
 
 Velocity = Callable[[np.ndarray], np.ndarray]
 
@@ -63,6 +53,8 @@ GRADIENTS = {
 
 PLACES = ("circumcentre", "centroid", "vertices", "RT at circumcentre", "inner vertices")
 EXACT = 1e-12
+FLAT = 1e-6
+"""Area of a flat triangle, over the square of its size."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +89,18 @@ class Params(Parameters):
     )
     seed: int = parameter(0, "seed of meshes and noise", least=0)
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        a, b, c = self.corners
+        (u, v), (x, y) = b - a, c - a
+        flat = abs(u * y - v * x) <= FLAT * np.ptp(self.corners) ** 2
+        require(not flat, "triangle", "three corners that are not on one line", self.triangle)
+
+    @property
+    def corners(self) -> np.ndarray:
+        """The corners (3, 2) of the triangle in the figure."""
+        return np.reshape(self.triangle, (3, 2))
+
 
 QUICK = Params(sides=(4, 8), sides_3d=(3, 5), shown_side=3, strains=3)
 
@@ -110,7 +114,7 @@ def run(params: Params, each: Map = map) -> Result:
         _disturbed(params, finest_side, d)
         for d, finest_side in ((2, max(params.sides)), (3, max(params.sides_3d)))
     ]
-    places = places_on_triangle(np.reshape(params.triangle, (3, 2)), params.strains)
+    places = places_on_triangle(params.corners, params.strains)
     return Result(
         params=params,
         tables={
@@ -266,6 +270,66 @@ def _facts(
             f"defect_over_noise_{d}d": defect,
         }
     return facts
+
+
+def closed_form(corners: np.ndarray, g: np.ndarray) -> np.ndarray:
+    """Return u − G O of the least-squares velocity u of triangles (m, 3, 2) in the field G x.
+
+    With O the circumcentre, R the circumradius, q_a the corners from O as complex numbers, h their
+    sum, K the symmedian point from O, and G = sI + ωJ + S with Sz = σ z̄:
+    u − u(O) = s K + ½ (σ h̄ − σ̄ q₁q₂q₃ / R²).
+
+    Examples
+    --------
+    >>> equilateral = np.array([[[0.0, 0.0], [1.0, 0.0], [0.5, np.sqrt(0.75)]]])
+    >>> closed_form(equilateral, np.diag([1.0, -1.0])).round(6) + 0.0
+    array([[0.      , 0.288675]])
+    """
+    s, sigma = np.trace(g) / 2, complex(g[0, 0] - g[1, 1], g[0, 1] + g[1, 0]) / 2
+    p = corners @ np.array([1, 1j])
+    sides = np.abs(np.roll(p, -1, axis=1) - np.roll(p, -2, axis=1)) ** 2  # opposite each corner
+    weights = sides * (sides.sum(axis=1, keepdims=True) - 2 * sides)
+    center = (weights * p).sum(axis=1) / weights.sum(axis=1)
+    q = p - center[:, None]
+    symmedian = (sides * q).sum(axis=1) / sides.sum(axis=1)
+    strain = sigma * q.sum(axis=1).conj() - sigma.conjugate() * q.prod(axis=1) / abs(q[:, 0]) ** 2
+    error = s * symmedian + strain / 2
+    return np.stack([error.real, error.imag], axis=-1)
+
+
+def places_on_triangle(corners: np.ndarray, strains: int) -> dict[str, np.ndarray]:
+    """Find the points of a triangle where each field equals its least-squares velocity.
+
+    Returns
+    -------
+    dict
+        The corners, circumcentre, centroid, symmedian point, the centre and radius of the
+        nine-point circle, and the points for the rotation, the expansion, and strains.
+    """
+    mesh = SimplexMesh(corners, np.array([[0, 1, 2]]))
+    center, sides = mesh.circumcenters[0], mesh.face_measures[mesh.cell_faces[0]]
+    angle = (
+        np.arange(strains) * np.pi / strains
+    )  # argument of σ; the angle of the axis is half of it
+    cos, sin = np.cos(angle), np.sin(angle)
+    gradients = [
+        ROTATION,
+        np.eye(2),
+        *np.moveaxis(np.array([[cos, sin], [sin, -cos]]), -1, 0),
+    ]
+    velocities = [
+        cell_velocities(mesh, normal_velocities(mesh, mesh.points @ g.T)).values[0]
+        for g in gradients
+    ]
+    return {
+        "corners": corners,
+        "center": center,
+        "centroid": mesh.cell_centers[0],
+        "symmedian": sides**2 @ mesh.points[mesh.cells[0]] / (sides @ sides),
+        "nine_point_center": center + (mesh.points - center).sum(axis=0) / 2,
+        "nine_point_radius": np.linalg.norm(mesh.points[0] - center) / 2,
+        "places": np.linalg.solve(np.array(gradients), np.array(velocities)[..., None])[..., 0],
+    }
 
 
 TRUE, FOUND = "#b4b4b4", METHOD_COLORS["RBF"]

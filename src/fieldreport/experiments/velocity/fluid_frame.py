@@ -21,6 +21,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 from matplotlib.tri import Triangulation
+from scipy.interpolate import LinearNDInterpolator
 
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -28,7 +29,6 @@ from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
 from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
-from fieldreport.experiments.methods.convergence import order, rms
 from fieldreport.experiments.velocity.potential_flow import (
     ball_mesh,
     disc_mesh,
@@ -37,16 +37,11 @@ from fieldreport.experiments.velocity.potential_flow import (
     stream_function,
     velocity,
 )
-from fieldreport.experiments.velocity.streamlines import exact_streamline, traced_streamlines
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order, order_of_magnitude, rms
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
+
+HALVINGS = 60
 
 MEASURES = (
     "inner vertices",
@@ -72,7 +67,11 @@ class Params(Parameters):
         order="increasing",
     )
     outer: float = parameter(
-        8.0, "radius of the mesh of the plane, in radii of the cylinder", least=2, most=100
+        8.0,
+        "radius of the mesh of the plane, in radii of the cylinder",
+        least=5,
+        most=100,
+        because="streamlines begin 3.3 radii from the axis",
     )
     relaxations: int = parameter(
         30, "relaxation steps that push the vertices of the mesh apart", least=0
@@ -101,6 +100,11 @@ class Params(Parameters):
     )
     arc: float = parameter(0.02, "step along a streamline, in radii", least=1e-4, most=1)
     seed: int = parameter(0, "seed of the meshes", least=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        least = 1 + 3 * self.steps_3d[0]
+        require(self.outer_3d >= least, "outer_3d", f"{least:g} or more", self.outer_3d)
 
 
 QUICK = Params(
@@ -283,6 +287,73 @@ def _facts(
     for name in ("inner_vertices", "cells", "vertices_from_cells"):
         facts[f"error_{name}"] = errors[2][name][-1]
     return facts
+
+
+def traced_streamlines(
+    mesh: SimplexMesh, u: np.ndarray, start: np.ndarray, arc: float, right: float
+) -> np.ndarray:
+    """Trace velocities, linear between the vertices of a mesh, by the Runge-Kutta method.
+
+    Parameters
+    ----------
+    mesh : SimplexMesh
+        A mesh of triangles.
+    u : (n, 2) ndarray
+        Velocities of the vertices.
+    start : (m, 2) ndarray
+        Starting points of the lines.
+    arc : float
+        Length of a step.
+    right : float
+        Lines stop when x exceeds this value.
+
+    Returns
+    -------
+    (m, steps, 2) ndarray
+        Points along each line.
+    """
+    field = LinearNDInterpolator(mesh.points, u)
+
+    def direction(x: np.ndarray) -> np.ndarray:
+        v = field(x)
+        return v / np.linalg.norm(v, axis=1, keepdims=True)
+
+    lines = [start]
+    for _ in range(int(2 * (right - start[:, 0].min()) / arc)):
+        x = lines[-1]
+        going = x[:, 0] < right
+        if not going.any():
+            break
+        y = x[going]
+        k1 = direction(y)
+        k2 = direction(y + arc / 2 * k1)
+        k3 = direction(y + arc / 2 * k2)
+        k4 = direction(y + arc * k3)
+        x = x.copy()
+        x[going] = y + arc / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        lines.append(x)
+    return np.stack(lines, axis=1)
+
+
+def exact_streamline(height: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the points (x, y) with y (1 − 1/r²) = height, the streamlines past the unit circle.
+
+    For height > 0 the left side is zero on the circle, increases with y outside, and exceeds height
+    at y = height + 1; so y is found by bisection.
+
+    Examples
+    --------
+    >>> exact_streamline(np.array(1.5), np.array(0.0)).round(12).tolist()
+    [0.0, 2.0]
+    """
+    target = np.abs(height) + 0 * x
+    low = np.sqrt(np.maximum(1 - x**2, 0))
+    high = target + 1
+    for _ in range(HALVINGS):
+        y = (low + high) / 2
+        above = y * (1 - 1 / (x**2 + y**2)) > target
+        low, high = np.where(above, low, y), np.where(above, y, high)
+    return np.stack([x, np.sign(height) * high], axis=-1)
 
 
 SPEED = LinearSegmentedColormap.from_list("speed", colormaps["YlGnBu"](np.linspace(0, 0.85, 64)))

@@ -18,6 +18,7 @@ from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.interpolate import RBFInterpolator
 
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -31,18 +32,9 @@ from fieldrecon.velocity.gradients import (
     vertex_gradients,
 )
 from fieldreport.experiments.meshes.reference_flows import equilateral_mesh, jittered_cube
-from fieldreport.experiments.methods.convergence import order, rms
-from fieldreport.experiments.velocity.reference_gradients import gradients_by_others
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-    require,
-)
+from fieldreport.framework.error_measures import order, order_of_magnitude, rms
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 METHODS = ("LS", "MLS", "RBF")
 MESHES = {"jittered, plane": 2, "equilateral, plane": 2, "jittered, space": 3}
@@ -245,6 +237,47 @@ def _facts(
     }
     gaps = differences_from_others(params)
     return facts | {f"gap_{name.lower()}": order_of_magnitude(gap) for name, gap in gaps.items()}
+
+
+def gradients_by_others(
+    mesh: SimplexMesh, p: np.ndarray, vertices: np.ndarray, epsilon: float, step: float
+) -> dict[str, np.ndarray]:
+    """Return the gradients at inner vertices of the plane by each method, from one ring of cells.
+
+    Parameters
+    ----------
+    mesh : SimplexMesh
+        A mesh of triangles.
+    p : (c,) ndarray
+        Values at the circumcentres.
+    vertices : (m,) ndarray of int
+        Vertices at which the gradient is computed.
+    epsilon : float
+        ε of the weight 1/(r² + ε²) of moving least squares.
+    step : float
+        Step of the central differences.
+    """
+    found: dict[str, list[np.ndarray]] = {"LS": [], "MLS": [], "RBF": []}
+    for i in vertices:
+        cells = mesh.vertex_cells(i)
+        sites, values, x = mesh.circumcenters[cells], p[cells], mesh.points[i]
+        at = x + step * np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])
+        moving = np.array([_weighted_fit(sites, values, epsilon, y)[0] for y in at])
+        spline = RBFInterpolator(sites, values, kernel="thin_plate_spline")(at)
+        found["LS"].append(_weighted_fit(sites, values, np.inf, x)[1:])
+        found["MLS"].append((moving[::2] - moving[1::2]) / (2 * step))
+        found["RBF"].append((spline[::2] - spline[1::2]) / (2 * step))
+    return {name: np.array(gradients) for name, gradients in found.items()}
+
+
+def _weighted_fit(
+    sites: np.ndarray, values: np.ndarray, epsilon: float, x: np.ndarray
+) -> np.ndarray:
+    """Return the affine fit about x, (value, slopes), with equal weights for ε = ∞."""
+    y = sites - x
+    w = np.ones(len(y)) if np.isinf(epsilon) else 1 / ((y**2).sum(axis=1) + epsilon**2)
+    basis = np.column_stack([np.ones(len(y)), y])
+    return np.linalg.lstsq(w[:, None] * basis, w * values)[0]
 
 
 def plot(result: Result) -> Figure:

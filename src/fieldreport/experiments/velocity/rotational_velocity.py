@@ -40,28 +40,20 @@ from fieldreport.experiments.meshes.reference_flows import (
     taylor_green,
 )
 from fieldreport.experiments.velocity.normal_matrix_rank import (
-    conics_through,
-    field_along,
-    one_ring,
-    vertices_around,
-)
-from fieldreport.experiments.velocity.vertex_counts import (
     SPACE,
     VALENCES,
+    conics_through,
     counts_of_mesh,
     facts_of_counts,
+    field_along,
+    one_ring,
     rotation_in_space,
     valences,
+    vertices_around,
 )
-from fieldreport.framework.experiment import (
-    Cell,
-    Map,
-    Parameters,
-    Result,
-    ResultTable,
-    order_of_magnitude,
-    parameter,
-)
+from fieldreport.framework.error_measures import order, order_of_magnitude
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.parameters import Parameters, parameter
 
 FLOWS = {2: taylor_green, 3: abc_flow}
 
@@ -313,9 +305,9 @@ def _orders(convergence: tuple[tuple[Cell, ...], ...]) -> dict[str, Cell]:
     facts: dict[str, Cell] = {}
     for d in FLOWS:
         rows = np.array([row for row in convergence if row[0] == d], dtype=float)
-        slope = np.log(rows[-2] / rows[-1])[2:]
-        for k, name in ((1, "one_ring"), (3, "ls"), (5, "mls")):
-            facts[f"order_{name}_{d}d"] = float(slope[k] / slope[0])
+        h, *errors = rows[-2:, 2:].T
+        for k, name in ((0, "one_ring"), (2, "ls"), (4, "mls")):
+            facts[f"order_{name}_{d}d"] = order(h, errors[k])
         facts[f"undetermined_{d}d"] = float(rows[-1, 9])
     facts["largest_one_ring_3d"] = convergence[-1][4]
     facts["determined_over_ls"] = max(float(row[10]) / float(row[6]) for row in convergence)

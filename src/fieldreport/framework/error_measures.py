@@ -1,9 +1,11 @@
-"""Error norms and orders of convergence."""
+"""Error norms, orders of convergence and orders of magnitude."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from fieldreport.framework.orders_of_magnitude import order_of_magnitude as order_of_magnitude
 
 
 def rms(vectors: np.ndarray) -> float:
