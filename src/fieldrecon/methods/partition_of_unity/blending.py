@@ -20,17 +20,18 @@ from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress, split_progress
 from fieldrecon._numerics.kd_partition import KDPartition
+from fieldrecon.methods.partition_of_unity.ball_weights import COVERED, bump
 from fieldrecon.methods.partition_of_unity.patch_systems import PatchSystems, Problem
-from fieldrecon.methods.partition_of_unity.patches import SITES_PER_BOX, Patches, bump, systems_of
+from fieldrecon.methods.partition_of_unity.patches import SITES_PER_BOX, Patches, systems_of
 
-COVERED = 5e-3
-"""The sum c of the weights of a level from which on the next level has no share."""
 FEW_COLUMNS = 3
 """Number of columns up to which `bincount` sums faster than a sparse matrix."""
 PASSES = 5
 """Steps of the set-up for progress: cuts, balls, reached boxes, systems; and coarser levels."""
 ALONE = 4
 """A level of no more sites than this number of patches holds is a single patch."""
+EVEN = 1e-3
+"""Typical distance of neighbours, relative to the extent, from which on this holds."""
 
 
 @dataclass(frozen=True)
@@ -89,10 +90,10 @@ def levels_of(
     points: np.ndarray, k: int, problem: Problem, progress: Progress | None = None
 ) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
-    sites = np.arange(len(points))
+    sites = np.lexsort(points.T[::-1])  # so that their order does not matter where distances tie
     steps: Iterator[Progress | None] = split_progress(progress, len(points), PASSES)
     while True:
-        alone = len(sites) <= ALONE * k
+        alone = _make_one_patch(points[sites], k)
         size = len(sites) if alone else max(1, SITES_PER_BOX * k)
         boxes = KDPartition.around(points[sites], size, next(steps))
         boxes, order = boxes.in_order()
@@ -112,6 +113,15 @@ def levels_of(
                 progress(len(points), len(points))
             return
         sites = sites[patches.representatives]
+
+
+def _make_one_patch(points: np.ndarray, k: int) -> bool:
+    """Whether a single patch holds these sites (n, d): a few, and no clusters far from others."""
+    if not k < len(points) <= ALONE * k:
+        return len(points) <= k
+    extent = np.linalg.norm(np.ptp(points, axis=0))
+    neighbors = cKDTree(points).query(points, 2)[0][:, 1]
+    return bool(np.median(neighbors) > EVEN * extent)
 
 
 def shares(levels: Sequence[Level], x: np.ndarray, gradients: bool) -> Iterator[Share]:

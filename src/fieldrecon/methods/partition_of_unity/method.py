@@ -34,7 +34,7 @@ from fieldrecon.methods.solvability import (
     refuse_duplicates,
     unit_smoothing,
 )
-from fieldrecon.polynomials import Frame, dimension
+from fieldrecon.polynomials import EPS, Frame, dimension
 from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 Coefficients: TypeAlias = Sequence[Sequence[np.ndarray]]
@@ -133,7 +133,10 @@ class PartitionOfUnityRBF(Reconstruction):
         self._frame = Frame.around(self.points)
         unit_kernel = as_finite(self.kernel.in_units(self._frame.scale))
         problem = Problem(
-            unit_kernel, degree, unit_smoothing(self.smoothing, self.kernel, self._frame.scale)
+            unit_kernel,
+            degree,
+            unit_smoothing(self.smoothing, self.kernel, self._frame.scale),
+            EPS * float(np.abs(self.points / self._frame.scale).max()),
         )
         local = self._frame.local(self.points)
         size = min(self.patch_size, len(local))
@@ -143,7 +146,7 @@ class PartitionOfUnityRBF(Reconstruction):
             [len(s) for s in self._levels[0].systems],
         )
         systems = [s for level in self._levels for s in level.systems]
-        self.reduced = sum(len(s.reduced) for s in systems)
+        self.reduced = sum(s.reduced for s in systems)
         self.degree = min(s.least_degree() for s in systems)
 
     def field(
@@ -188,10 +191,10 @@ class PartitionOfUnityRBF(Reconstruction):
         total = sum(len(s) for level in self._levels for s in level.systems)
         found, done = [], 0
         for level in self._levels:
-            own = []
+            own, finest = [], level is self._levels[0]
             for systems in level.systems:
                 own_progress = progress and partial(_level_progress, progress, done, total)
-                own.append(systems.fitted(values[level.sites], executor, own_progress))
+                own.append(systems.fitted(values[level.sites], finest, executor, own_progress))
                 done += len(systems)
             found.append(own)
         return found
