@@ -21,9 +21,12 @@ from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import method as partition_of_unity
+from fieldrecon.methods.partition_of_unity import patches as _patches
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
+from fieldrecon.polynomials import monomials
 from fieldrecon.reconstruction import Field, Reconstruction
 
 LINE = case("LS degree 1 in 2-D")
@@ -491,6 +494,65 @@ def patches(mutant: type[PartitionOfUnityRBF], right: Case = PATCHES) -> Case:
     return made(right, mutant.__name__, lambda p, _: mutant(p, polyharmonic(3), 1, 14))
 
 
+# --- arrangements ---------------------------------------------------------------------------------
+
+
+class LeastNormPolynomials(PartitionOfUnityRBF):
+    """Takes the polynomial of least norm over all degrees at once: a mix of 1 and x² + y² for 1."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        for systems in (s for level in self._levels for s in level.systems):
+            for patch in systems.bases:
+                y = systems.frames(np.array([patch]))[0]
+                systems.bases[patch] = least_norm_basis(y, systems.degree)
+
+
+def least_norm_basis(y: np.ndarray, degree: int) -> np.ndarray:
+    """Coefficients (q, q) of polynomials of least norm with the same values at the sites (k, d)."""
+    _, sigma, vt = np.linalg.svd(monomials(y, degree), full_matrices=False)
+    rank = (sigma > 1e-10 * sigma[0]).sum()
+    basis = np.zeros((vt.shape[1], vt.shape[1]))
+    basis[:, :rank] = vt[:rank].T / sigma[:rank]
+    return basis
+
+
+class LeastNormParabola(LeastSquares):
+    """Takes the polynomial of least norm where the sites determine none."""
+
+    def __init__(self, points):
+        self.points, self.degree, self.interpolates = valid.as_points(points), 2, False
+
+    def _weight_rows(self, x):
+        return monomials(x, 2) @ np.linalg.pinv(monomials(self.points, 2))
+
+    _prepare, _value_rows = Reconstruction._prepare, Reconstruction._value_rows
+
+
+def made_while(right: Case, name: str, arrangement: str, where, what: str, instead) -> Case:
+    """The case on an arrangement, made while a name of a module is something else."""
+
+    def make(points, unit):
+        with mock.patch.object(where, what, instead):
+            return right.make(points, unit)
+
+    return replace(right, name=name, make=make, arrangements=(arrangement,))
+
+
+def no_outliers(*_) -> np.ndarray:
+    return np.array([], dtype=int)
+
+
+def as_they_come(keys: np.ndarray) -> np.ndarray:
+    return np.arange(keys.shape[1])
+
+
+CUBICS = case("PU r³ on 16 sites, degree 3 in 2-D")
+GAUSSIAN = case("MLS gaussian on 8 nearest, degree 1 in 2-D")
+ONE_PATCH = case("PU with one patch in 2-D")
+CIRCLE = replace(CUBICS, arrangements=("circle",))
+
+
 # --- leave one out --------------------------------------------------------------------------------
 
 
@@ -603,5 +665,22 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         ),
         made(PLATE, "WrongDiagonal", lambda p, _: WrongDiagonal(p, thin_plate_spline())),
         patches(InSamplePatches),
+    ],
+    laws.arrangements_are_solved_or_refused: [
+        made(
+            CIRCLE,
+            "LeastNormPolynomials",
+            lambda p, _: LeastNormPolynomials(p, polyharmonic(3), 3, 16),
+        ),
+        made(
+            replace(PARABOLA, arrangements=("circle",)),
+            "LeastNormParabola",
+            lambda p, _: LeastNormParabola(p),
+        ),
+        made_while(CUBICS, "OutliersForgotten", "outlier", _patches, "_outliers", no_outliers),
+        made_while(CUBICS, "BallsAcrossGaps", "clusters", _patches, "WIDEST", np.inf),
+        made_while(CUBICS, "TiesByTheOrder", "lattice", np, "lexsort", as_they_come),
+        made_while(GAUSSIAN, "NeighborsByTheOrder", "lattice", np, "lexsort", as_they_come),
+        made_while(ONE_PATCH, "PatchesThatRefuse", "outlier", _blending, "EVEN", 0.0),
     ],
 }

@@ -4,13 +4,14 @@ import importlib
 import multiprocessing
 import pkgutil
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from inspect import isabstract
 
 import pytest
 
 import fieldrecon
 import laws
-from cases import CASES, Case, case
+from cases import ARRANGEMENTS, CASES, Case, case
 from fieldrecon.kernels.base import Radial, Scaled
 from fieldrecon.methods.globe import OnGlobe
 from fieldrecon.reconstruction import Reconstruction
@@ -40,6 +41,14 @@ METHODS = [
 @pytest.mark.parametrize("case", METHODS)
 def test_every_method_obeys_the_laws(case: Case):
     laws.assert_obeyed(laws.laws_about(case), case, case.name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", METHODS)
+def test_every_method_on_every_arrangement(case: Case):
+    """On the arrangements that the law does not draw as well."""
+    names = tuple(name for name, a in ARRANGEMENTS.items() if case.d >= a.d)
+    laws.assert_obeyed(laws.laws_about(case)[-1:], replace(case, arrangements=names), case.name)
 
 
 @pytest.mark.parametrize(("law", "mutant"), PAIRS)

@@ -19,6 +19,8 @@ COLUMNS = 16
 """Maximum number of right-hand sides solved at once with one factored matrix."""
 SMALL = 1e3 * EPS
 """Eigenvalue, relative to the size of the kernel's matrix, up to which it is only rounding."""
+LARGE = 1e3
+"""Ratio of kernels to polynomials at a query beyond which one step of refinement is needed."""
 FLAT = 1e14
 """Condition number from which on elimination returns only rounding."""
 
@@ -39,9 +41,20 @@ def solved(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:
         return _by_eigenvectors(matrix, right, k)
     flat = ~(np.abs(found[..., -1]).max(axis=1) * size <= FLAT)
     found = found[..., :-1]
+    far = ~flat & _has_far_query(right, k)
+    if far.any():
+        found[far] += np.linalg.solve(matrix[far], right[far] - matrix[far] @ found[far])
     if flat.any():
         found[flat] = _by_eigenvectors(matrix[flat], right[flat], k)
     return found
+
+
+def _has_far_query(right: np.ndarray, k: int) -> np.ndarray:
+    """Systems (p,) whose kernels at a query are so large that rounding drowns the polynomials."""
+    kernels, polynomials = (
+        np.abs(part).max(axis=(1, 2), initial=0.0) for part in (right[:, :k], right[:, k:])
+    )
+    return (polynomials > 0) & (kernels > LARGE * polynomials)
 
 
 def _by_eigenvectors(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:

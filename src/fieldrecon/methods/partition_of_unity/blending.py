@@ -31,7 +31,15 @@ PASSES = 5
 ALONE = 4
 """A level of no more sites than this number of patches holds is a single patch."""
 EVEN = 1e-3
-"""Typical distance of neighbours, relative to the extent, from which on this holds."""
+"""Typical distance of neighbours, relative to the extent, from which on this holds.
+
+In one patch, the kernel of closer sites would be rounding.
+"""
+FEW = 12
+"""A coarser level of no more sites than this number for each axis is a single patch.
+
+A third of the sites of a larger level, and two outliers of each axis, are fewer.
+"""
 
 
 @dataclass(frozen=True)
@@ -93,8 +101,9 @@ def levels_of(
     sites = np.lexsort(points.T[::-1])  # so that their order does not matter where distances tie
     steps: Iterator[Progress | None] = split_progress(progress, len(points), PASSES)
     while True:
-        alone = _make_one_patch(points[sites], k)
-        size = len(sites) if alone else max(1, SITES_PER_BOX * k)
+        own_k = _patch_size(points[sites], k, finest=len(sites) == len(points))
+        alone = own_k == len(sites)
+        size = len(sites) if alone else max(1, SITES_PER_BOX * own_k)
         boxes = KDPartition.around(points[sites], size, next(steps))
         boxes, order = boxes.in_order()
         sites = sites[order]
@@ -104,7 +113,7 @@ def levels_of(
         patches = (
             Patches.single(own, boxes)
             if alone
-            else Patches.of(own, tree, boxes, k, covering, reaching)
+            else Patches.of(own, tree, boxes, own_k, covering, reaching)
         )
         yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(steps)))
         steps = repeat(None)
@@ -115,13 +124,16 @@ def levels_of(
         sites = sites[patches.representatives]
 
 
-def _make_one_patch(points: np.ndarray, k: int) -> bool:
-    """Whether a single patch holds these sites (n, d): a few, and no clusters far from others."""
-    if not k < len(points) <= ALONE * k:
-        return len(points) <= k
+def _patch_size(points: np.ndarray, k: int, finest: bool) -> int:
+    """Number of sites of each patch: all of a few, unless they are clusters far from others."""
+    n, d = points.shape
+    if n <= (3 if finest else FEW * d):
+        return n
+    if n > ALONE * k:
+        return k
     extent = np.linalg.norm(np.ptp(points, axis=0))
     neighbors = cKDTree(points).query(points, 2)[0][:, 1]
-    return bool(np.median(neighbors) > EVEN * extent)
+    return n if np.median(neighbors) >= EVEN * extent else min(k, n // 2)
 
 
 def shares(levels: Sequence[Level], x: np.ndarray, gradients: bool) -> Iterator[Share]:
