@@ -188,7 +188,7 @@ def test_an_outlier_spoils_nothing_elsewhere():
 
 def test_data_too_large_are_refused():
     """In words about their size, not about the kernel."""
-    with pytest.raises(OverflowError, match="coefficients of a patch exceed the range.*2e[+]308"):
+    with pytest.raises(OverflowError, match=r"coefficients of a patch exceed the range.*2e\+308"):
         PartitionOfUnityRBF(X).field(np.full(len(X), 1.7e308))
 
 
