@@ -7,6 +7,8 @@ phi_j may be infinite, it is taken as zero: it is multiplied by factors x that v
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
 
 import numpy as np
 from scipy.special import gamma
@@ -59,6 +61,51 @@ def radial_derivative(kernel: Radial, s: np.ndarray, times: int) -> np.ndarray:
         case polyharmonic():
             return _of_half_powers(kernel, s, times)
     raise ValueError(f"the higher derivatives of {kernel!r} are not known")
+
+
+def second_derivatives(kernel: Radial, offsets: list[np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Second derivatives of phi(|z|), phi_1 delta_kl + phi_2 z_k z_l, for k, l of `upper_pairs`.
+
+    Parameters
+    ----------
+    kernel : Radial
+        The function phi.
+    offsets : list of d ndarrays
+        The components of z.
+
+    Returns
+    -------
+    tuple of d (d + 1)/2 ndarrays
+        Of the shape of a component.
+    """
+    s = sum(z * z for z in offsets)
+    first, second = (radial_derivative(kernel, s, times) for times in (1, 2))
+    return tuple(
+        second * offsets[k] * offsets[m] + (first if k == m else 0.0)
+        for k, m in upper_pairs(len(offsets))
+    )
+
+
+def laplacian(kernel: Radial, s: np.ndarray, d: int) -> np.ndarray:
+    """Laplacian d phi_1 + s phi_2 of phi(|x|) in d variables, at s = |x|^2."""
+    return d * radial_derivative(kernel, s, 1) + s * radial_derivative(kernel, s, 2)
+
+
+def upper_pairs(d: int) -> list[tuple[int, int]]:
+    """Pairs (k, l) of variables with k <= l: the entries of a symmetric matrix.
+
+    >>> upper_pairs(2)
+    [(0, 0), (0, 1), (1, 1)]
+    """
+    return list(combinations_with_replacement(range(d), 2))
+
+
+def symmetric(entries: Sequence[np.ndarray], d: int) -> np.ndarray:
+    """Symmetric matrices (..., d, d) from the entries (...) of `upper_pairs`."""
+    matrix = np.empty((*entries[0].shape, d, d), dtype=entries[0].dtype)
+    for entry, (k, m) in zip(entries, upper_pairs(d), strict=True):
+        matrix[..., k, m] = matrix[..., m, k] = entry
+    return matrix
 
 
 def _of_power(beta: float, base: np.ndarray, times: int) -> np.ndarray:
