@@ -56,6 +56,16 @@ class ConvexCoordinates(Reconstruction):
             g[:, :, part] = gradients.swapaxes(0, 1) / self._unit
         return tuple(matrix.T for matrix in g)
 
+    def _hessian_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        d = x.shape[1]
+        result = np.empty((len(x), prepared.shape[1], d, d), dtype=prepared.dtype)
+        for part in self._parts(len(x), 1 + d + d * d):
+            hessians, lost = self._form.hessians(self._heights(x[part]))
+            if lost.any():
+                self._decide(x, np.flatnonzero(lost) + part.start)
+            result[part] = np.einsum("nklm,nv->mvkl", hessians, prepared)
+        return result / self._unit / self._unit
+
     def _decide(self, x: np.ndarray, queries: np.ndarray, w: np.ndarray | None = None) -> None:
         """Set the weights at corners where more than d faces meet; refuse any other query."""
         for k in queries:
