@@ -91,6 +91,19 @@ def laplacian(kernel: Radial, s: np.ndarray, d: int) -> np.ndarray:
     return d * radial_derivative(kernel, s, 1) + s * radial_derivative(kernel, s, 2)
 
 
+def log_square_bend(weight: Radial, r: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """Factor psi_2 (m, k) in the second derivatives psi_1 I + psi_2 x x^T of log w(|x|)^2.
+
+    psi_1 is `log_square_slope`, and psi_2 = 2 (phi_2/phi - (phi_1/phi)^2). It is zero where the
+    relative weight w (m, k) is, and at a site of infinite weight, where x = 0.
+    """
+    with np.errstate(all="ignore"):
+        value = weight(r)
+        first, second = (radial_derivative(weight, r * r, times) / value for times in (1, 2))
+        bend = 2 * (second - first**2)
+    return np.where((w > 0) & np.isfinite(bend), bend, 0.0)
+
+
 def upper_pairs(d: int) -> list[tuple[int, int]]:
     """Pairs (k, l) of variables with k <= l: the entries of a symmetric matrix.
 
