@@ -27,6 +27,9 @@ VISIBLE = 1e-5
 
 # Error of the sixth-order difference quotient below, including the rounding of the field.
 DIFFERENCE = 1e-5
+SECOND_DIFFERENCE = 1e-3
+"""Of the same quotient of gradients, relative to the second derivatives: kernels that are so smooth
+that their matrix loses nine digits have gradients with seven."""
 
 
 def assert_close(a: object, b: object, tolerance: float) -> None:
@@ -193,6 +196,33 @@ def the_gradient_is_the_derivative(case: Case) -> None:
     s = case.method.field(case.data)
     quotient = difference_quotient(s, case.queries, step=2e-5)
     assert_close(s.gradient(case.queries), quotient, DIFFERENCE)
+
+
+def has_second_derivatives(case: Case) -> bool:
+    """Whether the method computes them."""
+    return type(case.method)._hessian_rows is not Reconstruction._hessian_rows
+
+
+@about(has_second_derivatives)
+def hessians_are_derivatives_of_gradients(case: Case) -> None:
+    """Hessians agree with difference quotients of gradients; their trace is the Laplacian."""
+    s, x = case.method.field(case.data), case.queries
+    hessian, quotient = s.hessian(x), difference_quotient(s.gradient, x, step=2e-5)
+    size = max(np.abs(quotient).max(), VISIBLE)
+    assert_close(hessian, quotient, SECOND_DIFFERENCE * size)
+    assert_close(hessian, hessian.swapaxes(-1, -2), 0.0)
+    trace = np.trace(hessian, axis1=-2, axis2=-1)
+    assert_close(s.laplacian(x), trace, 1000 * case.exact * max(size, 1.0))
+
+
+@about(has_second_derivatives)
+def hessians_change_with_axes_and_unit(case: Case) -> None:
+    """Hessians turn with the points, Q^T H Q, and scale as 1 / unit^2."""
+    q, x, unit = case.turn, case.queries, case.units[-1]
+    hessian = case.method.field(case.data).hessian(x)
+    there = case.make(case.sites @ q * unit, unit).field(case.data)
+    tolerance = 1e4 * case.exact * max(1.0, np.abs(hessian).max())
+    assert_close(there.hessian(x @ q * unit) * unit * unit, q.T @ hessian @ q, tolerance)
 
 
 def the_adjoint_is_the_transpose(case: Case) -> None:
@@ -536,6 +566,8 @@ LAWS: list[Law] = [
     the_field_is_weights_times_data,
     the_gradient_is_gradient_weights_times_data,
     the_gradient_is_the_derivative,
+    hessians_are_derivatives_of_gradients,
+    hessians_change_with_axes_and_unit,
     the_adjoint_is_the_transpose,
     the_field_and_the_adjoint_are_consistent,
     leading_axes_of_queries_are_kept,

@@ -19,8 +19,9 @@ from fieldrecon._numerics.neighbor_search import Nearest
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
+from fieldrecon.methods import moving_least_squares
 from fieldrecon.methods.least_squares import LeastSquares
-from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.moving_least_squares import LocalFit, MovingLeastSquares
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import method as partition_of_unity
 from fieldrecon.methods.partition_of_unity import patches as _patches
@@ -59,6 +60,9 @@ class Wrapped(Reconstruction):
 
     def _gradient_rows(self, x, prepared):
         return self.right._gradient_rows(x, prepared)
+
+    def _hessian_rows(self, x, prepared):
+        return self.right._hessian_rows(x, prepared)
 
     def _weight_rows(self, x):
         return self.right._weight_rows(x)
@@ -585,6 +589,48 @@ class WrongDiagonal(RBF):
         return np.ones(len(self.points))
 
 
+class HessianInTheFrame(Wrapped):
+    """Divides the second derivatives by h, here 2, once only."""
+
+    def _hessian_rows(self, x, prepared):
+        return 2 * super()._hessian_rows(x, prepared)
+
+
+class LaplacianOfTheFirstVariable(Wrapped):
+    """Leaves out the other variables."""
+
+    def _laplacian_rows(self, x, prepared):
+        return self._hessian_rows(x, prepared)[..., 0, 0]
+
+
+class HessianOfThePolynomial(MovingLeastSquares):
+    """Second derivatives of the polynomial of each fit, whose coefficients change as well."""
+
+    def _hessian_rows(self, x, prepared):
+        constant = {
+            "_log_gradient": lambda fit: 0 * fit.offset,
+            "_log_hessian": lambda fit, *_: 0 * fit.r,
+        }
+        with mock.patch.multiple(LocalFit, **constant):
+            return super()._hessian_rows(x, prepared)
+
+
+class BendOfTheWeightsForgotten(MovingLeastSquares):
+    """Takes the logarithm of the weight as linear in the squared distance."""
+
+    def _hessian_rows(self, x, prepared):
+        with mock.patch.object(moving_least_squares, "log_square_bend", lambda *args: 0 * args[1]):
+            return super()._hessian_rows(x, prepared)
+
+
+class HessianDiagonal(Wrapped):
+    """Leaves out the mixed derivatives, which only other axes show."""
+
+    def _hessian_rows(self, x, prepared):
+        hessian = super()._hessian_rows(x, prepared)
+        return hessian * np.eye(x.shape[1])
+
+
 MUTANTS: dict[Callable[[Case], None], list[Case]] = {
     laws.polynomials_of_the_degree_are_reproduced: [
         wrapped(LINE, DegreeTooHigh),
@@ -628,6 +674,21 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made(PLATE, "NoLimit", lambda p, _: RBF(p, no_limit_at_the_centre())),
         patches(WeightsHeldFixed),
     ],
+    laws.hessians_are_derivatives_of_gradients: [
+        wrapped(PLATE, HessianInTheFrame),
+        wrapped(PLATE, LaplacianOfTheFirstVariable),
+        made(
+            MOVING,
+            "HessianOfThePolynomial",
+            lambda p, u: HessianOfThePolynomial(p, inverse_square(u / 10)),
+        ),
+        made(
+            MOVING,
+            "BendOfTheWeightsForgotten",
+            lambda p, u: BendOfTheWeightsForgotten(p, inverse_square(u / 10)),
+        ),
+    ],
+    laws.hessians_change_with_axes_and_unit: [wrapped(MOVING, HessianDiagonal)],
     laws.the_adjoint_is_the_transpose: [
         wrapped(LINE, AdjointByThePseudoInverse),
         wrapped(PLATE, AdjointDividedByTheComponents),

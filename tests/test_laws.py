@@ -71,6 +71,11 @@ def test_every_law_is_applied():
     assert {law for case in CASES for law in laws.laws_about(case)} == set(laws.LAWS)
 
 
+def test_every_method_computes_second_derivatives():
+    """No case evades the laws about them."""
+    assert all(laws.hessians_are_derivatives_of_gradients in laws.laws_about(c) for c in CASES)
+
+
 def is_law(function) -> bool:
     kinds = getattr(function, "__annotations__", {})
     return kinds.get("case") is Case and kinds["return"] is None
@@ -81,7 +86,7 @@ def test_broken_laws_are_named():
     mutants = {mutant.name: mutant for each in MUTANTS.values() for mutant in each}
     wrong = mutants["GradientInLocalCoordinates"]
     with pytest.raises(
-        ExceptionGroup, match="GradientInLocalCoordinates breaks 2 of the laws"
+        ExceptionGroup, match="GradientInLocalCoordinates breaks 3 of the laws"
     ) as broken:
         laws.assert_obeyed(laws.LAWS[:15], wrong, wrong.name)
     errors = broken.value.exceptions
@@ -89,6 +94,7 @@ def test_broken_laws_are_named():
     assert [error.__notes__ for error in errors] == [
         ["The law is gradients_of_polynomials_are_reproduced."],
         ["The law is the_gradient_is_the_derivative."],
+        ["The law is hessians_are_derivatives_of_gradients."],
     ]
 
 
