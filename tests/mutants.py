@@ -15,6 +15,7 @@ from scipy.spatial.distance import cdist
 import laws
 from cases import Case, case
 from fieldrecon._core import validation as valid
+from fieldrecon._numerics.jets import rows_of_jet
 from fieldrecon._numerics.neighbor_search import Nearest
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
@@ -454,6 +455,10 @@ class OtherShares(PartitionOfUnityRBF):
         with mock.patch.object(partition_of_unity, "shares", self.shares):
             return super()._gradient_rows(x, prepared)
 
+    def _hessian_rows(self, x, prepared):
+        with mock.patch.object(partition_of_unity, "shares", self.shares):
+            return super()._hessian_rows(x, prepared)
+
 
 SHARES = partition_of_unity.shares
 
@@ -462,28 +467,40 @@ class NotNormalised(OtherShares):
     """The blending weights do not sum to one."""
 
     @staticmethod
-    def shares(levels, x, gradients):
-        for share in SHARES(levels, x, gradients):
+    def shares(levels, x, order):
+        for share in SHARES(levels, x, order):
             offset = x[share.query] - share.level.patches.centers[share.patch]
             r = np.linalg.norm(offset, axis=1) / share.level.patches.radii[share.patch]
-            yield share._replace(weight=(1 - r) ** 4 * (4 * r + 1))
+            yield share._replace(weights=((1 - r) ** 4 * (4 * r + 1))[None])
 
 
 class WeightsHeldFixed(OtherShares):
     """Blends the gradients of the patches without the gradients of the weights."""
 
     @staticmethod
-    def shares(levels, x, gradients):
-        for share in SHARES(levels, x, gradients):
-            yield share._replace(gradient=0 * share.gradient)
+    def shares(levels, x, order):
+        for share in SHARES(levels, x, order):
+            rest = 0 * share.weights[1:]
+            yield share._replace(weights=np.vstack([share.weights[:1], rest]))
+
+
+class SecondDerivativesHeldFixed(OtherShares):
+    """Leaves out the second derivatives of the weights."""
+
+    @staticmethod
+    def shares(levels, x, order):
+        first = rows_of_jet(x.shape[1], 1)
+        for share in SHARES(levels, x, order):
+            rest = 0 * share.weights[first:]
+            yield share._replace(weights=np.vstack([share.weights[:first], rest]))
 
 
 class ZeroOutsideTheBalls(OtherShares):
     """Returns zero outside all balls."""
 
     @staticmethod
-    def shares(levels, x, gradients):
-        yield from islice(SHARES(levels, x, gradients), 1)
+    def shares(levels, x, order):
+        yield from islice(SHARES(levels, x, order), 1)
 
 
 class InSamplePatches(PartitionOfUnityRBF):
@@ -687,6 +704,7 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
             "BendOfTheWeightsForgotten",
             lambda p, u: BendOfTheWeightsForgotten(p, inverse_square(u / 10)),
         ),
+        patches(SecondDerivativesHeldFixed),
     ],
     laws.hessians_change_with_axes_and_unit: [wrapped(MOVING, HessianDiagonal)],
     laws.the_adjoint_is_the_transpose: [

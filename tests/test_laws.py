@@ -73,7 +73,8 @@ def test_every_law_is_applied():
 
 def test_every_method_computes_second_derivatives():
     """No case evades the laws about them."""
-    assert all(laws.hessians_are_derivatives_of_gradients in laws.laws_about(c) for c in CASES)
+    without = {type(c.method).__name__ for c in CASES if not laws.has_second_derivatives(c)}
+    assert not without, f"define _hessian_rows in {', '.join(sorted(without))}"
 
 
 def is_law(function) -> bool:

@@ -265,7 +265,7 @@ def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None
 
 
 class Field:
-    """A reconstructed field: callable at points, with a gradient.
+    """A reconstructed field: callable at points, with first and second derivatives.
 
     Made by `Reconstruction.field`. Many queries are evaluated in chunks, so that the memory beyond
     inputs and outputs stays bounded.

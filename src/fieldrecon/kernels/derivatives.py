@@ -7,12 +7,11 @@ phi_j may be infinite, it is taken as zero: it is multiplied by factors x that v
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from itertools import combinations_with_replacement
 
 import numpy as np
 from scipy.special import gamma
 
+from fieldrecon._numerics.jets import upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import (
     multiquadric,
@@ -102,23 +101,6 @@ def log_square_bend(weight: Radial, r: np.ndarray, w: np.ndarray) -> np.ndarray:
         first, second = (radial_derivative(weight, r * r, times) / value for times in (1, 2))
         bend = 2 * (second - first**2)
     return np.where((w > 0) & np.isfinite(bend), bend, 0.0)
-
-
-def upper_pairs(d: int) -> list[tuple[int, int]]:
-    """Pairs (k, l) of variables with k <= l: the entries of a symmetric matrix.
-
-    >>> upper_pairs(2)
-    [(0, 0), (0, 1), (1, 1)]
-    """
-    return list(combinations_with_replacement(range(d), 2))
-
-
-def symmetric(entries: Sequence[np.ndarray], d: int) -> np.ndarray:
-    """Symmetric matrices (..., d, d) from the entries (...) of `upper_pairs`."""
-    matrix = np.empty((*entries[0].shape, d, d), dtype=entries[0].dtype)
-    for entry, (k, m) in zip(entries, upper_pairs(d), strict=True):
-        matrix[..., k, m] = matrix[..., m, k] = entry
-    return matrix
 
 
 def _of_power(beta: float, base: np.ndarray, times: int) -> np.ndarray:

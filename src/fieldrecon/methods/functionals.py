@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
+from fieldrecon._numerics.jets import upper_pairs
 from fieldrecon.kernels.base import Radial
-from fieldrecon.kernels.derivatives import radial_derivative, upper_pairs
+from fieldrecon.kernels.derivatives import radial_derivative
 from fieldrecon.polynomials import (
     Frame,
     monomial_gradients,

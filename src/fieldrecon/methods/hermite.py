@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import rows_of
 from fieldrecon._core.duplicates import coincidence_labels
+from fieldrecon._numerics.jets import symmetric
 from fieldrecon._numerics.saddle_point import SaddlePoint
 from fieldrecon.kernels.base import Radial
-from fieldrecon.kernels.derivatives import smoothness, symmetric
+from fieldrecon.kernels.derivatives import smoothness
 from fieldrecon.methods.functionals import (
     Functionals,
     derivatives_at,

@@ -13,6 +13,7 @@ from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._core.validation import format_point
+from fieldrecon._numerics.jets import upper_pairs
 from fieldrecon._numerics.neighbor_search import (
     AllSites,
     Nearest,
@@ -29,7 +30,7 @@ from fieldrecon._numerics.weighted_least_squares import (
     weights_of_changing_weights,
 )
 from fieldrecon.kernels.base import Radial
-from fieldrecon.kernels.derivatives import log_square_bend, smoothness, upper_pairs
+from fieldrecon.kernels.derivatives import log_square_bend, smoothness
 from fieldrecon.kernels.weights import as_weight, inverse_square, log_square_slope, relative_weights
 from fieldrecon.methods.least_squares import ACCURATE, half_sum_of_squares, monomial_matrix
 from fieldrecon.polynomials import (

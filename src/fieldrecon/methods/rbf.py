@@ -13,8 +13,8 @@ from scipy.spatial.distance import cdist
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon._numerics.jets import symmetric, upper_pairs
 from fieldrecon.kernels.base import Radial
-from fieldrecon.kernels.derivatives import symmetric, upper_pairs
 from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of, tiles
 from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix
 from fieldrecon.methods.solvability import (

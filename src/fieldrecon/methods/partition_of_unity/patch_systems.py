@@ -21,7 +21,9 @@ import numpy as np
 
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._core.validation import format_point, quiet_evaluate
+from fieldrecon._numerics.jets import upper_pairs
 from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.derivatives import second_derivatives, smoothness
 from fieldrecon.methods.partition_of_unity.ball_weights import COVERED, weights_of_balls
 from fieldrecon.methods.partition_of_unity.batched_systems import (
     COLUMNS,
@@ -30,7 +32,7 @@ from fieldrecon.methods.partition_of_unity.batched_systems import (
 )
 from fieldrecon.methods.partition_of_unity.polynomial_rank import whole_degrees
 from fieldrecon.methods.solvability import TOLERATED_MISS, too_flat
-from fieldrecon.polynomials import dimension, monomial_gradients, monomials
+from fieldrecon.polynomials import dimension, monomial_gradients, monomial_hessians, monomials
 
 MOST_LEVERAGE = 1 - 1e-4
 """Leverage of a site up to which the other sites of its patch determine the polynomial."""
@@ -173,6 +175,28 @@ class PatchSystems:
         """Gradients (p, v, d) at points x (p, d)."""
         return np.einsum("psd,psv->pvd", self.basis_gradient(patch, x), coefficients[patch])
 
+    def second_derivatives(
+        self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray
+    ) -> np.ndarray:
+        """Second derivatives (d (d + 1)/2, p, v) at points x (p, d), in the order of a jet."""
+        k, d = self.sites.shape[1], x.shape[1]
+        unit = self._unit(patch)[:, None]
+        y = self._from_sites(patch, x) * unit
+        self._refuse_sites(np.einsum("apk,apk->pk", y, y), 2)
+        of_kernels = second_derivatives(self.problem.kernel, list(y))
+        of_basis = monomial_hessians(self._offsets(patch, x), self.degree)
+        lam, c = coefficients[patch, :k], coefficients[patch, k:]
+        return np.stack(
+            [
+                (
+                    np.einsum("pk,pkv->pv", entry * unit**2, lam)
+                    + np.einsum("pq,pqv->pv", of_basis[..., i, j], c)
+                )
+                / self.radius[patch, None] ** 2
+                for entry, (i, j) in zip(of_kernels, upper_pairs(d), strict=True)
+            ]
+        )
+
     def of_data(self, patch: np.ndarray, terms: np.ndarray) -> np.ndarray:
         """Sums t^T c of coefficients, t (p, k + q), as weights (p, k) of their data.
 
@@ -214,15 +238,21 @@ class PatchSystems:
         k, unit = self.sites.shape[1], self._unit(patch)[:, None]
         y = self._from_sites(patch, x)
         squared = np.einsum("apk,apk->pk", y, y) * unit**2
-        if not self.problem.kernel.differentiable and (squared == 0).any():
-            raise ValueError(
-                f"{self.problem.kernel!r} has no gradient at a site, and some of the queries are "
-                "sites"
-            )
+        self._refuse_sites(squared, 1)
         slope = self.problem.kernel.slope_of_squared(squared) * unit**2
         g[:, :k] = np.moveaxis(slope * y, 0, 2)
         g[:, k:] = monomial_gradients(self._offsets(patch, x), self.degree)
         return g / self.radius[patch, None, None]
+
+    def _refuse_sites(self, squared: np.ndarray, order: int) -> None:
+        """Refuse points at distances of zero, where the kernel has no derivatives of the order."""
+        kernel = self.problem.kernel
+        smooth = kernel.differentiable if order == 1 else smoothness(kernel) >= order
+        if not smooth and (squared == 0).any():
+            what = "gradient" if order == 1 else "second derivatives"
+            raise ValueError(
+                f"{kernel!r} has no {what} at a site, and some of the queries are sites"
+            )
 
     def least_degree(self) -> int:
         """Highest degree up to which every patch reproduces all polynomials."""
